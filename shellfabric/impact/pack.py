@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import ceil, inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +19,7 @@ from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.snapshots import Snapshot
+from shellfabric.panel import boundary
 from shellfabric.panel.solver import PLY_SAMPLES
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PackSolver
@@ -26,6 +29,9 @@ from shellfabric.sliding_plies.solver import pack_of, slip_summaries, solver_of
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
+
+ELEMENTS, NEAR = 2, 10  # per crossover about the impact point, and to how many crossovers from it at least
+_SMALL = 11  # samples a side of a cell's table that no run uses
 
 
 @dataclass(frozen=True)
@@ -49,6 +55,29 @@ class PackSetup:
     contact: PlyContact = field(default_factory=PlyContact)
     friction: float = 0.0
 
+    @cached_property
+    def meshed_ply(self) -> ImpactSetup:
+        """The first ply with the mesh that is used: the given one, or the default of packs.
+
+        That has two elements per crossover, more for a small projectile, as far as anything can come under it, then
+        elements of one crossover to twice that distance, and of two beyond. One element per crossover overestimates the
+        first wave in the rear plies (docs/theory.md). Panels with friction clamps, which cannot be graded, have the
+        short elements everywhere; sliding crossovers have one element per crossover.
+
+        Raises
+        ------
+        InputError : as ImpactSetup.panel
+        """
+        ply = self.ply
+        if self.plies == 1 or not (ply.grading is None and ply.elements_per_crossover is None) or ply.crossovers:
+            return ply
+        sides = max(ELEMENTS, ply.resolved_elements_per_crossover)
+        panel = replace(ply, elements_per_crossover=1, table_size=_SMALL).panel()  # for its reach
+        if any(isinstance(side, boundary.Grip) for pair in boundary.sides(ply.edge) for side in pair):
+            return replace(ply, elements_per_crossover=sides)
+        near = max(NEAR, *(ceil(far / side) + 1 for far, side in zip(panel.reach(), panel.spacing)))
+        return replace(ply, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
+
     def pack(self, table: CellTable | None = None) -> Pack:
         """The pack that this set-up describes, with its own table of the first ply's cell or one that a like set-up has
         filled.
@@ -57,7 +86,7 @@ class PackSetup:
         ------
         InputError : as ImpactSetup.panel and Pack.stacked
         """
-        panel = self.ply.panel(table)
+        panel = self.meshed_ply.panel(table)
         return pack_of(
             panel, self.plies, stacking=self.stacking, gap=self.gap, contact=self.contact, friction=self.friction
         )

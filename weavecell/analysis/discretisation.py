@@ -34,7 +34,7 @@ from shellfabric.cell.model import CellTable
 from shellfabric.impact.pack import PackResult, PackSetup
 from shellfabric.impact.single_ply import ImpactResult, ImpactSetup
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import ply_of, with_ply
+from weavecell.analysis.fidelity.ladder import meshed, ply_of, with_ply
 
 RATIO, ORDER, SAFETY = 2, 2.0, 3.0
 REACH = 10.0  # [crossovers] from the impact point up to which elements are halved, at least
@@ -106,7 +106,7 @@ def finer(setup: ImpactSetup | PackSetup, table: CellTable) -> ImpactSetup | Pac
     InputError : the finer mesh would have more than MOST_ELEMENTS elements along a crossover
     """
     setup = with_ply(setup, snapshot_interval=None, history=None)
-    ply = ply_of(setup)
+    ply = meshed(setup)
     if ply.grading is not None:
         (until, side), *rest = ply.grading
         side = Fraction(side).limit_denominator(MOST_ELEMENTS) / RATIO
@@ -141,7 +141,7 @@ def _can_be_meshed(ply: ImpactSetup, table: CellTable) -> bool:
 
 def in_words(setup: ImpactSetup | PackSetup) -> str:
     """The mesh of a set-up."""
-    ply = ply_of(setup)
+    ply = meshed(setup)
     if ply.grading is None:
         count = ply.resolved_elements_per_crossover
         return f"{count} element{'s' * (count > 1)} per crossover"
@@ -184,7 +184,7 @@ def run_pair(
 def compare(result: ImpactResult | PackResult, refined: ImpactResult | PackResult) -> Discretisation:
     """The pair of results, ImpactResult or PackResult, of the scene's mesh and the finer one."""
     values, others = quantities.of(result), quantities.of(refined)
-    ply = ply_of(result.setup)
+    ply = meshed(result.setup)
     energy = result.strike_energy
     rows = [("residual velocity", "m/s", ply.strike_velocity, "residual_velocity", None),
             ("absorbed energy", "J", energy, "absorbed_energy", None),

@@ -83,6 +83,11 @@ def ply_of(setup: Setup) -> ImpactSetup:
     return setup.ply if isinstance(setup, PackSetup) else setup
 
 
+def meshed(setup: Setup) -> ImpactSetup:
+    """The set-up of one ply with the mesh that is used, which a pack has a default of its own for."""
+    return setup.meshed_ply if isinstance(setup, PackSetup) else setup
+
+
 def plies_of(setup: Setup) -> int:
     """Number of plies."""
     return setup.plies if isinstance(setup, PackSetup) else 1

@@ -19,12 +19,16 @@ def section(record: BaseRecord, setup: ImpactSetup) -> Section:
     ----------
     setup : of the (first) ply, as it was run
     """
-    n, weave = setup.resolved_elements_per_crossover, setup.fabric.weave
-    sides = " x ".join(f"{2e3 * w / n:.2f}" for w in weave.w)
+    weave = setup.fabric.weave
+    side = 1 / setup.resolved_elements_per_crossover if setup.grading is None else setup.grading[0][1]  # [crossovers]
+    sides = " x ".join(f"{2e3 * w * side:.2f}" for w in weave.w)
     rows = [
-        ("elements per crossover, along each side", f"{n}" if setup.grading is None else f"{n}, graded outwards"),
+        (
+            "elements per crossover, along each side",
+            f"{1 / side:.3g}" + ("" if setup.grading is None else " about the impact point, fewer outside"),
+        ),
         ("smallest element [mm]", sides),
-        ("projectile radius / longest side of it", f"{setup.projectile.radius * n / (2 * max(weave.w)):.2g}"),
+        ("projectile radius / longest side of it", f"{setup.projectile.radius / (2 * max(weave.w) * side):.2g}"),
         ("elements of the modelled part", f"{record.elements}"),
         ("modelled part of the panel", setup.symmetry),
         ("time steps", f"{record.steps} of {1e9 * record.time[-1] / max(1, record.steps):.3g} ns"),

@@ -37,7 +37,7 @@ def sections(
     """
     from weavecell.analysis.fidelity import ladder
 
-    ply, places = ladder.ply_of(setup), this.scene.history.report_positions if this.scene.history else ()
+    ply, places = ladder.meshed(setup), this.scene.history.report_positions if this.scene.history else ()
     found = [chapters_shot.chapter([record]), chapters_mesh.section(record, ply)]
     if chosen is not None:
         found.append(chosen)
@@ -91,7 +91,7 @@ def page(
             checks.section(record.checks),
             chapters.sources(this.fabric),
             chapters.making(
-                stamp, {"time integration": record.wall_time}, tables_shot.cost([record], ladder.ply_of(setup))
+                stamp, {"time integration": record.wall_time}, tables_shot.cost([record], ladder.meshed(setup))
             ),
         ),
         f"weavecell {weavecell.__version__}, {stamp['date']}",
