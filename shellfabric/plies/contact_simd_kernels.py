@@ -70,22 +70,14 @@ def contact_points8(front, fc, rear, rc, pair, q, count, nearer, now, due):
     and planes of symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than
     motion may have made it.
 
-    due : the points to be looked at, as bits. Returns (those that are left for `contact_point`, energy in the springs
-    of the others).
+    due : points to be looked at, as bits. Returns (those left for `contact_point`, spring energy of the others).
     """
     (i, j, m, n), w_front, start = front_weights8(fc, pair, q)
-    k, own = i * fc.row_stride + j, movemask(head_mask(count))
-    # the nodes that shape the front ply's surface, too, lie within its edges
-    own &= movemask(greater(fc.nj - n - 1.5, load(pair.lane_index, 0)))
-    if m < 0 or m + 2 > fc.ni or m * fc.row_stride + n < 0:
-        return due, 0.0
-    own &= ~1 if n < 0 else -1
+    k, own = i * fc.row_stride + j, inner_points8(fc, pair, m, n, count)
     held = own & movemask(equal_bytes(pair.status, q, IN_CONTACT))
     fit = (own & movemask(equal_bytes(pair.status, q, CLEAR)) | held) & movemask(equal_bytes(front.element_flag, k, 0))
-    A, B = (
-        load(pair.closest_point[0], q) + load(pair.cp_rate[0], q),
-        load(pair.closest_point[1], q) + load(pair.cp_rate[1], q),
-    )
+    A = load(pair.closest_point[0], q) + load(pair.cp_rate[0], q)
+    B = load(pair.closest_point[1], q) + load(pair.cp_rate[1], q)
     rank, fit = load(pair.lane_index, 0), intact8(rear, rc, pair, q, i * fc.nj + j, count, fit)
     I, J = floor(minimum(maximum(A + 0.5, 1.0), rc.ni - 1.0)), floor(minimum(maximum(B + 0.5, 1.0), rc.nj - 1.0))
     r, t = A - I, B - J
@@ -119,9 +111,7 @@ def contact_points8(front, fc, rear, rc, pair, q, count, nearer, now, due):
         rear, rc, K, (row, column), weights, off, tangents, square, near, pressed, tall
     )
     done = clear | pressed
-    later = now + 1.0 + minimum(floor(depth * (-1.0 / nearer)), float(MAX_STEPS_SKIPPED))
-    now_or_before = where(mask_from_bits(inside), now, load(pair.recheck_step, q))
-    masked_store(pair.recheck_step, q, where(mask_from_bits(clear), later, now_or_before), count)
+    recheck_later8(pair, q, count, (clear, inside), depth, nearer, now)
     changed = pressed | (held & clear) != 0
     move_closest_points8(rc, pair, q, count, (A, B), (go, turn), done, pressed & held & sure, changed)
     for lane in range(count if changed else 0):
@@ -134,6 +124,24 @@ def contact_points8(front, fc, rear, rc, pair, q, count, nearer, now, due):
             front, fc, rear, rc, pair, q, at, count, (pressed, held), depth, normal, (w_front, wa, wb, tall)
         )  # fmt: skip
     return (due & ~done) | (inside & ~pressed), energy
+
+
+@kernel(_nrt=False, forceinline=True)
+def inner_points8(fc, pair, m, n, count):
+    """Those of eight points, as bits, whose three by three nodes lie within the front ply's edges, those of the first
+    from node (m, n) on."""
+    own = movemask(head_mask(count)) & movemask(greater(fc.nj - n - 1.5, load(pair.lane_index, 0)))
+    own &= ~1 if n < 0 else -1
+    return own if m >= 0 and m + 2 <= fc.ni and m * fc.row_stride + n >= 0 else own & 0
+
+
+@kernel(_nrt=False, forceinline=True)
+def recheck_later8(pair, q, count, bits, depth, nearer, now):
+    """Set from which step on eight points are to be looked at: those that are (clear, inside), as bits."""
+    clear, inside = bits
+    later = now + 1.0 + minimum(floor(depth * (-1.0 / nearer)), float(MAX_STEPS_SKIPPED))
+    now_or_before = where(mask_from_bits(inside), now, load(pair.recheck_step, q))
+    masked_store(pair.recheck_step, q, where(mask_from_bits(clear), later, now_or_before), count)
 
 
 @kernel(_nrt=False, forceinline=True)

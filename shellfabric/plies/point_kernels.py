@@ -224,7 +224,7 @@ def contact_point(front, fc, rear, rc, pair, q, often):
     (x, y, z), i, j, k, w_front = front_point(front, fc, pair, a, b)
     x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
     at_x, at_y, at_z = x - rc.x0, y - rc.y0, z - pair.rest_distance  # from the first node of the rear ply at rest
-    smooth = pair.surface_form == SMOOTH
+    smooth, touches = pair.surface_form == SMOOTH, pair.status[q] == IN_CONTACT
     low = -0.5 if smooth else 0.0
     low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
     before = pair.closest_point[0][q], pair.closest_point[1][q]
@@ -234,7 +234,6 @@ def contact_point(front, fc, rear, rc, pair, q, often):
     form = pair.surface_form if whole else FACETS
     I, J, K, w_rear, slopes, (X, Y, Z), tangents = rear_surface(rear, rc, form, A, B)
     off = at_x - X - A * rc.dx, at_y - Y - B * rc.dy, at_z - Z  # from the closest point
-    touches = pair.status[q] == IN_CONTACT
     n, size, depth, known, slant, near, far = contact_normal(rc, pair, q, off, tangents, whole)
     go, turn, sure = closest_point_step(
         rear, rc, form, (A, B, I, J), K, w_rear, slopes, off, tangents, size, depth, near
