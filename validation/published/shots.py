@@ -141,7 +141,7 @@ def pack_shots(results: Callable[..., dict[str, Any]]) -> list[dict[str, str]]:
     for fabric, plies, velocity, published, found in packs.outcomes(results):
         rows.append({
             "kind": PACK, "fabric": fabric, "plies": f"{plies}", "strike velocity [m/s]": f"{velocity:g}",
-            "elements per crossover": "1", "projectile": "rigid", "thesis": published.split()[0],
+            "elements per crossover": "2 about the impact point", "projectile": "rigid", "thesis": published.split()[0],
             "computed": WORDS[found["outcome"]], "time [us]": f"{1e6 * found['time']:.0f}",
             "residual velocity [m/s]": f"{found['residual_velocity']:.1f}",
             "failed yarn segments": f"{sum(found['failed']):g}",

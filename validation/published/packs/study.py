@@ -21,6 +21,8 @@ import numpy as np
 from fabrics import catalogue, run_cache
 from fabrics.errors import UnstableError
 from shellfabric.cell.model import CellModel
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies import torn_contact_kernels
 from shellfabric.plies.model import Pack, PlyContact
@@ -86,7 +88,7 @@ class Case:
     fabric, plies, velocity, stacking, gap : [-, -, m/s, -, m]; the fabric's own gap where None
     form, points, stiffness, damping, courant : of the pack's contact (`PlyContact`); None as they stand
     cfl : of the time step; None as it stands
-    elements : along each side of a crossover
+    elements : along each side of a crossover everywhere; None for the default mesh of packs
     friction : [-] Coulomb's coefficient between plies
     end_time : [s]
     until_failure : whether the shot is given up when the first yarn fails
@@ -103,7 +105,7 @@ class Case:
     damping: float | None = None
     courant: float | None = None
     cfl: float | None = None
-    elements: int = 1
+    elements: int | None = None
     friction: float = 0.0
     end_time: float = _END
     until_failure: bool = False
@@ -114,10 +116,14 @@ class _Failed(Exception):
 
 
 @cache
-def panel(fabric: str, cfl: float | None = None, elements: int = 1) -> Panel:
-    """The 203 mm panel of one fabric."""
-    knobs: dict[str, Any] = {} if cfl is None else {"cfl": cfl}
-    return Panel(_table(fabric), numerics=Numerics(threads=1, **knobs), elements_per_crossover=elements)
+def panel(fabric: str, cfl: float | None = None, elements: int | None = None) -> Panel:
+    """A ply of the 203 mm panel of one fabric, as packs have it."""
+    changes: dict[str, Any] = {} if cfl is None else {"cfl": cfl}
+    table = _table(fabric)
+    ply = ImpactSetup(
+        table.model.fabric, 100.0, numerics=Numerics(threads=1, **changes), elements_per_crossover=elements
+    )
+    return PackSetup(ply, 2).meshed_ply.panel(table)
 
 
 @cache
