@@ -37,7 +37,7 @@ from fabrics.units import si
 
 TESTED = 4  # plies of the packs that the thesis takes the contact of plies from (section 5.2.2)
 _TABLE = ("closure", "pressure", "source", "status")
-_UNITS = {"closure": "m", "pressure": "Pa"}
+UNITS = {"closure": "m", "pressure": "Pa"}
 STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")  # of the data of a fabric
 
 _SOLID_TRAVEL = 1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway
@@ -148,7 +148,7 @@ class PlyLaw:
         path = Path(path)
         if path.suffix == ".csv":
             columns = read_columns(
-                path, _UNITS, what="a contact law of plies", content="a contact law of plies: closure and pressure",
+                path, UNITS, what="a contact law of plies", content="a contact law of plies: closure and pressure",
                 heading="closure or pressure with its unit, such as closure [um]",
                 accepts=lambda names: sorted(names) == ["closure", "pressure"], columns="closure, pressure",
             )  # fmt: skip
@@ -182,7 +182,7 @@ class PlyLaw:
         if set(table) == {"file"}:
             return cls.read(Path(file).parent / str(table["file"]), fabric)
         columns = {}
-        for key, unit in _UNITS.items():
+        for key, unit in UNITS.items():
             texts = table.get(key)
             name = f"ply_contact.{key}"
             if not isinstance(texts, list):

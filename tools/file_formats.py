@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from fabrics import catalogue, surface  # noqa: E402
+from fabrics import catalogue, ply_law, surface  # noqa: E402
 from weavecell.report.marked_page import markdown, put  # noqa: E402
 
 MEANINGS = {
@@ -30,7 +30,7 @@ MEANINGS = {
     "top.thickness": "optional: of the data sheet; crimp that is missing is computed from it",
     "top.areal_density": "optional: of the data sheet; checked against counts, linear densities and crimp",
     "top.areal_density_measured": "optional: of Kevlar 129, for the pressure law of thesis eq. 2-6",
-    "top.interlayer_gap": "optional: clearance between the plies of a pack",
+    "top.interlayer_gap": "optional: what neighbouring plies of a pack close in a test up to 19.4 MPa",
     "crimp": "length of the yarn over length of the fabric, minus one; optional where thickness is given",
     "count": "yarns per width of fabric",
     "width": "optional: width of the yarn in the fabric",
@@ -46,6 +46,8 @@ MEANINGS = {
     "K_G": "solid law: shear modulus over E_c / 2 (eq. 3-16)",
     "V_c": "solid law: fibre volume fraction at which the yarn is packed",
     "Vf0": "solid law: fibre volume fraction at rest",
+    "closure": "contact law of plies: thickness lost, a list of texts with units that begins at 0 and rises",
+    "pressure": "contact law of plies: at each closure, a list of texts with units that begins at 0 and rises",
     "thickness": "section of the yarn in a micrograph",
     "crossing_thickness": "thickness of the yarn at a crossover",
     "total_thickness": "thickness of the fabric at a crossover",
@@ -82,6 +84,7 @@ def fabric_file() -> list[list[str]]:
         "`[compression]`, or `[compression.warp]` and `[compression.weft]`": catalogue._LAW,
         "`[shear]`": catalogue._SHEAR,
         "`[solid]`, or `[solid.warp]` and `[solid.weft]`": catalogue._SOLID,
+        "`[ply_contact]`, or its `file`": ply_law.UNITS,
         "`[micrograph.warp]`, `[micrograph.weft]`": catalogue._MICROGRAPH,
     }
     for table, keys in tables.items():
