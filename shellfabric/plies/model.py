@@ -31,8 +31,8 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
-from shellfabric.plies import friction, step_kernels, torn_contact
-from shellfabric.plies.arrays import Pair, Stack, TornContact
+from shellfabric.plies import friction, step_kernels
+from shellfabric.plies.arrays import Pair, Stack, TornContact, torn_contact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.grading import area_factors
@@ -245,7 +245,7 @@ class Pack:
     def stops(self, consts: Sequence[Constants], states: Sequence[State]) -> TornContact:
         """What keeps torn cloth apart, at rest."""
         thicknesses = [ply.weave.thickness for ply in self.plies]
-        return torn_contact.at_rest(consts, states, self.places, thicknesses, self.time_step)
+        return torn_contact(consts, states, self.places, thicknesses, self.time_step)
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
