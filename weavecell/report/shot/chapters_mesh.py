@@ -46,9 +46,9 @@ def expected(record: BaseRecord, setup: ImpactSetup) -> tuple[str, tuple[tuple[s
     further = (
         "The option --uncertainty of weavecell impact computes the uncertainty of this very shot from a second mesh."
     )
-    plies = len(record.thickness)
-    known = error_database.load(packs=plies > 1)
-    finest = ladder.PACK_FULL if plies > 1 else ladder.FULL
+    if len(record.thickness) > 1:
+        return f"No survey of mesh errors holds for packs with the present contact of plies. {further}", ()
+    known, finest = error_database.load(packs=False), ladder.FULL
     n = setup.resolved_elements_per_crossover
     name = f"{n} element{'s' if n > 1 else ''}"
     name = finest if finest.startswith(f"{name},") else name
@@ -59,7 +59,7 @@ def expected(record: BaseRecord, setup: ImpactSetup) -> tuple[str, tuple[tuple[s
     kind = "perforated" if regime == quantities.THROUGH else "stopped"
     lead = (
         f"From a survey of {min(scenes for scenes, *_ in errors.values())} {kind} shots on "
-        f"{'packs' if plies > 1 else 'one ply'} of other fabrics, projectiles and velocities ({known.made['date']}, "
+        f"one ply of other fabrics, projectiles and velocities ({known.made['date']}, "
         f"docs/fidelity.md): four of five differed by less than this from the finest mesh, {finest.split(',')[0]} per "
         "crossover along each side. Near the critical velocity the outcome itself depends on the mesh. "
     )
