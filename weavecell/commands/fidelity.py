@@ -232,10 +232,16 @@ def summary(choice: Answer | None) -> dict[str, Any]:
     }
 
 
-PACKS = (
-    "the survey of packs was computed with an earlier contact between plies: errors that it estimates do not hold for the "
-    "present one; --uncertainty compares with a finer mesh"
-)
+def _stale(choice):
+    """What is to be said of estimates for a pack, "" of one ply."""
+    from weavecell.analysis.fidelity import ladder
+
+    if ladder.plies_of(choice.final.option.setup) == 1:
+        return ""
+    return (
+        "The survey of packs was computed with an earlier contact between plies: errors that it estimates do not hold "
+        "for the present one; --uncertainty compares with a finer mesh."
+    )
 
 
 def tell(choice: Answer) -> None:
@@ -243,8 +249,8 @@ def tell(choice: Answer) -> None:
     final = choice.final
     found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
     print(f"accuracy {_verdict(choice)}: {final.option.model.name}, {_symmetry(final.option)} panel; errors {found}")
-    if ladder.plies_of(final.option.setup) > 1:
-        print(PACKS)
+    if _stale(choice):
+        print(_stale(choice))
     if "peak_tension" in choice.targets and choice.regime == "held" and final.against:
         warp, weft = final.values["peak_tension"]
         print(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
@@ -286,7 +292,7 @@ def chapter(choice: Answer) -> Section:
         "The model that was chosen",
         f"The targets of the scene are {wanted}. Accuracy {_verdict(choice)}; {final.option.model.name}, "
         f"{_symmetry(final.option)} panel; {choice.body}."
-        + (f" {PACKS}." if ladder.plies_of(final.option.setup) > 1 else ""),
+        f" {_stale(choice)}".rstrip(),
         (),
         (
             Table(("model", "held against", *names, "within"), rows, "Errors that the answers stay below"),
