@@ -43,7 +43,7 @@ def crimps(
     ----------
     w : (w1, w2) [m] half cell lengths along warp and weft
     thickness : [m] 2 (h1 + h2)
-    known : crimps that are given; where one of two is, the other yarn has what is left of the thickness
+    known : crimps that are given; where one of two is, the other yarn has the rest of the thickness
     share : height of the warp over the sum of both, where neither is given; None takes that of `data_sheet.toml`
 
     Raises

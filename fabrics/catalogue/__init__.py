@@ -103,7 +103,7 @@ class _Reader:
     def __init__(self, path, text=None):
         self.path, self.sources, self.problems, self.notes = path, {}, [], []
         self.strengths = {}  # {what is to be said of a strength: [families]}
-        self.meant = set()  # keys that a mistyped one is taken for: that these are missing is not told again
+        self.meant = set()  # keys that a mistyped one is taken for: that these are missing is not reported again
         try:
             self.content = tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
         except OSError as problem:

@@ -213,7 +213,7 @@ def anchored(scene: Any, folder: Path) -> Any:
 def _problems(found, model, file):
     """An InputError for each key of a pydantic ValidationError; unknown keys go first.
 
-    A mistyped key leaves the right one missing, which is not told again.
+    A mistyped key leaves the right one missing, which is not reported again.
     """
     problems: dict[str, InputError] = {}
     meant = set()
@@ -224,14 +224,14 @@ def _problems(found, model, file):
             near = difflib.get_close_matches(names[-1], table.model_fields, n=1, cutoff=0.75)
             meant |= {".".join((*names[:-1], *near))} if near else set()
             hint = f', did you mean "{near[0]}"?' if near else ";"
-            told = InputError(f"unknown key{hint} allowed here: {', '.join(table.model_fields)}", file=file, key=key)
+            line = InputError(f"unknown key{hint} allowed here: {', '.join(table.model_fields)}", file=file, key=key)
         elif error["type"] == "missing" and key in meant:
             continue
         elif error["type"] == "missing":
-            told = InputError("is missing", file=file, key=key, allowed=field.description)
+            line = InputError("is missing", file=file, key=key, allowed=field.description)
         else:
-            told = InputError(file=file, key=key, value=error["input"], allowed=field.description)
-        problems.setdefault(key, told)
+            line = InputError(file=file, key=key, value=error["input"], allowed=field.description)
+        problems.setdefault(key, line)
     return list(problems.values())
 
 
