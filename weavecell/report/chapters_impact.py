@@ -39,7 +39,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
              "transverse one (red: the foot of the pyramid); the lines are fitted.", (through, waves)),
             ("profiles", "Deflection along the yarns nearest the impact point.", (through,)),
         ]  # fmt: skip
-    drawn.append(("edges", "Force of the cloth on the edges of the whole panel.", (recorded.edges,)))
+    drawn.append(("edges", "Force of the fabric on the edges of the whole panel.", (recorded.edges,)))
     figures = tuple(
         Figure(pictures.render(getattr(pictures_histories, name), t, *arguments), "svg", caption, name + of_ply)
         for name, caption, arguments in drawn

@@ -66,7 +66,7 @@ def panel(
     reach : [m] half the width of a close-up of the impact point; the whole panel if not given
     camera : Camera of a view of its own, in mm, in place of these two; nothing is cropped
     top_share : [-] at which the colours of tension end
-    open_quarter : whether the quarter of the cloth in front of the projectile is left out
+    open_quarter : whether the quarter of the fabric in front of the projectile is left out
 
     Returns
     -------

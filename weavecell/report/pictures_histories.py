@@ -100,7 +100,7 @@ def profiles(pyplot: Any, t: np.ndarray, yarns: Any) -> Any:
 
 
 def edges(pyplot: Any, t: np.ndarray, sides: Mapping[str, np.ndarray]) -> Any:
-    """Force of the cloth on the edges through time: the pull inwards, and the lift along the flight.
+    """Force of the fabric on the edges through time: the pull inwards, and the lift along the flight.
 
     Parameters
     ----------

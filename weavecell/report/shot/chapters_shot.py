@@ -93,10 +93,10 @@ def _histories(records):
 
 
 def _cuts(records):
-    """Cuts through the cloth."""
+    """Cuts through the fabric."""
     caption = (
-        "The cloth cut open along x through the impact point, with the projectile (grey). Left: the whole width, "
-        "heights stretched. Right: to scale, the cloth as thick as it is; gaps are failed yarns."
+        "The fabric cut open along x through the impact point, with the projectile (grey). Left: the whole width, "
+        "heights stretched. Right: to scale, the fabric as thick as it is; gaps are failed yarns."
     )
     if _several_plies(records):
         caption += " Plies are dark at the front and light at the rear."

@@ -1,4 +1,4 @@
-"""Plots of one impact, on one ply or on a pack: histories, cuts through the cloth, and where the energy is."""
+"""Plots of one impact, on one ply or on a pack: histories, cuts through the fabric, and where the energy is."""
 
 from __future__ import annotations
 
