@@ -238,7 +238,8 @@ def in_file(problem: InputError, file: FilePath | None) -> InputError:
     if problem.file is not None:
         return problem
     tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run", "cfl": "numerics"}
-    tables |= dict.fromkeys(("opening", "symmetry", "weave_angle", "grading", "crossovers"), "panel")
+    in_panel = ("opening", "symmetry", "weave_angle", "grading", "crossovers", "yarn_failure")
+    tables |= dict.fromkeys(in_panel, "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
     tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
