@@ -195,6 +195,7 @@ def draws(
     Parameters
     ----------
     setup : of `setup`; its symmetry and what it records are not used
+    count : number of draws, at least 2
     shape : Weibull shape of the strengths; None takes that of weavecell/analysis/uncertainty/inputs.toml
     seed : of all that is drawn
     folder : where finished draws are kept and taken from; None keeps none

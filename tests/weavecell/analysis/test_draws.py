@@ -65,7 +65,7 @@ def test_statistics_are_those_of_textbooks():
 
 def test_every_yarn_of_every_ply_is_drawn(setup):
     """Ply p of draw k has the strengths of number k N + p: no two are alike, and none depends on the others."""
-    pack = PackSetup(replace(setup, symmetry="whole"), 2, "alternating", 1e-4).pack()
+    pack = PackSetup(replace(setup, symmetry="whole", elements_per_crossover=1), 2, "alternating", 1e-4).pack()
     scatter = inputs.published()
     (first, weakest), (second, _) = (draws.drawn(ply, scatter, 7, 2 * 3 + p) for p, ply in enumerate(pack.plies))
     shape = pack.plies[0]

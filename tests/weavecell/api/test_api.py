@@ -109,7 +109,10 @@ def test_one_law_serves_both_families(tmp_path):
             'edge_radius = 0.0001: is no keyword, did you mean projectile={"edge_',
         ),
         ({"velocity": 90.0, "projectile": {"mass": 1e-3, "diameter": 5e-3}}, "projectile.edge_radius: is missing"),
-        ({"velocity": 90.0, "projectile": {"calibre": 1}}, "projectile.calibre: unknown key"),
+        (
+            {"velocity": 90.0, "projectile": {"mass": 1e-3, "diameter": 5e-3, "edge_radius": 3e-4, "calibre": 1}},
+            "projectile.calibre: unknown key",
+        ),
         ({"velocity": 90.0, "opening": (1, 2, 3)}, "opening = "),
         ({"velocity": 90.0, "ply_gap": 1e-4}, "ply_gap = '0.0001 m': must be left out for a single ply"),
         ({"velocity": 90.0, "law": (1,)}, "law = (1,): must be a CompressionLaw"),
@@ -138,7 +141,7 @@ def test_keywords_are_the_keys_of_the_input_file():
         assert wanted - {"text", "inline", "pair"} == given, name
 
 
-_TYPES = dict.fromkeys(("Law", "ResponseSurface", "CompressionLaw", "CalibrationResult"), object)
+_TYPES = dict.fromkeys(("Law", "PlyLaw", "ResponseSurface", "CompressionLaw", "CalibrationResult"), object)
 
 
 def _choices(kind):

@@ -10,7 +10,7 @@ from weavecell.cli import app
 BROKEN = Path(__file__).parent / "broken"
 FABRICS = "S-720, S-726, S-727, S-728, S-731, S-745, glass-balanced, glass-unbalanced"
 FABRIC_KEYS = "name, section, interlayer_gap, areal_density, areal_density_measured, thickness, "
-FABRIC_KEYS += "warp, weft, compression, shear, solid, micrograph"
+FABRIC_KEYS += "warp, weft, compression, shear, ply_contact, solid, micrograph"
 LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
 SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '

@@ -74,12 +74,13 @@ def test_rejected(capsys, tmp_path, name):
 
 
 @pytest.mark.parametrize(
-    ("command", "table", "told"),
+    ("command", "table", "told", "lines"),
     [
-        ("coupon", SHOT, "run.end_time: unknown key"),
-        ("impact", STRIP, "run.steps: unknown key"),
-        ("critical-velocity", STRIP, "run.steps: unknown key"),
+        ("coupon", SHOT, "run.end_time: unknown key", 5),
+        ("impact", STRIP, "run.steps: unknown key", 6),
+        ("critical-velocity", STRIP, "run.steps: unknown key", 6),
     ],
 )
-def test_a_scene_of_another_kind_is_rejected(capsys, tmp_path, command, table, told):
-    rejected(capsys, tmp_path, (command, written(tmp_path, table), "--out", tmp_path / "r"), told)
+def test_a_scene_of_another_kind_is_rejected(capsys, tmp_path, command, table, told, lines):
+    """Every key that is wrong or missing has its line."""
+    rejected(capsys, tmp_path, (command, written(tmp_path, table), "--out", tmp_path / "r"), told, lines=lines)

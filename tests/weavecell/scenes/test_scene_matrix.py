@@ -253,13 +253,14 @@ def scene_of(command, changes):
     return merged(merged(copy.deepcopy(SHOT), added), changes)
 
 
-def rejected(capsys, folder, words, told):
-    """One line, exit code 2, and nothing written."""
+def rejected(capsys, folder, words, told, *, lines=1):
+    """One line, or a number of `lines` of which `told` is the first, exit code 2, and nothing written."""
     before = sorted(folder.rglob("*"))
     code, out, err = call(capsys, *words)
     assert code == 2
     assert out == ""
-    assert len(err.splitlines()) == 1
+    assert len(err.splitlines()) == lines
+    assert all(line.startswith(f"error: {folder / 'scene.toml'}: ") for line in err.splitlines())
     assert err.startswith(f"error: {folder / 'scene.toml'}: {told}")
     assert sorted(folder.rglob("*")) == before
 
