@@ -214,9 +214,10 @@ def test_a_pack(tmp_path):
 def test_assumed_laws_are_named_and_ranged():
     found = wc.shoot(MINE, 90.0, law=CompressionLaw(4e-5, 5e-5, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5))),
                      assumed_range=True, **SMALL)  # fmt: skip
-    assert found.assumed[0].startswith("assumed: [shear] of para-aramid yarns")
-    assert len(found.range.rows) == 5
-    assert found.range.tables == ("the trellis law", "the solid law")
+    assert found.assumed[0].startswith("assumed: crimp 1.57 / 0.55 % of warp / weft")
+    assert found.assumed[1].startswith("assumed: [shear] of para-aramid yarns")
+    assert len(found.range.rows) == 9  # as it is, and two ends each of two laws, the thickness and the warp's share
+    assert found.range.tables == ("the trellis law", "the solid law", "the crimp")
     assert found.range.low <= found.residual_velocity <= found.range.high
     assert found.range.low < found.range.high
     assert "assumed_range" in found.summary()
