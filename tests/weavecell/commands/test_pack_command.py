@@ -148,7 +148,7 @@ def test_bad_packs_are_told_in_one_line(command, scene, tmp_path, panel, extra, 
 def test_a_graded_pack_has_all_records(command, scene, tmp_path):
     """Shapes, cuts and histories of every ply, as without grading; fewer elements, and the shot is much the same."""
     records, history = [], '[history]\ninterval = "2 us"\nwarp = ["0 mm", "5 mm"]\n'
-    for name, more in (("plain", ""), ("graded", "\ngrading = [[10, 1], [inf, 2]]")):
+    for name, more in (("plain", "\ngrading = [[inf, 1]]"), ("graded", "\ngrading = [[10, 1], [inf, 2]]")):
         path = scene(panel='ply_gap = "0.1 mm"' + more, outputs='["paraview", "pictures", "report"]', extra=history)
         code, _, err = command("impact", path, "--out", name)
         assert code == 0, err
