@@ -61,8 +61,8 @@ class PackSetup:
 
         That has two elements per crossover, more for a small projectile, as far as anything can come under it, then
         elements of one crossover to twice that distance, and of two beyond. One element per crossover overestimates the
-        first wave in the rear plies (docs/theory.md). Panels with friction clamps, which cannot be graded, have the
-        short elements everywhere; sliding crossovers have one element per crossover.
+        first wave in the rear plies (docs/theory.md). Where the projectile may leave the first zone, with edges that are not
+        clamped or an oblique shot, the short elements are everywhere; sliding crossovers have one element per crossover.
 
         Raises
         ------
@@ -73,7 +73,8 @@ class PackSetup:
             return ply
         sides = max(ELEMENTS, ply.resolved_elements_per_crossover)
         panel = replace(ply, elements_per_crossover=1, table_size=_SMALL).panel()  # for its reach
-        if any(isinstance(side, boundary.Grip) for pair in boundary.sides(ply.edge) for side in pair):
+        clamped = all(side == "clamped" for pair in boundary.sides(ply.edge) for side in pair)
+        if not clamped or ply.projectile.obliquity != 0:
             return replace(ply, elements_per_crossover=sides)
         near = max(NEAR, *(ceil(far / side) + 1 for far, side in zip(panel.reach(), panel.spacing)))
         return replace(ply, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))

@@ -148,7 +148,8 @@ class Pack:
 
         In a row of plies of the areal density A on springs K that is driven from one end at the speed w, neighbours are
         w sqrt(A / K) nearer to each other behind the compression wave, whatever their number; the damper keeps them
-        from swinging beyond that. Contact has lost if they come nearer by the thickness t. w is the strike velocity
+        from swinging beyond that. Contact has lost if they come nearer by the thickness t, of which the travel of the
+        law holds little. w is the strike velocity
         times _FASTER, as plies before a nose may outrun it, and the depth must stay out of the last AMBIGUOUS_DEPTH of
         the thickness, where sides are in question:
 
@@ -160,7 +161,8 @@ class Pack:
         """
         laws = []
         for p, law in enumerate(self.laws):
-            thin = (1.0 - AMBIGUOUS_DEPTH) * self._thickness(p)
+            whole = (1.0 - AMBIGUOUS_DEPTH) * self._thickness(p)
+            thin = max(whole - law.travel, 0.25 * whole)
             least = self._density(p) * (_FASTER * strike_velocity / thin) ** 2
             laws.append(law if law.stiffness >= least else law.scaled(least / law.stiffness))
         return self if tuple(laws) == self.laws else replace(self, laws=tuple(laws))

@@ -33,6 +33,14 @@ FIBRES = {
 }
 BODIES = (7.8, 2.7, 17.0)  # [g/cm3] steel, aluminium, tungsten alloy
 SHAPES = ("flat", "sphere", "hemisphere", "cone", "chisel")
+_SOLID = {
+    "E_a": "1 MPa",
+    "E_c": "2 GPa",
+    "K_r": 0.02,
+    "K_G": 0.001,
+    "V_c": 1.0,
+    "Vf0": 0.7,
+}  # as Kevlar 129 in the thesis
 _PACKING, _FLATNESS = 0.65, 4.5  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
 UPDATES = 1.2e7  # element updates that a scene may cost: about a second of one core for one ply
 _PACK_COST = 3.0  # of an element update in a pack, over that of a single ply
@@ -136,6 +144,7 @@ def sample_fabric(draw, name) -> dict:
         "G1": _text(locking * draw.log_uniform(1e-4, 1e-2), "MPa"), "G2": _text(locking * draw.uniform(0.05, 1), "MPa"),
         "gamma1": round(angle, 3), "gamma2": round(angle + draw.uniform(0.1, 0.6), 3),
     }  # fmt: skip
+    found["solid"] = {family: dict(_SOLID) for family in ("warp", "weft")}  # yarns of no known fibre have none assumed
     return found
 
 

@@ -7,6 +7,7 @@ from conftest_tools import bring, node_forces
 from fabrics.compression import CompressionLaw
 from fabrics.errors import UnstableError
 from fabrics.fabric import Fabric
+from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
@@ -71,7 +72,8 @@ def test_trellis_forces_are_a_gradient_wherever_cloth_is(small, stretch):
 def cloth(tex, E, rho, failure_strain, crimps, counts, law, shear=None):
     """A fabric whose warp and weft differ in linear density [tex], crimp and count [1/m]."""
     yarns = [Yarn(1e-6 * t, rho, E, failure_strain, crimp) for t, crimp in zip(tex, crimps)]
-    return Fabric("cloth", Weave(*yarns, *counts), (CompressionLaw(*law),) * 2, shear)
+    solid = SolidLaw(1e6, 2e9, 0.02, 0.001, 1.0, 0.7)
+    return Fabric("cloth", Weave(*yarns, *counts), (CompressionLaw(*law),) * 2, shear, (solid, solid))
 
 
 def test_contact_finds_cloth_that_is_drawn_in_from_a_free_edge():

@@ -60,7 +60,7 @@ def test_what_python_calls_is_kept_with_the_kernels():
 def large(small, tmp_path, monkeypatch):
     """(a kernel of a panel with an empty cache, what numba calls its arguments)."""
     found, panel = quality_kernels.sample, small()
-    numbers = types.int64, types.int64, types.boolean, types.float64, types.float64, types.float64[::1]
+    numbers = types.int64, types.int64, types.float64, types.float64, types.float64[::1]
     kinds = typeof(panel.state(1.0)), typeof(panel.constants()), *numbers
     with monkeypatch.context() as patch:
         patch.setattr(config, "CACHE_DIR", str(tmp_path))

@@ -187,7 +187,7 @@ def test_what_it_takes_is_in_the_audit(ply):
     march.samples.clear()
     march.energy_at_start = None  # a ply has been set in motion
     march._sample()
-    march.advance(np.empty((400, 3)))
+    march.advance(np.empty((2000, 3)))
     march._sample()
     taken, kinetic = stack.stops.energy[kernels.WORK], march.samples[0][PACK_SAMPLES.index("kinetic_fabric")]
     assert march.held_apart[0] > 10

@@ -130,4 +130,4 @@ def test_the_solver_follows_from_the_plies(table):
         solver_of(Pack(pack.plies, pack.gaps), 100.0, 1e-6)
     free, held = pack, replace(pack, plies=(sliding(table, mu=np.inf),) * 2)
     step = held.time_step
-    assert free._slip_constants(1.0)[0] < held._slip_constants(1.0)[0] * (step / free.time_step) ** 2
+    assert free._slip_constants(1.0, 1e5)[0] < held._slip_constants(1.0, 1e5)[0] * (step / free.time_step) ** 2
