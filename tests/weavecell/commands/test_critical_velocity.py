@@ -161,8 +161,8 @@ def test_bad_scene_and_bad_fabric_name_their_file(command, written):
     path.write_text('name = "x"\ncolour = "red"\n')
     code, _, err = command("critical-velocity", path)
     assert code == 2
-    assert err.startswith(f"error: {path}: ")
-    assert len(err.splitlines()) == 1
+    assert len(err.splitlines()) == 3  # the key, and the two yarns that are missing
+    assert all(line.startswith(f"error: {path}: ") for line in err.splitlines())
 
 
 def test_panel_without_a_limit(command, written, tmp_path, monkeypatch):
