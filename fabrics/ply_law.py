@@ -12,8 +12,9 @@ that A_d / rho_f is the thickness of a solid sheet of its fibre.
 Sources, of which `PlyLaw.of` takes the first that there is:
 
 1. the fabric's own law ([ply_contact] of its file), such as the platen curve of its 3D crossover, "computed";
-2. the pressure law of packs of the thesis, for para-aramid yarns and above its least areal density, "fitted";
-3. solid fibre alone, "assumed".
+2. solid fibre alone, "assumed".
+
+The pressure law of packs of the thesis (`of_packs`, "fitted") is used where it is named.
 """
 
 from __future__ import annotations
@@ -92,12 +93,7 @@ class PlyLaw:
         ------
         InputError : as `solid`
         """
-        if fabric.ply_contact is not None:
-            return fabric.ply_contact
-        try:
-            return cls.of_packs(fabric)
-        except InputError:
-            return cls.solid(fabric)
+        return cls.solid(fabric) if fabric.ply_contact is None else fabric.ply_contact
 
     @classmethod
     def chosen(cls, choice: PlyLaw | FilePath, fabric: Fabric) -> PlyLaw:

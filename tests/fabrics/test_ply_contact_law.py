@@ -1,4 +1,4 @@
-"""Where the contact law of plies comes from: the fabric's own, the pressure law of packs, solid fibre; and files."""
+"""Where the contact law of plies comes from: the fabric's own, solid fibre, the pressure law of packs; and files."""
 
 import json
 from dataclasses import replace
@@ -18,35 +18,27 @@ CSV = "# two plies\npressure [kPa], closure [um]\n0, 0\n100, 40\n2000, 90\n"
 
 @pytest.fixture(scope="module")
 def fabric():
-    return catalogue.load("S-728")
+    """S-728 with a law like the platen curve of its 3D crossover."""
+    plain, x = catalogue.load("S-728"), np.linspace(0.0, 1.0, 25)
+    stiffness = PlyLaw.solid(plain).stiffness
+    return replace(plain, ply_contact=PlyLaw(190.6e-6 * x, PLATEN_PRESSURE * x**3, stiffness, "platens", "computed"))
 
 
 def test_order_of_the_sources(fabric):
-    """The fabric's own law, then the pressure law of packs, then solid fibre."""
+    """The fabric's own law, then solid fibre."""
     assert (PlyLaw.of(fabric).status, PlyLaw.of(fabric)) == ("computed", fabric.ply_contact)
-    tested = replace(fabric, ply_contact=None)
-    assert PlyLaw.of(tested).status == "fitted"
-    assert PlyLaw.of(replace(tested, areal_density_measured=None)).status == "assumed"
-    assert PlyLaw.of(replace(tested, areal_density_measured=0.14)).status == "assumed"  # K'' vanishes
-    glass = replace(catalogue.load("glass-balanced"), ply_contact=None, areal_density_measured=0.3)
-    assert PlyLaw.of(glass).status == "assumed"  # the tests were of para-aramid yarns
+    assert PlyLaw.of(replace(fabric, ply_contact=None)).status == "assumed"
 
 
 @pytest.mark.parametrize("name", catalogue.list_names())
 def test_laws_of_the_catalogue(name):
-    """Each begins at the first touch, rises, and goes on as solid fibre, E_c rho_f / areal density."""
+    """Solid fibre, E_c rho_f / areal density."""
     fabric = catalogue.load(name)
-    law, solid = fabric.ply_contact, PlyLaw.solid(fabric)
-    assert law.stiffness == solid.stiffness
-    beyond = law.travel + 1e-6
-    assert law.pressure_at(beyond) == pytest.approx(law.pressure[-1] + 1e-6 * solid.stiffness)
-    assert law.pressure_at(law.travel * (1 + 1e-9)) == pytest.approx(law.pressure[-1], rel=1e-4)  # no jump
-    assert fabric.sources["ply_contact"]["status"] == "computed"
+    law = PlyLaw.of(fabric)
+    assert law == PlyLaw.solid(fabric)
+    assert law.pressure_at(1e-6) == pytest.approx(1e-6 * law.stiffness)
     if not name.startswith("glass"):  # 2 GPa, 1440 kg/m3
         assert 6e12 < law.stiffness < 1.5e13
-        assert 120e-6 < law.travel < 245e-6
-        assert law.pressure[-1] == pytest.approx(PLATEN_PRESSURE, rel=5e-3)
-        assert law.travel < fabric.weave.thickness / 2
 
 
 def test_pressure_law_of_packs_is_eq_5_4(fabric):
@@ -130,4 +122,4 @@ def test_fabric_without_transverse_modulus_is_refused(fabric):
 
 
 def test_json_is_of_plain_texts(fabric):
-    assert json.loads(json.dumps(fabric.ply_contact.table()))["closure"][1] == "7.943 um"
+    assert json.loads(json.dumps(fabric.ply_contact.table()))["closure"][1] == "7.94167 um"
