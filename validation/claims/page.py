@@ -68,19 +68,17 @@ def counts(table: Table) -> Counter[str]:
 
 
 def sentence(table: Table) -> str:
-    """The counts in words, as README has them; those of the thesis alone, then the additional ones."""
-    added = _added()
-    thesis, others = ([row for row in table if (row["id"] in added) is own] for own in (False, True))
-    n, more = counts(thesis), counts(others)
+    """The counts in words, as README has them."""
+    n, total = counts(table), len(table)
+    added = _added(table)
     decided = n[REPRODUCED] + n[MISSED]
     return (
-        f"{len(thesis)} claims of the thesis: of the {decided} that are decided, "
+        f"{total - added} claims of the thesis and {added} additional ones: of the {decided} that are decided, "
         f"{n[REPRODUCED]} are reproduced ({100 * n[REPRODUCED] / max(decided, 1):.0f} %) and {n[MISSED]} missed; "
         f"{n[judge.DATA]} compare input data or a closed form with themselves and are in no percentage; "
         f"{n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable; "
         f"{n[judge.NOT_BUILT]} not built yet; {n[judge.NOT_TESTABLE]} cannot be tested; "
-        f"{n[judge.LEFT_OUT]} slow ones are left out. Of {len(others)} additional claims, which the project adds, "
-        f"{more[REPRODUCED]} are reproduced and {more[MISSED]} missed"
+        f"{n[judge.LEFT_OUT]} slow ones are left out"
     )
 
 
@@ -92,10 +90,11 @@ def variants_sentence(table: Table) -> str:
     return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the verdict of {len(changed)}"
 
 
-def _added():
+def _added(table):
     from validation.claims import claims as data
 
-    return {entry["id"] for entry in data.entries(data.FILES[1])}
+    added = {entry["id"] for entry in data.entries(data.FILES[1])}
+    return sum(row["id"] in added for row in table)
 
 
 def lines(table: Table, command: str, commit: str, date: str, cost: str) -> str:
