@@ -10,6 +10,8 @@ from llvmlite import ir
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from shellfabric.jit.by_reference import Reference, referred
+
 
 @intrinsic
 def borrowed_item(typing, items, number):
@@ -21,9 +23,11 @@ def borrowed_item(typing, items, number):
         first = cgutils.get_or_insert_function(
             builder.module, ir.FunctionType(pointer, [box.data.type]), "numba_list_base_ptr"
         )
-        part = context.get_data_type(kind.item_type)
+        part = context.data_model_manager[kind.item_type].get_data_type()
         place = builder.bitcast(builder.call(first, [box.data]), part.as_pointer())
         place = cgutils.gep(builder, place, arguments[1])
+        if isinstance(signature.return_type, Reference):
+            return builder.bitcast(place, pointer)
         return context.data_model_manager[kind.item_type].load_from_data_pointer(builder, place)
 
-    return items.item_type(items, number), codegen
+    return referred(items.item_type)(items, number), codegen

@@ -24,7 +24,10 @@ from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 
 from fabrics.kernel_cache import kernel_cache
+from shellfabric.jit import inner_libraries
 from shellfabric.jit.compile_in_child import ENTRY_SUFFIX, ChildCompileCache
+
+inner_libraries.install()
 
 _PACKAGE = Path(__file__).parents[1] / "__init__.py"
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}

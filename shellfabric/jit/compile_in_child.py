@@ -96,6 +96,7 @@ def kept(kernel, kinds):
 
 def members(kinds):
     """How many scalars and arrays there are in numba types: tuples and lists count what they hold."""
+    kinds = getattr(kinds, "inner", kinds)  # of a reference to a named tuple
     if isinstance(kinds, (tuple, types.BaseTuple)):
         return sum(map(members, kinds))
     return members(kinds.dtype) if isinstance(kinds, (types.List, types.ListType)) else 1

@@ -18,7 +18,8 @@ import operator
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, models, overload, register_model
+from numba.core.typing.templates import ConcreteTemplate, infer_global
+from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
 from shellfabric.jit.compile import kernel
 
@@ -80,18 +81,21 @@ def _broadcast(builder, value, kind):
 
 
 def _operator(symbol, instruction):
-    @intrinsic
-    def both(typing, a, b):
-        def codegen(context, builder, signature, arguments):
-            a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args))
-            return getattr(builder, instruction)(a, b)
+    """Both operands vectors, or one a float. Typed and lowered like numba's own operators: an `overload` would have
+    its function compiled from byte code at every place that it is used."""
+    pairs = (FLOAT64X8, FLOAT64X8), (FLOAT64X8, types.float64), (types.float64, FLOAT64X8)
 
-        return FLOAT64X8(a, b), codegen
+    class Operator(ConcreteTemplate):
+        cases = tuple(FLOAT64X8(*pair) for pair in pairs)
 
-    @overload(symbol, inline="always")
-    def typed(a, b):
-        if FLOAT64X8 in (a, b) and {a, b} <= {FLOAT64X8, types.float64}:
-            return lambda a, b: both(a, b)
+    infer_global(symbol)(Operator)
+
+    def codegen(context, builder, signature, arguments):
+        a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args))
+        return getattr(builder, instruction)(a, b)
+
+    for pair in pairs:
+        lower_builtin(symbol, *pair)(codegen)
 
 
 for _symbol, _instruction in (

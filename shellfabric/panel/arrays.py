@@ -11,6 +11,7 @@ import numpy as np
 from shellfabric.cloth import boundary_kernels
 from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
+from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel import boundary, grading, step_kernels
 from shellfabric.projectile import contact, dynamics, window_kernels
 
@@ -52,6 +53,8 @@ Work = namedtuple(
     "dW_own2 dW_crossing1 dW_crossing2 f_over_stretch1 f_over_stretch2 trellis_f1 trellis_f2 trellis_f12 f_next_row "
     "cell_index barrier contact_scratch",
 )
+
+by_reference(Constants, State, Work)
 
 
 def constants(panel: Panel, out_of_plane: bool = False) -> Constants:

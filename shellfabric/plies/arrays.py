@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fabrics.checks import FloatArray
+from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel.arrays import Constants, State
 from shellfabric.plies import broad_phase_kernels
 from shellfabric.plies.grading import line_offsets
@@ -31,6 +32,8 @@ TornContact = namedtuple(
 Stack = namedtuple(
     "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity"
 )
+
+by_reference(Pair, TornContact, Stack)
 
 
 def torn_contact(

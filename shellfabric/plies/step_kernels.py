@@ -20,6 +20,7 @@ from numba.typed import List
 from shellfabric.cloth import boundary_kernels
 from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.borrowed_list import borrowed_item
+from shellfabric.jit.by_reference import dereferenced
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.step_kernels import CHECK, FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
@@ -32,14 +33,14 @@ from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 def new_list(first):
     """A numba list of one item; compiled once for all runs, unlike `List` used from without."""
     items = List()
-    items.append(first)
+    items.append(dereferenced(first))
     return items
 
 
 @entry()
 def append(items, one):
     """Add one to such a list."""
-    items.append(one)
+    items.append(dereferenced(one))
 
 
 @kernel(_nrt=False, forceinline=True)

@@ -1,0 +1,70 @@
+"""Named tuples that kernels take as one pointer, and what an unknown numba gets instead."""
+
+import subprocess
+import sys
+from collections import namedtuple
+
+import numpy as np
+from numba import typeof
+from numba.typed import List
+
+from shellfabric.jit.borrowed_list import borrowed_item
+from shellfabric.jit.by_reference import Reference, by_reference, dereferenced
+from shellfabric.jit.compile import entry, kernel
+
+Inner = namedtuple("Inner", "c d")
+Mixed = namedtuple("Mixed", "flag numbers inner pair count")
+by_reference(Mixed)
+ITEM = Mixed(True, np.arange(3.0), Inner(2.5, np.ones(2)), (np.zeros(2), np.full(2, 7.0)), 4)
+UNKNOWN = """
+import numba
+numba.version_info = numba.version_info._replace(minor=999)
+from collections import namedtuple
+from numba import typeof
+from numba.core import codegen, types
+before = codegen.CPUCodeLibrary._optimize_final_module
+from shellfabric.jit.by_reference import by_reference
+from shellfabric.jit import compile
+Two = namedtuple("Two", "a b")
+by_reference(Two)
+assert isinstance(typeof(Two(1.0, 2)), types.NamedTuple)
+assert codegen.CPUCodeLibrary._optimize_final_module is before
+"""
+
+
+@kernel()
+def total(item):
+    for k in range(2):
+        item.pair[0][k] += 1.0
+    size = 100.0 if item.flag else 0.0
+    return size + item.numbers[2] + item.inner.c + item.inner.d[0] + item.pair[1][0] + item.count
+
+
+@entry(_nrt=False)
+def total_of(item):
+    return total(item)
+
+
+@entry()
+def listed(item):
+    items = List()
+    items.append(dereferenced(item))
+    return items
+
+
+@entry()
+def total_in_list(items):
+    return total(borrowed_item(items, 0))
+
+
+def test_members_are_read_and_arrays_written_through_the_pointer():
+    assert isinstance(typeof(ITEM), Reference)
+    ITEM.pair[0][:] = 0.0
+    expected = 100.0 + 2.0 + 2.5 + 1.0 + 7.0 + 4.0
+    assert total_of(ITEM) == expected
+    assert total_in_list(listed(ITEM)) == expected
+    assert ITEM.pair[0].tolist() == [2.0, 2.0]
+
+
+def test_an_unknown_numba_takes_tuples_by_value_and_keeps_its_libraries():
+    subprocess.run([sys.executable, "-c", UNKNOWN], check=True)
