@@ -259,8 +259,8 @@ def contact_point(front, fc, rear, rc, pair, q, often):
     deep, ambiguous = depth > (1.0 - AMBIGUOUS_DEPTH) * pair.thickness, known <= 0.5
     if smooth and deep and ambiguous and ((not touches and not whole) or (whole and jump > MAX_DEPTH_JUMP)):
         return 0.0, 0.0  # it has come from a hole, a rim or another fold, edge on, and is on no side yet
-    # by motion, from a side that it had
-    moved = jump <= MAX_DEPTH_JUMP and pair.depth_offset[q] <= (1.0 - AMBIGUOUS_DEPTH) * pair.thickness
+    # by motion alone, from a side that it had: what is found inside another fold may have had either
+    moved = jump <= MAX_DEPTH_JUMP and pair.depth_offset[q] <= MAX_DEPTH_JUMP * pair.thickness
     if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0 and moved:
         pair.energy[PASSED_COUNT], pair.energy[PASSED_POINT] = pair.energy[PASSED_COUNT] + 1.0, q
     update_spring(pair, q, depth, made, jump, before, touches, lost, sure)

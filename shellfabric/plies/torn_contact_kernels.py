@@ -2,29 +2,22 @@
 
 The contact of neighbouring plies (`plies.contact_kernels`) is one of surfaces with a side to each, followed from step
 to step. Torn cloth has edges, is drawn to lines and turns over, and through a hole it meets plies that it has no foot
-on. So beside torn cloth the coming step is predicted: with all forces of a step known, so are the positions
-x' = x + dt v' of the next one. The middle of an element that would then be on the other side of a facet of
-another ply, or nearer to it than `gap`, gets the force along the normal n of the facet that keeps it off, and its nodes
-and those of the facet share it by their weights w, so that momentum is kept:
+on. So beside torn cloth positions x' = x + dt v' after the coming step are predicted from all forces. The middle of an
+element that would then be on the other side of a facet of another ply, or nearer to it than `gap`, gets the force along
+the normal n of the facet that keeps it off, shared out by the weights w of its nodes and the facet's:
 
     f = (h - h') / (dt^2 sum w^2 / m),     h' = +-n.(x' - y')
 
 h' counts from the side on which the point is; h is the gap, or a tenth of it more than the present distance where that
 is less. It is the least that prevents the penetration, takes the speed of approach away, and gives none back. What one
 force does another may undo, so all are swept again (Gauss-Seidel) until none is missing, or _MAX_SWEEPS times, and from
-sweep to sweep the target is a smaller part of the gap.
+sweep to sweep the target is a smaller part of the gap. A pair none of whose nodes has moved since is skipped.
 
 Looked at are the elements about torn ones, of the ply itself and of those next to it, against the other ply next to it
-and against those behind that where all plies between them are torn. A facet is the four triangles between the nodes of
-an element and its middle. Through a hole, where warp and weft next to the place are gone, a point may go. Where the
-cloth of the next ply is whole it is left to their contact, whose surface lies on the inside of bends, the nodes on the
-outside. What by that contact has come through, as when a yarn fails beside a point between the two, may go back. A
-triangle that is drawn to a line turns over by itself: where its normal turns by more than 60 degrees in the step, h and
-h' are not of one side, and it holds nothing.
-
-Sweeps. A pair none of whose nodes has been moved since it was resolved is skipped.
-
-Which facets are near a point is found with uniform grids (`plies.broad_phase_kernels`).
+and those behind that where all plies between them are torn (uniform grids, `plies.broad_phase_kernels`). A facet is one
+of four triangles between the nodes of an element and its middle. Where the next ply is whole a point is left to their
+contact; what by that has come through may go back. A triangle whose normal turns by more than 60 degrees in the step
+holds nothing.
 
 The work is counted as that of all contact of plies is, half a step's of the old forces and half a step's of the new.
 """

@@ -44,6 +44,7 @@ _SOLID = {
 _PACKING, _FLATNESS = 0.65, 4.5  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
 UPDATES = 1.2e7  # element updates that a scene may cost: about a second of one core for one ply
 _PACK_COST = 3.0  # of an element update in a pack, over that of a single ply
+_FINE_PACK = 4.0  # budgets that a pack on its default mesh may cost
 
 
 @dataclass(frozen=True)
@@ -248,8 +249,11 @@ def sample_run(draw, fabric, cells, half, shot, panel) -> dict:
     end = max(60, min(end, UPDATES * step / (per_step * half**2)))
     panel["opening"] = _text(2 * half, "mm")
     found = {"end_time": _text(end, "us"), "snapshot_interval": "20 us", "outputs": []}
-    if end * per_step * half**2 * 8 < UPDATES * step and draw.chance(0.3):
+    fine = end * per_step * half**2 * 8  # updates x step with two elements per crossover, which packs have by default
+    if fine < UPDATES * step and draw.chance(0.3):
         found["elements_per_crossover"] = 2
+    elif plies > 1 and fine > _FINE_PACK * UPDATES * step:
+        found["elements_per_crossover"] = 1
     return found
 
 
