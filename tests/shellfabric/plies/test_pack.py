@@ -53,7 +53,7 @@ def test_a_pack_of_one_is_a_single_ply(ply, velocity):
 
 @pytest.mark.xfail(strict=False, reason="equal to 1e-6, no longer to the bit; the cause is open")
 def test_far_behind_is_a_single_ply(ply, monkeypatch):
-    far = Pack((ply, ply), (0.5,))
+    far = Pack((ply, ply), (0.5,), PlyContact(courant=10.0))  # which leaves the step to the plies
     monkeypatch.setattr(Pack, "_firmer", lambda pack, ply: 0.0)  # the nose's stiffness of a pack is another
     alone = far._in_step(ply)
     single, pack = PanelSolver(alone, 120.0, 40e-6).run(), PackSolver(far, 120.0, 40e-6).run()
@@ -74,7 +74,7 @@ def test_fast_shots_at_thin_plies_have_a_stiffer_law(ply):
     assert fast.time_step < step
     depth = 1.5 * 2000.0 * fast.time_step / pack.contact.courant
     assert depth == pytest.approx((1 - AMBIGUOUS_DEPTH) * thickness - pack.laws[0].travel, rel=1e-9)
-    soft = Pack.stacked(ply, 4, gap=0.0)  # the law of the fabric, with a travel
+    soft = Pack.stacked(ply, 4, gap=0.0, law=PlyLaw.of_packs(ply.fabric))  # with a travel
     assert soft.in_step_with(2000.0).laws[0].stiffness > fast.laws[0].stiffness
     march = PackSolver(pack, 2000.0, 30 * fast.time_step, interval=fast.time_step)
     march._guard = march.guard_model  # cloth tears at once; this is of the depth

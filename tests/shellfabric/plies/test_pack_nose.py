@@ -141,10 +141,6 @@ def highest(ply, grading=((9, 0.5), (np.inf, 1)), **knobs):
     return PackSolver(pack, 158.0, 40e-6).run().peaks[0, 1]
 
 
-@pytest.mark.xfail(
-    strict=False,
-    reason="half or twice the stiffness moves tensions by 3 to 7 %: the stiffness is a property of the fabric",
-)
 def test_tension_under_the_nose_hangs_on_no_knob(ply):
     """2 % are asked of the stiffness of plies and nose, with two elements a crossover. In S-726 it is this weft that
     fails first."""
