@@ -22,7 +22,7 @@ from shellfabric.plies.contact_simd_kernels import (
     PASSED_POINT,
     extend_window,
 )
-from shellfabric.plies.graded_kernels import add_weighted_offset, scaled_by_area
+from shellfabric.plies.graded_kernels import add_quarter_side_offset, add_weighted_offset, scaled_by_area
 from shellfabric.plies.law_kernels import law_at
 from shellfabric.plies.normal_force_kernels import store_normal_force
 from shellfabric.plies.surface_kernels import (
@@ -33,6 +33,7 @@ from shellfabric.plies.surface_kernels import (
     intact_about,
     intact_fraction_at,
     interpolate,
+    mean_and_quarter_sides,
     point_place,
     scatter_weighted,
     search_closest_point,
@@ -213,6 +214,21 @@ def spring_force(fc, pair, q, a, b, depth, closing, torn):
     return f, part * energy
 
 
+@kernel(_nrt=False)
+def face_to_face(front, fc, e, n):
+    """Whether the normal of element e of the front ply is within 60 degrees of the direction n, either way."""
+    i, j, (u, v, w) = e // fc.nj, e % fc.nj, front.u
+    k = np.uint64(i * fc.row_stride + j)
+    _, x_a, x_b = mean_and_quarter_sides(u, k, fc.row_stride)
+    _, y_a, y_b = mean_and_quarter_sides(v, k, fc.row_stride)
+    _, z_a, z_b = mean_and_quarter_sides(w, k, fc.row_stride)
+    x_a = add_quarter_side_offset(x_a, fc.line_offset1, i) + 0.25 * fc.dx
+    y_b = add_quarter_side_offset(y_b, fc.line_offset2, j) + 0.25 * fc.dy
+    m_x, m_y, m_z = y_a * z_b - z_a * y_b, z_a * x_b - x_a * z_b, x_a * y_b - y_a * x_b
+    along = n[0] * m_x + n[1] * m_y + n[2] * m_z
+    return along * along > 0.25 * (m_x * m_x + m_y * m_y + m_z * m_z)
+
+
 @kernel(_nrt=False, forceinline=True)
 def contact_point(front, fc, rear, rc, pair, q, often):
     """Follow the closest point of the front ply's point number q, and apply its force: (energy in its spring, depth).
@@ -261,7 +277,8 @@ def contact_point(front, fc, rear, rc, pair, q, often):
         return 0.0, 0.0  # it has come from a hole, a rim or another fold, edge on, and is on no side yet
     # by motion alone, from a side that it had: what is found inside another fold may have had either
     moved = jump <= MAX_DEPTH_JUMP and pair.depth_offset[q] <= MAX_DEPTH_JUMP * pair.thickness
-    if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0 and moved:
+    moved = moved and touches and smooth and whole and depth > pair.thickness
+    if moved and left_x == 1.0 and left_y == 1.0 and face_to_face(front, fc, e, n):
         pair.energy[PASSED_COUNT], pair.energy[PASSED_POINT] = pair.energy[PASSED_COUNT] + 1.0, q
     update_spring(pair, q, depth, made, jump, before, touches, lost, sure)
     pair.status[q] = IN_CONTACT

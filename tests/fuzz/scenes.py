@@ -44,7 +44,7 @@ _SOLID = {
 _PACKING, _FLATNESS = 0.65, 4.5  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
 UPDATES = 1.2e7  # element updates that a scene may cost: about a second of one core for one ply
 _PACK_COST = 3.0  # of an element update in a pack, over that of a single ply
-_FINE_PACK = 4.0  # budgets that a pack on its default mesh may cost
+_FINE_PACK = 8.0  # budgets that a pack on its default mesh may cost
 
 
 @dataclass(frozen=True)
