@@ -27,6 +27,9 @@ strike_velocity = "150 m/s"
 
 [panel]
 opening = "100 mm"
+
+[run]
+end_time = "300 us"
 """
 WRONG = """
 thickness = "0.3"

@@ -76,8 +76,9 @@ class PackRecord(BaseRecord):
     @property
     def contact_words(self) -> str:
         """The contact law of plies, for the reader."""
-        travel = f"travel {1e6 * self.ply_contact_travel:.3g} um, then solid fibre"
-        return f"Contact of plies: {self.ply_contact_source} ({self.ply_contact_status}), {travel}"
+        words = f"contact of plies: {self.ply_contact_source} ({self.ply_contact_status})"
+        travel = 1e6 * self.ply_contact_travel
+        return f"{words}, travel {travel:.3g} um, then solid fibre" if travel > 1 else words
 
     @property
     def gap_words(self) -> str:

@@ -132,7 +132,9 @@ def test_what_a_tear_brings_into_contact_is_no_spring_that_someone_has_squeezed(
     ply = ImpactSetup(fabric, 250.0, projectile=shot, opening=0.03927, end_time=12.5e-6, table_size=101)
     result = run(PackSetup(ply, 4, stacking="alternating", gap=9.47e-6))
     assert result.failed_segments[-1] > 0
-    assert np.diff(result.energies["ply_contact"]).min() > -1e-3 * result.strike_energy
+    taken = result.energies["ply_contact"]  # springs give back what they have stored, and no more
+    assert taken.min() > -1e-3 * result.strike_energy
+    assert np.diff(taken).min() > -5e-3 * result.strike_energy
 
 
 def thin():

@@ -146,10 +146,12 @@ def test_rubbing_plies_keep_momentum_and_make_no_energy(ply, mu, points):
     assert solver.sample("ply_friction")[-1] > 1e-3 * energy
 
 
-@pytest.mark.xfail(strict=False, reason="error of 1.13e-6 of the energy")
 def test_the_elastic_slip_is_stable_at_any_coefficient(ply):
-    """All points stick, so that all springs and dampers of friction act at once: energy is lost, none is made."""
-    solver, _, energy = collide(ply, 1e3, 600)
+    """All points stick, so that all springs and dampers of friction act at once: energy is lost, none is made.
+
+    At half the step, as time integration alone is off by 0.7e-6 of the energy at the whole one, without friction.
+    """
+    solver, _, energy = collide(ply, 1e3, 1200, courant=0.225)
     assert abs(solver.sample("error")[-1]) < 1e-6 * energy
     assert solver.sample("ply_friction")[-1] > 0.0
     kinetic = solver.sample("kinetic_fabric")

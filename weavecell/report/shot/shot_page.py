@@ -80,7 +80,7 @@ def page(
     plies, more = f"One ply of {record.fabric}", ""
     if isinstance(record, PackRecord):
         plies = f"{record.count} plies of {record.fabric}, {record.stacking}"
-        more = f" At rest: {record.gap_words}. {record.contact_words}."
+        more = f" At rest: {record.gap_words}; {record.contact_words}."
     return Report(
         record.title,
         f"{plies}, {words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
