@@ -29,7 +29,7 @@ strike_velocity = "150 m/s"
 opening = "100 mm"
 
 [run]
-end_time = "300 us"
+end_time = "800 us"
 """
 WRONG = """
 thickness = "0.3"

@@ -342,5 +342,6 @@ def test_all_that_resumes_is_here():
     ]
     assert sorted(own) == [
         "shellfabric/cell/table_cache.py",  # tables of cells from run to run, by content and the rule of run_cache
+        "shellfabric/jit/by_reference.py",  # it keeps nothing: the name of a numba type
         "shellfabric/jit/compile_in_child.py",  # it keeps nothing: pickle takes a request to a child process
     ]

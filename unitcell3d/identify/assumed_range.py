@@ -2,6 +2,7 @@
 
 A fabric whose yarns have the solid law of their fibre family (`fabrics.assumed`) is calibrated once more with the soft
 and once with the stiff end of that law. The two laws are kept with the nominal one, `CompressionLaw.assumed_range`.
+A yarn that is meshed denser than V_c of an end, at which it would be packed, has one a little above its own density.
 """
 
 from __future__ import annotations
@@ -11,8 +12,18 @@ from typing import Any
 
 from fabrics import assumed
 from fabrics.fabric import Fabric
+from meshing.mesh_plan import Plan
 from unitcell3d.identify.calibrate import calibrate_all
 from unitcell3d.identify.calibration import Calibration
+
+_LEAST_ROOM = 0.01  # [-] of fibre volume fraction, from the mesh at rest to packed yarns
+
+
+def _packed_later(fabric, name):
+    """The fabric with a new name, and with V_c above the density that the mesh gives its yarns."""
+    dense = Plan.of(fabric, size="coarse", shift=True).section_fit.Vf0
+    laws = [replace(law, V_c=max(law.V_c, Vf0 + _LEAST_ROOM)) for law, Vf0 in zip(fabric.solid_laws, dense)]
+    return replace(fabric, name=name, solid_laws=tuple(laws))
 
 
 def with_assumed_range(fabric: Fabric, done: Calibration, **choices: Any) -> tuple[Calibration, dict[str, str]]:
@@ -29,7 +40,7 @@ def with_assumed_range(fabric: Fabric, done: Calibration, **choices: Any) -> tup
     done : Calibration
     failed : {"soft" or "stiff": why this end has no law}; the law has a range only where both ends have one
     """
-    ends = {end: replace(each, name=f"{each.name}, {end}") for end, each in assumed.solid_ends(fabric).items()}
+    ends = {end: _packed_later(each, f"{each.name}, {end}") for end, each in assumed.solid_ends(fabric).items()}
     if not ends:
         return done, {}
     found = calibrate_all(list(ends.values()), **choices)

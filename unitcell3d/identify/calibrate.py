@@ -189,7 +189,7 @@ class _Run:
     def _take(self, job, future):
         try:
             history, seconds = future.result()
-        except UnstableError as problem:
+        except (InputError, UnstableError) as problem:
             self.outcomes[job.fabric.name] = problem
             return
         folder = self._folder(job.fabric.name)

@@ -3,13 +3,16 @@
 import json
 from concurrent.futures import Executor, Future
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fabrics import catalogue
+from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
+from meshing.mesh_plan import Plan, with_room
+from unitcell3d.identify.assumed_range import _packed_later
 from unitcell3d.identify.calibrate import PATHS, calibrate, calibrate_all
 from unitcell3d.identify.calibration import ONE_LAW
 from unitcell3d.solver.history import History
@@ -189,3 +192,14 @@ def test_bad_input_is_one_line(s720):
         with pytest.raises(InputError, match=word) as caught:
             calibrate(s720, **arguments)
         assert "\n" not in str(caught.value)
+
+
+def test_the_ends_of_an_assumed_solid_are_packed_later_than_the_mesh():
+    """The densest mesh has a fibre volume fraction of 0.906, the stiff end of UHMWPE is packed at 0.9."""
+    file = Path(__file__).parents[2] / "weavecell" / "own_fabrics" / "uhmwpe-1760.toml"
+    fabric = with_room(assumed.with_solid_laws(catalogue.load(file)))
+    dense = Plan.of(fabric, size="coarse", shift=True).section_fit.Vf0
+    assert max(dense) > 0.9
+    for name, end in assumed.solid_ends(fabric).items():
+        laws = _packed_later(end, name).solid_laws
+        assert all(law.V_c > Vf0 for law, Vf0 in zip(laws, dense))

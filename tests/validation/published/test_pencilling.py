@@ -32,9 +32,10 @@ def test_a_target_has_the_mass_and_modulus_of_its_case():
         # E A of a yarn is that of S-728 times the factor, whatever the mass
         assert weaves[0].warp.EA == pytest.approx(case.modulus * 96e9 * 1.7039e-4 / 1440, rel=1e-3)
         assert not run.pack.plies[0].failure
-        # stiff yarns that snap taut take half the usual step
-        usual = replace(run.pack.plies[0], numerics=Numerics())
-        assert run.const.dt == pytest.approx(0.5 * usual.time_step, rel=1e-12)
+        # stiff yarns that snap taut take half the usual step; that of the contact may be shorter
+        ply = run.pack.plies[0]
+        assert ply.time_step == pytest.approx(0.5 * replace(ply, numerics=Numerics()).time_step, rel=1e-12)
+        assert run.const.dt == run.pack.time_step <= ply.time_step
 
 
 def test_a_command_without_a_shot_says_why(monkeypatch, tmp_path):

@@ -135,7 +135,7 @@ LADDER = (
 )
 # of packs, whose runs cost as many times more as they have plies: two elements a crossover are the full model
 PACK_LADDER = (
-    *(model for model in LADDER if model.name in (SCOUT, "graded", "1 element", "graded, 1/2", "2 elements")),
+    *(model for model in LADDER if model.name in (SCOUT, "graded", "1 element", "2 elements")),
     _mesh(PACK_FULL, 2, table_size=201),
 )
 BY_NAME = {model.name: model for model in (*LADDER, *PACK_LADDER)}
