@@ -20,6 +20,9 @@ from shellfabric.driver.solver import RUNNING, ExplicitSolver, Hook
 from shellfabric.solid import solid_kernels
 from shellfabric.solid import step_kernels as kernels
 
+# TBB, numba's first choice, has spun for ever at the end of a parallel loop beside the TBB that gmsh and VTK load
+numba.config.THREADING_LAYER_PRIORITY = ["omp", "workqueue", "tbb"]  # type: ignore[attr-defined]
+
 if TYPE_CHECKING:
     from shellfabric.solid.model import SolidPatch
 
