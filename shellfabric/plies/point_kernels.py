@@ -281,9 +281,8 @@ def contact_point(front, fc, rear, rc, pair, q, often):
     if moved and left_x == 1.0 and left_y == 1.0 and face_to_face(front, fc, e, n):
         pair.energy[PASSED_COUNT], pair.energy[PASSED_POINT] = pair.energy[PASSED_COUNT] + 1.0, q
     update_spring(pair, q, depth, made, jump, before, touches, lost, sure)
-    pair.status[q] = IN_CONTACT
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n
-    pair.last_depth[q], pair.depth_offset[q] = depth, min(pair.depth_offset[q], depth)
+    pair.status[q], pair.last_depth[q], pair.depth_offset[q] = IN_CONTACT, depth, min(pair.depth_offset[q], depth)
     f, energy = spring_force(fc, pair, q, a, b, depth, closing, torn)
     if f > 0.0:
         grow_window(pair.front_window, i, j, 3)
