@@ -142,7 +142,9 @@ KINDS = {
         {"history": {"warp": ["0 mm", "2.6 mm"]}}, lambda got, plain: got.followed == 3,
         {"critical-velocity": "history: must be left out: the shots record nothing"},
     ),
-    "cfl": Kind({"numerics": {"cfl": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
+    "cfl": Kind(  # below the step that the contact of plies bounds
+        {"numerics": {"cfl": 0.1}}, lambda got, plain: got.steps > 2 * plain.steps
+    ),
     "viscosity": Kind({"numerics": {"stretch_viscosity": 0.2}}, rises(energy("viscous"))),
     "penalty": Kind({"numerics": {"penalty": 0.3, "contact_damping": 0.4}}),
     "contact points": Kind({"numerics": {"contact_points": 4}}),
@@ -249,7 +251,8 @@ def shot(capsys, folder, table):
 
 
 def scene_of(command, changes):
-    added = {"pack": PACK, "accuracy": ACCURACY, "explain": ACCURACY}.get(command, {})
+    one = {"run": {"elements_per_crossover": 1}}  # as of one ply, by default
+    added = {"pack": merged(PACK, one), "accuracy": ACCURACY, "explain": ACCURACY}.get(command, {})
     return merged(merged(copy.deepcopy(SHOT), added), changes)
 
 
