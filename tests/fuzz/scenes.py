@@ -33,14 +33,8 @@ FIBRES = {
 }
 BODIES = (7.8, 2.7, 17.0)  # [g/cm3] steel, aluminium, tungsten alloy
 SHAPES = ("flat", "sphere", "hemisphere", "cone", "chisel")
-_SOLID = {
-    "E_a": "1 MPa",
-    "E_c": "2 GPa",
-    "K_r": 0.02,
-    "K_G": 0.001,
-    "V_c": 1.0,
-    "Vf0": 0.7,
-}  # as Kevlar 129 in the thesis
+# as Kevlar 129 in the thesis
+_SOLID = {"E_a": "1 MPa", "E_c": "2 GPa", "K_r": 0.02, "K_G": 0.001, "V_c": 1.0, "Vf0": 0.7}
 _PACKING, _FLATNESS = 0.65, 4.5  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
 UPDATES = 1.2e7  # element updates that a scene may cost: about a second of one core for one ply
 _PACK_COST = 3.0  # of an element update in a pack, over that of a single ply

@@ -82,10 +82,10 @@ def test_deflection_is_that_of_the_last_ply(plies):
 
 def test_deflection_leaves_out_what_is_cut_out():
     """A plug that flies on with the projectile is no cloth of the panel any more."""
-    result = run(replace(SETUP, strike_velocity=250.0, end_time=100e-6))
+    result = run(replace(SETUP, strike_velocity=600.0, end_time=100e-6))
     assert result.outcome == "perforated"
-    assert result.max_deflection < 0.8 * result.nodes[..., 2].max()
-    assert result.max_deflection < 0.8 * result.nose_position[-1]
+    assert result.max_deflection < 0.5 * result.nodes[:, 2].max()
+    assert result.max_deflection < 0.5 * result.nose_position[-1]
 
 
 @pytest.mark.parametrize("plies", [1, 3])

@@ -89,7 +89,7 @@ def test_swapped_fields_reach_the_machine_code(tmp_path):
         path["NUMBA_CACHE_DIR"] = str(tmp_path / "kept")
         command = [sys.executable, "-c", READ, asked, str(tmp_path)]
         return ast.literal_eval(
-            subprocess.run(command, env=path, cwd=tmp_path, check=True, stdout=subprocess.PIPE, text=True).stdout
+            subprocess.run(command, env=path, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
         )
 
     before = read()
@@ -128,7 +128,7 @@ def test_every_kernel_is_compiled_into_the_cache():
         "        if isinstance(one, CPUDispatcher):\n            print(one._cache.cache_path)\n"
     )
     command = [sys.executable, "-c", code, *(".".join(file.parts) for file in files)]
-    done = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
+    done = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
     found = done.stdout.split()
     assert len(found) > 200
     assert all("kernels-" in path for path in found)
@@ -140,7 +140,7 @@ def test_the_package_imports_no_kernel():
         "import shellfabric, sys; print(*(name for name in sys.modules if name.startswith(('numba', 'shellfabric'))))"
     )
     command = [sys.executable, "-c", code, "numba", "shellfabric"]
-    done = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
+    done = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
     assert done.stdout.split() == ["shellfabric"]
 
 

@@ -70,14 +70,8 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     folder = tmp_path / "results"
     assert code == 0
     assert names(folder) == EVERYTHING
-    assert names(folder / "pictures") == [
-        "cell.svg",
-        "cuts.svg",
-        "energies.svg",
-        "histories.svg",
-        "panel.png",
-        "reactions.svg",
-    ]
+    pictures = ["cell.svg", "cuts.svg", "energies.svg", "histories.svg", "panel.png", "reactions.svg"]
+    assert names(folder / "pictures") == pictures
     assert (folder / "scene.toml").read_text() == path.read_text()
     record = ImpactRecord.read(folder / "histories.h5")
     assert record.energy_error_max < 0.01

@@ -54,7 +54,7 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     ]  # fmt: skip
     page = (folder / "report.html").read_text()
     assert "3 plies of S-728, alternating, " in page
-    assert "At rest: ply gap 0.1 mm, given." in page
+    assert "At rest: ply gap 0.1 mm, given; contact of plies: " in page
     with h5py.File(folder / "histories.h5") as file:
         assert file["plies/histories/push"].attrs["unit"] == "N"
         assert file["plies/histories/push"].shape == (len(record.time), 3)
