@@ -41,7 +41,7 @@ _TABLE = ("closure", "pressure", "source", "status")
 UNITS = {"closure": "m", "pressure": "Pa"}
 STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")  # of the data of a fabric
 
-_SOLID_TRAVEL = 1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway
+SOLID_TRAVEL = 1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +232,7 @@ class PlyLaw:
             length * yarn.linear_density / weave.cell_area / (yarn.fibre_density * law.E_c)
             for length, yarn, law in zip(weave.S0, weave.yarns, laws)
         )
-        samples = np.array([0.0, _SOLID_TRAVEL])
+        samples = np.array([0.0, SOLID_TRAVEL])
         return cls(samples, samples / give, 1 / give, "solid fibre, E_c rho_f / areal density", "assumed")
 
     def between(self, other: PlyLaw) -> PlyLaw:

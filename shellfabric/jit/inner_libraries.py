@@ -11,7 +11,7 @@ from numba.core import codegen
 
 from shellfabric.jit.numba_internals import KNOWN
 
-_PREFIX, _ENTRIES = "_ZN11shellfabric", ("_ZN7cpython", "cfunc.")
+_PREFIX, _ENTRY = "_ZN11shellfabric", "_ZN7cpython"
 if KNOWN:
     _full, _finish = codegen.CPUCodeLibrary._optimize_final_module, codegen.CPUCodeLibrary._finalize_final_module
     _object_code = codegen.JITCodeLibrary.serialize_using_object_code
@@ -22,7 +22,7 @@ def _inner(library):
     if not hasattr(library, "_is_inner"):
         names = [function.name for function in library._final_module.functions if not function.is_declaration]
         library._is_inner = any(name.startswith(_PREFIX) for name in names) and not any(
-            name.startswith(_ENTRIES) for name in names
+            name.startswith(_ENTRY) for name in names
         )
     return library._is_inner
 

@@ -149,9 +149,8 @@ class Pack:
         In a row of plies of the areal density A on springs K that is driven from one end at the speed w, neighbours are
         w sqrt(A / K) nearer to each other behind the compression wave, whatever their number; the damper keeps them
         from swinging beyond that. Contact has lost if they come nearer by the thickness t, of which the travel of the
-        law holds little. w is the strike velocity
-        times _FASTER, as plies before a nose may outrun it, and the depth must stay out of the last AMBIGUOUS_DEPTH of
-        the thickness, where sides are in question:
+        law holds little. w is the strike velocity times _FASTER, as plies before a nose may outrun it, and the depth
+        must stay out of the last AMBIGUOUS_DEPTH of the thickness, where sides are in question:
 
             K >= A (_FASTER strike_velocity / ((1 - AMBIGUOUS_DEPTH) t))^2
 

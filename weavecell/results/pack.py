@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fabrics.ply_law import SOLID_TRAVEL
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
 from weavecell.results.impact_base import BaseRecord
@@ -77,8 +78,9 @@ class PackRecord(BaseRecord):
     def contact_words(self) -> str:
         """The contact law of plies, for the reader."""
         words = f"contact of plies: {self.ply_contact_source} ({self.ply_contact_status})"
-        travel = 1e6 * self.ply_contact_travel
-        return f"{words}, travel {travel:.3g} um, then solid fibre" if travel > 1 else words
+        if self.ply_contact_travel <= SOLID_TRAVEL:
+            return words
+        return f"{words}, travel {1e6 * self.ply_contact_travel:.3g} um, then solid fibre"
 
     @property
     def gap_words(self) -> str:
