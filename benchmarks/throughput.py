@@ -16,6 +16,7 @@ import json
 import os
 import statistics
 import time
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 
@@ -25,7 +26,7 @@ from fabrics import catalogue, variants
 from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
-from weavecell.analysis.uncertainty import inputs, v50
+from weavecell.analysis.uncertainty import inputs, strengths, v50
 
 FABRIC, OPENING, VELOCITIES = "S-720", 0.203, (120.0, 160.0)  # [m], [m/s] about V50, half of which perforate
 MESHES = {
@@ -44,7 +45,7 @@ def parts(fabric, scatter, shots, grading):
         for method in ("nested", "newton"):
             setup.table(method=method)
             marks.append(time.process_time())
-        panel, _, _ = v50.drawn_panel(fabric, scatter, 1, number, OPENING, grading)
+        panel = strengths.drawn(replace(setup, opening=OPENING, grading=grading), scatter, 1, number).panel
         marks.append(time.process_time())
         ballistic_limit.shoot(panel, (float(velocity),))
         marks.append(time.process_time())
@@ -53,11 +54,11 @@ def parts(fabric, scatter, shots, grading):
     return {name: round(float(statistics.median(column)), 4) for name, column in zip(names, zip(*rows))}
 
 
-def study(fabric, scatter, shots, grading, pool, jobs):
+def study(setup, scatter, shots, pool, jobs):
     """Wall time [s] of V50 shots beside each other, in processes that have fired some before."""
     for count in (4 * jobs, shots):
         start, velocities = time.perf_counter(), np.linspace(*VELOCITIES, count)
-        rows = [(fabric, scatter, 2, k, float(V), OPENING, grading) for k, V in enumerate(velocities)]
+        rows = [(setup, scatter, 2, k, float(V)) for k, V in enumerate(velocities)]
         list(pool.map(v50.fire, *zip(*rows)))
     return time.perf_counter() - start
 
@@ -81,10 +82,11 @@ def main():
     report = {"load_average": os.getloadavg()[0]}
     with open_executor("local", chosen.jobs) as pool:
         for name, grading in MESHES.items():
-            v50.fire(fabric, scatter, 1, 0, VELOCITIES[0], OPENING, grading)
+            setup = ImpactSetup(fabric, 1.0, opening=OPENING, grading=grading)
+            v50.fire(setup, scatter, 1, 0, VELOCITIES[0])
             report[name] = {"cpu_s": parts(fabric, scatter, min(chosen.shots, 6), grading)}
             for kind, wall in (
-                ("v50", study(fabric, scatter, chosen.shots, grading, pool, chosen.jobs)),
+                ("v50", study(setup, scatter, chosen.shots, pool, chosen.jobs)),
                 ("sweep", sweep(fabric, chosen.shots, grading, chosen.jobs)),
             ):
                 report[name][f"{kind}_wall_s_of_1000"] = round(1000 * wall / chosen.shots, 1)

@@ -2,27 +2,23 @@
 Ballistic limit of a pack
 =========================
 
-Bisection with the Python interface: two plies of S-728 in an opening of 100 mm. ``weavecell critical-velocity`` and
-``wc.critical_velocity`` search the limit of one ply. Run with ``python examples/pack_limit.py``.
+Two plies of S-728 in an opening of 100 mm: a bisection between stop and perforation, without the scan about it and
+without residual velocities, which ``wc.critical_velocity`` adds by default. Of an input file
+``weavecell critical-velocity FILE`` computes the same. Run with ``python examples/pack_limit.py``.
 """
 
 import weavecell as wc
 
-fabric, plies = wc.fabric("S-728"), 2
-low, high = 100.0, 400.0  # [m/s] a stop and a perforation
-shots = []
-while high - low > 10.0:
-    velocity = 0.5 * (low + high)
-    shots.append(wc.shoot(fabric, velocity, plies=plies, opening="100 mm", end_time="400 us"))
-    print(shots[-1], flush=True)
-    low, high = (velocity, high) if shots[-1].outcome == "stopped" else (low, velocity)
-for end in (shot for shot in shots if shot.strike_velocity in (low, high)):  # a doubtful end gives no sound bracket
-    print(f"{end.strike_velocity:.0f} m/s, {end.outcome}: checks {end.checks_text}")
-print(f"{plies} plies of {fabric.name}: ballistic limit {low:.0f} to {high:.0f} m/s")
+panel = {"plies": 2, "opening": "100 mm"}
+found = wc.critical_velocity("S-728", tolerance="10 m/s", scan=False, residual_shots=0, **panel)
+low, high = found.bracket
+print(found.to_dataframe())
+print(f"checks of the bracket: {found.bracket_checks}")  # a doubtful end gives no sound bracket
+print(f"2 plies of S-728: ballistic limit {low:.0f} to {high:.0f} m/s")
 
 # %%
-# Residual velocity of the shots of the bisection, and the pack at the end of the first one.
+# Residual velocity of the shots, and the pack at the end of the slowest perforation.
 
 # sphinx_gallery_thumbnail_number = 2
-figure = wc.SweepResult(tuple(shots)).plot()
-pack = shots[0].plot_panel()
+figure = found.plot()
+pack = wc.shoot("S-728", high, end_time="400 us", **panel).plot_panel()

@@ -37,6 +37,7 @@ __all__ = [
     "SweepResult",
     "UndecidedError",
     "UnstableError",
+    "V50Result",
     "__version__",
     "calibrate",
     "coupon",
@@ -47,6 +48,7 @@ __all__ = [
     "setup",
     "shoot",
     "sweep",
+    "v50",
 ]
 
 # For callers alone: no module of ours takes these names from here, so that kept results do not depend on them.
@@ -54,8 +56,8 @@ _MODULES = {
     "weavecell.api.quasi_static": ("calibrate", "coupon"),
     "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
     "weavecell.api.result": ("Result",),
-    "weavecell.api.results": ("CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"),
-    "weavecell.api.runs": ("critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep"),
+    "weavecell.api.results": ("CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult", "V50Result"),
+    "weavecell.api.runs": ("critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep", "v50"),
     "fabrics.errors": ("DoubtfulResult", "InputError", "UndecidedError", "UnstableError"),
 }
 

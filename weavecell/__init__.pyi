@@ -4,8 +4,8 @@ from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableE
 from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
-from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult
-from weavecell.api.runs import critical_velocity, draws, fabric, fabrics, setup, shoot, sweep
+from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
+from weavecell.api.runs import critical_velocity, draws, fabric, fabrics, setup, shoot, sweep, v50
 
 __all__ = [
     "CalibrationResult",
@@ -19,6 +19,7 @@ __all__ = [
     "SweepResult",
     "UndecidedError",
     "UnstableError",
+    "V50Result",
     "__version__",
     "calibrate",
     "coupon",
@@ -29,4 +30,5 @@ __all__ = [
     "setup",
     "shoot",
     "sweep",
+    "v50",
 ]

@@ -17,6 +17,7 @@ from fabrics.errors import InputError
 from shellfabric.impact.ballistic_limit import Limit, Shot, shoot
 from shellfabric.panel.model import Panel
 from shellfabric.panel.quality import Indicator
+from shellfabric.plies.model import Pack
 
 HIGHEST = 1000.0  # [m/s] beyond which no shot is fired
 MOST_STEPS = 1000  # of a range: more is taken for an error of input
@@ -63,14 +64,14 @@ class ScanRange:
 
 
 def scan(
-    panel: Panel, limit: Limit, velocities: ScanRange | None = None, *, executor: str = "local", jobs: int = 1,
+    panel: Panel | Pack, limit: Limit, velocities: ScanRange | None = None, *, executor: str = "local", jobs: int = 1,
     report: Callable[..., object] | None = None,
 ) -> Limit:  # fmt: skip
     """Fire shots below and above a bracket until the zone of mixed outcomes, if there is one, is enclosed.
 
     Parameters
     ----------
-    panel : Panel
+    panel : Panel or Pack
     limit : of `ballistic_limit.critical_velocity` on this panel
     velocities : ScanRange; None takes its defaults
     executor, jobs, report : as of `ballistic_limit.shoot`

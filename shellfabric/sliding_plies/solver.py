@@ -13,10 +13,12 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
-from shellfabric.panel.solver import OBSERVED
+from shellfabric.panel.model import Panel
+from shellfabric.panel.solver import OBSERVED, ClothSolver
 from shellfabric.plies.model import Pack, lists
 from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics
+from shellfabric.sliding import solver as sliding
 from shellfabric.sliding.model import SlidingPanel, Slip
 from shellfabric.sliding.solver import SLIP_WORK, SlipSummary, ply_energies, slip_arrays
 from shellfabric.sliding_plies import step_kernels as kernels
@@ -141,13 +143,15 @@ def pack_of(ply: Any, plies: int, **others: Any) -> Pack:
     return kind.stacked(ply, plies, **others)
 
 
-def solver_of(pack: Pack, strike_velocity: float, end_time: float, **others: Any) -> PackSolver:
-    """The solver of a pack, by its crossovers; parameters as PackSolver.
+def solver_of(pack: Panel | Pack, strike_velocity: float, end_time: float, **others: Any) -> ClothSolver:
+    """The solver of a pack or of a single ply, by its crossovers; parameters as PackSolver and PanelSolver.
 
     Raises
     ------
     InputError : sliding plies in a pack that is none of sliding plies
     """
+    if isinstance(pack, Panel):
+        return sliding.solver_of(pack, strike_velocity, end_time, **others)
     if isinstance(pack, SlidingPack):
         return SlidingPackSolver(pack, strike_velocity, end_time, **others)
     if any(isinstance(ply, SlidingPanel) for ply in pack.plies):

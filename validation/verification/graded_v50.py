@@ -33,7 +33,8 @@ FABRICS = ("S-720", "S-726", "S-728")
 OPENING, SEED, TOLERANCE = 0.203, 1, 1.0  # [m], of the draws, [m/s] of the critical velocity
 RANGE = 0.82, 1.06  # of the critical velocity without scatter; yarns that scatter are weaker
 LEAST = 10  # [crossovers] to which elements of one crossover reach at least
-ZONES: dict[str, v50.Grading] = {  # ends of the zones in units of f, see `first_zone`
+Grading = tuple[tuple[float, float], ...] | None
+ZONES: dict[str, Grading] = {  # ends of the zones in units of f, see `first_zone`
     "1": None,
     "1 to 1.6 f, 2 to 3.2 f, then 4": ((1.6, 1), (3.2, 2), (inf, 4)),
     "1 to f, 2 to 2 f, then 4": ((1.0, 1), (2.0, 2), (inf, 4)),
@@ -58,7 +59,7 @@ class Shot:
     seconds: tuple[float, ...]
 
 
-def gradings(name: str) -> tuple[int, tuple[v50.Grading, ...]]:
+def gradings(name: str) -> tuple[int, tuple[Grading, ...]]:
     """(f [crossovers], gradings of a fabric of the catalogue, in the order of ZONES)."""
     crimp = 1 + 4 * inputs.published().crimp  # of nearly all panels at most
     fabric = inputs.changed(catalogue.load(name), crimp_warp=crimp, crimp_weft=crimp)
@@ -70,13 +71,14 @@ def gradings(name: str) -> tuple[int, tuple[v50.Grading, ...]]:
     )
 
 
-def shot(name: str, number: int, velocity: float, zones: tuple[v50.Grading, ...]) -> Shot:
+def shot(name: str, number: int, velocity: float, zones: tuple[Grading, ...]) -> Shot:
     """The shot of a number at a fabric of the catalogue, on each mesh."""
     fabric, scatter = catalogue.load(name).with_effective_density(), inputs.published()
+    uniform = ImpactSetup(fabric, 1.0, opening=OPENING)
     rows: list[tuple[float, float]] = []
     for grading in zones:
         began = time.process_time()
-        found = v50.fire(fabric, scatter, SEED, number, velocity, OPENING, grading)
+        found = v50.fire(replace(uniform, grading=grading), scatter, SEED, number, velocity)
         rows.append((found.residual if found.perforated else 0.0, time.process_time() - began))
     residuals, seconds = zip(*rows)
     return Shot(velocity, residuals, seconds)
@@ -115,8 +117,8 @@ def main() -> None:
               "residual velocity, rms difference, m/s", "largest, m/s", "CPU time over uniform"]]  # fmt: skip
     runs: dict[str, Any] = {"folder": options.out, "jobs": options.jobs}
     for name in FABRICS:
-        fabric = catalogue.load(name).with_effective_density()
-        (bracket,) = run_cache.results(v50.deterministic, [(fabric, OPENING, TOLERANCE)], **runs)
+        setup = ImpactSetup(catalogue.load(name).with_effective_density(), 1.0, opening=OPENING)
+        (bracket,) = run_cache.results(v50.deterministic, [(setup, TOLERANCE)], **runs)
         velocities = 0.5 * sum(bracket) * np.linspace(*RANGE, options.shots)
         places = [(name, k, round(float(V), 4), gradings(name)[1]) for k, V in enumerate(velocities)]
         table += rows_of(name, run_cache.results(shot, places, **runs))

@@ -18,6 +18,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from shellfabric.impact import ballistic_limit, single_ply
+from shellfabric.impact.pack import PackSetup, first_ply, panel_of, with_ply
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel import quality
 
@@ -137,23 +138,24 @@ def residual_velocity(
 
 
 def critical_velocity(
-    setup: ImpactSetup, velocity: float, *, tolerance: float = 1.0, executor: str = "local", jobs: int = 1,
+    setup: ImpactSetup | PackSetup, velocity: float, *, tolerance: float = 1.0, executor: str = "local", jobs: int = 1,
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:  # fmt: skip
-    """Range of the critical velocity of a panel; None where nothing is assumed.
+    """Range of the critical velocity of a panel or pack; None where nothing is assumed.
 
     Parameters
     ----------
-    setup : ImpactSetup of any shot at the panel
+    setup : ImpactSetup or PackSetup of any shot at the panel
     velocity : [m/s] nominal critical velocity
     tolerance, executor, jobs : as of `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
-    rows, found = [Row("nominal", "", velocity)], corners(setup.fabric, setup.laws)
+    ply = first_ply(setup)
+    rows, found = [Row("nominal", "", velocity)], corners(ply.fabric, ply.laws)
     for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
         try:
             limit = ballistic_limit.critical_velocity(
-                replace(setup, fabric=fabric, laws=laws).panel(),
+                panel_of(with_ply(setup, fabric=fabric, laws=laws)),
                 guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs,
             )  # fmt: skip
             doubt = any(quality.status(shot.checks) == quality.DOUBTFUL for shot in limit.ends)
@@ -162,4 +164,4 @@ def critical_velocity(
             rows.append(Row(name, str(problem), None))
         if on_progress is not None:
             on_progress(number / len(found))
-    return AssumedRange("critical velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None
+    return AssumedRange("critical velocity", varied(ply.fabric, ply.laws), tuple(rows)) if found else None

@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from shellfabric.panel.quality import Indicator
     from weavecell.analysis.assumed_range import AssumedRange
     from weavecell.analysis.uncertainty.draws import Draws
+    from weavecell.analysis.uncertainty.v50 import Study
     from weavecell.results.impact_base import BaseRecord
     from weavecell.results.impact_shapes import Shape
 
-__all__ = ["CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"]
+__all__ = ["CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult", "V50Result"]
 
 Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
@@ -262,6 +263,7 @@ class CriticalVelocityResult(Result):
     fit : Lambert-Jonas fit to the perforations, or None where they are too few
     assumed : lines that name the laws that are assumed
     range : AssumedRange of the critical velocity over the assumed laws, or None
+    plies : their number
     """
 
     fabric: Fabric
@@ -269,6 +271,7 @@ class CriticalVelocityResult(Result):
     fit: LambertJonas | None = None
     assumed: tuple[str, ...] = ()
     range: AssumedRange | None = None
+    plies: int = 1
 
     @property
     def velocity(self) -> float | None:
@@ -296,8 +299,11 @@ class CriticalVelocityResult(Result):
 
     def _what(self):
         bracket = self.bracket_checks
-        found = f"{self.fabric.name}, critical velocity"
+        found = f"{self._title()}, critical velocity"
         return found if bracket == "ok" else f"{found}: the limit rests on a {bracket}; of all shots"
+
+    def _title(self):
+        return f"{self.plies} x {self.fabric.name}" if self.plies > 1 else self.fabric.name
 
     @property
     def mixed_zone(self) -> tuple[float, float] | None:
@@ -307,7 +313,8 @@ class CriticalVelocityResult(Result):
     def summary(self) -> dict[str, Any]:
         """Velocity, bracket, number of shots; doubtful shots that the limit rests on, and the worst checks of all."""
         low, high = self.bracket
-        found: dict[str, Any] = {"fabric": self.fabric.name, "critical_velocity_m_s": self.velocity, "stop_m_s": low}
+        found: dict[str, Any] = {"fabric": self.fabric.name, "plies": self.plies}
+        found |= {"critical_velocity_m_s": self.velocity, "stop_m_s": low}
         found |= {"perforation_m_s": high, "shots": len(self.limit.shots)}
         found |= {"bracket_checks": self.bracket_checks, "checks": self.checks_text}
         if self.mixed_zone is not None:
@@ -333,4 +340,43 @@ class CriticalVelocityResult(Result):
         """A matplotlib figure: residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
         from weavecell.report import pictures
 
-        return figure(pictures.residual_velocity, self.fabric.name, self.limit, self.fit, self.limit.shots)
+        return figure(pictures.residual_velocity, self._title(), self.limit, self.fit, self.limit.shots)
+
+
+@dataclass(frozen=True, repr=False)
+class V50Result(Result):
+    """The probability of perforation of panels or packs whose yarns differ in strength; the table has a row a shot.
+
+    Parameters
+    ----------
+    study : `weavecell.analysis.uncertainty.v50.Study`, with shots, fitted curves and the limit without scatter
+    """
+
+    study: Study
+
+    @property
+    def v50(self) -> float:
+        """[m/s] that half of the panels stop, of the probit."""
+        return float(self.study.curves["probit"].V50)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """[m/s] of V50, at the level of the curve's confidence."""
+        low, high = self.study.curves["probit"].intervals["V50"]
+        return float(low), float(high)
+
+    def summary(self) -> dict[str, Any]:
+        """V50 with its interval, the curve's standard deviation, the limit without scatter, and V50 of test series."""
+        return self.study.summary()
+
+    def _columns(self):
+        shots = self.study.shots
+        units = {"velocity": "strike_velocity_m_s", "residual": "residual_velocity_m_s"}
+        names = ("number", "velocity", "residual", "perforated", "modulus", "crimp_warp", "crimp_weft", "balance")
+        return {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
+
+    def plot(self) -> Figure:
+        """A matplotlib figure: probability of perforation and residual velocity against strike velocity [m/s]."""
+        from weavecell.report import pictures_uncertainty
+
+        return figure(pictures_uncertainty.perforation, self.study, "")

@@ -17,16 +17,14 @@ from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from weavecell.api import keywords, quantities
 from weavecell.api.keywords import Keywords
-from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult
+from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
 from weavecell.scenes.schema import InlineLaw
 
 if TYPE_CHECKING:
     from shellfabric.impact.pack import PackSetup
     from shellfabric.impact.single_ply import ImpactSetup
 
-__all__ = ["critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep"]
-
-_CURVE = (1.03, 2.0)  # first and last shot of the residual velocities, times the highest stop or bracket's end
+__all__ = ["critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep", "v50"]
 
 
 def fabrics() -> tuple[str, ...]:
@@ -246,10 +244,11 @@ def _fire(given):
 
 
 def critical_velocity(
-    fabric: Fabric | FilePath, *, tolerance: float | str = 1.0, residual_shots: int = 8, scan: bool = True,
-    assumed_range: bool = False, jobs: int = 1, executor: str = "local", **options: Unpack[Keywords],
+    target: Fabric | FilePath | ImpactSetup | PackSetup, *, tolerance: float | str = 1.0, residual_shots: int = 8,
+    scan: bool = True, assumed_range: bool = False, jobs: int = 1, executor: str = "local",
+    **options: Unpack[Keywords],
 ) -> CriticalVelocityResult:  # fmt: skip
-    """Bisect for the strike velocity between stop and perforation of one ply.
+    """Bisect for the strike velocity between stop and perforation of a ply or pack.
 
     A shot with a quality check beyond its limit counts with its outcome, but a limit with such a shot at an end of
     its bracket or mixed zone is not sound: the result says so (`bracket_checks`), and warns with `DoubtfulResult`.
@@ -258,7 +257,8 @@ def critical_velocity(
 
     Parameters
     ----------
-    fabric, options : as of `setup`, without velocity, end_time, snapshot_interval and history, and for one ply
+    target, options : a set-up of `setup`; or a fabric with options, both as of `setup`, without velocity, end_time,
+        snapshot_interval and history
     tolerance : [m/s] at most between a stop and a perforation
     residual_shots : shots above the limit, for the Lambert-Jonas fit
     scan : whether the velocities about the bracket are scanned for mixed outcomes (`limit_scan`)
@@ -275,43 +275,83 @@ def critical_velocity(
     UndecidedError : a shot neither stopped nor perforated
     UnstableError : a shot became unphysical; its attribute `shots` holds those before
     """
-    import numpy as np
+    from shellfabric.impact.limit_scan import ScanRange
+    from shellfabric.impact.pack import first_ply
+    from weavecell.analysis import limit_search
 
-    from shellfabric.impact import ballistic_limit, lambert_jonas, limit_scan
-    from weavecell.analysis import assumed_range as analysis
-
-    _check_search(options)
-    given: Any = setup(fabric, 100.0, **options)
-    width = _above_zero(tolerance, "m/s", "tolerance")
-    panel = given.panel()
-    beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
-    limit = ballistic_limit.critical_velocity(panel, tolerance=width, **beside)
-    if scan:
-        limit = limit_scan.scan(panel, limit, **beside)
-    if residual_shots:
-        strikes = max(limit.high, limit.highest_stop) * np.geomspace(*_CURVE, residual_shots)
-        limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **beside))
-    through = [shot for shot in limit.shots if shot.perforated]
-    fit = None
-    if len(through) > (2 if limit.single else 3):
-        velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in through))
-        fit = lambert_jonas.fit(*velocities, limit=limit.velocity if limit.single else None)
-    around = None
-    if assumed_range:
-        around = analysis.critical_velocity(given, limit.velocity, tolerance=width, **beside)
-    result = CriticalVelocityResult(given.fabric, limit, fit, tuple(assumed.lines(given.fabric)), around)
+    given = _panel(target, options)
+    found = limit_search.search(
+        given, tolerance=_above_zero(tolerance, "m/s", "tolerance"), residual_shots=residual_shots,
+        scan=ScanRange() if scan else None, with_range=assumed_range, jobs=jobs, executor=executor,
+    )  # fmt: skip
+    cloth = first_ply(given).fabric
+    plies = getattr(given, "plies", 1)
+    result = CriticalVelocityResult(
+        cloth, found.limit, found.fit, tuple(assumed.lines(cloth)), found.range, plies=plies
+    )
     result.warn()
     return result
 
 
-def _check_search(options):
-    if options.get("plies", 1) != 1:
-        allowed = "1: the critical velocity of a pack is not available"
-        raise InputError(key="plies", value=options["plies"], allowed=allowed)
+def v50(
+    target: Fabric | FilePath | ImpactSetup | PackSetup, *, shots: int = 100, batch: int = 10,
+    shape: float | None = None, modulus_cov: float | None = None, crimp_cov: float | None = None, seed: int = 1,
+    folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local", **options: Unpack[Keywords],
+) -> V50Result:  # fmt: skip
+    """Fire at plies or packs whose yarns differ in strength, and fit the probability of perforation.
+
+    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the set-up models.
+
+    Parameters
+    ----------
+    target, options : as of `critical_velocity`
+    shots, batch : how many, and how many at once: each batch is placed by the outcomes before
+    shape : Weibull shape of the strengths; None, here and below, takes that of
+        weavecell/analysis/uncertainty/inputs.toml; inf for yarns that are all alike
+    modulus_cov, crimp_cov : [-] standard deviation over mean from panel to panel
+    seed : of all that is drawn
+    folder : where finished shots are kept and taken from; None keeps none
+    jobs, executor : as of `sweep`
+
+    Returns
+    -------
+    V50Result
+
+    Raises
+    ------
+    InputError : as `critical_velocity`, fewer than four shots, or yarns that do not fail
+    UnstableError : a shot became unphysical
+    """
+    from tempfile import TemporaryDirectory
+
+    from weavecell.analysis.uncertainty import inputs
+    from weavecell.analysis.uncertainty import v50 as analysis
+
+    own = {"shape": shape, "modulus": modulus_cov, "crimp": crimp_cov}
+    scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
+    given = _panel(target, options)
+    with TemporaryDirectory() as spare:
+        kept = spare if folder is None else folder
+        found = analysis.study(
+            given, scatter, shots=shots, batch=batch, seed=seed, folder=kept, jobs=jobs, executor=executor
+        )
+    return V50Result(found)
+
+
+def _panel(target: Any, options: Any) -> ImpactSetup | PackSetup:
+    """The set-up of a target of shots that end with their outcome."""
+    from shellfabric.impact.pack import PackSetup
+    from shellfabric.impact.single_ply import ImpactSetup
+
+    if isinstance(target, (ImpactSetup, PackSetup)):
+        for key in options:
+            raise InputError(key=key, allowed="left out beside a set-up, which has it")
+        return target
     for key in ("end_time", "snapshot_interval", "history"):
         if key in options:
             allowed = "left out: a shot of the search ends with its outcome, and records nothing"
             raise InputError(key=key, allowed=allowed)
+    return setup(target, 100.0, **options)
 
 
 def as_fabric(given: Fabric | FilePath) -> Fabric:

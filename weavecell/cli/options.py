@@ -35,6 +35,10 @@ class Section(StrEnum):
 FabricArgument = Annotated[
     str, typer.Argument(metavar="FABRIC", help="A name of the catalogue, or the path of a fabric file.")
 ]
+TargetArgument = Annotated[
+    str,
+    typer.Argument(metavar="FILE|FABRIC", help="An input file of one ply or a pack, a fabric's name, or its file."),
+]
 OutOption = Annotated[
     Path | None,
     typer.Option(

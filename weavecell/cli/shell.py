@@ -20,6 +20,7 @@ from weavecell.cli.options import (
     SeedOption,
     Size,
     StrictOption,
+    TargetArgument,
     WeibullOption,
     refuse_others,
 )
@@ -163,9 +164,7 @@ def coupon(
 
 
 def critical_velocity(
-    target: Annotated[
-        str, typer.Argument(metavar="SCENE|FABRIC", help="A scene, a fabric of the catalogue, or a fabric file.")
-    ],
+    target: TargetArgument,
     tolerance: Annotated[
         str, typer.Option(help="Highest stop and lowest perforation differ by this at most.", metavar="VELOCITY")
     ] = "1 m/s",
@@ -192,7 +191,7 @@ def critical_velocity(
     --strict). --scan-above "0 %" --scan-below "0 %" leave the scan out.
 
     A fabric is shot at as in the tests of the thesis. Of a scene these keys are ignored: title,
-    projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs. Packs,
+    projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs.
     \\[history] and \\[accuracy] are rejected.
 
     The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.

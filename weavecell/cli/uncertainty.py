@@ -11,11 +11,11 @@ from weavecell.cli.options import (
     CORES,
     RESULTS,
     ExecutorOption,
-    FabricArgument,
     JobsOption,
     OutOption,
     ResumeOption,
     SeedOption,
+    TargetArgument,
     WeibullOption,
 )
 
@@ -23,12 +23,15 @@ SENSITIVITY = "Example: [bold]weavecell sensitivity S-720 --samples 64[/bold]"
 V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --weibull-shape 14.3[/bold]"
 
 
-OpeningOption = Annotated[str, typer.Option(help="Side of the square panel.", metavar="LENGTH")]
+OpeningOption = Annotated[
+    str | None,
+    typer.Option(help="Side of a fabric's square panel, 203 mm; an input file has its own.", metavar="LENGTH"),
+]
 GradingOption = Annotated[
     str | None,
     typer.Option(
-        help="Sides of the elements by distance from the impact point, as panel.grading of a scene; docs/scatter.md "
-        "has an example, which takes a third of the time, and its error. All of one side if not given.",
+        help="Sides of a fabric's elements by distance from the impact point, as panel.grading of an input file; "
+        "docs/scatter.md has an example, which takes a third of the time, and its error. All of one side if not given.",
         metavar="ZONES",
     ),
 ]
@@ -38,7 +41,7 @@ PageOption = Annotated[
 
 
 def sensitivity(
-    fabric: FabricArgument,
+    target: TargetArgument,
     velocity: Annotated[
         list[str] | None, typer.Option(help="Strike velocity; may be given again.", metavar="VELOCITY")
     ] = None,
@@ -46,34 +49,37 @@ def sensitivity(
     seed: SeedOption = 1,
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
-    opening: OpeningOption = "203 mm",
+    opening: OpeningOption = None,
     resume: ResumeOption = False,
     page: PageOption = None,
     out: OutOption = None,
 ) -> None:
     """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
 
-    Strike velocities are 92.5 and 170 m/s where none is given. The folder then holds sobol.html, .csv, .json, .png.
+    Where no strike velocity is given it is that of the input file, or 92.5 and 170 m/s at a fabric. A fabric is shot at
+    as in the tests of the thesis: one ply, and a flat cylinder of 3 g and 5.5 mm. Of an input file these keys are
+    ignored: title, run.snapshot_interval, run.checkpoint_interval, run.outputs; \\[history] and \\[accuracy] are
+    rejected. The folder then holds sobol.html, .csv, .json, .png and scene.toml.
     """
     from fabrics.units import si
     from weavecell.commands import uncertainty
 
     uncertainty.sensitivity(
-        fabric,
-        out or RESULTS / f"sensitivity-{Path(fabric).stem}",
-        velocities=[si(text, "m/s", key="--velocity") for text in velocity or ("92.5 m/s", "170 m/s")],
+        target,
+        out or RESULTS / f"sensitivity-{Path(target).stem}",
+        velocities=[si(text, "m/s", key="--velocity") for text in velocity or ()],
         samples=samples,
         seed=seed,
         jobs=jobs,
         executor=executor,
-        opening=si(opening, "m", key="--opening"),
+        opening=opening,
         resume=resume,
         page=page,
     )
 
 
 def v50(
-    fabric: FabricArgument,
+    target: TargetArgument,
     shots: Annotated[int, typer.Option(min=4, help="Number of shots.")] = 100,
     batch: Annotated[
         int, typer.Option(min=4, help="Shots in a batch; each batch is placed by the results of those before.")
@@ -92,16 +98,20 @@ def v50(
     seed: SeedOption = 1,
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
-    opening: OpeningOption = "203 mm",
+    opening: OpeningOption = None,
     grading: GradingOption = None,
     resume: ResumeOption = False,
     page: PageOption = None,
     out: OutOption = None,
 ) -> None:
-    """V0, V50 and V100 of panels whose yarns differ in strength, by repeated shots, with intervals.
+    """V0, V50 and V100 of panels or packs whose yarns differ in strength, by repeated shots, with intervals.
 
-    What is not given is taken from weavecell/analysis/uncertainty/inputs.toml. Without scatter V50 is the critical
-    velocity. The folder then holds v50.html, .csv, .json, .png and shots.csv.
+    What is not given of the scatter is taken from weavecell/analysis/uncertainty/inputs.toml. Without scatter V50 is
+    the critical velocity. A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g and
+    5.5 mm. Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs; \\[history] and \\[accuracy] are rejected.
+
+    The folder then holds v50.html, .csv, .json, .png, shots.csv and scene.toml.
     """
     from dataclasses import replace
 
@@ -115,16 +125,16 @@ def v50(
         for key, text in (("modulus", modulus), ("crimp", crimp))
     }
     uncertainty.probabilistic(
-        fabric,
-        out or RESULTS / f"v50-{Path(fabric).stem}",
+        target,
+        out or RESULTS / f"v50-{Path(target).stem}",
         shots=shots,
         batch=batch,
         seed=seed,
         scatter=replace(inputs.published(), **{key: value for key, value in given.items() if value is not None}),
         jobs=jobs,
         executor=executor,
-        opening=si(opening, "m", key="--opening"),
-        grading=None if grading is None else uncertainty.grading_of(grading, key="--grading"),
+        opening=opening,
+        grading=grading,
         resume=resume,
         page=page,
     )

@@ -51,7 +51,6 @@ SUPPORT = Support(
     rejected=build.NO_SLACK,
     rules=build.PACK_RULES,
 )  # fmt: skip
-_OF_PANEL = ("plies", "stacking", "gap", "ply_friction")
 
 
 def impact(
@@ -86,7 +85,7 @@ def impact(
         pack = build.pack_setup(setup, scene.panel)
         (record, snapshots, failure), choice, pair = fidelity.run(scene, pack, shoot, uncertainty)
     except InputError as problem:
-        raise in_file(problem, path) from None
+        raise build.in_file(problem, path, pack=True) from None
     with progress.bar("Writing results") as advance:
         write(out, this, pack, record, snapshots, text, advance, choice, pair)
     for checkpoint in out.glob("checkpoint*.h5"):
@@ -114,14 +113,6 @@ def fire(
         title, hooks,
     )  # fmt: skip
     return PackRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
-
-
-def in_file(problem: InputError, path: Path) -> InputError:
-    """An InputError of the pack, with the scene's file and key in it."""
-    if problem.file is None and problem.key in _OF_PANEL:
-        key = {"gap": "ply_gap"}.get(problem.key, problem.key)
-        return InputError(file=path, key=f"panel.{key}", value=problem.value, allowed=problem.allowed)
-    return build.in_file(problem, path)
 
 
 def write(

@@ -10,7 +10,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from fabrics.files import write_whole
-from weavecell.commands import coupon, critical_velocity, fidelity, impact, impact_pack
+from weavecell.commands import coupon, critical_velocity, fidelity, impact, impact_pack, uncertainty
 from weavecell.results import keys
 from weavecell.scenes import build, supported
 from weavecell.scenes.coupon import CouponScene
@@ -28,13 +28,15 @@ Quantities are texts with a unit, in any unit of the dimension; the unit here is
 is "none", the code chooses `run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`; any other is
 not used. An editor completes and checks these keys with the JSON Schemas that `make docs` writes to docs/generated.
 
-Columns of commands: `weavecell impact` with one ply, with several (`panel.plies`), with `[accuracy]`, and
-`weavecell critical-velocity`. "no": rejected in one line; "ignored": without meaning there."""
+Columns of commands: `weavecell impact` with one ply, with several (`panel.plies`), with `[accuracy]`;
+`weavecell critical-velocity` and `weavecell v50` ("limit"), and `weavecell sensitivity`, of plies and packs. "no":
+rejected in one line; "ignored": without meaning there."""
 SHOTS = {
     "one ply": impact.SUPPORT,
     "pack": impact_pack.SUPPORT,
     "accuracy": fidelity.SUPPORT,
-    "limit": critical_velocity.SUPPORT,
+    "limit": critical_velocity.PACK_SUPPORT,
+    "sensitivity": uncertainty.OF_SOBOL[1],
 }
 CODE = "`{}`".format
 RESULTS = {

@@ -1,7 +1,7 @@
 """Scatter of the input from the command line: Sobol indices, and the ballistic limit as a probability.
 
-Folder of `weavecell sensitivity`: sobol.csv, sobol.json, sobol.png, sobol.html
-Folder of `weavecell v50`: v50.csv (curves), shots.csv, v50.json, v50.png, v50.html
+Folder of `weavecell sensitivity`: sobol.csv, sobol.json, sobol.png, sobol.html, scene.toml
+Folder of `weavecell v50`: v50.csv (curves), shots.csv, v50.json, v50.png, v50.html, scene.toml
 Folder of `weavecell impact --draws`: draws.csv, summary.csv (means), .json, .png, .html, scene.toml
 All keep runs/, a file for each run, from which --resume goes on, also to more draws.
 """
@@ -16,17 +16,19 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics import assumed, catalogue, run_cache, variants
+from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
+from shellfabric.impact.pack import first_ply
 from shellfabric.panel import grading as panel_grading
 from weavecell.analysis.uncertainty import draws as draws_of
-from weavecell.analysis.uncertainty import inputs, sobol, v50
+from weavecell.analysis.uncertainty import inputs, protocol, sobol, v50
 from weavecell.commands import impact as commands_impact
 from weavecell.commands import impact_pack
+from weavecell.commands.critical_velocity import parameters
 from weavecell.report import marked_page, pictures_uncertainty
 from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import build
+from weavecell.scenes import build, target
 from weavecell.scenes import impact as impact_scenes
 from weavecell.scenes.supported import of
 
@@ -34,19 +36,41 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
 RUNS = "runs"
+STRIKES = 92.5, 170.0  # [m/s] of a fabric's sensitivities
+_OF_SHOTS = "title", *of("run", "snapshot_interval checkpoint_interval outputs")  # what repeated shots do not write
+_NOTHING_ALONG_YARNS = {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
+OF_V50 = target.supports(
+    "weavecell v50", ignored=(*_OF_SHOTS, "projectile.strike_velocity", "run.end_time"), rejected=_NOTHING_ALONG_YARNS
+)
+OF_SOBOL = target.supports(
+    "weavecell sensitivity", honoured=("projectile.strike_velocity", "run.end_time"), ignored=_OF_SHOTS,
+    rejected=_NOTHING_ALONG_YARNS,
+)  # fmt: skip
 
 
 def sensitivity(
-    fabric: str, out: Path, *, velocities: Sequence[float], samples: int, seed: int, jobs: int, executor: str,
-    opening: Any, resume: bool, page: Path | None = None,
+    name: str, out: Path, *, velocities: Sequence[float], samples: int, seed: int, jobs: int, executor: str,
+    opening: str | None, resume: bool, page: Path | None = None,
 ) -> None:  # fmt: skip
-    """Sobol indices of a fabric; see `sobol.study`. `page` is a Markdown file to put table and picture into."""
-    cloth, began = _begin(fabric, out, page, "sobol", resume), time.perf_counter()
-    with progress.bar(f"{cloth.name}, sensitivities") as advance:
-        found = sobol.study(
-            cloth, velocities, samples=samples, seed=seed, opening=opening, folder=out / RUNS, jobs=jobs,
-            executor=executor, report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
-        )  # fmt: skip
+    """Sobol indices of a target; see `sobol.study`.
+
+    Parameters
+    ----------
+    name, opening : of `target.read`
+    velocities : [m/s]; none: that of the input file, or those of `STRIKES`
+    page : Markdown file to put table and picture into
+    """
+    began, this = time.perf_counter(), _begin(name, out, page, "sobol", resume, OF_SOBOL, opening=opening)
+    velocities = velocities or ((first_ply(this.setup).strike_velocity,) if this.from_file else STRIKES)
+    try:
+        with progress.bar(f"{this.title}, sensitivities") as advance:
+            found = sobol.study(
+                this.setup, velocities, samples=samples, seed=seed, folder=out / RUNS, jobs=jobs, executor=executor,
+                report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
+            )  # fmt: skip
+    except InputError as problem:
+        raise this.in_file(problem) from None
+    _write_scene(out, this.text)
     head = [
         "strike velocity [m/s]", "quantity", "input", "range [%]", "status of the range", "first order", "± 95 %",
         "total order", "± 95 %",
@@ -66,24 +90,30 @@ def sensitivity(
     ]
     count = samples * (len(entries) + 2)
     remarks.append(f"{samples} base samples, {count} rows of {len(velocities)} shots, seed {seed}.")
-    command = f"weavecell sensitivity {fabric} --samples {samples} --seed {seed}"
-    title = f"{cloth.name}: Sobol indices, {count} rows"
+    command = f"weavecell sensitivity {name} --samples {samples} --seed {seed}"
+    title = f"{this.title}: Sobol indices, {count} rows"
     content = {"indices": [_plain(one) for one in found], "inputs": [asdict(one) for one in entries.values()]}
-    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, cloth,
+    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, this.case.fabric,
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
 def probabilistic(
-    fabric: str, out: Path, *, shots: int, batch: int, seed: int, scatter: Any, jobs: int, executor: str,
-    opening: Any, resume: bool, grading: tuple | None = None, page: Path | None = None,
+    name: str, out: Path, *, shots: int, batch: int, seed: int, scatter: Any, jobs: int, executor: str,
+    opening: str | None, resume: bool, grading: str | None = None, page: Path | None = None,
 ) -> None:  # fmt: skip
-    """The curve of perforation of a fabric; see `v50.study`."""
-    cloth, began = _begin(fabric, out, page, "v50", resume), time.perf_counter()
-    with progress.bar(f"{cloth.name}, repeated shots") as advance:
-        study = v50.study(
-            cloth, scatter, shots=shots, batch=batch, seed=seed, opening=opening, grading=grading, folder=out / RUNS,
-            jobs=jobs, executor=executor, report=advance,
-        )  # fmt: skip
+    """The curve of perforation of a target; see `v50.study`. `name`, `opening` and `grading` are of `target.read`."""
+    zones = None if grading is None else grading_of(grading, "--grading")
+    sides = None if zones is None else tomllib.loads(f"grading = {grading}")["grading"]
+    began = time.perf_counter()
+    this = _begin(name, out, page, "v50", resume, OF_V50, opening=opening, grading=sides)
+    try:
+        with progress.bar(f"{this.title}, repeated shots") as advance:
+            study = v50.study(
+                this.setup, scatter, shots=shots, batch=batch, seed=seed, folder=out / RUNS, jobs=jobs,
+                executor=executor, report=advance,
+            )  # fmt: skip
+    except InputError as problem:
+        raise this.in_file(problem) from None
     head = ["curve", "quantity", "value [m/s]", "low, 95 %", "high, 95 %"]
     rows = []
     for link, curve in study.curves.items():
@@ -92,6 +122,7 @@ def probabilistic(
         scale = curve.deviation / curve.s if curve.s else 1.0
         values = (curve.deviation, *(scale * v for v in curve.intervals["s"]))
         rows.append([link, "standard deviation", *(f"{v:.2f}" for v in values)])
+    _write_scene(out, this.text)
     _write_shots(study, out / "shots.csv")
     through = [s for s in study.shots if s.perforated]
     stopped = [s for s in study.shots if not s.perforated]
@@ -104,24 +135,34 @@ def probabilistic(
         f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm; standard deviation of the modulus "
         f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
         "V0 and V100 are where 1 % and 99 % perforate.",
+        _series_words(study.series),
     ]
-    if grading is not None:
+    if study.doubtful:
         remarks.append(
-            f"Sides of the elements, (until, side) in crossovers from the impact point: {grading_text(grading)}."
+            f"{study.doubtful} of {len(study.shots)} shots have a quality check beyond its limit (doubtful)."
+        )
+    if study.fit is not None:
+        remarks.append(f"Residual velocities, Lambert-Jonas: {parameters(study.fit)}, limit {study.fit.limit:.1f} m/s.")
+    if (zones := first_ply(this.setup).grading) is not None:
+        remarks.append(
+            f"Sides of the elements, (until, side) in crossovers from the impact point: {grading_text(zones)}."
         )
     for link, curve in study.curves.items():
         interval = "{:.1f} to {:.1f} m/s".format(*curve.intervals["V50"])
         print(f"V50 ({link}) {curve.V50:.1f} m/s, {interval} with {100 * curve.confidence:g} % confidence")
-    command = f"weavecell v50 {fabric} --shots {len(study.shots)} --batch {batch} --seed {seed}"
-    command += f' --grading "{grading_text(grading)}"' if grading is not None else ""
-    title = f"{cloth.name}: probability of perforation, {len(study.shots)} shots"
+    command = f"weavecell v50 {name} --shots {len(study.shots)} --batch {batch} --seed {seed}"
+    command += f' --grading "{grading}"' if grading is not None else ""
+    title = f"{this.title}: probability of perforation, {len(study.shots)} shots"
     content = {
-        "deterministic": study.deterministic, "scatter": asdict(scatter), "grading": grading and grading_text(grading),
+        **study.summary(), "plies": this.case.scene.panel.plies, "projectile": this.projectile,
+        "deterministic": study.deterministic, "series": asdict(study.series),
+        "lambert_jonas": study.fit and asdict(study.fit), "scatter": asdict(scatter),
+        "grading": zones and grading_text(zones),
         "curves": {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()},
         "inputs": [asdict(one) for name in ("weibull", "spread") for one in inputs.table(name).values()],
     }  # fmt: skip
-    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, cloth,
-            lambda path: pictures_uncertainty.perforation(study, path, title))  # fmt: skip
+    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, this.case.fabric,
+            lambda path: pictures_uncertainty.save(pictures_uncertainty.perforation, path, study, title))  # fmt: skip
 
 
 _IGNORED = (
@@ -168,9 +209,8 @@ def draws(
                 report=lambda done, total: advance(done / total, f"{done} of {total} draws"),
             )  # fmt: skip
     except InputError as problem:
-        raise impact_pack.in_file(problem, path) from None
-    with write_whole(out / "scene.toml") as file:
-        file.write(text)
+        raise build.in_file(problem, path, pack=scene.panel.plies > 1) from None
+    _write_scene(out, text)
     columns = study.columns()
     with write_whole(out / "draws.csv") as file:
         csv.writer(file).writerows([_HEADS, *zip(*(columns[name] for name in _HEADS.values()))])
@@ -236,17 +276,15 @@ def grading_text(zones: tuple[tuple[float, float], ...]) -> str:
                            for (until, _), side in zip(zones, sides)) + "]"  # fmt: skip
 
 
-def _begin(fabric, out, page, name, resume):
-    """The fabric, with the folder made ready; InputError before anything is written."""
-    cloth = assumed.with_shear(catalogue.load(fabric))
-    for line in assumed.lines(cloth):
-        print(line)
-    cloth = variants.with_linear_density(cloth)
+def _begin(name, out, page, mark, resume, supports, **panel):
+    """The target, with the folder made ready; InputError before anything is written."""
+    this = target.read(name, out, target.support(*supports), **panel)
+    print(f"projectile: {this.projectile}")
     if page is not None:
-        marked_page.split(page, *_marks(name))
+        marked_page.split(page, *_marks(mark))
     if not resume:
         run_cache.RunCache(out / RUNS).clear()
-    return cloth
+    return this
 
 
 def _finish(
@@ -277,6 +315,23 @@ def _finish(
     for line in remarks:
         print(line)
     print(f"written to {out}")
+
+
+def _write_scene(out, text):
+    with write_whole(out / "scene.toml") as file:
+        file.write(text)
+
+
+def _series_words(found):
+    """What short series of tests find."""
+    if not found.share:
+        return "No short series of tests has a result: the zone of mixed outcomes is too wide."
+    return (
+        f"A series of tests up and down, at most {protocol.MOST} shots, V50 of the {protocol.PAIRS} fastest stops and "
+        f"{protocol.PAIRS} slowest perforations within {protocol.SPAN:g} m/s, finds {found.mean:.1f} m/s, standard "
+        f"deviation {found.deviation:.1f}, 95 % of them between {found.low:.1f} and {found.high:.1f}; "
+        f"{100 * found.share:.0f} % have a result, after {found.shots:.1f} shots."
+    )
 
 
 def _marks(name):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -50,31 +51,43 @@ def indices(found: Any, path: FilePath, title: str) -> None:
         _save(figure, path)
 
 
-def perforation(study: Any, path: FilePath, title: str) -> None:
-    """Fitted curves with the interval of the probit, shots, and the deterministic limit."""
+def perforation(pyplot: Any, study: Any, title: str) -> Any:
+    """Fitted curves with the interval of the probit, shots, and the limit without scatter; residual velocities below.
+
+    Parameters
+    ----------
+    study : weavecell.analysis.uncertainty.v50.Study
+    """
     V = np.array([shot.velocity for shot in study.shots])
     hit = np.array([shot.perforated for shot in study.shots])
     curve = study.curves["probit"]
-    with plots() as pyplot:
-        figure, axis = pyplot.subplots(figsize=(9, 5.4))
-        left, right = V.min() - 2, V.max() + 2
-        edges = probit.band(V, hit, curve, _PROBABILITIES)
-        axis.fill_betweenx(
-            _PROBABILITIES, np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right), color=BLUE, alpha=0.18,
-            lw=0, label=f"{100 * curve.confidence:g} % of the probit",
-        )  # fmt: skip
-        grid = np.linspace(left, right, 400)
-        axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
-        axis.plot(grid, study.curves["logit"].probability(grid), color=GREEN, ls="--", label="logit")
-        lift = 0.012 * (np.arange(V.size) % 5)
-        axis.plot(V[~hit], -0.03 - lift[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
-        axis.plot(V[hit], 1.03 + lift[hit], "s", ms=4.5, color=RED, label="perforated")
-        axis.plot(*_shares(V, hit), "D", ms=6, color=FAINT, label="share of ten shots")
-        axis.axvspan(*study.deterministic, color=ORANGE, alpha=0.8, lw=1, ec=ORANGE, label="limit without scatter")
-        axis.set(xlabel="strike velocity [m/s]", ylabel="probability of perforation [-]", title=title)
-        axis.set(xlim=(left, right), ylim=(-0.12, 1.12), yticks=np.linspace(0, 1, 6))
-        axis.legend(loc="center right")
-        _save(figure, path)
+    figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(9, 9.4), sharex=True, height_ratios=(1.3, 1))
+    left, right = V.min() - 2, V.max() + 2
+    edges = probit.band(V, hit, curve, _PROBABILITIES)
+    axis.fill_betweenx(
+        _PROBABILITIES, np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right), color=BLUE, alpha=0.18,
+        lw=0, label=f"{100 * curve.confidence:g} % of the probit",
+    )  # fmt: skip
+    grid = np.linspace(left, right, 400)
+    axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
+    axis.plot(grid, study.curves["logit"].probability(grid), color=GREEN, ls="--", label="logit")
+    lift = 0.012 * (np.arange(V.size) % 5)
+    axis.plot(V[~hit], -0.03 - lift[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
+    axis.plot(V[hit], 1.03 + lift[hit], "s", ms=4.5, color=RED, label="perforated")
+    axis.plot(*_shares(V, hit), "D", ms=6, color=FAINT, label="share of ten shots")
+    axis.axvspan(*study.deterministic, color=ORANGE, alpha=0.8, lw=1, ec=ORANGE, label="limit without scatter")
+    axis.set(ylabel="probability of perforation [-]", title=title)
+    axis.set(xlim=(left, right), ylim=(-0.12, 1.12), yticks=np.linspace(0, 1, 6))
+    axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    residual = np.array([shot.residual for shot in study.shots])
+    lower.plot(V[~hit], residual[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
+    lower.plot(V[hit], residual[hit], "s", ms=4.5, color=RED, label="perforated")
+    if study.fit is not None:
+        above = study.fit.limit + (right - study.fit.limit) * np.linspace(0, 1, 400) ** 3
+        lower.plot(above, study.fit.residual_velocity(above), color=BLUE, label="Lambert-Jonas")
+    lower.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
+    lower.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
 
 
 def draws(study: Any, path: FilePath, title: str) -> None:
@@ -101,6 +114,12 @@ def draws(study: Any, path: FilePath, title: str) -> None:
         right.legend(loc="best")
         figure.suptitle(title)
         _save(figure, path)
+
+
+def save(draw: Callable[..., Any], path: FilePath, *arguments: Any) -> None:
+    """Write what draw(pyplot, *arguments) returns."""
+    with plots() as pyplot:
+        _save(draw(pyplot, *arguments), path)
 
 
 def _shares(V, hit):

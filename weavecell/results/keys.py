@@ -148,6 +148,8 @@ COUPON = keys(
     ("at_end.*.unit", "", "their units"),
 )
 CRITICAL_VELOCITY = keys(
+    ("plies", "1", "number of plies"),
+    ("projectile", "", "the projectile in words"),
     ("critical_velocity_m_s", "m/s", "middle of the bracket; null where there is no single limit"),
     ("bracket_m_s", "m/s", "stop and perforation between which the bisection ended"),
     ("single_limit", "", "whether no shot stopped that was faster than one that perforated"),

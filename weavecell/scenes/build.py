@@ -55,6 +55,8 @@ FIELDS = {
     "fabric.crossover_gap": "gap",
     "panel.boundary": "edge",
 }
+_OF_PACKS = {"plies": "panel.plies", "stacking": "panel.stacking", "gap": "panel.ply_gap", "ply_friction":
+    "panel.ply_friction"}  # fmt: skip
 NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
 # of sliding crossovers, which need a mesh of one element a crossover
 PINNED = {"panel.crossovers": '"pinned" where the mesh is chosen by [accuracy]'} | dict.fromkeys(
@@ -233,10 +235,13 @@ def _side(side):
     return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
 
 
-def in_file(problem: InputError, file: FilePath | None) -> InputError:
-    """An InputError of an object that does not know its file, with the scene's file and key in it."""
+def in_file(problem: InputError, file: FilePath | None, pack: bool = False) -> InputError:
+    """An InputError of an object that does not know its file, with the scene's file and key in it; `pack`: of a Pack,
+    whose gap is that between plies."""
     if problem.file is not None:
         return problem
+    if pack and problem.key in _OF_PACKS:
+        return InputError(file=file, key=_OF_PACKS[problem.key], value=problem.value, allowed=problem.allowed)
     tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run", "cfl": "numerics"}
     in_panel = ("opening", "symmetry", "weave_angle", "grading", "crossovers", "yarn_failure")
     tables |= dict.fromkeys(in_panel, "panel")

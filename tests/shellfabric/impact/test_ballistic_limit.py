@@ -1,6 +1,7 @@
 """Critical velocity: the bisection on made-up outcomes and on a panel, the same with any number of workers."""
 
 import threading
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -11,6 +12,8 @@ from shellfabric.cable.smith import smith, striking_velocity
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.ballistic_limit import Bracket, Limit, Shot
 from shellfabric.panel.model import Numerics
+from shellfabric.plies.model import Pack
+from shellfabric.plies.solver import PackSolver
 
 
 def made_up(velocity, outcome):
@@ -119,11 +122,14 @@ def test_a_good_guess_with_a_small_step_saves_shots(pretend):
     assert len(found.shots) < len(ballistic_limit.critical_velocity(None, guess=101.0, tolerance=0.5).shots)
 
 
-def test_first_guess_is_a_share_of_smiths(fabric):
-    yarn = fabric.weave.warp
+def test_first_guess_is_a_share_of_smiths_and_rises_with_the_plies(small):
+    panel = small()
+    yarn = panel.weave.warp
     at_once = striking_velocity(yarn.wave_speed, yarn.failure_strain)
     assert smith(yarn, at_once).strain == pytest.approx(yarn.failure_strain, rel=1e-9)
-    assert 0 < ballistic_limit.first_guess(fabric) < at_once
+    one, eight = ballistic_limit.first_guess(panel), ballistic_limit.first_guess(Pack.stacked(panel, 8, gap=1e-4))
+    assert 0 < one < at_once
+    assert one < eight < 4 * one
 
 
 def test_a_panel(small):
@@ -147,6 +153,31 @@ def test_a_panel(small):
             same.residual_velocity, same.time, same.peak_tension
         )  # fmt: skip
     assert again[1].failed > 0
+
+
+@pytest.mark.parametrize("stacking", ["aligned", "alternating"])
+def test_a_pack(small, stacking):
+    """Two plies stop more than one; a shot is that of the pack's own solver, whatever the workers."""
+    panel = small()
+    pack = Pack.stacked(panel, 2, stacking=stacking, gap=1e-4)
+    found = ballistic_limit.critical_velocity(pack, tolerance=8.0, jobs=2)
+    alone = ballistic_limit.critical_velocity(panel, tolerance=8.0)
+    assert found.low > alone.high
+    shot = next(shot for shot in found.shots if shot.perforated)
+    (again,) = ballistic_limit.shoot(pack, [shot.strike_velocity])
+    assert replace(again, wall_time=0.0) == replace(shot, wall_time=0.0)
+    solver = PackSolver(pack, shot.strike_velocity, 5e-3, interval=10e-6).run()
+    assert shot.residual_velocity == solver.residual_velocity
+    assert shot.peak_tension == tuple(solver.peaks.max(axis=0))
+    assert shot.failed == solver.sample("failed_yarns")[-1]
+
+
+def test_plies_that_are_one_stay_one_on_one_thread(small):
+    pack = Pack.stacked(small(), 4, stacking="alternating", gap=1e-4)
+    alike = ballistic_limit._on_one_thread(pack)
+    assert [id(ply) == id(alike.plies[0]) for ply in alike.plies] == [True, False, True, False]
+    assert {ply.numerics.threads for ply in alike.plies} == {1}
+    assert ballistic_limit._on_one_thread(small(numerics=Numerics(threads=2))).numerics.threads == 2
 
 
 def test_cloth_that_nothing_holds_has_no_limit(small):

@@ -15,7 +15,7 @@ from shellfabric.impact import single_ply
 from shellfabric.impact.pack import PackSetup
 from shellfabric.impact.pack import run as run_pack
 from shellfabric.impact.single_ply import ImpactSetup
-from weavecell.analysis.uncertainty import draws, inputs, v50
+from weavecell.analysis.uncertainty import draws, inputs, strengths
 from weavecell.cli import app
 from weavecell.commands.uncertainty import draws_table
 
@@ -33,6 +33,7 @@ opening = "30.6 mm"
 end_time = "60 us"
 """
 ALIKE = replace(inputs.published(), shape=inf)
+ALIKE_BUT_STRENGTH = replace(inputs.published(), modulus=0.0, crimp=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -65,20 +66,33 @@ def test_statistics_are_those_of_textbooks():
 
 def test_every_yarn_of_every_ply_is_drawn(setup):
     """Ply p of draw k has the strengths of number k N + p: no two are alike, and none depends on the others."""
-    pack = PackSetup(replace(setup, symmetry="whole", elements_per_crossover=1), 2, "alternating", 1e-4).pack()
-    scatter = inputs.published()
-    (first, weakest), (second, _) = (draws.drawn(ply, scatter, 7, 2 * 3 + p) for p, ply in enumerate(pack.plies))
-    shape = pack.plies[0]
-    lengths = [n * d for n, d in zip(shape.counts, shape.spacing)]
-    _, wanted = v50.draw(shape.fabric, scatter, 7, 6, shape.yarn_counts, lengths)
-    np.testing.assert_array_equal(first.strength_factors[0], wanted[0])
-    assert weakest == min(part.min() for part in first.strength_factors)
-    assert not np.isin(second.strength_factors[0], first.strength_factors).any()
+    given = PackSetup(replace(setup, elements_per_crossover=1), 2, "alternating", 1e-4)
+    drawn = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 3)
+    first, second = drawn.panel.plies
+    for p, ply in enumerate((first, second)):
+        lengths = [n * d for n, d in zip(ply.counts, ply.spacing)]
+        _, wanted = strengths.draw(ply.fabric, ALIKE_BUT_STRENGTH, 7, 6 + p, ply.yarn_counts, lengths)
+        np.testing.assert_array_equal(ply.strength_factors[0], wanted[0])
+    assert drawn.weakest[0] == min(ply.strength_factors[0].min() for ply in (first, second))
+    assert not np.isin(second.strength_factors[0], first.strength_factors[0]).any()
+    assert drawn.factors == {"modulus": 1.0, "crimp_warp": 1.0, "crimp_weft": 1.0}
+
+
+def test_plies_of_a_draw_are_of_one_roll(setup):
+    """Modulus and crimp are one value for all plies of a draw, and scale the laws that a set-up names as well."""
+    given = PackSetup(replace(setup, elements_per_crossover=1), 2, gap=1e-4)
+    drawn = strengths.drawn(given, inputs.published(), 7, 3)
+    one, other = drawn.panel.plies
+    assert one.fabric == other.fabric
+    assert one.fabric.weave.warp.E == pytest.approx(setup.fabric.weave.warp.E * drawn.factors["modulus"])
+    assert drawn.factors["modulus"] != 1
+    laws = inputs.changed_setup(replace(setup, laws=setup.fabric.laws), compression_a=2.0).laws
+    assert laws[0].a == 2 * setup.fabric.laws[0].a
 
 
 @pytest.mark.parametrize("plies", [1, 2])
 def test_without_scatter_every_draw_is_the_shot_at_the_whole_panel(setup, tmp_path, plies):
-    whole = draws.whole(setup)
+    whole = strengths.whole(setup)
     assert whole.symmetry == "whole"
     given = setup if plies == 1 else PackSetup(setup, plies)
     plain = single_ply.run(whole) if plies == 1 else run_pack(replace(given, ply=whole))

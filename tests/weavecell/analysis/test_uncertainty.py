@@ -14,9 +14,13 @@ from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.analysis.uncertainty import inputs, probit, sobol, v50
+from weavecell.analysis.uncertainty import inputs, probit, protocol, sobol, strengths, v50
 
 OPENING = 0.0306
+
+
+def setup_of(fabric, opening, **others):
+    return ImpactSetup(fabric, 1.0, opening=opening, **others)
 
 
 @pytest.fixture(scope="module")
@@ -86,13 +90,13 @@ def test_separated_shots():
 def test_drawn_strengths(fabric):
     """Mean of the fabric's strength at the gauge length, the known deviation, and weaker by length^(-1/m)."""
     scatter, n = v50.Scatter(shape=14.3, gauge_length=0.2), 200_000
-    _, (short, long) = v50.draw(fabric, scatter, 1, 0, (n, n), (0.2, 0.4))
+    _, (short, long) = strengths.draw(fabric, scatter, 1, 0, (n, n), (0.2, 0.4))
     m = scatter.shape
     deviation = (gamma(1 + 2 / m) / gamma(1 + 1 / m) ** 2 - 1) ** 0.5
     assert short.mean() == pytest.approx(1.0, abs=1e-3)
     assert short.std() == pytest.approx(deviation, rel=0.01)
     assert long.mean() == pytest.approx(0.5 ** (1 / m), abs=1e-3)
-    factors, plain = v50.draw(fabric, v50.Scatter(), 1, 0, (3, 4), (0.2, 0.2))
+    factors, plain = strengths.draw(fabric, v50.Scatter(), 1, 0, (3, 4), (0.2, 0.2))
     assert factors == {"modulus": 1.0, "crimp_warp": 1.0, "crimp_weft": 1.0}
     assert all((part == 1).all() for part in plain)
 
@@ -120,7 +124,8 @@ def test_each_yarn_has_its_own_strength(panel, per):
 def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
     """The same draws; where elements are one crossover long each line has the strength of its yarn."""
     uniform, graded = (
-        v50.drawn_panel(fabric, inputs.published(), 1, 3, 0.08, zones)[0] for zones in (None, ((12, 1), (np.inf, 2)))
+        strengths.drawn(setup_of(fabric, 0.08, grading=zones), inputs.published(), 1, 3).panel
+        for zones in (None, ((12, 1), (np.inf, 2)))
     )
     for family, (all_yarns, lines) in enumerate(zip(uniform.strength_factors, graded.strength_factors)):
         half, places = all_yarns.size // 2, np.rint(graded.lines()[1 - family] / (2 * graded.weave.w[1 - family]))
@@ -128,9 +133,11 @@ def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
         assert np.count_nonzero(near) == 23
         np.testing.assert_array_equal(lines[near], all_yarns[half - 11 : half + 12])
         assert np.all(lines[~near] <= all_yarns[half + places[~near].astype(int)])
-    assert v50.fire(fabric, inputs.published(), 1, 3, 150.0, OPENING, ((np.inf, 1),)) == v50.fire(
-        fabric, inputs.published(), 1, 3, 150.0, OPENING
+    one, other = (
+        v50.fire(setup_of(fabric, OPENING, grading=zones), inputs.published(), 1, 3, 150.0)
+        for zones in (((np.inf, 1),), None)
     )
+    assert one == other
 
 
 def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
@@ -138,7 +145,7 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
     and most of what is stopped takes less time."""
     spared = []
     for number, velocity in enumerate(np.linspace(35.0, 75.0, 30)):
-        panel, _, _ = v50.drawn_panel(fabric, inputs.published(), 5, number, 0.06)
+        panel = strengths.drawn(setup_of(fabric, 0.06), inputs.published(), 5, number).panel
         one, two = (ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0] for x in (0.0, v50.STOPS_BELOW))
         assert (one.outcome, one.residual_velocity) == (two.outcome, two.residual_velocity)
         assert two.time == one.time if one.perforated else two.time <= one.time
@@ -155,8 +162,8 @@ def test_wrong_factors_are_refused(panel):
 
 def test_without_scatter_it_is_the_deterministic_limit(fabric, tmp_path):
     """On a panel with one limit: 30.6 mm has stops above perforations without any scatter, and so no sharp one."""
-    found = v50.study(fabric, v50.Scatter(), shots=16, batch=8, folder=tmp_path, opening=0.08)
-    panel = ImpactSetup(fabric, 1.0, opening=0.08, numerics=Numerics(threads=1)).panel()
+    found = v50.study(setup_of(fabric, 0.08), v50.Scatter(), shots=16, batch=8, folder=tmp_path)
+    panel = setup_of(fabric, 0.08, numerics=Numerics(threads=1)).panel()
     known = ballistic_limit.critical_velocity(panel, tolerance=1.0)
     assert found.deterministic == (known.low, known.high)
     curve = found.curves["probit"]
@@ -185,29 +192,68 @@ def test_the_curve_is_that_of_statsmodels(link):
 
 
 def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path):
-    scatter = inputs.published()
-    arguments = {"shots": 8, "batch": 4, "opening": OPENING, "tolerance": 10.0}
-    alone = v50.study(fabric, scatter, folder=tmp_path / "a", **arguments)
+    scatter, setup = inputs.published(), setup_of(fabric, OPENING)
+    arguments = {"shots": 8, "batch": 4, "tolerance": 10.0}
+    alone = v50.study(setup, scatter, folder=tmp_path / "a", **arguments)
     with ThreadPoolExecutor(3) as workers:
-        beside = v50.study(fabric, scatter, folder=tmp_path / "b", executor=workers, **arguments)
+        beside = v50.study(setup, scatter, folder=tmp_path / "b", executor=workers, **arguments)
     assert alone == beside
     told = []
-    again = v50.study(
-        fabric, scatter, folder=tmp_path / "a", report=lambda share, text: told.append(share), **arguments
-    )
+    again = v50.study(setup, scatter, folder=tmp_path / "a", report=lambda share, text: told.append(share), **arguments)
     assert again == alone
     assert told == [0.5, 1.0]  # nothing was run again: a report of each round as it is found on disk
 
 
 def test_a_small_study_and_what_it_resumes_from(fabric, tmp_path):
-    arguments = {"samples": 2, "folder": tmp_path, "opening": OPENING, "names": ("modulus", "failure_strain")}
-    found = sobol.study(fabric, (60.0, 170.0), **arguments)
+    arguments, setup = (
+        {"samples": 2, "folder": tmp_path, "names": ("modulus", "failure_strain")},
+        setup_of(fabric, OPENING),
+    )
+    found = sobol.study(setup, (60.0, 170.0), **arguments)
     assert [(one.velocity, one.quantity) for one in found] == [
         (v, name) for v in (60.0, 170.0) for name in sobol.QUANTITIES
     ]
     assert found[2].perforated == 1.0
     assert found[3].deviation > 0
     counts = []
-    again = sobol.study(fabric, (60.0, 170.0), report=lambda done, total: counts.append((done, total)), **arguments)
+    again = sobol.study(setup, (60.0, 170.0), report=lambda done, total: counts.append((done, total)), **arguments)
     assert counts == [(8, 8)]
     np.testing.assert_array_equal([one.total for one in again], [one.total for one in found])
+
+
+def test_short_series_of_tests_find_the_curve_they_are_fired_on():
+    """Their mean is V50 and 95 % of them lie in the range; on a steep curve they differ by the steps alone, and where
+    the zone of mixed outcomes is far wider than the span fewer have a result."""
+    random = np.random.default_rng(3)
+    V = random.uniform(150.0, 250.0, 400)
+    curve = probit.fit(V, random.uniform(size=V.size) < probit.LINKS["probit"].cdf((V - 200.0) / 8.0))
+    found = protocol.series(curve)
+    assert found == protocol.series(curve)
+    assert found != protocol.series(curve, seed=2)
+    assert found.mean == pytest.approx(curve.V50, abs=1.0)
+    assert found.low < curve.V50 < found.high
+    assert 6 <= found.shots <= protocol.MOST
+    assert found.share > 0.9
+    steep = protocol.series(replace(curve, s=0.1))
+    assert steep.deviation < found.deviation
+    assert protocol.series(replace(curve, s=200.0)).share < found.share
+
+
+def test_one_series_by_hand():
+    """Sure outcomes: steps of 30 m/s until the outcome changes, of 15 m/s after it; three and three within 40 m/s."""
+
+    class Sure:
+        V50 = 200.0
+
+        def probability(self, velocity):
+            return float(velocity > 200.0)
+
+    class Draws:
+        def uniform(self, low, high):
+            return high
+
+        def random(self):
+            return 0.5
+
+    # 230 P, 200 S, 215 P, 200 S, 215 P, 200 S: stops 200 x 3, perforations 215, 215, 230
+    assert protocol.one(Sure(), Draws()) == (pytest.approx((3 * 200 + 215 + 215 + 230) / 6), 6)

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import typing
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -310,10 +311,35 @@ def test_a_critical_velocity():
     assert found.fit is not None
     assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(s.strike_velocity for s in found.limit.shots)
     assert found.plot().axes[0].get_title(loc="left") == "S-720"
-    with pytest.raises(InputError, match="plies = 2"):
-        wc.critical_velocity("S-720", plies=2)
     with pytest.raises(InputError, match="end_time: must be left out"):
         wc.critical_velocity("S-720", end_time="1 ms")
+    with pytest.raises(InputError, match="opening: must be left out beside a set-up"):
+        wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1)
+
+
+@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
+def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
+    """Of a set-up and of keywords the same; without scatter V50 is the limit; shots are kept and taken again."""
+    panel = {"plies": 2, "ply_gap": "0.1 mm", "opening": "40 mm", "elements_per_crossover": 1}
+    search = {"tolerance": "10 m/s", "residual_shots": 0, "scan": False}
+    found = wc.critical_velocity("S-720", **search, **panel)
+    again = wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **search)
+    assert found.bracket == again.bracket
+    assert found.summary()["plies"] == 2
+    assert found.plot().axes[0].get_title(loc="left") == "2 x S-720"
+    alike = {"shots": 12, "batch": 6, "shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0, "folder": tmp_path}
+    curve = wc.v50("S-720", **alike, **panel)
+    assert curve.v50 == pytest.approx(found.velocity, abs=10.0)
+    assert curve.interval[0] <= curve.v50 <= curve.interval[1]
+    assert curve.summary()["shots"] == 12 == len(curve.to_dataframe())
+    assert curve.plot().axes[1].get_ylabel() == "residual velocity [m/s]"
+    before = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
+    assert wc.v50("S-720", **alike, **panel).study == curve.study
+    assert {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()} == before
+    with pytest.raises(InputError, match="history: must be left out"):
+        wc.v50("S-720", history={"warp": [0.0]})
+    with pytest.raises(InputError, match="the yarns do not fail"):
+        wc.v50("S-720", yarn_failure=False, folder=tmp_path)
 
 
 def test_the_stub_names_what_the_package_offers():

@@ -1,8 +1,7 @@
 """One scene shot many times at panels whose yarns differ in strength: mean, scatter, probability of perforation.
 
-Strengths are drawn as for the ballistic limit (`uncertainty.v50`): one of a Weibull distribution for every yarn of
-every ply, from (seed, number of the draw, ply) alone, so that nothing depends on the number of workers. Every yarn is
-drawn, so that the panel is whole, whatever part the scene models. All else is the scene's.
+Strengths are drawn as for the ballistic limit (`uncertainty.strengths`), from seed and number of the draw alone, so
+that nothing depends on the number of workers. All else is the scene's.
 
 The result of a single shot near the limit is a staircase in velocity and mesh, since yarns fail one by one; the mean
 over draws is not. It has the standard error s / sqrt(n). The share of perforations has Wilson's interval.
@@ -20,16 +19,13 @@ import numpy as np
 from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
-from shellfabric.impact import pack as impact_pack
-from shellfabric.impact import single_ply
-from shellfabric.panel.model import Panel
-from weavecell.analysis.uncertainty import v50
+from shellfabric.impact.pack import PackSetup, first_ply, run_any
+from weavecell.analysis.uncertainty import strengths
 from weavecell.analysis.uncertainty.inputs import Scatter
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from shellfabric.impact.pack import PackSetup
     from shellfabric.impact.single_ply import ImpactSetup
 
 # of a Draw: unit, words
@@ -144,38 +140,13 @@ class Draws:
         return {field.name: [getattr(one, field.name) for one in self.draws] for field in fields(Draw)}
 
 
-def drawn(panel: Panel, scatter: Scatter, seed: int, number: int) -> tuple[Panel, float]:
-    """(whole panel with the strengths of a number, factor of its weakest yarn).
-
-    Yarns have the length of the panel's sides, which those of an oblique weave have at most.
-    """
-    uniform = replace(panel, grading=None)
-    lengths = tuple(count * side for count, side in zip(uniform.counts, uniform.spacing))
-    _, strengths = v50.draw(panel.fabric, scatter, seed, number, uniform.yarn_counts, lengths)
-    lines = strengths if panel.sides is None else v50.of_lines(strengths, panel)
-    return replace(panel, strength_factors=lines), float(min(map(np.min, strengths)))
-
-
-def whole(setup: ImpactSetup | PackSetup) -> ImpactSetup | PackSetup:
-    """The set-up of the whole panel, which records nothing beside its samples, on one thread."""
-    if isinstance(setup, impact_pack.PackSetup):
-        return replace(setup, ply=whole(setup.ply))  # type: ignore[arg-type]
-    numerics = replace(setup.numerics, threads=1)
-    return replace(setup, symmetry="whole", history=None, snapshot_interval=None, numerics=numerics)
-
-
 def fire(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: int) -> Draw:
     """The shot of a number at the whole panel."""
+    drawn = strengths.drawn(setup, scatter, seed, number)
+    name = "pack" if isinstance(setup, PackSetup) else "panel"
     result: Any
     try:
-        if isinstance(setup, impact_pack.PackSetup):
-            pack = setup.pack(setup.ply.table(kept=True))
-            count = len(pack.plies)
-            found = [drawn(ply, scatter, seed, number * count + p) for p, ply in enumerate(pack.plies)]
-            result = impact_pack.run(setup, pack=replace(pack, plies=tuple(ply for ply, _ in found)))
-        else:
-            found = [drawn(setup.panel(setup.table(kept=True)), scatter, seed, number)]
-            result = single_ply.run(setup, panel=found[0][0])
+        result = run_any(setup, **{name: drawn.panel})
         outcome = result.outcome
     except UnstableError as problem:
         if problem.result is None:
@@ -185,8 +156,7 @@ def fire(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: in
     return Draw(
         number, outcome, float(result.residual_velocity),
         float(result.strike_energy - result.energies["kinetic_projectile"][-1]), float(warp), float(weft),
-        int(result.failed_segments[-1]), float(result.t[-1]), min(weakest for _, weakest in found),
-        float(result.energy_error_max),
+        int(result.failed_segments[-1]), float(result.t[-1]), min(drawn.weakest), float(result.energy_error_max),
     )  # fmt: skip
 
 
@@ -212,13 +182,11 @@ def study(
     ------
     InputError : a value that is not allowed, or yarns that do not fail
     """
-    ply = setup.ply if isinstance(setup, impact_pack.PackSetup) else setup
     if count < 2:
         raise InputError(key="draws", value=count, allowed="at least 2")
-    if not ply.failure:
-        raise InputError("strengths are drawn, and the yarns do not fail", key="yarn_failure", allowed="true")
-    given = whole(setup)
-    arguments = [(given, replace(scatter, modulus=0.0, crimp=0.0), seed, number) for number in range(count)]
+    alike, given = replace(scatter, modulus=0.0, crimp=0.0), strengths.whole(setup)
+    strengths.check(first_ply(given), alike)
+    arguments = [(given, alike, seed, number) for number in range(count)]
     found = run_cache.results(
         fire, arguments, folder=folder, executor=executor, jobs=jobs, batches=False, resume=resume, report=report
     )

@@ -6,7 +6,7 @@ Areal density changes mass alone, the stiffness of the yarns is kept, as in the 
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 from math import inf
@@ -15,6 +15,8 @@ from fabrics import variants
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.units import si
+from shellfabric.impact.pack import PackSetup, first_ply, with_ply
+from shellfabric.impact.single_ply import ImpactSetup
 
 STATUSES = ("measured", "derived", "corrected", "fitted", "assumed")
 FILE = "inputs.toml"
@@ -97,3 +99,20 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
     fabric = variants.scale_areal_density(fabric, f["areal_density"])
     fabric = variants.scale_laws(fabric, f["compression_a"], f["compression_b"])
     return variants.scale_shear(fabric, f["trellis_stiffness"], f["trellis_angles"])
+
+
+def changed_setup(setup: ImpactSetup | PackSetup, **factors: float) -> ImpactSetup | PackSetup:
+    """A set-up whose plies are of a fabric changed by `changed`, with the laws that it names changed alike.
+
+    Raises
+    ------
+    InputError : an unknown name
+    """
+    ply = first_ply(setup)
+    laws = (
+        ply.laws
+        and variants.scale_laws(
+            replace(ply.fabric, laws=ply.laws), *(factors.get(f"compression_{name}", 1.0) for name in "ab")
+        ).laws
+    )
+    return with_ply(setup, fabric=changed(ply.fabric, **factors), laws=laws)

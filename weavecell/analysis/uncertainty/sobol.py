@@ -5,17 +5,17 @@ the share that is gone when it alone is known last, S_Ti = 1 - Var(E(y | x_not i
 (Computer Physics Communications 181 (2010) 259), N (D + 2) of them, estimates and bootstrap intervals by SALib.
 
 What is looked at, at each strike velocity:
-- the projectile's velocity `INSTANT` after the strike. Of a shot that has perforated by then it is the residual
-  velocity; of one that is stopped, whose residual velocity is always 0, it is a smooth measure of the energy absorbed,
-  and the one by which the thesis's runs at +-20 % are compared;
-- the peak tension of any yarn of the panel, over the run.
+- the projectile's velocity `INSTANT` after the strike, or at the end of a shot that ends sooner. Of a shot that has
+  perforated by then it is the residual velocity; of one that is stopped, whose residual velocity is always 0, it is a
+  smooth measure of the energy absorbed, and the one by which the thesis's runs at +-20 % are compared;
+- the peak tension of any yarn of any ply, over the run.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,9 +23,8 @@ import numpy as np
 from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
-from fabrics.fabric import Fabric
-from shellfabric.impact.single_ply import ImpactSetup, run
-from shellfabric.panel.model import Numerics
+from shellfabric.impact.pack import PackSetup, first_ply, run_any, with_ply
+from shellfabric.impact.single_ply import ImpactSetup
 from weavecell.analysis.uncertainty import inputs
 
 INSTANT = 200e-6
@@ -89,43 +88,37 @@ def estimate(
 
 
 def shots(
-    fabric: Fabric, factors: Sequence[tuple[str, float]], velocities: Sequence[float], opening: float
+    setup: ImpactSetup | PackSetup, factors: Sequence[tuple[str, float]], velocities: Sequence[float]
 ) -> dict[tuple[float, str], float]:
     """One row of the sample: {(velocity, quantity): value} and, by (velocity, "perforated"), whether it did.
 
     Parameters
     ----------
-    fabric : Fabric
+    setup : ImpactSetup or PackSetup of any strike velocity
     factors : tuple of (name, factor)
     velocities : tuple of [m/s]
-    opening : [m]
     """
-    cloth, found = inputs.changed(fabric, **dict(factors)), {}
-    setups = [
-        ImpactSetup(cloth, velocity, opening=opening, numerics=Numerics(threads=1), table_size=TABLE)
-        for velocity in velocities
-    ]
-    table = setups[0].table()  # of the cell, whatever the velocity
-    for velocity, setup in zip(velocities, setups):
+    given, found = inputs.changed_setup(setup, **dict(factors)), {}
+    table = first_ply(given).table()  # of the cell, whatever the velocity
+    for velocity in velocities:
         try:
-            result = run(setup, table=table)
+            result: Any = run_any(with_ply(given, strike_velocity=velocity), table=table)
         except UnstableError as trouble:
             changes = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
             raise UnstableError(str(trouble), when=f"of the shot at {velocity:g} m/s with {changes}") from None
         found[velocity, "velocity"] = float(np.interp(INSTANT, result.t, np.maximum(result.v, 0.0)))
-        found[velocity, "peak tension"] = max(result.peak_tension)
+        found[velocity, "peak tension"] = float(np.max(result.peak_tension))
         found[velocity, "perforated"] = result.outcome == "perforated"
     return found
 
 
 def study(
-    fabric: Fabric,
+    setup: ImpactSetup | PackSetup,
     velocities: Sequence[float],
     *,
     samples: int,
     folder: FilePath,
     seed: int = 1,
-    opening: float = 0.203,
     names: Sequence[str] | None = None,
     executor: str | Executor = "local",
     jobs: int = 1,
@@ -135,12 +128,11 @@ def study(
 
     Parameters
     ----------
-    fabric : Fabric
+    setup : ImpactSetup or PackSetup of any strike velocity; what it records is not used
     velocities : [m/s]
     samples : N, a power of 2
     folder : Path of the runs
     seed : of the sample and of the bootstrap
-    opening : [m]
     names : inputs to vary; all of inputs.toml if None
     executor, jobs, report : as of `run_cache.results`
 
@@ -155,8 +147,15 @@ def study(
         entries = {name: entries[name] for name in names}
     given = problem(entries)
     rows = sample(given, samples, seed)
+    ply = first_ply(setup)
+    if ply.surface is not None:
+        raise InputError("a response surface holds for one fabric", key="surface", allowed="left out")
+    numerics = replace(ply.numerics, threads=1)
+    plain = with_ply(
+        setup, strike_velocity=1.0, history=None, snapshot_interval=None, numerics=numerics, table_size=TABLE
+    )
     runs = [
-        (fabric, tuple((name, round(float(x), _DIGITS)) for name, x in zip(entries, row)), tuple(velocities), opening)
+        (plain, tuple((name, round(float(x), _DIGITS)) for name, x in zip(entries, row)), tuple(velocities))
         for row in rows
     ]
     found = run_cache.results(shots, runs, folder=folder, executor=executor, jobs=jobs, report=report)

@@ -1,0 +1,103 @@
+"""The ballistic limit of a panel or pack with what is reported of it: scan, residual velocities, range over laws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shellfabric.impact import ballistic_limit, lambert_jonas, limit_scan
+from shellfabric.impact.ballistic_limit import Limit, Shot
+from shellfabric.impact.lambert_jonas import LambertJonas
+from shellfabric.impact.limit_scan import ScanRange
+from shellfabric.impact.pack import PackSetup, first_ply, panel_of
+from shellfabric.impact.single_ply import ImpactSetup
+from weavecell.analysis import assumed_range
+from weavecell.analysis.assumed_range import AssumedRange
+
+CURVE = (
+    1.03,
+    2.0,
+)  # first and last shot of the residual velocities, times the velocity above which all shots perforate
+
+# called with a title; a context whose value is called as report(share of the work done, Shot or None)
+Stage = Callable[[str], AbstractContextManager[Callable[..., object]]]
+
+
+@dataclass(frozen=True)
+class Found:
+    """What was found.
+
+    Parameters
+    ----------
+    limit : Limit, with all shots
+    fit : Lambert-Jonas fit to the perforations, or None where they are too few
+    range : AssumedRange of the critical velocity; None where nothing is assumed, or it was not asked for
+    """
+
+    limit: Limit
+    fit: LambertJonas | None
+    range: AssumedRange | None
+
+
+def search(
+    setup: ImpactSetup | PackSetup, *, tolerance: float, residual_shots: int, scan: ScanRange | None, with_range: bool,
+    jobs: int, executor: str, stage: Stage | None = None, keep: Callable[[Shot], object] | None = None,
+) -> Found:  # fmt: skip
+    """Bisect, scan about the bracket, fire residual shots, fit them, and repeat the search over assumed laws.
+
+    Parameters
+    ----------
+    setup : ImpactSetup or PackSetup of any strike velocity
+    tolerance, jobs, executor : as of `ballistic_limit.critical_velocity`
+    residual_shots : number of shots above the limit
+    scan : range about the bracket that is scanned for mixed outcomes; None for no scan
+    with_range : whether the range over assumed laws is computed
+    stage : progress of each stage
+    keep : called with each shot as it ends
+
+    Raises
+    ------
+    InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`
+    """
+    stage = stage or (lambda title: nullcontext(lambda *_: None))
+    panel, name = panel_of(setup), first_ply(setup).fabric.name
+    beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
+
+    def shots(advance):
+        def report(share, shot):
+            if keep is not None:
+                keep(shot)
+            advance(share, shot)
+
+        return beside | {"report": report}
+
+    with stage(f"{name}, critical velocity") as advance:
+        limit = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **shots(advance))
+    if scan is not None and scan.ladder(limit):
+        with stage("Scan about the bracket") as advance:
+            limit = limit_scan.scan(panel, limit, scan, **shots(advance))
+    if residual_shots:
+        with stage("Residual velocities") as advance:
+            strikes = max(limit.high, limit.highest_stop) * np.geomspace(*CURVE, residual_shots)
+            limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **shots(advance)))
+    ply, around = first_ply(setup), None
+    if with_range and assumed_range.corners(ply.fabric, ply.laws):
+        with stage("Range over the assumed laws") as advance:
+            around = assumed_range.critical_velocity(
+                setup, limit.velocity, tolerance=tolerance, on_progress=lambda share: advance(share, None), **beside
+            )
+    return Found(limit, fit(limit), around)
+
+
+def fit(limit: Limit) -> LambertJonas | None:
+    """Lambert-Jonas fit to the perforations, with the bracket's middle as its limit if there is a single limit; None
+    where the perforations are too few."""
+    through = [shot for shot in limit.shots if shot.perforated]
+    if len(through) <= (2 if limit.single else 3):
+        return None
+    velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in through))
+    return lambert_jonas.fit(*velocities, limit=limit.velocity if limit.single else None)

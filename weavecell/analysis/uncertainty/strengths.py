@@ -1,0 +1,149 @@
+"""Panels and packs whose yarns differ in strength, drawn from a seed and a number alone.
+
+A yarn has one strength T_u all along, of a Weibull distribution of shape m,
+
+    F(T) = 1 - exp(-(L / L0) (T / T0)^m)
+
+over its length L in the panel; at the gauge length L0 its mean T0 Gamma(1 + 1/m) is the strength of the fabric's yarn,
+so that a longer yarn is weaker by (L0 / L)^(1/m). Since the drawn value, that of the weakest place of the whole yarn,
+is held against its tension everywhere, the yarn is taken as weak where the projectile strikes: the limit is on the safe
+side. Modulus, and the crimp of either family, are one log-normal value for all plies, which are cut from one roll.
+Every yarn of every ply is drawn: panels are whole.
+
+On a graded panel (`shellfabric.panel.grading`) the yarns are drawn as on the uniform one; a line that stands for
+several yarns has the strength of the weakest of them. Yarns of an oblique weave have the length of the panel's sides,
+which is the most that they can have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import gamma, inf, log, sqrt
+
+import numpy as np
+
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from shellfabric.impact.ballistic_limit import plies
+from shellfabric.impact.pack import PackSetup, first_ply, panel_of, with_ply
+from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel import grading as grading_of_panels
+from shellfabric.panel.model import Panel
+from shellfabric.plies.model import Pack
+from weavecell.analysis.uncertainty.inputs import Scatter, changed_setup
+
+_SMALL = 11  # samples a side of a cell's table that no run uses
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One drawn panel.
+
+    Parameters
+    ----------
+    panel : whole Panel or Pack
+    factors : {"modulus", "crimp_warp", "crimp_weft": factor [-] of all plies}
+    weakest : (warp, weft) [-] factor on the strength of the weakest yarn of any ply
+    """
+
+    panel: Panel | Pack
+    factors: dict[str, float]
+    weakest: tuple[float, float]
+
+
+def whole(setup: ImpactSetup | PackSetup) -> ImpactSetup | PackSetup:
+    """The set-up of the whole panel, which records nothing beside its samples, on one thread."""
+    numerics = replace(first_ply(setup).numerics, threads=1)
+    return with_ply(setup, symmetry="whole", history=None, snapshot_interval=None, numerics=numerics)
+
+
+def drawn(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: int) -> Drawn:
+    """The panel or pack of a number.
+
+    Raises
+    ------
+    InputError : yarns that do not fail, or a response surface where modulus or crimp scatter
+    """
+    given = whole(setup)
+    ply = first_ply(given)
+    check(ply, scatter)
+    plain = plies(panel_of(with_ply(given, table_size=_SMALL)))
+    found = [draw(ply.fabric, scatter, seed, number * len(plain) + p, *_yarns(one)) for p, one in enumerate(plain)]
+    factors = found[0][0]
+    if all(factor == 1 for factor in factors.values()):
+        table = ply.table(kept=True)
+    else:
+        given = changed_setup(given, **factors)
+        table = first_ply(given).table()
+    panel = panel_of(given, table)
+    own = tuple(
+        replace(one, strength_factors=strengths if one.sides is None else of_lines(strengths, one))
+        for one, (_, strengths) in zip(plies(panel), found)
+    )
+    warp, weft = (min(float(strengths[family].min()) for _, strengths in found) for family in (0, 1))
+    return Drawn(replace(panel, plies=own) if isinstance(panel, Pack) else own[0], factors, (warp, weft))
+
+
+def check(ply: ImpactSetup, scatter: Scatter) -> None:
+    """InputError where the strengths of these plies cannot be drawn."""
+    if not ply.failure:
+        raise InputError("strengths are drawn, and the yarns do not fail", key="yarn_failure", allowed="true")
+    if ply.surface is not None and (scatter.modulus or scatter.crimp):
+        raise InputError(
+            "a response surface holds for one modulus and one crimp", key="scatter of modulus and crimp", allowed="0"
+        )
+
+
+def _yarns(panel):
+    """((warp, weft) yarns of a panel, (warp, weft) [m] of one)."""
+    uniform = replace(panel, grading=None)
+    return uniform.yarn_counts, tuple(count * side for count, side in zip(uniform.counts, uniform.spacing))
+
+
+def draw(
+    fabric: Fabric, scatter: Scatter, seed: int, number: int, counts: Sequence[int], lengths: Sequence[float]
+) -> tuple[dict[str, float], tuple[np.ndarray, ...]]:
+    """A panel's factors, from its number alone.
+
+    Parameters
+    ----------
+    fabric : Fabric, whose crimp bounds what is drawn
+    counts : (warp, weft) yarns
+    lengths : (warp, weft) [m] of a yarn in the panel
+
+    Returns
+    -------
+    ({"modulus", "crimp_warp", "crimp_weft": factor}, (warp, weft) (n,) factors on the strength of each yarn)
+    """
+    random = np.random.default_rng([seed, number])
+    normal = random.standard_normal(3)
+    factors = {
+        name: _log_normal(spread, z)
+        for name, spread, z in zip(
+            ("modulus", "crimp_warp", "crimp_weft"), (scatter.modulus, scatter.crimp, scatter.crimp), normal
+        )
+    }
+    uniform = tuple(random.uniform(size=count) for count in counts)
+    m = scatter.shape
+    if m == inf:
+        return factors, tuple(np.ones(count) for count in counts)
+    return factors, tuple(
+        (scatter.gauge_length / L) ** (1 / m) / gamma(1 + 1 / m) * (-np.log1p(-u)) ** (1 / m)
+        for L, u in zip(lengths, uniform)
+    )
+
+
+def _log_normal(spread, z):
+    """Mean 1, standard deviation `spread`, from a standard normal z."""
+    variance = log(1 + spread**2)
+    return float(np.exp(sqrt(variance) * z - 0.5 * variance))
+
+
+def of_lines(strengths: Sequence[np.ndarray], panel: Panel) -> tuple[np.ndarray, ...]:
+    """(warp, weft) strength factors of the lines of a graded panel, from those of all yarns."""
+    found = []
+    for factors, x, w, lines in zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_lines[::-1]):
+        axes = np.rint(x[lines.yarn >= 0] / (2 * w))
+        found.append(grading_of_panels.weakest(factors, axes))
+    return tuple(found)

@@ -1,0 +1,133 @@
+"""What a command shoots at: an input file, a fabric of the catalogue, or a fabric file.
+
+A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and clamped, struck by the flat cylinder of
+3 g and 5.5 mm (`demo.toml`).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from weavecell.scenes import build, toml_writer, words
+from weavecell.scenes import impact as scenes
+from weavecell.scenes.supported import Support
+
+ALLOWED = "an input file or fabric file (*.toml), or one of "
+_OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is shot at.
+
+    Parameters
+    ----------
+    case : build.Case
+    setup : ImpactSetup, or PackSetup of several plies
+    text : of the input file; that of a fabric is the standard one
+    name : as it was given
+    from_file : whether it is an input file
+    """
+
+    case: build.Case
+    setup: Any
+    text: str
+    name: str
+    from_file: bool
+
+    @property
+    def title(self) -> str:
+        """The fabric, with the number of its plies."""
+        plies = self.case.scene.panel.plies
+        return f"{plies} x {self.case.fabric.name}" if plies > 1 else self.case.fabric.name
+
+    @property
+    def projectile(self) -> str:
+        """The projectile in words."""
+        return words.shot_in_words(self.case.scene.projectile)
+
+    def in_file(self, problem: InputError) -> InputError:
+        """An InputError with the file and its key in it."""
+        return build.in_file(problem, self.name, pack=self.case.scene.panel.plies > 1)
+
+
+def support(one: Support, pack: Support) -> Callable[[scenes.Scene], Support]:
+    """The declaration that holds for a scene: that of one ply, or of a pack."""
+    return lambda scene: pack if scene.panel.plies > 1 else one
+
+
+def supports(
+    command: str, *, honoured: tuple[str, ...] = (), ignored: tuple[str, ...] = (),
+    rejected: Mapping[str, str] | None = None,
+) -> tuple[Support, Support]:  # fmt: skip
+    """(Support of one ply, of a pack) of a command that shoots at a target many times.
+
+    Parameters
+    ----------
+    command, ignored, rejected : as of Support
+    honoured : keys beside those of `build.SHOT`, grading and crossovers
+    """
+    keys = (*build.SHOT, "panel.grading", *build.CROSSOVERS, *honoured)
+    refused = build.NO_SLACK | dict(rejected or {})
+    refused |= {"accuracy": "left out: the shots are computed on the mesh of the scene"}
+    alone = dict.fromkeys(build.OF_A_PACK, "left out for a single ply")
+    return (
+        Support(
+            command, scenes.Scene, (*keys, "panel.plies"), ignored, refused | alone, build.SHOT_RULES
+        ),
+        Support(
+            command, scenes.Scene, (*keys, "panel.plies", *build.OF_A_PACK), ignored, refused, build.PACK_RULES
+        ),
+    )  # fmt: skip
+
+
+def read(name: str, out: Path, check: Any, **panel: Any) -> Target:
+    """The target of a name.
+
+    Parameters
+    ----------
+    name : of a file or a fabric
+    out : folder of the results, from which the standard scene of a fabric file is named
+    check : Support, or a function that gives it from the scene
+    panel : keys of [panel] of the standard scene, as they are written; those that are None are left out
+
+    Raises
+    ------
+    InputError : no such file or fabric, a wrong one, a key that the command does not honour, or keys of a panel beside
+        an input file, which has its own
+    """
+    stem, given = Path(name).stem, {key: value for key, value in panel.items() if value is not None}
+    if name in catalogue.list_names():
+        fabric = {"name": name}
+    elif name.endswith(".toml"):
+        text, found = scenes.read_toml(name, what="scene or fabric")
+        if _OF_A_SCENE & set(found):
+            for key, value in given.items():
+                raise InputError(key=f"--{key}", value=value, allowed=f"left out: panel.{key} of {name} has it")
+            return _target(scenes.check(found, name, check), name, stem, text, from_file=True)
+        catalogue.read(name)
+        fabric = {"file": os.path.relpath(name, out)}
+    else:
+        raise InputError(key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names()))
+    demo: Any = resources.files("weavecell") / "scenes" / "demo.toml"
+    standard = scenes.read_toml(demo, what="demonstration")[1]["scene"]
+    own = {key: value for key, value in (standard["fabric"] | {"name": None} | fabric).items() if value is not None}
+    table = {**standard, "fabric": own, "panel": standard["panel"] | given}
+    if "grading" in given:
+        table["run"] = {key: value for key, value in standard["run"].items() if key != "elements_per_crossover"}
+    return _target(scenes.check(table, out / "scene.toml", check), name, stem, toml_writer.dumps(table))
+
+
+def _target(scene, name, stem, text, from_file=False):
+    case = build.build(scene, name, stem)
+    setup = build.setup(case, name)
+    if scene.panel.plies > 1:
+        setup = build.pack_setup(setup, scene.panel)
+    return Target(case, setup, text, name, from_file)
