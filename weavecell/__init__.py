@@ -44,6 +44,8 @@ __all__ = [
     "draws",
     "fabric",
     "fabrics",
+    "projectile",
+    "projectiles",
     "setup",
     "shoot",
     "sweep",
@@ -55,7 +57,17 @@ _MODULES = {
     "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
     "weavecell.api.result": ("Result",),
     "weavecell.api.results": ("CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"),
-    "weavecell.api.runs": ("critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep"),
+    "weavecell.api.runs": (
+        "critical_velocity",
+        "draws",
+        "fabric",
+        "fabrics",
+        "projectile",
+        "projectiles",
+        "setup",
+        "shoot",
+        "sweep",
+    ),
     "fabrics.errors": ("DoubtfulResult", "InputError", "UndecidedError", "UnstableError"),
 }
 

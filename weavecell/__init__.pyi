@@ -5,7 +5,17 @@ from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
 from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult
-from weavecell.api.runs import critical_velocity, draws, fabric, fabrics, setup, shoot, sweep
+from weavecell.api.runs import (
+    critical_velocity,
+    draws,
+    fabric,
+    fabrics,
+    projectile,
+    projectiles,
+    setup,
+    shoot,
+    sweep,
+)
 
 __all__ = [
     "CalibrationResult",
@@ -26,6 +36,8 @@ __all__ = [
     "draws",
     "fabric",
     "fabrics",
+    "projectile",
+    "projectiles",
     "setup",
     "shoot",
     "sweep",
