@@ -45,6 +45,8 @@ __all__ = [
     "draws",
     "fabric",
     "fabrics",
+    "projectile",
+    "projectiles",
     "setup",
     "shoot",
     "sweep",
@@ -57,7 +59,18 @@ _MODULES = {
     "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
     "weavecell.api.result": ("Result",),
     "weavecell.api.results": ("CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult", "V50Result"),
-    "weavecell.api.runs": ("critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep", "v50"),
+    "weavecell.api.runs": (
+        "critical_velocity",
+        "draws",
+        "fabric",
+        "fabrics",
+        "projectile",
+        "projectiles",
+        "setup",
+        "shoot",
+        "sweep",
+        "v50",
+    ),
     "fabrics.errors": ("DoubtfulResult", "InputError", "UndecidedError", "UnstableError"),
 }
 

@@ -5,7 +5,18 @@ from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
 from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
-from weavecell.api.runs import critical_velocity, draws, fabric, fabrics, setup, shoot, sweep, v50
+from weavecell.api.runs import (
+    critical_velocity,
+    draws,
+    fabric,
+    fabrics,
+    projectile,
+    projectiles,
+    setup,
+    shoot,
+    sweep,
+    v50,
+)
 
 __all__ = [
     "CalibrationResult",
@@ -27,6 +38,8 @@ __all__ = [
     "draws",
     "fabric",
     "fabrics",
+    "projectile",
+    "projectiles",
     "setup",
     "shoot",
     "sweep",

@@ -176,6 +176,7 @@ COMMANDS = (
     "--version",
     "fabrics list --out list.csv",
     "fabrics show S-728 --out own",
+    "projectiles list",
     "impact ply.toml --out ply",
     "impact pack.toml --out pack",
     "impact accuracy.toml --explain",

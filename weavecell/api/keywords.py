@@ -1,8 +1,9 @@
 """Keywords of an impact in the Python interface: the keys of the input file, checked by its schema.
 
 The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables [projectile], [history],
-[numerics] and [backing] are dicts. A number stands for a quantity in SI units; everything else is written as in the
-file. `Keywords` names them for editors and type checkers; a test holds it against the schema.
+[numerics] and [backing] are dicts; a projectile may be just its name. A number stands for a quantity in SI units;
+everything else is written as in the file. `Keywords` names them for editors and type checkers; a test holds it against
+the schema.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class Keywords(TypedDict, total=False):
     surface: ResponseSurface | FilePath | None
     bending: Quantity
     weaving_damage: Mapping[str, Number | str] | None
-    projectile: Mapping[str, Quantity] | None
+    projectile: Mapping[str, Quantity] | str | None
     opening: Quantity | tuple[Quantity, Quantity] | list[Quantity]
     boundary: Literal["clamped", "free"] | Mapping[str, Side]
     symmetry: Literal["quarter", "half", "whole"]
@@ -122,9 +123,11 @@ def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
             table[key] = value
     for name, keys in _OBJECTS.items():
         table[name] |= {key: _stand_in(table[name][key]) for key in keys if key in table[name]}
+    if isinstance(table["projectile"], str):
+        table["projectile"] = {"name": table["projectile"]}
     if not isinstance(table["projectile"], Mapping) or "strike_velocity" in table["projectile"]:
         raise InputError(
-            key="projectile", value=table["projectile"], allowed="a dict of its keys, without strike_velocity"
+            key="projectile", value=table["projectile"], allowed="a name, or a dict of its keys without strike_velocity"
         )
     struck = {} if velocity is None else {"strike_velocity": velocity}
     table["projectile"] = {**table["projectile"], **struck}

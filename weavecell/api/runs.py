@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import assumed, catalogue
+from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
@@ -24,7 +25,18 @@ if TYPE_CHECKING:
     from shellfabric.impact.pack import PackSetup
     from shellfabric.impact.single_ply import ImpactSetup
 
-__all__ = ["critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep", "v50"]
+__all__ = [
+    "critical_velocity",
+    "draws",
+    "fabric",
+    "fabrics",
+    "projectile",
+    "projectiles",
+    "setup",
+    "shoot",
+    "sweep",
+    "v50",
+]
 
 
 def fabrics() -> tuple[str, ...]:
@@ -63,6 +75,37 @@ def fabric(name: FilePath, *, linear_density: Literal["effective", "nominal"] = 
     return with_linear_density(catalogue.load(name), linear_density)
 
 
+def projectiles() -> tuple[str, ...]:
+    """Names of the projectiles: fragment simulators, right circular cylinders, spheres.
+
+    Examples
+    --------
+    >>> projectiles()[3]
+    'FSP 1.10 g'
+    """
+    return projectile_data.list_names()
+
+
+def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
+    """A projectile by name, as the dict that `setup` and what takes its keywords take for `projectile`.
+
+    Parameters
+    ----------
+    name : of `projectiles`; the name alone will do as well: projectile="FSP 1.10 g"
+    changes : keys of [projectile] in the input file that are added to its data or replace them
+
+    Raises
+    ------
+    InputError : no such projectile
+
+    Examples
+    --------
+    >>> projectile("FSP 1.10 g", obliquity="30 deg")["diameter"]
+    '5.46 mm'
+    """
+    return projectile_data.table(name, changes)
+
+
 def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Keywords]) -> ImpactSetup | PackSetup:
     """The set-up of one impact, for `sweep` or `shellfabric`.
 
@@ -76,8 +119,9 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
         ply_contact, ply_friction, yarn_failure, grading, crossovers, crossover_friction, crossover_cohesion; end_time
         (default 800 us), elements_per_crossover, snapshot_interval (default: only the shape at the end). The tables
         [projectile], [history], [numerics] and [backing] are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm",
-        "edge_radius": "0.3 mm"}, whose three keys are required as in the file; without it the projectile is the flat
-        cylinder of 3 g and 5.5 mm with an edge radius of 0.3 mm. law is a CompressionLaw of both families, a pair
+        "edge_radius": "0.3 mm"}, whose three keys are required as in the file; projectile="FSP 1.10 g" or {"name":
+        "FSP 1.10 g", ...} is one of `projectiles`; without it the projectile is the flat cylinder of 3 g and 5.5 mm
+        with an edge radius of 0.3 mm. law is a CompressionLaw of both families, a pair
         (warp, weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult; without it that of
         the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
 

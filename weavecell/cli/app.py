@@ -45,6 +45,8 @@ app = typer.Typer(
 )
 fabrics_app = typer.Typer(no_args_is_help=True, help="The fabrics of the catalogue.", rich_markup_mode="rich")
 app.add_typer(fabrics_app, name="fabrics", epilog="Example: [bold]weavecell fabrics list[/bold]")
+projectiles_app = typer.Typer(no_args_is_help=True, help="The projectiles by name.", rich_markup_mode="rich")
+app.add_typer(projectiles_app, name="projectiles", epilog="Example: [bold]weavecell projectiles list[/bold]")
 
 INTERRUPTED = 130
 
@@ -145,6 +147,26 @@ def fabrics_show(
 
 
 fabrics_app.command("new", epilog=new_fabric.EPILOG)(new_fabric.new)
+
+
+@projectiles_app.command("list", epilog="Example: [bold]weavecell projectiles list[/bold]")
+def projectiles_list(
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Also write it as CSV.", metavar="FILE.csv")] = None,
+) -> None:
+    """Fragment simulators, cylinders and spheres that an input file may name, one line each."""
+    from weavecell.commands import projectiles as commands_projectiles
+
+    commands_projectiles.show_all(out)
+
+
+@projectiles_app.command("show", epilog='Example: [bold]weavecell projectiles show "FSP 1.10 g"[/bold]')
+def projectiles_show(
+    projectile: Annotated[str, typer.Argument(metavar="PROJECTILE", help="A name of the list.")],
+) -> None:
+    """One projectile: where each number comes from."""
+    from weavecell.commands import projectiles as commands_projectiles
+
+    commands_projectiles.show(projectile)
 
 
 def main(arguments: Iterable[str] | None = None) -> NoReturn:

@@ -82,7 +82,6 @@ def critical_velocity(
     this, began = target.read(name, out, target.support(SUPPORT, PACK_SUPPORT)), time.perf_counter()
     shots: list[Any] = []
     scan = scan or ScanRange()
-    print(f"projectile: {this.projectile}")
     try:
         found = limit_search.search(
             this.setup, tolerance=tolerance, residual_shots=curve, scan=scan, with_range=with_range, jobs=jobs,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import shutil
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from fabrics import assumed, catalogue
@@ -33,7 +34,7 @@ def show_all(out: Path | None = None) -> None:
         with write_whole(out) as file:
             csv.writer(file).writerows([[f"{name} [{unit}]" if unit else name for name, unit, _ in _COLUMNS], *rows])
     heads = [f"{name}\n[dim]{unit}[/]" for name, unit, _ in _COLUMNS]
-    _print_table("Fabrics of the catalogue (warp / weft)", heads, rows)
+    print_table("Fabrics of the catalogue (warp / weft)", heads, rows)
 
 
 def show(name: str, out: Path | None = None) -> None:
@@ -45,14 +46,14 @@ def show(name: str, out: Path | None = None) -> None:
     fabric = _completed(given)
     if out is not None:
         _copy(name, Path(out))
-    _print_table(f"{fabric.name}: what follows", ["quantity", "value"], derived(fabric))
+    print_table(f"{fabric.name}: what follows", ["quantity", "value"], derived(fabric))
     for note in fabric.notes:
         print(note)
     rows = _assumptions(given, fabric)
     if rows:
-        _print_table(f"{fabric.name}: what is assumed", ["key", "value (range)", "source"], rows, numeric=False)
+        print_table(f"{fabric.name}: what is assumed", ["key", "value (range)", "source"], rows, numeric=False)
     rows = [(key, entry["value"], entry["status"], entry["source"]) for key, entry in given.sources.items()]
-    _print_table(
+    print_table(
         f"{fabric.name}: where each number comes from", ["key", "value", "status", "source"], rows, numeric=False
     )
 
@@ -106,7 +107,8 @@ def _copy(name, folder):
         shutil.copyfile(source, beside)
 
 
-def _print_table(title, heads, rows, numeric=True):
+def print_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]], numeric: bool = True) -> None:
+    """Print a table; of a numeric one the columns but the first are aligned to the right, and nothing is folded."""
     from rich import box
     from rich.console import Console
     from rich.table import Table

@@ -39,6 +39,7 @@ from weavecell.results.impact_shapes import Shape
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 from weavecell.scenes.supported import Support, of
+from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
@@ -187,7 +188,7 @@ def write(
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, this.fabric)
     more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
-    more |= chapters_discretisation.summary(pair)
+    more |= chapters_discretisation.summary(pair) | {"projectile": shot_in_words(this.scene.projectile)}
     run_folder.write(out, text, record, more, stamp)
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer

@@ -30,6 +30,7 @@ from weavecell.scenes import build
 from weavecell.scenes.build import Case
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Support, of
+from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
@@ -122,6 +123,7 @@ def write(
     """Write everything but the checkpoint."""
     outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
     content = checks.summary(record.checks) | fidelity.summary(choice) | chapters_discretisation.summary(pair)
+    content |= {"projectile": shot_in_words(this.scene.projectile)}
     run_folder.write(out, text, record, content, stamp)
     advance(0.1)
     shutil.rmtree(out / "pack", ignore_errors=True)

@@ -279,7 +279,6 @@ def grading_text(zones: tuple[tuple[float, float], ...]) -> str:
 def _begin(name, out, page, mark, resume, supports, **panel):
     """The target, with the folder made ready; InputError before anything is written."""
     this = target.read(name, out, target.support(*supports), **panel)
-    print(f"projectile: {this.projectile}")
     if page is not None:
         marked_page.split(page, *_marks(mark))
     if not resume:

@@ -67,6 +67,7 @@ SHARED = keys(
 IMPACT = keys(
     ("strike_velocity_m_s", "m/s", "strike velocity along the line of flight"),
     ("residual_velocity_m_s", "m/s", "velocity at the end along the normal; 0 of a projectile that has stopped"),
+    ("projectile", "", "the projectile in words, with its name where it has one"),
     ("projectile_mass_kg", "kg", "mass of the projectile"),
     ("mirror_x", "", "whether the panel of the file continues mirrored at x = 0"),
     ("mirror_y", "", "whether the panel of the file continues mirrored at y = 0"),

@@ -20,6 +20,7 @@ from fabrics.yarn import WeavingDamage
 from weavecell.scenes.impact import BackingTable, PanelTable, ProjectileTable, SlipTable
 from weavecell.scenes.schema import FabricTable, InlineLaw
 from weavecell.scenes.supported import Rule, of
+from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
     from shellfabric.impact.pack import PackSetup
@@ -33,8 +34,8 @@ CLOTH = of(
 )
 PROJECTILE = of(
     "projectile",
-    "mass diameter edge_radius shape length half_angle tip_radius flat_width flat_angle obliquity azimuth yaw roll "
-    "friction body bore_diameter",
+    "name mass diameter edge_radius shape length half_angle tip_radius flat_width flat_angle obliquity azimuth yaw "
+    "roll friction body bore_diameter",
 )
 _SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
 PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarn_failure")
@@ -128,6 +129,9 @@ def build(scene: Any, file: Path, name: str) -> Case:
     surface = surface_of(scene.fabric, fabric, file)
     fabric = _with_ply_contact(fabric, scene, file)
     laws, law_name = _laws(scene.fabric, fabric, file) if surface is None else (fabric.laws, "3D response surface")
+    shot = getattr(scene, "projectile", None)
+    if shot is not None and shot.name is not None:
+        print(f"projectile: {shot_in_words(shot)}")
     return Case(name, fabric, laws, law_name, scene, surface)
 
 
@@ -194,7 +198,7 @@ def _crossovers(table):
 def _projectile(table):
     from shellfabric.projectile.projectile import Projectile
 
-    given = _given(table, "projectile", but=("diameter", "strike_velocity"))
+    given = _given(table, "projectile", but=("name", "diameter", "strike_velocity"))
     return Projectile(radius=table.diameter / 2, **given)
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
+from fabrics import projectiles
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.units import si
@@ -33,9 +34,18 @@ SHAPES = {  # of `shellfabric.projectile.projectile`, in words
 }  # fmt: skip
 
 
+def _name_or_size(schema):
+    """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not required."""
+    schema["required"] = ["strike_velocity"]
+    schema["anyOf"] = [{"required": ["name"]}, {"required": ["mass", "diameter"]}]
+
+
 class ProjectileTable(Table):
     """A projectile of one of the SHAPES, flying at the panel's centre; rigid, or a steel bar along its axis."""
 
+    model_config = ConfigDict(json_schema_extra=_name_or_size)
+
+    name: Annotated[str | None, Field(description="the name of a projectile")] = None
     mass: quantity("kg", "a mass above 0", "3 g", above=0.0)
     diameter: quantity("m", "a length above 0", "5.5 mm", above=0.0)
     edge_radius: quantity("m", "a length above 0", "0.3 mm", above=0.0) = None
@@ -279,11 +289,20 @@ def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
 def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> Scene:
     """Turn a scene's table into a checked Scene; `file`, where there is one, is named in errors and anchors relative
     paths."""
+    table = _with_named_projectile(table, file)
     scene = validated(Scene, table, file)
     _check_relations(scene, table, file)
     if support is not None:
         supported.check(scene, table, file, support(scene) if callable(support) else support)
     return scene if file is None else anchored(scene, Path(file).parent)
+
+
+def _with_named_projectile(table, file):
+    """The table with the data of the projectile that [projectile] names, as if they were written there."""
+    given = table.get("projectile")
+    if not isinstance(given, dict) or not isinstance(given.get("name"), str):
+        return table
+    return table | {"projectile": projectiles.table(given["name"], given, file=file, key="projectile.name")}
 
 
 def _check_relations(scene, table, file):

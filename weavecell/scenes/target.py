@@ -126,7 +126,9 @@ def read(name: str, out: Path, check: Any, **panel: Any) -> Target:
 
 
 def _target(scene, name, stem, text, from_file=False):
-    case = build.build(scene, name, stem)
+    case = build.build(scene, name, stem)  # which prints the projectile where it has a name
+    if scene.projectile.name is None:
+        print(f"projectile: {words.shot_in_words(scene.projectile)}")
     setup = build.setup(case, name)
     if scene.panel.plies > 1:
         setup = build.pack_setup(setup, scene.panel)

@@ -130,6 +130,19 @@ def test_bad_arguments_are_one_line(words, told):
     assert "\n" not in str(problem.value)
 
 
+def test_a_projectile_by_name():
+    name = "FSP 1.10 g"
+    assert name in wc.projectiles()
+    given = [wc.setup("S-720", 90.0, projectile=one).projectile for one in (name, {"name": name}, wc.projectile(name))]
+    assert given[0] == given[1] == given[2]
+    assert (given[0].shape, given[0].mass) == ("chisel", pytest.approx(1.1e-3))
+    turned = wc.setup("S-720", 90.0, projectile=wc.projectile(name, mass=1.13e-3, roll="45 deg"), symmetry="whole")
+    assert (turned.projectile.mass, turned.projectile.radius) == pytest.approx((1.13e-3, given[0].radius))
+    for call in (lambda: wc.projectile("FSP"), lambda: wc.setup("S-720", 90.0, projectile="FSP")):
+        with pytest.raises(InputError, match=r"name = 'FSP': unknown projectile; allowed: FSP 0.13 g"):
+            call()
+
+
 def test_keywords_are_the_keys_of_the_input_file():
     """`Keywords`, which editors and type checkers read, has the names and the choices of the schema."""
     where, hints = keywords.tables(), typing.get_type_hints(keywords.Keywords, localns=_TYPES)

@@ -81,8 +81,8 @@ SCENES = {
     "two-fabrics": "fabric: give exactly one of fabric.name and fabric.file",
     "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
     "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
-    "allowed here: mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, flat_width, "
-    "flat_angle, obliquity, azimuth, yaw, roll, friction, body, bore_diameter",
+    "allowed here: name, mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, "
+    "flat_width, flat_angle, obliquity, azimuth, yaw, roll, friction, body, bore_diameter",
     "unknown-model": """fabric.cell_model = 'rigid': must be one of "compressible", "incompressible", "decoupled\"""",
     "unknown-output": """run.outputs = 'movie': must be a list of "paraview", "pictures", "report\"""",
     "wrong-dimension": "projectile.strike_velocity = '92.5 kg': must be a speed above 0 and at most 1000 m/s, "

@@ -9,7 +9,7 @@ import pytest
 import typer
 
 import weavecell
-from fabrics import catalogue
+from fabrics import catalogue, projectiles
 from weavecell.cli import app
 
 COMMANDS = (
@@ -26,6 +26,9 @@ COMMANDS = (
     "fabrics",
     "fabrics list",
     "fabrics show",
+    "projectiles",
+    "projectiles list",
+    "projectiles show",
 )
 
 
@@ -116,6 +119,27 @@ def test_show_of_a_copied_file_is_a_fabric_file(command, tmp_path):
     code, out, _ = command("fabrics", "show", "S-728.toml")
     assert code == 0
     assert "0.4391 mm" in out
+
+
+def test_projectiles_are_listed_and_shown_with_their_sources(command, tmp_path):
+    code, out, _ = command("projectiles", "list", "--out", "list.csv")
+    assert code == 0
+    with open(tmp_path / "list.csv", newline="") as file:
+        rows = list(csv.reader(file))
+    assert [row[0] for row in rows[1:]] == list(projectiles.list_names())
+    assert all(row[0] in out for row in rows)
+    assert rows[4][:5] == ["FSP 1.10 g", "chisel", "1.10 g", "5.46 mm", "6.16 mm"]
+    code, out, _ = command("projectiles", "show", "RCC 16 grain")
+    assert code == 0
+    assert "as long as wide" in out
+    assert "7.85 g/cm³" in out
+
+
+def test_an_unknown_projectile_is_one_line(command):
+    code, out, err = command("projectiles", "show", "RCC 16")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: PROJECTILE = 'RCC 16': unknown projectile, did you mean \"RCC 16 grain\"? allowed: ")
+    assert len(err.splitlines()) == 1
 
 
 def test_without_the_3d_part_one_line_says_what_to_install(tmp_path):

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from test_supported import CHISEL, LAW, SURFACE, merged
+from test_supported import CHISEL, LAW, NAMED, SURFACE, merged
 
 from shellfabric.impact.ballistic_limit import Shot
 from shellfabric.sliding_plies.solver import solver_of
@@ -99,6 +99,14 @@ KINDS = {
         lambda got, plain: got.v[0] == pytest.approx(plain.v[0] * np.cos(np.radians(30))),
     ),
     "chisel": Kind({"projectile": CHISEL}),
+    "named projectile": Kind(
+        {"projectile": NAMED},
+        lambda got, plain: moved(got, plain) and getattr(got, "projectile", "FSP 1.10 g, ").startswith("FSP 1.10 g, "),
+    ),
+    "unknown projectile": Kind(
+        {"projectile": {"name": "FSP 1 g"}},
+        rejected=all_say("projectile.name = 'FSP 1 g': unknown projectile, did you mean \"FSP 1"),
+    ),
     "elastic bar": Kind({"projectile": {"body": "elastic_bar"}}, rises(energy("elastic_projectile"), 1e-6)),
     "bored bar": Kind(
         {"projectile": {"bore_diameter": "4.5 mm"}},

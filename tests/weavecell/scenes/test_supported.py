@@ -36,6 +36,7 @@ SHOT = {
     "panel": {"opening": "50 mm", "symmetry": "whole"},
     "run": {"end_time": "60 us"},
 }
+NAMED = {"name": "FSP 1.10 g", "mass": None, "diameter": None, "edge_radius": None}
 CONE = {"shape": "cone", "half_angle": "45 deg", "tip_radius": "0.5 mm"}
 CHISEL = {"shape": "chisel", "flat_width": "2.5 mm", "flat_angle": "35 deg"}
 PULL = {"pull_in": "1 mm", "start": "0 us", "end": "40 us"}
@@ -93,6 +94,7 @@ FABRIC = {
     "fabric.bending": ({}, "0 N m^2", "1e-6 N m^2"),
 }
 KEYS = FABRIC | SLIPS | {
+    "projectile.name": ({"projectile": NAMED}, "FSP 1.10 g", "FSP 2.79 g"),
     "projectile.mass": ({}, "3 g", "4 g"),
     "projectile.diameter": ({}, "5.5 mm", "6 mm"),
     "projectile.edge_radius": ({}, "0.3 mm", "0.4 mm"),

@@ -1,0 +1,76 @@
+"""Projectiles by name: fragment simulators, right circular cylinders and spheres of steel (`projectiles.toml`).
+
+An entry holds keys of the table [projectile] of an input file as they would be written there ("1.10 g"), each with its
+source and status, and the tolerance of the mass where one is known.
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from fabrics.checks import FilePath
+from fabrics.errors import InputError
+from fabrics.units import si
+
+_FILE = Path(__file__).with_name("projectiles.toml")
+STATUSES = ("published", "nominal", "derived", "assumed")
+_OF_ANY_NOSE = ("mass", "diameter", "length", "edge_radius")
+_OF_A_SPHERE = ("mass", "diameter")
+
+Entry = Mapping[str, Mapping[str, str]]  # {key: its value, source and status}
+
+
+@cache
+def _data():
+    return tomllib.loads(_FILE.read_text(encoding="utf-8"))
+
+
+def list_names() -> tuple[str, ...]:
+    """Names of the projectiles, in the order of the file: kind by kind, from small to large."""
+    return tuple(_data()["projectile"])
+
+
+def density() -> float:
+    """[kg/m3] of the steel that all of them are made of."""
+    return si(_data()["steel"]["density"]["value"], "kg/m^3")
+
+
+def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tuple[str, Entry]:
+    """(shape, data) of a projectile.
+
+    Raises
+    ------
+    InputError : an unknown name; one line with the `file` and `key` that it is read from, and the names there are
+    """
+    known = list_names()
+    if name not in known:
+        near = difflib.get_close_matches(name, known, n=1)
+        hint = f', did you mean "{near[0]}"?' if near else ";"
+        raise InputError(f"unknown projectile{hint} allowed: {', '.join(known)}", file=file, key=key, value=name)
+    data = dict(_data()["projectile"][name])
+    return data.pop("shape"), data
+
+
+def table(
+    name: str, given: Mapping[str, Any] | None = None, *, file: FilePath | None = None, key: str = "name"
+) -> dict[str, Any]:
+    """The table [projectile] of a projectile: its name and data, over which goes what is `given`.
+
+    With another shape, only the data that the shapes share are taken.
+
+    Raises
+    ------
+    InputError : as `entry`
+    """
+    given = given or {}
+    shape, data = entry(name, file=file, key=key)
+    chosen = given.get("shape", shape)
+    taken = [one for one in data if one != "mass_tolerance"]
+    if chosen != shape:
+        taken = [one for one in taken if one in (_OF_A_SPHERE if chosen == "sphere" else _OF_ANY_NOSE)]
+    return {"name": name, "shape": shape} | {one: data[one]["value"] for one in taken} | dict(given)
