@@ -96,6 +96,7 @@ app.command(epilog=validation.STABILITY)(validation.stability)
 app.command(epilog=crossover.EPILOG)(crossover.crossover)
 app.command(epilog=uncertainty.SENSITIVITY)(uncertainty.sensitivity)
 app.command(epilog=uncertainty.V50)(uncertainty.v50)
+app.command(epilog=uncertainty.SWEEP)(uncertainty.sweep)
 
 
 @app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")

@@ -1,4 +1,4 @@
-"""`weavecell sensitivity` and `weavecell v50`: their options, as texts and numbers."""
+"""`weavecell sensitivity`, `v50` and `sweep`: their options, as texts and numbers."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from fabrics.errors import InputError
 from weavecell.cli.options import (
     CORES,
     RESULTS,
@@ -20,6 +21,7 @@ from weavecell.cli.options import (
 )
 
 SENSITIVITY = "Example: [bold]weavecell sensitivity S-720 --samples 64[/bold]"
+SWEEP = "Example: [bold]weavecell sweep pack.toml --over panel.plies=2,4,8 --quantity critical-velocity[/bold]"
 V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --weibull-shape 14.3[/bold]"
 
 
@@ -138,3 +140,50 @@ def v50(
         resume=resume,
         page=page,
     )
+
+
+def sweep(
+    target: TargetArgument,
+    over: Annotated[
+        list[str],
+        typer.Option(
+            help="A key of the input file and its values; may be given again, for all combinations.",
+            metavar="KEY=VALUE,VALUE,...",
+        ),
+    ],
+    quantity: Annotated[
+        str, typer.Option(help="What is computed of each: one shot, its ballistic limit, or its V50.",
+                          metavar="shot|critical-velocity|v50")
+    ] = "shot",
+    tolerance: Annotated[
+        str, typer.Option(help="Of a critical velocity: between stop and perforation.", metavar="VELOCITY")
+    ] = "1 m/s",
+    shots: Annotated[int, typer.Option(min=4, help="Of a V50.")] = 60,
+    seed: SeedOption = 1,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+    resume: ResumeOption = False,
+    out: OutOption = None,
+) -> None:  # fmt: skip
+    """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50 of each.
+
+    All combinations are checked before the first is computed. Ignored keys of the input file: title,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50 projectile.strike_velocity and
+    run.end_time; \\[history] and \\[accuracy] are rejected.
+
+    The folder then holds sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies), scene.toml, and
+    sweep.parquet where pandas and pyarrow are installed.
+    """
+    from fabrics.units import si
+    from weavecell.analysis.sweep import Wanted
+    from weavecell.commands import sweep as module
+
+    width = si(tolerance, "m/s", key="--tolerance")
+    if not width > 0:
+        raise InputError(key="--tolerance", value=tolerance, allowed="above 0")
+    try:
+        wanted = Wanted(quantity, width, shots, seed)
+    except InputError as problem:
+        raise InputError(key=f"--{problem.key}", value=problem.value, allowed=problem.allowed) from None
+    folder = out or RESULTS / f"sweep-{Path(target).stem}"
+    module.sweep(target, folder, over, wanted, jobs=jobs, executor=executor, resume=resume)

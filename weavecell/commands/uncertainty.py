@@ -37,13 +37,13 @@ if TYPE_CHECKING:
 
 RUNS = "runs"
 STRIKES = 92.5, 170.0  # [m/s] of a fabric's sensitivities
-_OF_SHOTS = "title", *of("run", "snapshot_interval checkpoint_interval outputs")  # what repeated shots do not write
+OF_SHOTS = "title", *of("run", "snapshot_interval checkpoint_interval outputs")  # what repeated shots do not write
 _NOTHING_ALONG_YARNS = {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
 OF_V50 = target.supports(
-    "weavecell v50", ignored=(*_OF_SHOTS, "projectile.strike_velocity", "run.end_time"), rejected=_NOTHING_ALONG_YARNS
+    "weavecell v50", ignored=(*OF_SHOTS, "projectile.strike_velocity", "run.end_time"), rejected=_NOTHING_ALONG_YARNS
 )
 OF_SOBOL = target.supports(
-    "weavecell sensitivity", honoured=("projectile.strike_velocity", "run.end_time"), ignored=_OF_SHOTS,
+    "weavecell sensitivity", honoured=("projectile.strike_velocity", "run.end_time"), ignored=OF_SHOTS,
     rejected=_NOTHING_ALONG_YARNS,
 )  # fmt: skip
 

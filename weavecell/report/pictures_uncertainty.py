@@ -116,6 +116,37 @@ def draws(study: Any, path: FilePath, title: str) -> None:
         _save(figure, path)
 
 
+def sweep(pyplot: Any, x: Any, words: str, table: Any, others: Any, columns: Any) -> Any:
+    """A quantity against the first key of a sweep, a line for each combination of the other keys.
+
+    Parameters
+    ----------
+    x, words : values of the first key, numbers or texts, of each row, and its label
+    table : list of rows, {column: value}
+    others : the other keys
+    columns : (column, columns of its ends or None, label)
+    """
+    column, ends, label = columns
+    figure, axes = pyplot.subplots(figsize=(9, 5))
+    groups: dict[tuple, list[int]] = {}
+    for k, row in enumerate(table):
+        groups.setdefault(tuple(row[key] for key in others), []).append(k)
+    for group, members in groups.items():
+        known = [k for k in members if table[k].get(column) is not None]
+        y = np.array([table[k][column] for k in known])
+        error = None
+        if ends is not None:
+            error = [np.maximum(y - [table[k][ends[0]] for k in known], 0),
+                     np.maximum([table[k][ends[1]] for k in known] - y, 0)]  # fmt: skip
+        name = ", ".join(f"{key} = {value}" for key, value in zip(others, group))
+        axes.errorbar([x[k] for k in known], y, yerr=error, fmt="o-", ms=6, capsize=4, label=name or None)
+    axes.set(xlabel=words, ylabel=label)
+    axes.set_ylim(bottom=0)
+    if others:
+        axes.legend(loc="best")
+    return figure
+
+
 def save(draw: Callable[..., Any], path: FilePath, *arguments: Any) -> None:
     """Write what draw(pyplot, *arguments) returns."""
     with plots() as pyplot:

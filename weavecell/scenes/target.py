@@ -88,7 +88,7 @@ def supports(
     )  # fmt: skip
 
 
-def read(name: str, out: Path, check: Any, **panel: Any) -> Target:
+def read(name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None = None, **panel: Any) -> Target:
     """The target of a name.
 
     Parameters
@@ -96,6 +96,7 @@ def read(name: str, out: Path, check: Any, **panel: Any) -> Target:
     name : of a file or a fabric
     out : folder of the results, from which the standard scene of a fabric file is named
     check : Support, or a function that gives it from the scene
+    changes : {dotted key: value as it is written} in place of what the scene says
     panel : keys of [panel] of the standard scene, as they are written; those that are None are left out
 
     Raises
@@ -111,7 +112,7 @@ def read(name: str, out: Path, check: Any, **panel: Any) -> Target:
         if _OF_A_SCENE & set(found):
             for key, value in given.items():
                 raise InputError(key=f"--{key}", value=value, allowed=f"left out: panel.{key} of {name} has it")
-            return _target(scenes.check(found, name, check), name, stem, text, from_file=True)
+            return _target(scenes.check(_changed(found, changes), name, check), name, stem, text, from_file=True)
         catalogue.read(name)
         fabric = {"file": os.path.relpath(name, out)}
     else:
@@ -122,7 +123,21 @@ def read(name: str, out: Path, check: Any, **panel: Any) -> Target:
     table = {**standard, "fabric": own, "panel": standard["panel"] | given}
     if "grading" in given:
         table["run"] = {key: value for key, value in standard["run"].items() if key != "elements_per_crossover"}
-    return _target(scenes.check(table, out / "scene.toml", check), name, stem, toml_writer.dumps(table))
+    text = toml_writer.dumps(table)
+    return _target(scenes.check(_changed(table, changes), out / "scene.toml", check), name, stem, text)
+
+
+def _changed(table, changes):
+    """The table of a scene with the values of dotted keys in place of its own."""
+    for key, value in (changes or {}).items():
+        *parts, last = key.split(".")
+        inner = table
+        for part in parts:
+            inner = inner.setdefault(part, {})
+            if not isinstance(inner, dict):
+                raise InputError(key=key, value=value, allowed=f"left out: {part} is no table of the input file")
+        inner[last] = value
+    return table
 
 
 def _target(scene, name, stem, text, from_file=False):

@@ -1,0 +1,104 @@
+"""What one set-up of a sweep comes to: a shot, the ballistic limit, or V50, as a row of plain values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fabrics.errors import InputError, UndecidedError, UnstableError
+from shellfabric.impact.limit_scan import ScanRange
+from shellfabric.impact.pack import PackSetup, run_any
+from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel import quality
+from weavecell.analysis import limit_search
+from weavecell.analysis.uncertainty import inputs, v50
+
+# of a quantity: column that is plotted, columns of its lower and upper end, words
+QUANTITIES = {
+    "shot": ("residual_velocity_m_s", None, "residual velocity [m/s]"),
+    "critical-velocity": ("critical_velocity_m_s", ("stop_m_s", "perforation_m_s"), "critical velocity [m/s]"),
+    "v50": ("v50_m_s", ("v50_low_m_s", "v50_high_m_s"), "V50 [m/s], 95 % interval"),
+}
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is computed of each set-up.
+
+    Parameters
+    ----------
+    quantity : of `QUANTITIES`
+    tolerance : [m/s] of the bracket of a critical velocity
+    shots, seed : of a V50
+    """
+
+    quantity: str = "shot"
+    tolerance: float = 1.0
+    shots: int = 60
+    seed: int = 1
+
+    def __post_init__(self):
+        if self.quantity not in QUANTITIES:
+            raise InputError(key="quantity", value=self.quantity, allowed=f"one of {', '.join(QUANTITIES)}")
+
+
+def point(setup: ImpactSetup | PackSetup, wanted: Wanted) -> dict[str, Any]:
+    """The row of a set-up, of a shot or a critical velocity; one that cannot be computed says why in "outcome"."""
+    try:
+        return shot(setup) if wanted.quantity == "shot" else limit(setup, wanted.tolerance)
+    except (UnstableError, UndecidedError) as problem:
+        return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
+
+
+def shot(setup: ImpactSetup | PackSetup) -> dict[str, Any]:
+    """Outcome, velocity, energy, deflection, tensions and checks of one shot."""
+    result: Any
+    try:
+        result = run_any(setup)
+        outcome = result.outcome
+    except UnstableError as problem:
+        if problem.result is None:
+            raise
+        result, outcome = problem.result, "unstable"
+    warp, weft = np.max(np.atleast_2d(result.peak_tension), axis=0)
+    return {
+        "outcome": outcome,
+        "residual_velocity_m_s": float(result.residual_velocity),
+        "absorbed_energy_J": float(result.strike_energy - result.energies["kinetic_projectile"][-1]),
+        "max_deflection_m": float(result.max_deflection),
+        "peak_tension_warp_N": float(warp),
+        "peak_tension_weft_N": float(weft),
+        "failed_yarn_segments": int(result.failed_segments[-1]),
+        "energy_error_max": float(result.energy_error_max),
+        "checks": quality.status(result.checks),
+    }
+
+
+def limit(setup: ImpactSetup | PackSetup, tolerance: float) -> dict[str, Any]:
+    """Bracket of the critical velocity, and the zone of mixed outcomes where there is one."""
+    found = limit_search.search(
+        setup, tolerance=tolerance, residual_shots=0, scan=ScanRange(), with_range=False, jobs=1, executor="local"
+    ).limit
+    low, high = found.mixed_zone or (None, None)
+    checks = quality.worst(one.checks for one in found.ends)
+    return {
+        "outcome": "single limit" if found.single else "mixed outcomes",
+        "critical_velocity_m_s": float(found.velocity) if found.single else None,
+        "stop_m_s": float(found.low),
+        "perforation_m_s": float(found.high),
+        "lowest_perforation_m_s": low,
+        "highest_stop_m_s": high,
+        "shots": len(found.shots),
+        "checks": quality.status(checks),
+    }
+
+
+def v50_of(setup: ImpactSetup | PackSetup, wanted: Wanted, **others: Any) -> dict[str, Any]:
+    """V50 with the scatter of inputs.toml; others as of `v50.study`."""
+    try:
+        study = v50.study(setup, inputs.published(), shots=wanted.shots, seed=wanted.seed, **others)
+    except (UnstableError, UndecidedError) as problem:
+        return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
+    return {"outcome": "fitted", **study.summary(), "checks": "doubtful" if study.doubtful else "ok"}

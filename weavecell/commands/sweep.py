@@ -1,0 +1,160 @@
+"""An input file over values of its keys: `weavecell sweep`, a row for each combination.
+
+The folder: sweep.csv, sweep.json, sweep.png, scene.toml, sweep.parquet where pandas and pyarrow are installed, and
+runs/, a file for each finished run. A sweep that was interrupted goes on from them when it is called with --resume.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import tomllib
+from contextlib import nullcontext, redirect_stdout
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from fabrics import run_cache
+from fabrics.errors import InputError
+from fabrics.files import replace_whole, write_whole
+from shellfabric.impact.pack import first_ply, with_ply
+from weavecell.analysis import sweep as analysis
+from weavecell.analysis.sweep import QUANTITIES, Wanted
+from weavecell.commands.uncertainty import OF_SHOTS, OF_V50, RUNS
+from weavecell.report import pictures_uncertainty
+from weavecell.results import json_file, progress, provenance
+from weavecell.scenes import impact as scenes
+from weavecell.scenes import supported, target
+
+OF_SWEEP = target.supports(
+    "weavecell sweep", honoured=("projectile.strike_velocity", "run.end_time"), ignored=OF_SHOTS,
+    rejected={"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"},
+)  # fmt: skip
+
+
+def sweep(
+    name: str, out: Path, over: list[str], wanted: Wanted, *, jobs: int, executor: str, resume: bool
+) -> None:  # fmt: skip
+    """Compute a quantity of every combination of values; print and write the table.
+
+    Parameters
+    ----------
+    name : of `target.read`
+    over : texts KEY=VALUE,VALUE,...
+    wanted : what is computed
+    jobs, executor : as of `fabrics.executors.open_executor`
+    resume : whether to take what runs/ holds
+
+    Raises
+    ------
+    InputError : a key or value that is not allowed, in any combination; nothing has been written
+    """
+    keys = [parse(text) for text in over]
+    supports = OF_SWEEP if wanted.quantity == "shot" else OF_V50
+    combinations = [dict(zip((key for key, _ in keys), values)) for values in itertools.product(*(v for _, v in keys))]
+    targets = []
+    for number, changes in enumerate(combinations):
+        with redirect_stdout(io.StringIO()) if number else nullcontext():  # what is assumed is told once
+            targets.append(target.read(name, out, target.support(*supports), changes=changes))
+    rows = _rows(targets, wanted, out / RUNS, jobs, executor, resume)
+    plies = [one.case.scene.panel.plies for one in targets]
+    table = [
+        changes | {"areal_density_kg_m2": n * one.case.fabric.weave.areal_density} | row
+        for changes, one, n, row in zip(combinations, targets, plies, rows)
+    ]
+    _write(out, targets, [key for key, _ in keys], table, wanted)
+
+
+def parse(text: str) -> tuple[str, list[Any]]:
+    """(key, values) of a text such as "panel.plies=2,4,8" or "projectile.strike_velocity=100 m/s,150 m/s".
+
+    Raises
+    ------
+    InputError : a text of another form
+    """
+    key, mark, values = text.partition("=")
+    if not mark or not key.strip() or not all(value.strip() for value in values.split(",")):
+        raise InputError(key="--over", value=text, allowed='KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"')
+    return key.strip(), [_value(value.strip()) for value in values.split(",")]
+
+
+def _value(text):
+    """A number or a truth value as in TOML; any other text as it is."""
+    try:
+        found = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+    return found if isinstance(found, (bool, int, float, str)) else text
+
+
+def _rows(targets, wanted, folder, jobs, executor, resume):
+    """A row of each target; errors name the input file."""
+    runs: dict[str, Any] = {"folder": folder, "executor": executor, "jobs": jobs}
+    if not resume:
+        run_cache.RunCache(folder).clear()
+    try:
+        with progress.bar(f"{len(targets)} x {wanted.quantity}") as advance:
+            if wanted.quantity == "v50":
+                found = []
+                for number, one in enumerate(targets):
+                    report = lambda share, words, n=number: advance((n + share) / len(targets), words)  # noqa: E731
+                    found.append(analysis.v50_of(one.setup, wanted, report=report, **runs))
+                return found
+            return run_cache.results(
+                analysis.point, [(alone(one.setup), wanted) for one in targets], batches=False,
+                report=lambda done, total: advance(done / total, f"{done} of {total}"), **runs,
+            )  # fmt: skip
+    except InputError as problem:
+        raise targets[0].in_file(problem) from None
+
+
+def alone(setup: Any) -> Any:
+    """The set-up on one thread, since others run beside it, that records nothing beside its samples."""
+    numerics = replace(first_ply(setup).numerics, threads=1)
+    return with_ply(setup, numerics=numerics, snapshot_interval=None)
+
+
+def _write(out, targets, keys, table, wanted):
+    columns = list(dict.fromkeys(name for row in table for name in row))
+    with write_whole(out / "scene.toml") as file:
+        file.write(targets[0].text)
+    with write_whole(out / "sweep.csv") as file:
+        csv.writer(file).writerows([columns, *([row.get(name, "") for name in columns] for row in table)])
+    stamp = provenance.stamp(targets[0].text, targets[0].case.fabric)
+    json_file.write(out / "sweep.json", {"quantity": wanted.quantity, "rows": table, "provenance": stamp})
+    try:
+        import pandas
+        import pyarrow  # noqa: F401
+    except ModuleNotFoundError:
+        pass
+    else:
+        with replace_whole(out / "sweep.parquet") as beside:
+            pandas.DataFrame(table).to_parquet(beside)
+    column, ends, label = QUANTITIES[wanted.quantity]
+    x, words = _abscissa(targets, keys[0], table)
+    pictures_uncertainty.save(
+        pictures_uncertainty.sweep, out / "sweep.png", x, words, table, keys[1:], (column, ends, label)
+    )
+    for row in table:
+        value = row.get(column)
+        told = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
+        doubt = ", doubtful" if row.get("checks") == "doubtful" else ""
+        print(f"{', '.join(f'{key} = {row[key]}' for key in keys)}: {told}{doubt}")
+    print(f"written to {out}")
+
+
+def _abscissa(targets, key, table):
+    """(values, words) of the first key: numbers with their unit, areal density for the number of plies, or texts."""
+    if key == "panel.plies":
+        return [row["areal_density_kg_m2"] for row in table], "areal density [kg/m²]"
+    values = []
+    for one in targets:
+        value = one.case.scene
+        for part in key.split("."):
+            value = getattr(value, part)
+        values.append(value)
+    if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+        return [str(row[key]) for row in table], key
+    unit = (supported.entries(scenes.Scene)[key].json_schema_extra or {}).get("unit", "")
+    return values, f"{key} [{unit}]" if unit not in ("", "1") else key
