@@ -2,6 +2,7 @@
 
 import csv
 import json
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from fabrics.errors import UnstableError
 from tests.scene_text import every, impact_scene
 from weavecell.commands import critical_velocity
 from weavecell.scenes import impact as scenes_impact
+from weavecell.scenes import target
 
 FILES = ["critical-velocity.json", "residual-velocity.svg", "scene.toml", "shots.csv"]
 
@@ -116,24 +118,39 @@ def test_workers_change_nothing(command, written, tmp_path):
 
 def test_fabric_is_shot_at_in_the_standard_way(tmp_path):
     """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
-    this, text = critical_velocity._case("S-726", tmp_path)
-    assert (this.fabric.name, this.scene.panel.opening, this.scene.projectile.mass) == ("S-726", 0.203, 3e-3)
+    found = target.read("S-726", tmp_path, critical_velocity.SUPPORT)
+    scene = found.case.scene
+    assert (found.case.fabric.name, scene.panel.opening, scene.projectile.mass) == ("S-726", 0.203, 3e-3)
     file = tmp_path / "mine.toml"
-    file.write_text((critical_velocity.resources.files("fabrics.catalogue") / "S-731.toml").read_text())
+    file.write_text((resources.files("fabrics.catalogue") / "S-731.toml").read_text())
     out = tmp_path / "deep" / "results"
     out.mkdir(parents=True)
-    this, text = critical_velocity._case(str(file), out)
-    assert this.fabric.name == "S-731"
-    (out / "scene.toml").write_text(text)
+    found = target.read(str(file), out, critical_velocity.SUPPORT)
+    assert found.case.fabric.name == found.title == "S-731"
+    (out / "scene.toml").write_text(found.text)
     again, _ = scenes_impact.load(out / "scene.toml")
     assert np.isclose(again.panel.opening, 0.203)
-    assert critical_velocity._case(str(out / "scene.toml"), out)[0].fabric == this.fabric
+    assert target.read(str(out / "scene.toml"), out, critical_velocity.SUPPORT).case.fabric == found.case.fabric
+
+
+def test_a_pack(command, written, tmp_path):
+    """Its limit is above that of one ply; plies and projectile stand in the results."""
+    path = written("", "plies = 2")
+    few = ("--residual-shots", 0, "--scan-above", "0 %", "--scan-below", "0 %", "--tolerance", "8 m/s", "--jobs", 1)
+    assert command("critical-velocity", written(name="one.toml"), "--out", "one", *few)[0] == 0
+    code, out, _ = command("critical-velocity", path, "--out", "two", *few)
+    assert code == 0
+    one, two = (read(tmp_path / name)[0] for name in ("one", "two"))
+    assert (one["plies"], two["plies"]) == (1, 2)
+    assert one["bracket_m_s"][1] < two["bracket_m_s"][0]
+    assert out.splitlines()[0] == f"projectile: {two['projectile']}"
+    assert f"2 x {two['fabric']}: critical velocity" in out
 
 
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["S-702"], "TARGET = 'S-702': must be a scene or fabric file (*.toml), or one of S-720, "),
+        (["S-702"], "TARGET = 'S-702': must be an input file or fabric file (*.toml), or one of S-720, "),
         (["nowhere.toml"], "nowhere.toml: the scene or fabric file cannot be read (No such file or directory)"),
         (["S-720", "--tolerance", "1 mm"], "--tolerance = '1 mm': must be a text with a unit that converts to m/s"),
         (["S-720", "--tolerance", "0 m/s"], "--tolerance = '0 m/s': must be above 0"),

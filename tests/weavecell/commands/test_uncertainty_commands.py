@@ -24,10 +24,16 @@ def test_v50_writes_its_folder_and_page(tmp_path, page):
     run = CliRunner().invoke(app, [*words, "--page", str(page), "--out", str(out)])
     assert run.exit_code == 0, run.output
     assert run.output.count(" with 95 % confidence") == 2
-    assert {path.name for path in out.iterdir()} == {"runs", "shots.csv", "v50.csv", "v50.html", "v50.json", "v50.png"}
+    assert {path.name for path in out.iterdir()} == {
+        "runs", "scene.toml", "shots.csv", "v50.csv", "v50.html", "v50.json", "v50.png",
+    }  # fmt: skip
     content = json.loads((out / "v50.json").read_text())
     assert content["scatter"]["shape"] == 14.3
     assert content["provenance"]["commit"]
+    assert content["projectile"] == "a cylinder of 3 g and 5.5 mm"
+    assert "projectile: a cylinder of 3 g and 5.5 mm" in run.output
+    assert content["v50_m_s"] == content["curves"]["probit"]["V50"]
+    assert "A series of tests up and down" in (out / "v50.html").read_text()
     assert len((out / "shots.csv").read_text().splitlines()) == 9
     text = page.read_text()
     assert text.startswith("before\n<!-- v50 -->")
@@ -61,7 +67,66 @@ def test_a_grading_that_is_none_is_refused(zones):
 def test_a_page_without_marks_is_refused_before_anything_is_run(tmp_path, page):
     with pytest.raises(InputError, match="has no marks"):
         uncertainty.sensitivity(
-            "S-720", tmp_path / "out", velocities=[170.0], samples=2, seed=1, jobs=1, executor="local", opening=0.0306,
-            resume=False, page=page,
+            "S-720", tmp_path / "out", velocities=[170.0], samples=2, seed=1, jobs=1, executor="local",
+            opening="30.6 mm", resume=False, page=page,
         )  # fmt: skip
     assert not (tmp_path / "out").exists()
+
+
+PACK = """
+[fabric]
+name = "S-720"
+[projectile]
+mass = "2 g"
+diameter = "5.5 mm"
+edge_radius = "0.3 mm"
+strike_velocity = "90 m/s"
+[panel]
+opening = "40 mm"
+plies = 2
+stacking = "alternating"
+[run]
+end_time = "60 us"
+elements_per_crossover = 1
+"""
+
+
+def test_both_take_the_input_file_of_a_pack(command, tmp_path):
+    """Its projectile, plies and opening count; an option of a fabric's standard panel is refused beside it."""
+    scene = tmp_path / "pack.toml"
+    scene.write_text(PACK)
+    words = ["v50", str(scene), "--shots", "8", "--batch", "4", "--jobs", "1", "--out", str(tmp_path / "v50")]
+    run = CliRunner().invoke(app, words)
+    assert run.exit_code == 0, run.output
+    content = json.loads((tmp_path / "v50" / "v50.json").read_text())
+    assert content["plies"] == 2
+    assert content["projectile"] == "a cylinder of 2 g and 5.5 mm"
+    assert (tmp_path / "v50" / "scene.toml").read_text() == PACK
+    assert "2 x S-720: probability of perforation" in (tmp_path / "v50" / "v50.html").read_text()
+    words = ["sensitivity", str(scene), "--samples", "2", "--jobs", "1", "--out", str(tmp_path / "s")]
+    run = CliRunner().invoke(app, words)
+    assert run.exit_code == 0, run.output
+    found = json.loads((tmp_path / "s" / "sobol.json").read_text())["indices"]
+    assert {one["velocity"] for one in found} == {90.0}
+    for name in ("v50", "sensitivity"):
+        code, _, err = command(name, scene, "--opening", "50 mm", "--out", "no")
+        assert code == 2
+        assert err.startswith("error: --opening = '50 mm': must be left out: panel.opening of ")
+    assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("plies = 2", "plies = 2\nyarn_failure = false"), "panel.yarn_failure = False: must be true"),
+        (("[run]", "[history]\nwarp = ['0 mm']\n[run]"), "history: must be left out"),
+        (("plies = 2", "plys = 2"), "panel.plys"),
+    ],
+)
+def test_what_an_input_file_cannot_ask_of_v50(command, tmp_path, change, told):
+    scene = tmp_path / "pack.toml"
+    scene.write_text(PACK.replace(*change))
+    code, _, err = command("v50", scene, "--out", "no")
+    assert code == 2
+    assert err.startswith(f"error: {scene}: {told}")
+    assert not (tmp_path / "no").exists()

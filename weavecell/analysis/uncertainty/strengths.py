@@ -88,7 +88,9 @@ def drawn(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: i
 def check(ply: ImpactSetup, scatter: Scatter) -> None:
     """InputError where the strengths of these plies cannot be drawn."""
     if not ply.failure:
-        raise InputError("strengths are drawn, and the yarns do not fail", key="yarn_failure", allowed="true")
+        raise InputError(
+            "strengths are drawn, and the yarns do not fail", key="yarn_failure", value=False, allowed="true"
+        )
     if ply.surface is not None and (scatter.modulus or scatter.crimp):
         raise InputError(
             "a response surface holds for one modulus and one crimp", key="scatter of modulus and crimp", allowed="0"
