@@ -500,7 +500,7 @@ def test_page(tmp_path):
         page.put(path, "survey", [])
     asked = {"deflection": 0.05, "peak_tension": 0.02}
     row = trial.Row(
-        0, "S-720", 60.0, "flat", asked, ONE, True, "stopped", {"deflection": 0.06, "peak_tension": nan},
+        0, "S-720", 60.0, "flat", asked, ONE, 1, True, "stopped", asked, {"deflection": 0.06, "peak_tension": nan},
         0.1, 1.0, nan,
     )  # fmt: skip
     assert not row.met

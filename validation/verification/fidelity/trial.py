@@ -39,9 +39,10 @@ class Row:
     number, fabric, velocity [m/s], shape : of the scene
     targets : {quantity: [-]}
     model : that was chosen in the end
+    tried : how many answers it took
     confirmed : whether the code said that the promise holds
     outcome : of the full model
-    found : {quantity: [-]} errors against the full model
+    promised, found : {quantity: [-]} errors, estimated and against the full model
     seconds, full_seconds, whole_seconds : process time with all that it took; of the full model with its table, on the
         same part of the panel, and on the whole (nan where it was not run)
     """
@@ -52,8 +53,10 @@ class Row:
     shape: str
     targets: dict
     model: str
+    tried: int
     confirmed: bool
     outcome: str
+    promised: dict
     found: dict
     seconds: float
     full_seconds: float
@@ -111,7 +114,7 @@ def row(trial: str, number: int, known_full: Any, answered: Any) -> Row:
         errors = dict.fromkeys(wanted, inf)
     return Row(
         number, setup.fabric.name, setup.strike_velocity, setup.projectile.shape, wanted, final.option.model.name,
-        found.confirmed, full["outcome"], errors, seconds, known_full["seconds"],
+        len(found.attempts), found.confirmed, full["outcome"], final.errors, errors, seconds, known_full["seconds"],
         known_full["whole"],
     )  # fmt: skip
 
