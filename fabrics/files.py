@@ -80,12 +80,12 @@ def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
 
 
 @contextmanager
-def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterator[Any]:
+def read_hdf5(path: FilePath, format: str, *, what: str = "HDF5 file") -> Iterator[Any]:
     """Open an HDF5 file for reading; needs h5py.
 
     Parameters
     ----------
-    formats : that are accepted, the present one first
+    format : kind and version of the file, as of `write_hdf5`
     what : the file in words, for the message
 
     Raises
@@ -97,8 +97,8 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
     try:
         with h5py.File(path, "r") as file:
             found = file.attrs.get("format")
-            if found not in formats:
-                raise InputError(file=path, key="format", value=found, allowed=repr(formats[0]))
+            if found != format:
+                raise InputError(file=path, key="format", value=found, allowed=repr(format))
             yield file
     except (OSError, KeyError) as problem:
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem

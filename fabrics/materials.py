@@ -62,11 +62,6 @@ class Isotropic:
         return self.modulus / (3 * (1 - 2 * self.poisson))
 
     @property
-    def bar_speed(self) -> float:
-        """[m/s] of an elastic wave along a slender bar."""
-        return sqrt(self.modulus / self.density)
-
-    @property
     def wave_speed(self) -> float:
         """[m/s] of a longitudinal wave in the bulk."""
         return sqrt((self.bulk + 4 / 3 * self.shear) / self.density)

@@ -34,19 +34,3 @@ def scaled_jacobian(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
     length = np.linalg.norm(edges, axis=-1, keepdims=True)
     unit = np.divide(edges, length, out=np.zeros_like(edges), where=length > 0)
     return np.linalg.det(unit).min(axis=1)
-
-
-def volumes(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
-    """Volume [m3] of each trilinear element, exact: two-point Gauss rule of the Jacobian in each direction."""
-    corners = np.asarray(points, float)[np.asarray(hexes)]
-    signs = np.array(
-        [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]
-    )
-    total = np.zeros(len(corners))
-    for gauss in signs / np.sqrt(3):
-        factors = 1 + signs * gauss
-        slopes = np.stack(
-            [signs[:, a] * factors[:, (a + 1) % 3] * factors[:, (a + 2) % 3] / 8 for a in range(3)], axis=-1
-        )
-        total += np.linalg.det(np.einsum("mnx,na->mxa", corners, slopes))
-    return total

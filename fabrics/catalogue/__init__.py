@@ -124,7 +124,7 @@ class _Reader:
         warp_width, weft_width = (self._number(f"{f}.width", "m", True) for f in FAMILIES)
         values = {
             "name": self._text("name", self.path.stem),
-            "laws": self._pair("compression", _LAW, self._law),
+            "laws": self._pair("compression", self._law),
             "shear": self._shear(),
             "solid_laws": self._solids(),
             "section": self._text("section", None),
@@ -225,9 +225,9 @@ class _Reader:
         return self._build(TrellisShear, "shear", *self._table("shear", _SHEAR)) if self._has("shear") else None
 
     def _solids(self):
-        return self._pair("solid", _SOLID, lambda key: self._build(SolidLaw, key, *self._table(key, _SOLID)))
+        return self._pair("solid", lambda key: self._build(SolidLaw, key, *self._table(key, _SOLID)))
 
-    def _pair(self, key, units, build):
+    def _pair(self, key, build):
         """A table for both yarns, or one each under `.warp` and `.weft`; None where the file has none."""
         if not self._has(key):
             return None

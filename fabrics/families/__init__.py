@@ -24,9 +24,8 @@ from fabrics.units import si
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 
-__all__ = ["ENDS", "Entry", "Family", "entry", "list_families"]
+__all__ = ["Entry", "Family", "entry", "list_families"]
 
-ENDS = ("soft", "nominal", "stiff")
 FILES = ("para-aramid", "uhmwpe", "e-glass")
 _SHEAR = ("locking_share", "G1_over_G2", "gap", "K_s")
 _SOLID = {"E_a": "Pa", "E_c": "Pa", "K_r": "", "K_G": "", "V_c": ""}
@@ -53,7 +52,7 @@ class Entry:
     status: str
 
     def at(self, end: str, soft_at_high: bool) -> float:
-        """The value at one of ENDS [SI]."""
+        """The value [SI] at an end, "soft", "nominal" or "stiff"."""
         if end == "nominal":
             return self.value
         return self.high if (end == "soft") == soft_at_high else self.low
@@ -89,7 +88,7 @@ class Family:
         ----------
         weave : Weave
         widths : (warp, weft) [m] of the yarns where they are known; else they follow from `gap`
-        end : of ENDS
+        end : "soft", "nominal" or "stiff"
 
         Raises
         ------

@@ -81,25 +81,6 @@ class PullOutLaw:
         """Threshold [N] at the contact force `F_c` [N]; never negative."""
         return np.maximum(self.c0 + self.mu_eff * np.maximum(np.asarray(F_c, float), 0.0), 0.0)
 
-    def at_friction(self, friction: float) -> PullOutLaw:
-        """The law of another coefficient of the 3D contact, its slope in proportion.
-
-        Raises
-        ------
-        InputError : a negative coefficient, or a law without friction
-        """
-        if not (friction >= 0 and self.friction > 0):
-            raise InputError(key="friction", value=friction, allowed="zero or positive, of a law with friction")
-        made = f"{self.provenance}; slope in proportion to the coefficient".lstrip("; ")
-        return PullOutLaw(
-            self.c0, self.mu_eff * friction / self.friction, friction=friction, friction_range=self.friction_range,
-            status=self.status, source=self.source, provenance=made,
-        )  # fmt: skip
-
-    def ends(self) -> dict[str, PullOutLaw]:
-        """{"low", "high": the law at this end of the range of the coefficient}."""
-        return {name: self.at_friction(friction) for name, friction in zip(("low", "high"), self.friction_range)}
-
     @classmethod
     def fit(cls, F_c: ArrayLike, T_f: ArrayLike, **others: Any) -> PullOutLaw:
         """Least squares over samples (n,) [N] of contact forces and thresholds.

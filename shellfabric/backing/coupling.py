@@ -100,7 +100,6 @@ class BackingCoupling:
     backing : Backing; its standoff is from the back of the last ply at rest
     panel : Panel
     const : its Constants
-    place : [m] of the middle of the last ply at rest
 
     Attributes
     ----------
@@ -111,10 +110,10 @@ class BackingCoupling:
     InputError : a step that is too long for the block
     """
 
-    def __init__(self, backing: Backing, panel: Any, const: Any, place: float = 0.0) -> None:
+    def __init__(self, backing: Backing, panel: Any, const: Any) -> None:
         self.projectile, self.const, self.p = panel.projectile, const, backing.points
         self.thickness = 0.5 * panel.weave.thickness
-        self.block = replace(backing, standoff=place + self.thickness + backing.standoff).block(const.dt)
+        self.block = replace(backing, standoff=self.thickness + backing.standoff).block(const.dt)
         areas = np.full((const.ni, const.nj), const.dx * const.dy)
         if panel.sides is not None:
             areas = np.multiply.outer(*panel.sides)
@@ -122,7 +121,7 @@ class BackingCoupling:
         self._stiffness = backing.ply_penalty * point / const.dt**2
         self._damping = 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt
         self._loose = np.ones(point.size)
-        self._rest = (*panel.coordinates(), np.full((const.ni + 1, const.nj + 1), float(place)))
+        self._rest = (*panel.coordinates(), np.zeros((const.ni + 1, const.nj + 1)))
         at = (np.arange(self.p) + 0.5) / self.p
         self._weights = [
             (a, b, ((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t))

@@ -169,12 +169,6 @@ class CableNet:
         return tuple(yarn.EA / S0 for yarn, S0 in zip(weave.yarns, weave.S0))
 
     @property
-    def wave_speeds(self) -> tuple[float, ...]:
-        """[m/s] of longitudinal waves along the taut, flat warp and weft, slowed by the mass of the crossing yarns."""
-        weave = self.fabric.weave
-        return tuple(2 * w * (k / weave.cell_mass) ** 0.5 for w, k in zip(weave.w, self.stiffness))
-
-    @property
     def time_step(self) -> float:
         """[s]"""
         return self._step()[0]

@@ -45,7 +45,7 @@ class CableResult:
         yarns at rest, and the force of all clamps on the net, along z
     nodes : (ni+1, nj+1, 3) [m] at the end
     failed : (2, ni+1, nj+1) bool at the end: bars that have failed, from each node along warp and weft
-    steps, wall_time, ns_per_bar_step : cost of the run, [s] and [ns]
+    steps, wall_time : cost of the run, [s]
     """
 
     net: CableNet
@@ -62,7 +62,6 @@ class CableResult:
     failed: np.ndarray
     steps: int
     wall_time: float
-    ns_per_bar_step: float
 
     @property
     def energy_error_max(self) -> float:
@@ -172,5 +171,4 @@ def collect_result(solver: CableSolver) -> CableResult:
         failed=(whole > 0) & (state.stiffness[:, :size].reshape(shape) == 0),
         steps=solver.steps,
         wall_time=solver.wall_time,
-        ns_per_bar_step=1e9 * solver.wall_time / max(1, solver.steps * net.bars),
     )

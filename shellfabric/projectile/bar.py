@@ -4,10 +4,7 @@ The projectile of the thesis is a steel cylinder of 5.5 x 42 mm that is bored to
 given (erratum E-37). Here it is 4.5 mm wide, from the tail, and as deep as the mass requires. Tip and tail then swing
 about the centre of mass with the period of the first free-free mode, 2 L / c for a bar of one section.
 
-In a run the bar is the body of the projectile (`body`, `bar_kernels.advance_bar`). Alone:
-
-    bar = Bar.cylinder();   motion = bar.motion(strike_velocity)
-    displacement, velocity = motion.push(force, dt)
+In a run the bar is the body of the projectile (`dynamics`, `bar_kernels.advance_bar`).
 """
 
 from __future__ import annotations
@@ -21,10 +18,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.materials import Isotropic, load, round_projectile
-from shellfabric.projectile import bar_kernels as kernels
 
-HISTORY = ("t", "tip", "tail", "centre", "tip_velocity", "tail_velocity", "centre_velocity", "force")
-ENERGIES = ("kinetic", "elastic", "plastic", "work", "error")
 # Periods of contact (`contact_time`) from which on a rigid projectile is enough (docs/parameters.md)
 ENOUGH = 3.0
 
@@ -157,68 +151,6 @@ class Bar:
 
         return float(eigh_tridiagonal(diagonal, beside, True, select="i", select_range=(number, number))[0])
 
-    def motion(self, velocity: float) -> Motion:
-        """The bar in flight, without strain."""
-        return Motion(self, velocity)
-
-
-class Motion:
-    """A bar in motion, under a force on its tip, and its records.
-
-    Parameters
-    ----------
-    bar : Bar
-    velocity : [m/s] forwards
-
-    Attributes
-    ----------
-    u, v, plastic, stress, sums : arrays of `bar_kernels.advance`, to be kept and restored in a checkpoint
-    history : rows of HISTORY, where `record` is called
-    """
-
-    def __init__(self, bar: Bar, velocity: float) -> None:
-        self.bar = bar
-        self.h, self.area = bar.mesh
-        self.mass, material = bar.nodal_mass, bar.material
-        self.law = np.array([material.modulus, material.yield_stress, material.hardening])
-        self.u, self.v = np.zeros(self.mass.size), np.full(self.mass.size, float(velocity))
-        self.plastic, self.stress, self.sums = np.zeros(self.h.size), np.zeros(self.h.size), np.zeros(2)
-        self.start = self.energy_of_motion
-        self.history: list[tuple[float, ...]] = []
-
-    @property
-    def energy_of_motion(self) -> float:
-        """[J]"""
-        return 0.5 * float(self.mass @ self.v**2)
-
-    def push(self, force: float, dt: float) -> tuple[float, float]:
-        """Hold a force [N], positive forwards, for the time dt [s]; displacement [m] and velocity [m/s] of the tip."""
-        return kernels.advance(
-            self.u, self.v, self.mass, self.h, self.area,
-            self.law, self.plastic, self.stress, self.sums, float(force), float(dt), self.bar.substeps(dt),
-        )  # fmt: skip
-
-    def energies(self) -> dict[str, float]:
-        """Dict of ENERGIES [J]; the error is kinetic, elastic and plastic less the start and the work at the tip."""
-        out = np.empty(2)
-        kernels.energies(self.v, self.mass, self.h, self.area, self.bar.material.modulus, self.stress, out)
-        plastic, work = self.sums[kernels.PLASTIC], self.sums[kernels.WORK]
-        values = (*out, plastic, work, out.sum() + plastic - work - self.start)
-        return dict(zip(ENERGIES, map(float, values)))
-
-    def centre(self, values: FloatArray) -> float:
-        """Mean over the mass of nodal values."""
-        return float(self.mass @ values / self.mass.sum())
-
-    def record(self, t: float, force: float) -> None:
-        """Keep a row of the history at the time t [s]."""
-        places = (self.u[0], self.u[-1], self.centre(self.u), self.v[0], self.v[-1], self.centre(self.v))
-        self.history.append((t, *places, force))
-
-    def shortening(self) -> float:
-        """[m] by plastic strain."""
-        return -float(np.expm1(self.plastic) @ self.h)
-
 
 @dataclass(frozen=True)
 class Rigidity:
@@ -299,25 +231,3 @@ def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
     if not np.max(force, initial=0.0) > 0:
         raise InputError("the projectile was never touched")
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(t)) / held_force(t, force, period))
-
-
-def split(bar: Bar, duration: float, impulse: float = 0.1) -> tuple[float, float]:
-    """What a half-sine push leaves of rigidity: largest split of tip and tail, during it and after.
-
-    Parameters
-    ----------
-    duration : [s];  impulse : [N s], small enough to stay elastic
-
-    Returns
-    -------
-    during, after : largest |v_tip - v_tail| over the change of the centre's velocity
-    """
-    motion, dt = bar.motion(0.0), bar.longest_step
-    steps, extra = ceil(duration / dt), ceil(2 * bar.period / dt)
-    peak = impulse * pi / (2 * steps * dt)
-    apart = []
-    for n in range(steps + extra):
-        motion.push(-peak * np.sin(pi * (n + 0.5) / steps) if n < steps else 0.0, dt)
-        apart.append(abs(motion.v[0] - motion.v[-1]))
-    change = impulse / bar.mass
-    return max(apart[:steps]) / change, max(apart[steps:]) / change

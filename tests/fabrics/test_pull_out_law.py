@@ -7,7 +7,7 @@ import pytest
 
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
-from fabrics.friction.pull_out import FRICTION_RANGE, PullOutLaw
+from fabrics.friction.pull_out import PullOutLaw
 
 FORCES = (2.0, 5.0, 11.0, 17.0)
 
@@ -24,16 +24,6 @@ def test_a_line_is_fitted_exactly():
     assert (law.c0, law.mu_eff) == (pytest.approx(0.05), pytest.approx(0.21))
     assert law.residual_rms < 1e-12
     assert law.threshold([0.0, 10.0, -1.0]) == pytest.approx([0.05, 2.15, 0.05])
-
-
-def test_the_range_of_the_coefficient_scales_the_slope():
-    law = PullOutLaw(0.1, 0.22, friction=0.2)
-    ends = law.ends()
-    assert [ends[name].friction for name in ("low", "high")] == list(FRICTION_RANGE)
-    assert [ends[name].mu_eff for name in ("low", "high")] == pytest.approx([0.165, 0.275])
-    assert {end.c0 for end in ends.values()} == {0.1}
-    with pytest.raises(InputError, match="friction"):
-        PullOutLaw(0.1, 0.0, friction=0.0).at_friction(0.2)
 
 
 def test_a_threshold_is_never_negative():

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from hexahedra import volumes
 
 from fabrics import catalogue
 from meshing.crossover import build
 from meshing.grid import tributary_areas
-from meshing.quality import volumes
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 WARP, WEFT = 0, 1

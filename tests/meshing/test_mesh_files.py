@@ -3,13 +3,13 @@
 import meshio
 import numpy as np
 import pytest
+from hexahedra import volumes
 
 from fabrics import catalogue
 from fabrics.errors import InputError
 from meshing import patch
 from meshing.crossover import build
 from meshing.formats import export
-from meshing.quality import volumes
 from meshing.session import gmsh_session
 
 

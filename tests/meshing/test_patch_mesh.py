@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from hexahedra import volumes
 
 from fabrics import catalogue
 from fabrics.errors import InputError
 from meshing import crossover
 from meshing.patch import build
-from meshing.quality import volumes
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 SMALL = (3, 2, 1)

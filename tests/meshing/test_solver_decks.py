@@ -13,12 +13,12 @@ from itertools import pairwise
 import meshio
 import numpy as np
 import pytest
+from hexahedra import volumes
 
 from fabrics import catalogue
 from meshing import crossover, patch
 from meshing.formats import export
 from meshing.formats.abaqus import SIDES
-from meshing.quality import volumes
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 SIZE = (3, 2, 1)

@@ -43,7 +43,6 @@ class Comparison:
     Parameters
     ----------
     fabric : Fabric with its published laws
-    bare : Fabric without laws of its own, as calibrated: solid and trellis laws of its fibre family
     law : CompressionLaw that was computed with the assumed solid law, with its range
     critical : [m/s] critical velocity with the published laws
     critical_range : AssumedRange of the critical velocity with the assumed laws
@@ -53,7 +52,6 @@ class Comparison:
     """
 
     fabric: Fabric
-    bare: Fabric
     law: CompressionLaw
     critical: float
     critical_range: AssumedRange
@@ -93,7 +91,7 @@ def compare(name: str, mesh: MeshSize = MESH) -> Comparison:
     strike = MULTIPLE * critical
     shot = wc.shoot(bare, strike, law=found.law, assumed_range=True)
     residual = wc.shoot(fabric, strike).residual_velocity
-    return Comparison(fabric, bare, found.law, critical, around, strike, residual, shot.range)
+    return Comparison(fabric, found.law, critical, around, strike, residual, shot.range)
 
 
 def laws(found: list[Comparison]) -> Rows:

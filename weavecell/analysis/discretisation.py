@@ -59,10 +59,6 @@ class Interval:
     finer: float
     uncertainty: float
 
-    def contains(self, other: float) -> bool:
-        """Whether a value lies in the interval."""
-        return abs(other - self.value) <= self.uncertainty
-
 
 @dataclass(frozen=True)
 class Discretisation:

@@ -48,7 +48,7 @@ def calibrate_command(
     mesh.write(built, out, fabric=fabric)
     done = calibrate(fabric, out, size=size, jobs=jobs, executor=executor, friction=friction, resume=resume)
     done = assumed_range(fabric, done, out, size=size, jobs=jobs, executor=executor, friction=friction)
-    tell(fabric, done, out)
+    tell(done)
     around: dict[str, Any] = {}
     if solid is not None:
         _, around = calibrate_solid.law_interval(solid, done.law, out, friction=friction, jobs=jobs, executor=executor)
@@ -83,7 +83,7 @@ def page(fabric: Fabric, done: Calibration, solid: SolidFit | None, around: Any,
     report_page.write(content, out / "report.html")
 
 
-def tell(fabric: Fabric, done: Calibration, out: Path) -> None:
+def tell(done: Calibration) -> None:
     """Print the law of a Calibration: intervals, published values, residual, spread between paths, the law chosen."""
     law = done.law
     if done.friction:

@@ -335,10 +335,10 @@ def _check_relations(scene, table, file):
         raise InputError(file=file, key="backing.size", value=table["backing"]["size"], allowed="three lengths")
     if isinstance(panel.boundary, BoundaryTable):
         for name in ("warp", "weft"):
-            _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", table, file)
+            _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", file)
 
 
-def _check_sides(side, key, table, file):
+def _check_sides(side, key, file):
     """A side that slips is either a friction clamp or pulled in."""
     for one in side if isinstance(side, tuple) else (side,):
         if not isinstance(one, SlipTable):

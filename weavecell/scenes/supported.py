@@ -3,7 +3,7 @@
 Each command declares, beside its code, a `Support`: every key of the scene's schema is supported, ignored or rejected.
 Keys are dotted ("panel.boundary.warp.clamp_force"); a table may be rejected as a whole ("history"). `check` runs before
 anything is computed or written. A key that is in no declaration is rejected by every command, so that a key added to
-the schema cannot be passed over; `undeclared` finds it in the tests.
+the schema cannot be passed over; tests find it.
 
 A key at its default value counts as not set: it changes nothing, since every command does what the defaults of the keys
 that it rejects describe (one ply, no block, no [history]).
@@ -138,26 +138,6 @@ def _plain(kind):
     if get_origin(kind) in (Union, UnionType, tuple):
         return any(_plain(part) for part in get_args(kind) if part not in (Ellipsis, type(None)))
     return not (isinstance(kind, type) and issubclass(kind, Table))
-
-
-def undeclared(support: Support) -> list[str]:
-    """Keys of the schema that a command's declaration leaves out."""
-    named = {*support.supported, *support.ignored}
-    return [
-        key
-        for key in keys(support.model)
-        if key not in named and not any(key == name or key.startswith(f"{name}.") for name in support.rejected)
-    ]
-
-
-def unknown(support: Support) -> list[str]:
-    """Keys of a command's declaration that the schema has not, or that it declares twice."""
-    every = keys(support.model)
-    tables = {key[:n] for key in every for n, letter in enumerate(key) if letter == "."}
-    named = (*support.supported, *support.ignored)
-    wrong = [key for key in named if key not in every]
-    wrong += [key for key in (*support.rejected, *(rule.key for rule in support.rules)) if key not in {*every, *tables}]
-    return wrong + [key for key in named if named.count(key) > 1 or key in support.rejected]
 
 
 def _written(table, key):

@@ -28,7 +28,6 @@ def test_wave_in_the_net_is_c_over_root_2():
     """A pulse along the warp of the taut net, followed by its centroid over 17 mm. Measured: 0.3 % slow."""
     net = CableNet(FLAT, numerics=CableNumerics(viscosity=0.0))
     c, taut = FLAT.weave.warp.wave_speed, 2e-3
-    assert net.wave_speeds == pytest.approx((c / sqrt(2),) * 2, rel=1e-12)
     const, state = net.constants(), net.state(1e-9)
     X, Y = net.coordinates()
     state.projectile_position[2] = -1.0  # out of the way
@@ -51,7 +50,9 @@ def test_wave_speeds_with_crimp():
     ratios = []
     for name in ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745"):
         fabric = catalogue.load(name)
-        for speed, yarn in zip(CableNet(fabric).wave_speeds, fabric.weave.yarns):
+        weave, stiffness = fabric.weave, CableNet(fabric).stiffness
+        for yarn, w, k in zip(weave.yarns, weave.w, stiffness):
+            speed = 2 * w * sqrt(k / weave.cell_mass)  # along the taut, flat yarn
             ratios.append(speed * (1 + yarn.crimp) / yarn.wave_speed)
     assert (min(ratios), max(ratios)) == pytest.approx((0.694, 0.720), abs=5e-4)
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bar_motion import Motion
 
 from fabrics.errors import InputError
 from shellfabric.impact.single_ply import ImpactSetup, collect_result, run
@@ -32,7 +33,7 @@ def struck(fabric):
 
 def test_the_bar_of_the_march_is_the_bar_alone(fabric, struck):
     """Given the forces of the march step by step, `Motion` moves tip and tail alike."""
-    motion, fine = struck.setup.projectile.bar.motion(100.0), struck.step_history
+    motion, fine = Motion(struck.setup.projectile.bar, 100.0), struck.step_history
     dt, force, tips, tails = fine[0, 0], 0.0, [], []
     for now in fine[:, 3]:
         tip, _ = motion.push(force, dt)

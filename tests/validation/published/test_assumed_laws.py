@@ -17,7 +17,7 @@ def made(critical=(100.0, 90.0, 120.0), published=110.0):
     around = AssumedRange("critical velocity", ("the trellis law",), rows)
     fabric = catalogue.load("S-720")
     law = CompressionLaw(4e-5, 5e-5, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5)))
-    return study.Comparison(fabric, study.without_laws(fabric), law, published, around, 143.0, published, around)
+    return study.Comparison(fabric, law, published, around, 143.0, published, around)
 
 
 def test_a_fabric_without_laws_is_completed_by_its_family():

@@ -24,12 +24,11 @@ from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.output.hooks import Progress
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
+from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile.projectile import Projectile
 from validation.claims.runs import cloth
 
 FABRIC, VELOCITY, PROJECTILE = "S-728", 300.0, Projectile(mass=8.1e-3)
-LIGHT = 0.231  # [kg/m2] of one ply, as Table 6-2 has it
 JAM = (1000.0, 0.6)  # [N], [-]: a tenth of a yarn's EA, from three fifths of its length on
 # half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.model.Numerics`), in the
 # first target with free edges 0.5 % of the shot's energy at the usual one
@@ -127,18 +126,12 @@ def shoot(case: Case, *, report: Callable[..., object] | None = None, **options:
     """
     run = march(case, **options).run([Progress(report)] if report else [])
     block = run.backing.result()
-    energies = {name: run.sample(name) for name in _names(run)}
+    energies = {name: run.sample(name) for name in PACK_ENERGIES}
     balance = float(np.abs(energies["error"]).max()) / run.strike_energy
     return Penetration(
         run.outcome, run.sample("t"), run.sample("z"), run.sample("v"), block.crater, block.steepness, block.half_width,
         energies, balance, run.wall_time, block,
     )  # fmt: skip
-
-
-def _names(run):
-    from shellfabric.plies.solver import PACK_ENERGIES
-
-    return PACK_ENERGIES
 
 
 def bare(block: Any = BLOCK, velocity: float = VELOCITY, end_time: float = 2e-3) -> Penetration:

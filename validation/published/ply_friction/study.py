@@ -23,7 +23,7 @@ from validation.published.packs.study import Case
 FABRICS, PLIES = ("S-726", "S-728"), 4
 FRICTIONS = (0.0, 0.1, 0.2, 0.3)
 END = 1.5e-3  # [s] by which a shot has stopped or perforated
-RANGE, STEP = (80.0, 400.0), 1.15  # [m/s]; first factor from the guess
+STEP = 1.15  # first factor from the guess
 TOLERANCE = 2.0  # [m/s] of the bracket of the ballistic limit
 STRIDE = 0.02  # between the velocities of the scan, of the limit without friction
 SHARES = tuple(1 + STRIDE * n for n in range(-6, 7))

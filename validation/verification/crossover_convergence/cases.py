@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,11 +64,6 @@ class Case:
     def full_steps(self) -> Steps:
         """The Steps of the case."""
         return replace(Steps(), **dict(self.steps))
-
-    @property
-    def identity(self) -> dict[str, Any]:
-        """All that its results depend on, as plain types."""
-        return asdict(self) | {"numerics": asdict(self.full_numerics), "steps": asdict(self.full_steps)}
 
 
 def solve(fabric: Fabric, paths: dict[str, tuple[float, float]], case: Case) -> dict[str, Any]:
