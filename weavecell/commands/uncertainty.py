@@ -102,8 +102,9 @@ def probabilistic(
     opening: str | None, resume: bool, grading: str | None = None, page: Path | None = None,
 ) -> None:  # fmt: skip
     """The curve of perforation of a target; see `v50.study`. `name`, `opening` and `grading` are of `target.read`."""
-    zones = None if grading is None else grading_of(grading, "--grading")
-    sides = None if zones is None else tomllib.loads(f"grading = {grading}")["grading"]
+    if grading is not None:
+        grading_of(grading, "--grading")  # which refuses a wrong one
+    sides = None if grading is None else tomllib.loads(f"grading = {grading}")["grading"]
     began = time.perf_counter()
     this = _begin(name, out, page, "v50", resume, OF_V50, opening=opening, grading=sides)
     try:
@@ -114,7 +115,31 @@ def probabilistic(
             )  # fmt: skip
     except InputError as problem:
         raise this.in_file(problem) from None
-    head = ["curve", "quantity", "value [m/s]", "low, 95 %", "high, 95 %"]
+    _write_scene(out, this.text)
+    _write_shots(study, out / "shots.csv")
+    for link, curve in study.curves.items():
+        interval = "{:.1f} to {:.1f} m/s".format(*curve.intervals["V50"])
+        print(f"V50 ({link}) {curve.V50:.1f} m/s, {interval} with {100 * curve.confidence:g} % confidence")
+    command = f"weavecell v50 {name} --shots {len(study.shots)} --batch {batch} --seed {seed}"
+    command += f' --grading "{grading}"' if grading is not None else ""
+    title = f"{this.title}: probability of perforation, {len(study.shots)} shots"
+    zones = first_ply(this.setup).grading
+    content = {
+        **study.summary(), "plies": this.case.scene.panel.plies, "projectile": this.projectile,
+        "deterministic": study.deterministic, "series": asdict(study.series),
+        "lambert_jonas": study.fit and asdict(study.fit), "scatter": asdict(scatter),
+        "grading": zones and grading_text(zones),
+        "curves": {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()},
+        "inputs": [asdict(one) for name in ("weibull", "spread") for one in inputs.table(name).values()],
+    }  # fmt: skip
+    head, rows = _curves_table(study)
+    remarks = _v50_remarks(study, scatter, batch, seed, zones)
+    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, this.case.fabric,
+            lambda path: pictures_uncertainty.save(pictures_uncertainty.perforation, path, study, title))  # fmt: skip
+
+
+def _curves_table(study):
+    """(heads, rows) of the fitted curves as texts."""
     rows = []
     for link, curve in study.curves.items():
         for name in ("V0", "V50", "V100"):
@@ -122,8 +147,10 @@ def probabilistic(
         scale = curve.deviation / curve.s if curve.s else 1.0
         values = (curve.deviation, *(scale * v for v in curve.intervals["s"]))
         rows.append([link, "standard deviation", *(f"{v:.2f}" for v in values)])
-    _write_scene(out, this.text)
-    _write_shots(study, out / "shots.csv")
+    return ["curve", "quantity", "value [m/s]", "low, 95 %", "high, 95 %"], rows
+
+
+def _v50_remarks(study, scatter, batch, seed, zones):
     through = [s for s in study.shots if s.perforated]
     stopped = [s for s in study.shots if not s.perforated]
     low, high = study.deterministic
@@ -137,32 +164,16 @@ def probabilistic(
         "V0 and V100 are where 1 % and 99 % perforate.",
         _series_words(study.series),
     ]
+    if study.curves["probit"].separated:
+        remarks.append("No stop is faster than a perforation: the shots are too few to tell the scatter of the limit.")
     if study.doubtful:
-        remarks.append(
-            f"{study.doubtful} of {len(study.shots)} shots have a quality check beyond its limit (doubtful)."
-        )
+        remarks.append(f"{study.doubtful} of {len(study.shots)} shots are doubtful (a quality check beyond its limit).")
     if study.fit is not None:
-        remarks.append(f"Residual velocities, Lambert-Jonas: {parameters(study.fit)}, limit {study.fit.limit:.1f} m/s.")
-    if (zones := first_ply(this.setup).grading) is not None:
-        remarks.append(
-            f"Sides of the elements, (until, side) in crossovers from the impact point: {grading_text(zones)}."
-        )
-    for link, curve in study.curves.items():
-        interval = "{:.1f} to {:.1f} m/s".format(*curve.intervals["V50"])
-        print(f"V50 ({link}) {curve.V50:.1f} m/s, {interval} with {100 * curve.confidence:g} % confidence")
-    command = f"weavecell v50 {name} --shots {len(study.shots)} --batch {batch} --seed {seed}"
-    command += f' --grading "{grading}"' if grading is not None else ""
-    title = f"{this.title}: probability of perforation, {len(study.shots)} shots"
-    content = {
-        **study.summary(), "plies": this.case.scene.panel.plies, "projectile": this.projectile,
-        "deterministic": study.deterministic, "series": asdict(study.series),
-        "lambert_jonas": study.fit and asdict(study.fit), "scatter": asdict(scatter),
-        "grading": zones and grading_text(zones),
-        "curves": {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()},
-        "inputs": [asdict(one) for name in ("weibull", "spread") for one in inputs.table(name).values()],
-    }  # fmt: skip
-    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, this.case.fabric,
-            lambda path: pictures_uncertainty.save(pictures_uncertainty.perforation, path, study, title))  # fmt: skip
+        remarks.append(f"Residual velocities, Lambert-Jonas: {parameters(study.fit)}.")
+    if zones is not None:
+        text = grading_text(zones)
+        remarks.append(f"Sides of the elements, (until, side) in crossovers from the impact point: {text}.")
+    return remarks
 
 
 _IGNORED = (
