@@ -1,6 +1,6 @@
 """V50 studies on graded panels against the uniform one: the same drawn panels, struck at the same velocities.
 
-    python -m validation.verification.graded_v50 [--shots 60] [--out results/graded-v50] [--page docs/scatter.md]
+    python -m validation.verification.graded_v50 [--shots 200] [--out results/graded-v50] [--page docs/scatter.md]
 
 Elements of one crossover reach to f crossovers from the impact point: all that can come under the nose, at least 10.
 Shot k has the panel number k of the study and the velocity k of a range about the critical velocity without scatter, on
@@ -32,13 +32,10 @@ from weavecell.results import provenance
 FABRICS = ("S-720", "S-726", "S-728")
 OPENING, SEED, TOLERANCE = 0.203, 1, 1.0  # [m], of the draws, [m/s] of the critical velocity
 RANGE = 0.82, 1.06  # of the critical velocity without scatter; yarns that scatter are weaker
-LEAST = 10  # [crossovers] to which elements of one crossover reach at least
 Grading = tuple[tuple[float, float], ...] | None
-ZONES: dict[str, Grading] = {  # ends of the zones in units of f, see `first_zone`
+ZONES: dict[str, Grading] = {  # ends of the zones in units of f, see `v50.first_zone`
     "1": None,
-    "1 to 1.6 f, 2 to 3.2 f, then 4": ((1.6, 1), (3.2, 2), (inf, 4)),
-    "1 to f, 2 to 2 f, then 4": ((1.0, 1), (2.0, 2), (inf, 4)),
-    "1 to f, 2 to 1.6 f, 4 to 3.2 f, then 8": ((1.0, 1), (1.6, 2), (3.2, 4), (inf, 8)),
+    "1 to f, 2 to 2 f, then 4 (default)": ((1.0, 1), (2.0, 2), (inf, 4)),
 }
 MARKS = "<!-- table of validation.verification.graded_v50 -->", "<!-- end of graded_v50 -->"
 
@@ -61,10 +58,7 @@ class Shot:
 
 def gradings(name: str) -> tuple[int, tuple[Grading, ...]]:
     """(f [crossovers], gradings of a fabric of the catalogue, in the order of ZONES)."""
-    crimp = 1 + 4 * inputs.published().crimp  # of nearly all panels at most
-    fabric = inputs.changed(catalogue.load(name), crimp_warp=crimp, crimp_weft=crimp)
-    panel = ImpactSetup(fabric, 1.0, opening=OPENING, symmetry="whole", table_size=11).panel()
-    first = max(LEAST, *(ceil(far / step) + 1 for far, step in zip(panel.reach(), panel.spacing)))
+    first = v50.first_zone(ImpactSetup(catalogue.load(name), 1.0, opening=OPENING))
     return first, tuple(
         None if zones is None else tuple((ceil(until * first) if until < inf else inf, side) for until, side in zones)
         for zones in ZONES.values()
@@ -108,7 +102,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.verification.graded_v50", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("--shots", type=int, default=60, help="of each fabric")
+    parser.add_argument("--shots", type=int, default=200, help="of each fabric")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("results/graded-v50"))
     parser.add_argument("--page", type=Path, help="put the table into this page")

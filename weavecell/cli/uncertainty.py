@@ -32,8 +32,8 @@ OpeningOption = Annotated[
 GradingOption = Annotated[
     str | None,
     typer.Option(
-        help="Sides of a fabric's elements by distance from the impact point, as panel.grading of an input file; "
-        "docs/scatter.md has an example, which takes a third of the time, and its error. All of one side if not given.",
+        help="Sides of a fabric's elements by distance from the impact point, as panel.grading of an input file: "
+        "'[[inf, 1]]' for one side everywhere. If not given, one crossover near the impact point, up to four far off.",
         metavar="ZONES",
     ),
 ]

@@ -53,10 +53,10 @@ def sweep(
     keys = [parse(text) for text in over]
     supports = OF_SWEEP if wanted.quantity == "shot" else OF_V50
     combinations = [dict(zip((key for key, _ in keys), values)) for values in itertools.product(*(v for _, v in keys))]
-    targets = []
+    targets, own = [], wanted.quantity == "v50"
     for number, changes in enumerate(combinations):
         with redirect_stdout(io.StringIO()) if number else nullcontext():  # what is assumed is told once
-            targets.append(target.read(name, out, target.support(*supports), changes=changes))
+            targets.append(target.read(name, out, target.support(*supports), changes=changes, own_mesh=own))
     rows = _rows(targets, wanted, out / RUNS, jobs, executor, resume)
     plies = [one.case.scene.panel.plies for one in targets]
     table = [

@@ -123,7 +123,7 @@ def probabilistic(
     command = f"weavecell v50 {name} --shots {len(study.shots)} --batch {batch} --seed {seed}"
     command += f' --grading "{grading}"' if grading is not None else ""
     title = f"{this.title}: probability of perforation, {len(study.shots)} shots"
-    zones = first_ply(this.setup).grading
+    zones = first_ply(v50.graded(this.setup)).grading
     content = {
         **study.summary(), "plies": this.case.scene.panel.plies, "projectile": this.projectile,
         "deterministic": study.deterministic, "series": asdict(study.series),
@@ -289,7 +289,7 @@ def grading_text(zones: tuple[tuple[float, float], ...]) -> str:
 
 def _begin(name, out, page, mark, resume, supports, **panel):
     """The target, with the folder made ready; InputError before anything is written."""
-    this = target.read(name, out, target.support(*supports), **panel)
+    this = target.read(name, out, target.support(*supports), own_mesh=mark == "v50", **panel)
     if page is not None:
         marked_page.split(page, *_marks(mark))
     if not resume:

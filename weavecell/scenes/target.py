@@ -88,7 +88,9 @@ def supports(
     )  # fmt: skip
 
 
-def read(name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None = None, **panel: Any) -> Target:
+def read(
+    name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None = None, own_mesh: bool = False, **panel: Any
+) -> Target:
     """The target of a name.
 
     Parameters
@@ -97,6 +99,7 @@ def read(name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None 
     out : folder of the results, from which the standard scene of a fabric file is named
     check : Support, or a function that gives it from the scene
     changes : {dotted key: value as it is written} in place of what the scene says
+    own_mesh : whether the command chooses the mesh of the standard scene
     panel : keys of [panel] of the standard scene, as they are written; those that are None are left out
 
     Raises
@@ -121,7 +124,7 @@ def read(name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None 
     standard = scenes.read_toml(demo, what="demonstration")[1]["scene"]
     own = {key: value for key, value in (standard["fabric"] | {"name": None} | fabric).items() if value is not None}
     table = {**standard, "fabric": own, "panel": standard["panel"] | given}
-    if "grading" in given:
+    if own_mesh or "grading" in given:
         table["run"] = {key: value for key, value in standard["run"].items() if key != "elements_per_crossover"}
     text = toml_writer.dumps(table)
     return _target(scenes.check(_changed(table, changes), out / "scene.toml", check), name, stem, text)

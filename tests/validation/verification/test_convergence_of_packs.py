@@ -99,7 +99,7 @@ def test_tables_of_the_failure_times():
 def test_first_zones_hold_what_comes_under_the_nose():
     """All gradings are accepted, with the crimp of nearly all drawn panels."""
     first, zones = graded_v50.gradings("S-726")
-    assert first > graded_v50.LEAST
+    assert first > graded_v50.v50.LEAST
     assert zones[0] is None
     for grading in zones[1:]:
         ImpactSetup(

@@ -12,6 +12,7 @@ from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
+from shellfabric.impact.pack import PackSetup
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
 from weavecell.analysis.uncertainty import inputs, probit, protocol, sobol, strengths, v50
@@ -20,7 +21,21 @@ OPENING = 0.0306
 
 
 def setup_of(fabric, opening, **others):
-    return ImpactSetup(fabric, 1.0, opening=opening, **others)
+    return ImpactSetup(fabric, 1.0, opening=opening, **({"elements_per_crossover": 1} | others))
+
+
+def test_the_mesh_of_a_study(fabric):
+    """Graded where nothing is said; what is said counts, and what a graded mesh cannot do has the uniform one."""
+    plain = ImpactSetup(fabric, 1.0)
+    near = v50.graded(plain).grading[0]
+    assert near[0] >= v50.LEAST
+    assert v50.graded(plain).grading == ((near[0], 1), (2 * near[0], 2), (np.inf, 4))
+    drawn = strengths.drawn(v50.graded(plain), inputs.published(), 1, 5).panel
+    assert max(far / step for far, step in zip(drawn.reach(), drawn.spacing)) < near[0]
+    for changes in ({"elements_per_crossover": 1}, {"edge": "free"}, {"grading": ((np.inf, 1),)}):
+        assert v50.graded(replace(plain, **changes)) == replace(plain, **changes)
+    pack = PackSetup(plain, 2)
+    assert v50.graded(pack) is pack
 
 
 @pytest.fixture(scope="module")

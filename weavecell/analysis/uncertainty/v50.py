@@ -18,6 +18,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import ceil, inf
 from typing import Any
 
 import numpy as np
@@ -31,14 +32,16 @@ from shellfabric.impact import ballistic_limit, lambert_jonas
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.pack import PackSetup, first_ply, panel_of, with_ply
 from shellfabric.impact.single_ply import ImpactSetup
-from shellfabric.panel import quality
+from shellfabric.panel import boundary, quality
 from weavecell.analysis.uncertainty import probit, protocol, strengths
-from weavecell.analysis.uncertainty.inputs import Scatter
+from weavecell.analysis.uncertainty.inputs import Scatter, changed_setup, published
 from weavecell.analysis.uncertainty.protocol import Series
 
 FIRST = 0.25  # of the deterministic limit, either way
 SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
 STOPS_BELOW = 0.1  # of the strike velocity, see `ballistic_limit.shoot`
+LEAST = 10  # [crossovers] to which elements of one crossover reach at least
+_SMALL = 11  # samples a side of a cell's table that no run uses
 WIDER = 0.5  # of the gap between stops and perforations, beyond either end, where yarns scatter
 
 
@@ -137,6 +140,31 @@ def deterministic(setup: ImpactSetup | PackSetup, tolerance: float) -> tuple[flo
     return found.low, found.high
 
 
+def graded(setup: ImpactSetup | PackSetup) -> ImpactSetup | PackSetup:
+    """The set-up with the mesh of a study where it names none: elements of one crossover as far as anything can come
+    under the nose of nearly all drawn panels, of two to twice that distance, of four beyond.
+
+    A pack has a graded mesh of its own. Edges that are not clamped, oblique shots and weaves, and sliding crossovers
+    have the uniform mesh; so has `elements_per_crossover = 1`.
+    """
+    ply = first_ply(setup)
+    given = ply.grading is not None or ply.elements_per_crossover is not None or ply.crossovers is not None
+    clamped = all(side == "clamped" for pair in boundary.sides(ply.edge) for side in pair)
+    if isinstance(setup, PackSetup) or given or not clamped or ply.projectile.obliquity or ply.weave_angle:
+        return setup
+    near = first_zone(ply)
+    return replace(ply, grading=((near, 1), (2 * near, 2), (inf, 4)))
+
+
+def first_zone(ply: ImpactSetup) -> int:
+    """[crossovers] to which all that can come under the nose lies, with the crimp of nearly all drawn panels."""
+    if ply.surface is None:
+        crimp = 1 + 4 * published().crimp
+        ply = changed_setup(ply, crimp_warp=crimp, crimp_weft=crimp)  # type: ignore[assignment]
+    panel = replace(ply, elements_per_crossover=1, grading=None, symmetry="whole", table_size=_SMALL).panel()
+    return max(LEAST, *(ceil(far / step) + 1 for far, step in zip(panel.reach(), panel.spacing)))
+
+
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
     """(count,) [m/s] velocities of the next round, from those of the shots so far and their outcomes."""
     V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
@@ -164,7 +192,8 @@ def study(
 
     Parameters
     ----------
-    setup : ImpactSetup or PackSetup of any strike velocity; what it records is not used
+    setup : ImpactSetup or PackSetup of any strike velocity; what it records is not used. Where it names no mesh that is
+        the one of `graded`
     scatter : Scatter
     shots : how many
     folder : Path of the runs
@@ -182,7 +211,9 @@ def study(
         if value < 4:
             raise InputError(key=key, value=value, allowed="at least 4")
     strengths.check(first_ply(setup), scatter)
-    setup = with_ply(setup, strike_velocity=1.0, history=None, snapshot_interval=None)  # which name no kept shot
+    setup = with_ply(
+        graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None
+    )  # which name no kept shot
     report = report or (lambda share, text: None)
     with open_executor(executor, jobs) as pool:
         runs: dict[str, Any] = {"folder": folder, "executor": pool, "jobs": jobs}
