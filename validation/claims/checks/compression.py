@@ -118,7 +118,7 @@ def b_from_pressure_law(fabric: str) -> Found:
 
 @check()
 def law_asymptote() -> Found:
-    """The law as the cell evaluates it: its shape, its limit, and what is left to the limit over b / (F + F0)^(1/3)."""
+    """The law as the cell evaluates it: its shape, its limit, and the distance to it over b / (F + F0)^(1/3)."""
     F, ok, worst, off = np.geomspace(1e-3, 1e3, 400), True, 0.0, 0.0
     for name in catalogue.list_names():
         law = catalogue.load(name).laws[0]
@@ -127,7 +127,7 @@ def law_asymptote() -> Found:
         ok = ok and bool(np.all(slope > 0) and np.all(np.diff(slope) < 0))
         worst = max(worst, abs(float(in_the_cell(law, [1e12 * law.F0])[0]) / law.a - 1))
         off = max(off, float(np.abs((law.a - d) * np.cbrt(F + law.F0) / law.b - 1).max()))
-    return {"rises ever more slowly": ok, "distance from a": worst, "what is left, off the law": off}
+    return {"rises ever more slowly": ok, "distance from a": worst, "remaining compression, off the law": off}
 
 
 def in_the_cell(law: CompressionLaw, F: ArrayLike) -> FloatArray:
