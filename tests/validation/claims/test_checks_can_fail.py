@@ -105,7 +105,7 @@ def test_a_cell_off_its_equations_misses(monkeypatch, name):
     """Where every state of the coupled cell has a thousandth more tension, or a law with twice the compression."""
     from shellfabric.cell.model import CellModel
 
-    assert len(CELLS) == 15
+    assert len(CELLS) == 18
     bears_out(name)
     solve = CellModel.solve
 
@@ -574,6 +574,37 @@ def test_slip_of_clamps():
     bears_out("slip-pressure", **gripped("slip-pressure", slips, widths))
     misses("slip-pressure", "least fall", **gripped("slip-pressure", slips[::-1], widths))
     misses("slip-pressure", "firmest", **gripped("slip-pressure", [*slips[:-1], 1e-6], widths))
+
+
+def test_a_trellis_without_any_effect_is_not_one_without_influence():
+    """All runs alike miss; so does a soft trellis that is as far from the published one as a hard one."""
+    slower = shot(stop=280e-6)
+    bears_out("shear-insensitive-low", trellis=shot(), soft=shot(), hard=slower, tight=shot())
+    misses("shear-insensitive-low", "no value", trellis=shot(), soft=shot(), hard=shot(), tight=shot())
+    near = {"soft": shot(stop=299e-6), "hard": shot(stop=301e-6)}
+    misses("shear-insensitive-low", "hard", trellis=shot(), tight=shot(), **near)
+
+
+def test_crimp_that_is_shared_out():
+    limits = {"as_woven": {"velocity": 130.0}, "balanced": {"velocity": 140.0}}
+    sound = {"woven_shot": shot(depth=25e-3), "balanced_shot": shot(depth=20e-3, stop=280e-6)}
+    bears_out("sens-imbalance-efficiency", **limits, **sound)
+    misses("sens-imbalance-efficiency", "back face", **limits, **sound | {"woven_shot": shot(depth=19e-3)})
+    misses("sens-imbalance-efficiency", "lead", **limits, **sound | {"balanced_shot": shot(depth=20e-3, stop=350e-6)})
+
+
+def test_material_that_flows_at_another_speed():
+    """The march of a lone yarn with half the stiffness, against the closed form of the yarn."""
+    from shellfabric.cable import smith
+    from validation.claims import runs
+
+    given = CLAIMS["wave-material-inflow"].arguments
+    sound = runs.struck_yarn(**given)
+    bears_out("wave-material-inflow", run=sound)
+    yarn = catalogue.load(given["fabric"]).with_effective_density().weave.warp
+    softer = smith.strike(replace(yarn, E=0.5 * yarn.E), given["velocity"])
+    computed = {"c": softer.computed.c, "U": softer.computed.U, "strain": softer.computed.strain}
+    misses("wave-material-inflow", "c e", run=sound | computed | {"X": softer.X, "nodes": softer.nodes})
 
 
 def test_shear_at_other_edges():

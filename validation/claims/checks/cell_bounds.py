@@ -106,6 +106,7 @@ def failure_lines(fabric: str, reach: float) -> Found:
     touching = (state["F"] > 0) & ~failed
     k = int(np.argmin(np.abs(d)))
     return found | {
+        "off the equations": departure(model, *np.meshgrid(*(1 + d / w for w in weave.w), indexing="ij")),
         "contact at rest and beyond": bool(touching[k + 1, k + 1]),
         "contact, both shortened": bool(touching[:k, :k].any()),
         "note": f"region 1 {100 * touching.mean():.0f} %, region 2 {100 * (~touching & ~failed).mean():.0f} %, "

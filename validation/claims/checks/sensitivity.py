@@ -240,9 +240,11 @@ def imbalance(
     as_woven: RunResult, balanced: RunResult, woven_shot: RunResult, balanced_shot: RunResult, fabric: str
 ) -> Found:
     z = [run["z"][-1] for run in (balanced_shot, woven_shot)]
-    better = balanced["velocity"] > as_woven["velocity"] or z[0] < z[1]
+    t = np.linspace(ZONE_I, min(run["fine"][-1, 0] for run in (balanced_shot, woven_shot)), 200)
+    lead = series.velocity(woven_shot, t) - series.velocity(balanced_shot, t)
     return {
-        "balanced is better in one": bool(better),
+        "back face, balanced over as woven": z[0] / z[1],
+        "mean lead of velocity, as woven": lead.mean(),
         "note": f"{fabric} with its crimp shared out evenly: limit "
         f"{balanced['velocity']:.1f} against {as_woven['velocity']:.1f} m/s, back face {1e3 * z[0]:.1f} against "
         f"{1e3 * z[1]:.1f} mm at 100 m/s",
