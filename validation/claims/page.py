@@ -79,7 +79,7 @@ def sentence(table: Table) -> str:
         f"{n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable; "
         f"{n[judge.NOT_BUILT]} not built yet; {n[judge.NOT_TESTABLE]} cannot be tested; "
         f"{n[judge.LEFT_OUT]} slow ones are left out. Of {len(others)} additional claims, which the project adds, "
-        f"{more[REPRODUCED]} are reproduced and {more[MISSED]} missed"
+        f"{more[REPRODUCED]} are reproduced, {more[MISSED]} missed and {more[judge.LEFT_OUT]} left out"
     )
 
 
