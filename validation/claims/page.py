@@ -31,8 +31,8 @@ makes this page and [data/claims.csv](data/claims.csv); not to be edited by hand
 
 A claim is a statement of the thesis that a computation can confirm or contradict: a number, an order, a trend, a shape
 or an outcome. "Published" is the value of the thesis, or the condition that follows from its statement, with the
-tolerance that was set before the comparison; "computed" is the value of this software. Nothing is fitted to a claim,
-and no tolerance is widened to turn a miss.
+tolerance that was set before the comparison, or that an audit has narrowed since; "computed" is the value of this
+software. Nothing is fitted to a claim, and no tolerance is widened to turn a miss.
 """
 _VARIANTS = """\
 A claim on impacts on one ply is checked with a rigid projectile, the variational cell formulation, the linear density
