@@ -31,8 +31,8 @@ makes this page and [data/claims.csv](data/claims.csv); not to be edited by hand
 
 A claim is a statement of the thesis that a computation can confirm or contradict: a number, an order, a trend, a shape
 or an outcome. "Published" is the value of the thesis, or the condition that follows from its statement, with the
-tolerance that was set before the comparison; "computed" is the value of this software. Nothing is fitted to a claim,
-and no tolerance is widened to turn a miss.
+tolerance that was set before the comparison, or that an audit has narrowed since; "computed" is the value of this
+software. Nothing is fitted to a claim, and no tolerance is widened to turn a miss.
 """
 _VARIANTS = """\
 A claim on impacts on one ply is checked with a rigid projectile, the variational cell formulation, the linear density
@@ -68,17 +68,18 @@ def counts(table: Table) -> Counter[str]:
 
 
 def sentence(table: Table) -> str:
-    """The counts in words, as README has them."""
-    n, total = counts(table), len(table)
-    added = _added(table)
+    """The counts in words, as README has them; those of the thesis alone, then the additional ones."""
+    thesis, others = _split(table)
+    n, more = counts(thesis), counts(others)
     decided = n[REPRODUCED] + n[MISSED]
     return (
-        f"{total - added} claims of the thesis and {added} additional ones: of the {decided} that are decided, "
+        f"{len(thesis)} claims of the thesis: of the {decided} that are decided, "
         f"{n[REPRODUCED]} are reproduced ({100 * n[REPRODUCED] / max(decided, 1):.0f} %) and {n[MISSED]} missed; "
         f"{n[judge.DATA]} compare input data or a closed form with themselves and are in no percentage; "
         f"{n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable; "
         f"{n[judge.NOT_BUILT]} not built yet; {n[judge.NOT_TESTABLE]} cannot be tested; "
-        f"{n[judge.LEFT_OUT]} slow ones are left out"
+        f"{n[judge.LEFT_OUT]} slow ones are left out. Of {len(others)} additional claims, which the project adds, "
+        f"{more[REPRODUCED]} are reproduced, {more[MISSED]} missed and {more[judge.LEFT_OUT]} left out"
     )
 
 
@@ -90,11 +91,12 @@ def variants_sentence(table: Table) -> str:
     return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the verdict of {len(changed)}"
 
 
-def _added(table):
+def _split(table):
+    """(rows of the claims of the thesis, rows of the additional ones)"""
     from validation.claims import claims as data
 
     added = {entry["id"] for entry in data.entries(data.FILES[1])}
-    return sum(row["id"] in added for row in table)
+    return tuple([row for row in table if (row["id"] in added) is own] for own in (False, True))
 
 
 def lines(table: Table, command: str, commit: str, date: str, cost: str) -> str:
@@ -113,9 +115,13 @@ def lines(table: Table, command: str, commit: str, date: str, cost: str) -> str:
 
 
 def _count_table(table):
+    """Counts of the claims of the thesis by topic, of all of them, and of the additional ones."""
+    thesis, others = _split(table)
+    parts = [(title, [row for row in thesis if row["topic"] == topic]) for topic, title in TOPICS.items()]
+    parts += [("claims of the thesis", thesis), ("additional claims", others)]
     found = [["topic", *VERDICTS]]
-    for topic, title in (*TOPICS.items(), ("", "all")):
-        n = counts([row for row in table if not topic or row["topic"] == topic])
+    for title, own in parts:
+        n = counts(own)
         if n:
             found.append([title, *(str(n[verdict]) for verdict in VERDICTS)])
     return markdown(found)

@@ -8,6 +8,7 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
+from validation.claims.checks.by_hand import departure
 from validation.claims.registry import Found, check
 from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
 
@@ -57,7 +58,10 @@ def symmetry(fabric: str, k: float) -> Found:
     e = np.linspace(0, end, 100)
     warp = cell.solve(1 + e, 1 + e / k)["T1"]
     weft = cell.solve(1 + e / k, 1 + e)["T2"]
-    return {"difference over strength": np.abs(warp - weft).max() / cell.fabric.weave.warp.strength}
+    return {
+        "difference over strength": np.abs(warp - weft).max() / cell.fabric.weave.warp.strength,
+        "off the equations": departure(cell, 1 + e, 1 + e / k),
+    }
 
 
 @check()
@@ -69,7 +73,11 @@ def order(fabric: str) -> Found:
     T = {name: np.interp(e, curve.strain[:, 0], curve.tension[:, 0]) for name, curve in curves.items()}
     names = sorted(T, key=lambda name: -T[name].mean())
     gaps = [float((T[a] - T[b]).min()) for a, b in itertools.pairwise(names)]
-    return {"order": names, "least distance": min(gaps)}
+    return {
+        "order": names,
+        "least distance": min(gaps),
+        "off the equations": max(departure(cell, 1 + e, 1 + e / k) for k in (0.5, 1.0, 2.0)),
+    }
 
 
 @check()

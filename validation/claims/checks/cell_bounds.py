@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from shellfabric.cell.model import MODELS
+from validation.claims.checks.by_hand import departure
 from validation.claims.checks.cell import cell, end, printed, warp_pull
 from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.registry import Found, check
@@ -32,42 +33,54 @@ def bounds(fabric: str, at: float) -> Found:
     result["greatest share of the way"] = (
         (found["compressible"]["T1"] - found["decoupled"]["T1"])[real] / room[real]
     ).max()
+    result["off the equations"] = max(departure(model, 1 + strain, 1.0) for model in cells.values())
     return result
 
 
 @check()
 def energy_bounds(fabric: str) -> Found:
     """Stored energy of the three cells over all pairs of strains at which no yarn fails."""
-    share, W = _surfaces(fabric)
+    share, W, off = _surfaces(fabric)
     least = min(float((a - b).min()) for a, b in (W[:2], W[1:]))
     return {
         "least distance over the highest": least / W[0].max(),
         "mean share of the way": share,
+        "off the equations": off,
         "note": f"on average {share:.2f} of the way from decoupled to incompressible",
     }
 
 
 @check()
 def interaction(balanced: str, unbalanced: str) -> Found:
-    shares = {name: _surfaces(name)[0] for name in (balanced, unbalanced)}
-    return {"order": ranked(shares), "note": ", ".join(f"{name} {share:.2f}" for name, share in shares.items())}
+    found = {name: _surfaces(name) for name in (balanced, unbalanced)}
+    shares = {name: share for name, (share, *_) in found.items()}
+    return {
+        "order": ranked(shares),
+        "off the equations": max(off for *_, off in found.values()),
+        "note": ", ".join(f"{name} {share:.2f}" for name, share in shares.items()),
+    }
 
 
 def _surfaces(fabric, n=41):
-    """Mean share of the way, and energies of the incompressible, the compressible and the decoupled cell."""
+    """Mean share of the way, energies of the incompressible, the compressible and the decoupled cell, `departure`."""
     models = [cell(fabric, model) for model in ("incompressible", "compressible", "decoupled")]
     weave = models[0].fabric.weave
     grid = np.meshgrid(*(np.linspace(1, end(yarn), n) for yarn in weave.yarns), indexing="ij")
     found = [model.solve(*grid) for model in models]
     safe = (found[0]["T1"] <= weave.warp.strength) & (found[0]["T2"] <= weave.weft.strength)
     W = [part["W"][safe] for part in found]
-    return float(np.mean(W[1] - W[2]) / np.mean(W[0] - W[2])), W
+    return float(np.mean(W[1] - W[2]) / np.mean(W[0] - W[2])), W, max(departure(model, *grid) for model in models)
 
 
 @check()
 def weft_energy(fabric: str, strain: float) -> Found:
-    W = [float(cell(fabric, model).solve(1.0, 1 + strain)["W"]) for model in ("compressible", "decoupled")]
-    return {"compressible over decoupled": W[0] / W[1], "note": f"{1e3 * W[0]:.3f} and {1e3 * W[1]:.3f} mJ"}
+    models = [cell(fabric, model) for model in ("compressible", "decoupled")]
+    W = [float(model.solve(1.0, 1 + strain)["W"]) for model in models]
+    return {
+        "compressible over decoupled": W[0] / W[1],
+        "off the equations": max(departure(model, 1.0, 1 + np.linspace(0, strain, 41)) for model in models),
+        "note": f"{1e3 * W[0]:.3f} and {1e3 * W[1]:.3f} mJ",
+    }
 
 
 @check()
@@ -93,6 +106,7 @@ def failure_lines(fabric: str, reach: float) -> Found:
     touching = (state["F"] > 0) & ~failed
     k = int(np.argmin(np.abs(d)))
     return found | {
+        "off the equations": departure(model, *np.meshgrid(*(1 + d / w for w in weave.w), indexing="ij")),
         "contact at rest and beyond": bool(touching[k + 1, k + 1]),
         "contact, both shortened": bool(touching[:k, :k].any()),
         "note": f"region 1 {100 * touching.mean():.0f} %, region 2 {100 * (~touching & ~failed).mean():.0f} %, "
@@ -118,11 +132,12 @@ def both_negative(fabric: str, reach: float) -> Found:
 def energy_surface(fabric: str) -> Found:
     model = cell(fabric)
     weave = model.fabric.weave
-    found = model.solve(*np.meshgrid(*(np.linspace(1, end(yarn), 61) for yarn in weave.yarns), indexing="ij"))
+    grid = np.meshgrid(*(np.linspace(1, end(yarn), 61) for yarn in weave.yarns), indexing="ij")
+    found = model.solve(*grid)
     safe = (found["T1"] <= weave.warp.strength) & (found["T2"] <= weave.weft.strength)
     W = np.where(safe, found["W"], np.nan)
     steps = [np.nanmin(np.diff(W, axis=axis)) / np.nanmax(W) for axis in (0, 1)]
-    return {"least growth over the highest": min(steps)}
+    return {"least growth over the highest": min(steps), "off the equations": departure(model, *grid)}
 
 
 def _survived(name, n=61):
@@ -143,7 +158,9 @@ def no_failure_extent() -> Found:
         strain, W = _survived(name)
         some, whole = np.isfinite(W).any(axis=1), np.isfinite(W[:, 0])
         extents[name], every[name] = float(strain[some][-1]), float(strain[whole][-1])
+    off = [departure(cell(name), 1 + np.linspace(0, extents[name], 61), 1.0) for name in KEVLAR]
     return {
+        "off the equations": max(off),
         "order": ranked(extents),
         "order, weft held": ranked(every),
         "note": ", ".join(f"{n} {100 * extents[n]:.1f} %" for n in ranked(extents)),

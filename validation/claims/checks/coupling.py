@@ -188,8 +188,11 @@ def shear_laws(trellis: RunResult, soft: RunResult, hard: RunResult, tight: RunR
     }
     k = int(np.argmin(np.abs(t - 150e-6)))
     drop = {name: 100.0 - w[k] for name, w in v.items()}
+    apart = {name: float(np.abs(w - v["trellis"]).max()) for name, w in v.items()}
+    locked = apart["high shear"]
     return {
-        "soft apart": np.abs(v["low shear"] - v["trellis"]).max(),
+        "soft apart": apart["low shear"],
+        "soft apart over hard apart": apart["low shear"] / locked if locked else np.nan,
         "tight apart": np.abs(v["tight"] - v["trellis"]).max(),
         "order": ranked({n: d for n, d in drop.items() if n != "tight"}),
         "drop, high over trellis": drop["high shear"] / drop["trellis"],

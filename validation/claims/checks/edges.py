@@ -33,6 +33,7 @@ def slipped_width(fabric: str, velocity: float, grips: Sequence[float], **runs: 
     slip, width = _pulled([runs[f"N{grip:g}"] for grip in grips])
     return {
         "rank correlation": float(spearmanr(slip, width)[0]),
+        "exponent of the width on the slip": float(np.polyfit(np.log(slip), np.log(width), 1)[0]),
         "greatest over least width per slip": float((width / slip).max() / (width / slip).min()),
         "note": "; ".join(f"{g:g} N: {1e3 * s:.2f} mm over {1e3 * w:.0f} mm" for g, s, w in zip(grips, slip, width)),
     }

@@ -27,19 +27,10 @@ def outcome_of(run: RunResult) -> str:
     return {"stopped": STOPPED, "perforated": PERFORATED}.get(run["outcome"], run["outcome"])
 
 
-def _captions(fabric, velocity, margin=0.0):
-    runs = {"run": bare_shot(fabric, velocity)}
-    return runs | ({"faster": bare_shot(fabric, velocity + margin)} if margin else {})
-
-
-@check(_captions)
-def outcome(run: RunResult, fabric: str, velocity: float, margin: float = 0.0, faster: RunResult = None) -> Found:
-    """Outcome at a velocity, and within a margin above it."""
+@check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
+def outcome(run: RunResult, fabric: str, velocity: float) -> Found:
+    """Outcome at a velocity."""
     found = {"outcome": outcome_of(run), "residual velocity": run["residual"]}
-    if faster is not None:
-        found["outcome within the margin"] = (
-            PERFORATED if PERFORATED in (outcome_of(run), outcome_of(faster)) else outcome_of(faster)
-        )
     share = run["peak"] / run["strength"]
     found["note"] = (
         f"{outcome_of(run)} at {velocity:g} m/s, {run['residual']:.1f} m/s left"

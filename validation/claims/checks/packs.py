@@ -186,12 +186,21 @@ def swing(full: RunResult, bar: RunResult, fabric: str, velocity: float, plies: 
     }
 )
 def rigid_has_no_swing(bar: RunResult, rigid: RunResult, fabric: str, velocity: float, plies: int) -> Found:
-    """A rigid body has one velocity: the columns of tip and tail are those of a bar alone."""
-    split = np.abs(bar["fine"][:, 4] - bar["fine"][:, 5]).max()
+    """Jumps of the velocity of a rigid projectile over those of the tip of an elastic one.
+
+    RMS of what is faster than `series.QUIET`, from 10 us on. And how far tip and tail of each are apart: a rigid body
+    has one velocity, and no columns of tip and tail.
+    """
+    jumps = []
+    for run, column in ((rigid, 2), (bar, 4)):
+        t, v = series.even(run["fine"][:, 0], run["fine"][:, column], 2e-7)
+        jumps.append(series.noise(t[t > 10e-6], v[t > 10e-6]))
     columns = rigid["fine"].shape[1]
     return {
+        "jumps, rigid over elastic": jumps[0] / jumps[1],
         "split of the rigid": 0.0 if columns == 4 else float(np.ptp(rigid["fine"][:, 4:6], axis=1).max()),
-        "split of the bar": split,
+        "split of the bar": np.abs(bar["fine"][:, 4] - bar["fine"][:, 5]).max(),
+        "note": f"{jumps[0]:.2f} and {jumps[1]:.2f} m/s",
     }
 
 

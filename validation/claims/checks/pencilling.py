@@ -12,6 +12,8 @@ import numpy as np
 
 from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
+from validation.claims.runs import cloth
+from validation.published.pencilling.study import FABRIC, Case, march
 
 CASES = {1: (1, 5.0, 1.155), 2: (1, 1.0, 1.155), 3: (1, 5.0, 0.231), 4: (1, 1.0, 0.231), 5: (4, 1.0, 1.155)}
 
@@ -30,9 +32,14 @@ def _cases(*numbers):
 
 @check(lambda number, edge="free": {"run": case(number, edge)})
 def completes(run: RunResult, number: int, edge: str = "free") -> Found:
+    """Whether a run comes to its end, and mass and modulus of the plies that it marches."""
+    plies = march(Case(*CASES[number]), edge=edge).pack.plies
+    weight = sum(ply.masses().sum() / np.prod([n * d for n, d in zip(ply.counts, ply.spacing)]) for ply in plies)
     return {
         "completes": run["outcome"] == "stopped",
         "balance": run["balance"],
+        "areal density of the plies": float(weight),
+        "stiffness over S-728": plies[0].fabric.weave.warp.EA / cloth(FABRIC).weave.warp.EA,
         "note": f"{1e3 * run['depth']:.1f} mm deep after {1e6 * run['t'][-1]:.0f} us; wall at "
         f"{np.degrees(run['steepness']):.0f} degrees; balance {100 * run['balance']:.2f} %",
     }

@@ -14,6 +14,7 @@ import numpy as np
 from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel
 from validation.claims.checks import series
+from validation.claims.checks.by_hand import departure
 from validation.claims.checks.impact import shot
 from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
@@ -50,13 +51,16 @@ def limits(fabric: str, parameter: str) -> dict[str, Run]:
 @check()
 def cell(fabric: str, parameter: str, strain: float) -> Found:
     """Warp tension of the cell at a warp strain with held weft; the thesis's equations, nominal yarns."""
-    T = []
+    T, off = [], []
     for factor in FACTORS:
         given = catalogue.load(fabric)
         field = {"modulus": "E", "crimp": "crimp"}[parameter]
         changed = variants.scale_yarns(given, **{field: factor})
-        T.append(float(CellModel(changed, form="equilibrium").solve(1 + strain, 1.0)["T1"]))
+        model = CellModel(changed, form="equilibrium")
+        T.append(float(model.solve(1 + strain, 1.0)["T1"]))
+        off.append(departure(model, 1 + np.linspace(0, strain, 41), 1.0))
     return {
+        "off the equations": max(off),
         "less": T[0],
         "same": T[1],
         "more": T[2],
@@ -236,9 +240,11 @@ def imbalance(
     as_woven: RunResult, balanced: RunResult, woven_shot: RunResult, balanced_shot: RunResult, fabric: str
 ) -> Found:
     z = [run["z"][-1] for run in (balanced_shot, woven_shot)]
-    better = balanced["velocity"] > as_woven["velocity"] or z[0] < z[1]
+    t = np.linspace(ZONE_I, min(run["fine"][-1, 0] for run in (balanced_shot, woven_shot)), 200)
+    lead = series.velocity(woven_shot, t) - series.velocity(balanced_shot, t)
     return {
-        "balanced is better in one": bool(better),
+        "back face, balanced over as woven": z[0] / z[1],
+        "mean lead of velocity, as woven": lead.mean(),
         "note": f"{fabric} with its crimp shared out evenly: limit "
         f"{balanced['velocity']:.1f} against {as_woven['velocity']:.1f} m/s, back face {1e3 * z[0]:.1f} against "
         f"{1e3 * z[1]:.1f} mm at 100 m/s",

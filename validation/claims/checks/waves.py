@@ -85,8 +85,8 @@ def crimp_slows(straight: RunResult, crimped: RunResult, fabric: str) -> Found:
 
 @check(lambda fabric, velocity: {"run": Run.of("struck_yarn", fabric=fabric, velocity=velocity)})
 def inflow(run: RunResult, fabric: str, velocity: float) -> Found:
-    """Velocity of the material behind the front, from what it has moved; side of the cone."""
-    X, c, e = run["X"], run["c"], run["strain"]
+    """Velocity of the material behind the front, from what it has moved, over that of Smith's closed form; the side."""
+    X, c, e = run["X"], run["theory_c"], run["theory_strain"]
     t = run["nodes"][0, 1] / velocity
     kink = run["U"] * t
     between = (X > 1.5 * kink) & (X < 0.8 * c * t)
