@@ -7,6 +7,7 @@ records, the code among it, and is refused by any other run.
 
 from __future__ import annotations
 
+import time
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,18 +23,29 @@ if TYPE_CHECKING:
     from shellfabric.driver.solver import ExplicitSolver
 
 FORMAT = "weavecell checkpoint 3"
+LEAST_WALL = 10.0  # [s] between checkpoints of a command: what it saves of a shorter run takes as long to compute again
 
 
 class Checkpoints(Every):
-    """Write a checkpoint every interval [s] of the run's time, over the last one."""
+    """Write a checkpoint every interval [s] of the run's time, over the last one.
 
-    def __init__(self, path: FilePath, interval: float) -> None:
+    Parameters
+    ----------
+    path, interval : of the file, and [s]
+    least_wall : [s] of wall time from the first sample, and from each checkpoint, in which no other is written
+    """
+
+    def __init__(self, path: FilePath, interval: float, least_wall: float = 0.0) -> None:
         super().__init__(interval)
-        self.path = path
+        self.path, self.least_wall = path, least_wall
+        self._next: float | None = None  # [s] of the clock
 
     def __call__(self, solver: ExplicitSolver) -> None:
-        if self.due(solver):
+        if self._next is None:
+            self._next = time.monotonic() + self.least_wall
+        if self.due(solver) and time.monotonic() >= self._next:
             write(solver, self.path)
+            self._next = time.monotonic() + self.least_wall
 
 
 def stamp(solver: ExplicitSolver) -> dict[str, Any]:

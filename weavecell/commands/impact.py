@@ -169,9 +169,9 @@ def fire(
     result : ImpactResult
     """
     from shellfabric.impact import single_ply as solver
-    from shellfabric.output.checkpoint import Checkpoints
+    from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
 
-    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every),)  # type: ignore[arg-type]
+    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)  # type: ignore[arg-type]
     table = table or setup.table(kept=True)
     result, failure = progress.watched(
         lambda hooks: solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table), title, hooks

@@ -106,9 +106,9 @@ def fire(
 ) -> tuple[PackRecord, tuple[Any, ...], UnstableError | None, Any]:
     """Run it under a progress bar: (PackRecord, snapshots, the UnstableError that ended it or None, PackResult)."""
     from shellfabric.impact import pack as impact_pack
-    from shellfabric.output.checkpoint import Checkpoints
+    from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
 
-    hooks = (Checkpoints(checkpoint, this.scene.run.checkpoint_interval),)
+    hooks = (Checkpoints(checkpoint, this.scene.run.checkpoint_interval, LEAST_WALL),)
     result, failure = progress.watched(
         lambda hooks: impact_pack.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table),
         title, hooks,

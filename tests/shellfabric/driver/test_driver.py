@@ -354,6 +354,21 @@ def test_a_resumed_run_is_the_uninterrupted_one_to_the_last_bit(tmp_path):
     assert rest.outcome == "stopped"
 
 
+def test_checkpoints_are_as_far_apart_as_asked_for(tmp_path, monkeypatch):
+    """The clock goes on by a second a sample, of which there are a hundred."""
+    clock, written = [0.0], []
+    monkeypatch.setattr(checkpoint, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    monkeypatch.setattr(checkpoint, "write", lambda solver, path: written.append(len(solver.samples)))
+
+    def tick(solver):
+        clock[0] += 1.0
+
+    for least_wall, expected in ((200.0, []), (20.0, [22, 42, 62, 82]), (0.0, list(range(2, 102)))):
+        written.clear()
+        Oscillator(ends=False).run((checkpoint.Checkpoints(tmp_path / "run.h5", 1e-3, least_wall), tick))
+        assert written == expected
+
+
 def test_a_checkpoint_of_another_run_is_refused(tmp_path):
     checkpoint.write(Oscillator(), tmp_path / "run.h5")
     with pytest.raises(InputError, match="another run"):

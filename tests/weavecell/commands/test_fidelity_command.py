@@ -66,6 +66,7 @@ def test_resumed_run_is_the_uninterrupted_one(command, scene, tmp_path, monkeypa
 
     with monkeypatch.context() as patch:
         patch.setattr("shellfabric.output.hooks.Progress.__call__", lambda self, march: stop(march))
+        patch.setattr("shellfabric.output.checkpoint.LEAST_WALL", 0.0)
         assert command("impact", scene, "--out", "resumed")[0] == 130
     assert [path.suffix for path in (tmp_path / "resumed").iterdir()] == [".h5"]
     assert command("impact", scene, "--out", "resumed", "--resume")[0] == 0

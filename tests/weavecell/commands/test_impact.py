@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
+from shellfabric.output import checkpoint
 from tests.scene_text import every, impact_scene
 from weavecell.commands import impact as commands_impact
 from weavecell.commands import view
@@ -49,8 +50,8 @@ def datasets(path):
     return found
 
 
-def interrupt_at(monkeypatch, share):
-    """From now on the user presses Ctrl-C when `share` of a run is done."""
+def interrupt_at(monkeypatch, share, least_wall=0.0):
+    """From now on the user presses Ctrl-C when `share` of a run is done; checkpoints may be `least_wall` [s] apart."""
     from contextlib import contextmanager
 
     @contextmanager
@@ -62,6 +63,7 @@ def interrupt_at(monkeypatch, share):
         yield advance
 
     monkeypatch.setattr(progress, "bar", bar)
+    monkeypatch.setattr(checkpoint, "LEAST_WALL", least_wall)
 
 
 def test_everything_asked_for_is_written(command, scene, tmp_path):
@@ -171,6 +173,12 @@ def test_resumed_run_is_the_uninterrupted_one(command, scene, tmp_path, monkeypa
         assert (other / file).read_bytes() == (one / file).read_bytes()
 
 
+def test_a_run_of_seconds_leaves_no_checkpoint(command, scene, tmp_path, monkeypatch):
+    interrupt_at(monkeypatch, 0.95, least_wall=checkpoint.LEAST_WALL)
+    assert command("impact", scene(), "--out", "results")[::2] == (130, "error: interrupted\n")
+    assert not (tmp_path / "results").exists()
+
+
 def test_resume_of_another_scene_is_refused(command, scene, tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         interrupt_at(patch, 0.45)
@@ -221,6 +229,7 @@ def test_failure_while_writing_leaves_whole_files_only(command, scene, tmp_path,
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(commands_impact.report_page, "render", full)
+    monkeypatch.setattr(checkpoint, "LEAST_WALL", 0.0)
     path = scene(outputs='["report"]')
     with pytest.raises(OSError, match="No space"):
         commands_impact.impact(path, tmp_path / "results")
