@@ -106,18 +106,21 @@ def closure(
     for module in modules:
         if file_of(module, root) is None:
             raise ModuleNotFoundError(f"no module {module!r} in {root}", name=module)
-    found, waiting, seen = set(), list(modules), set()
+    found, waiting = set(), list(modules)
+    known: dict[str, Path | None] = {}  # files by module, which are looked up once each
     while waiting:
-        module = waiting.pop()
-        parts = module.split(".")
-        if module in seen or parts[0] not in packages:
+        parts = waiting.pop().split(".")
+        if parts[0] not in packages:
             continue
-        seen.add(module)
         for n in range(1, len(parts) + 1):
-            file = file_of(".".join(parts[:n]), root)
-            if file is not None and file not in found:
-                found.add(file)
-                waiting += [] if file in ends else imports(file, root)
+            module = ".".join(parts[:n])
+            if module not in known:
+                known[module] = file_of(module, root)
+                if (file := known[module]) is not None:
+                    found.add(file)
+                    waiting += [] if file in ends else imports(file, root)
+            if (file := known[module]) is not None and file.name != "__init__.py":
+                break  # what follows is in the file
     return sorted(found)
 
 
