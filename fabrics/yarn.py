@@ -6,6 +6,7 @@ Equations (thesis): T = E A_s strain (eq. 4-7), strength T_u = failure_strain E 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import sqrt
 
 from fabrics.checks import fraction, positive
 from fabrics.errors import InputError
@@ -69,6 +70,12 @@ class Yarn:
         """
         failure_strain = self.failure_strain * damage.strength / damage.modulus
         return replace(self, E=damage.modulus * self.E, failure_strain=failure_strain)
+
+
+def striking_velocity(c: float, strain: float) -> float:
+    """[m/s] velocity across a straight yarn of the wave speed `c` [m/s] that leaves the strain behind its waves
+    (Smith's closed form, section 3 of `shellfabric.cable.smith`)."""
+    return c * sqrt(2 * strain * sqrt(strain * (1 + strain)) - strain * strain)
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fabrics.errors import InputError
-from fabrics.yarn import Yarn
+from fabrics.yarn import Yarn, striking_velocity
 from shellfabric.cable import step_kernels as kernels
 from shellfabric.cable.model import CableNumerics, Constants, at_rest
 from shellfabric.projectile import contact
@@ -58,11 +58,6 @@ class TransverseImpact:
     c: float
     U: float
     force: float
-
-
-def striking_velocity(c: float, strain: float) -> float:
-    """[m/s] velocity across a yarn of the wave speed `c` [m/s] that leaves the strain behind its waves (section 3)."""
-    return c * sqrt(2 * strain * sqrt(strain * (1 + strain)) - strain * strain)
 
 
 def smith(yarn: Yarn, velocity: float) -> TransverseImpact:

@@ -12,15 +12,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import TYPE_CHECKING
 
 from fabrics import assumed
 from fabrics.compression import CompressionLaw
 from fabrics.errors import UnstableError, WeavecellError
 from fabrics.fabric import Fabric
-from shellfabric.impact import ballistic_limit, single_ply
-from shellfabric.impact.pack import PackSetup, first_ply, panel_of, with_ply
+from shellfabric.impact import single_ply
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel import quality
+
+if TYPE_CHECKING:
+    from shellfabric.impact.pack import PackSetup
 
 NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
 
@@ -150,6 +153,9 @@ def critical_velocity(
     tolerance, executor, jobs : as of `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
+    from shellfabric.impact import ballistic_limit  # with the kernels of packs, which a shot on one ply does not use
+    from shellfabric.impact.pack import first_ply, panel_of, with_ply
+
     ply = first_ply(setup)
     rows, found = [Row("nominal", "", velocity)], corners(ply.fabric, ply.laws)
     for number, (name, (fabric, laws)) in enumerate(found.items(), 1):

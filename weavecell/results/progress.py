@@ -14,15 +14,14 @@ from fabrics.errors import UnstableError
 @contextmanager
 def bar(title: str) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage; yields `advance(fraction, text="")`, to be called with the fraction done, 0 to 1."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
-
-    console = Console(file=sys.stderr)
-    if not console.is_terminal:
+    if not sys.stderr.isatty():
         started = time.perf_counter()
         yield lambda fraction, text="": None
         print(f"{title}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
         return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
     columns = (
         SpinnerColumn(finished_text="[green]\u2713[/]"),
         TextColumn("{task.description}", justify="left"),
@@ -31,7 +30,7 @@ def bar(title: str) -> Iterator[Callable[..., None]]:
         TimeElapsedColumn(),
         TextColumn("[dim]{task.fields[note]}[/]"),
     )
-    with Progress(*columns, console=console) as progress:
+    with Progress(*columns, console=Console(file=sys.stderr)) as progress:
         task = progress.add_task(f"{title:<34}", total=1.0, note="")
 
         def advance(fraction, text=""):

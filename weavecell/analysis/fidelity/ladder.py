@@ -16,15 +16,16 @@ from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fabrics.errors import InputError
-from shellfabric.impact import pack, single_ply
-from shellfabric.impact.pack import PackResult, PackSetup
+from shellfabric.impact import single_ply
 from shellfabric.impact.single_ply import ImpactResult, ImpactSetup
 from shellfabric.panel.model import SYMMETRIES, Panel
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
+    from shellfabric.impact.pack import PackResult, PackSetup
 
-Setup: TypeAlias = ImpactSetup | PackSetup
+# the solver of packs is imported where one is run: its kernels are no part of a single ply
+Setup: TypeAlias = "ImpactSetup | PackSetup"
 
 FULL, PACK_FULL = "3 elements, table 201", "2 elements, table 201"
 
@@ -80,29 +81,29 @@ class Model:
 
 def ply_of(setup: Setup) -> ImpactSetup:
     """The set-up of one ply: that of the first ply of a pack."""
-    return setup.ply if isinstance(setup, PackSetup) else setup
+    return setup if isinstance(setup, ImpactSetup) else setup.ply
 
 
 def meshed(setup: Setup) -> ImpactSetup:
     """The set-up of one ply with the mesh that is used, which a pack has a default of its own for."""
-    return setup.meshed_ply if isinstance(setup, PackSetup) else setup
+    return setup if isinstance(setup, ImpactSetup) else setup.meshed_ply
 
 
 def plies_of(setup: Setup) -> int:
     """Number of plies."""
-    return setup.plies if isinstance(setup, PackSetup) else 1
+    return 1 if isinstance(setup, ImpactSetup) else setup.plies
 
 
 def with_ply(setup: Setup, **changes: Any) -> Setup:
     """A set-up with fields of its ply changed."""
-    if isinstance(setup, PackSetup):
-        return replace(setup, ply=replace(setup.ply, **changes))
-    return replace(setup, **changes)
+    if isinstance(setup, ImpactSetup):
+        return replace(setup, **changes)
+    return replace(setup, ply=replace(setup.ply, **changes))
 
 
 def ladder_of(setup: Setup) -> tuple[Model, ...]:
     """The models that a set-up can be answered with, the full model last."""
-    return PACK_LADDER if isinstance(setup, PackSetup) else LADDER
+    return LADDER if isinstance(setup, ImpactSetup) else PACK_LADDER
 
 
 def _about_the_nose(n):
@@ -202,7 +203,11 @@ def run(setup: Setup, table: CellTable) -> ImpactResult | PackResult:
     ------
     InputError, UnstableError : as `single_ply.run`
     """
-    return (pack if isinstance(setup, PackSetup) else single_ply).run(setup, table=table)
+    if isinstance(setup, ImpactSetup):
+        return single_ply.run(setup, table=table)
+    from shellfabric.impact import pack
+
+    return pack.run(setup, table=table)
 
 
 def effort(panel: Panel, end_time: float) -> float:

@@ -18,12 +18,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import isnan, nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from fabrics.yarn import Yarn
+from fabrics.yarn import Yarn, striking_velocity
 
 NAMES = ("residual_velocity", "absorbed_energy", "deflection", "peak_tension")
 WORDS = {
@@ -40,7 +39,7 @@ def of(result: Any) -> dict[str, Any]:
     Velocities and energies are shares of those of the strike. Deflection [m] and tensions (warp, weft) [N] are nan
     where the panel is perforated. Peak tensions of a pack are the highest of any ply, those of turned plies with the
     fabric's own warp and weft. The load is the larger peak tension over the yarn's strength,
-    the haste the strike velocity over that which fails a lone yarn at once (`smith.striking_velocity`).
+    the haste the strike velocity over that which fails a lone yarn at once (`fabrics.yarn.striking_velocity`).
     """
     speed = max(result.residual_velocity, 0.0)
     ply, peaks = getattr(result.setup, "ply", result.setup), _peaks(result)
@@ -65,14 +64,8 @@ def _peaks(result):
 
 
 def haste(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
-    """[-] a strike velocity [m/s] over the lowest that fails a lone yarn at once (`smith.striking_velocity`)."""
-    return strike_velocity / min(map(_at_once, yarns))
-
-
-def _at_once(yarn):
-    from shellfabric.cable.smith import striking_velocity  # with kernels that no other part of an impact uses
-
-    return striking_velocity(yarn.wave_speed, yarn.failure_strain)
+    """[-] a strike velocity [m/s] over the lowest that fails a lone yarn at once (`fabrics.yarn.striking_velocity`)."""
+    return strike_velocity / min(striking_velocity(yarn.wave_speed, yarn.failure_strain) for yarn in yarns)
 
 
 def hasty(values: dict[str, Any]) -> bool:
