@@ -57,13 +57,36 @@ ENERGIES = (
 
 
 def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
-    """Draw with `draw(pyplot, ...)` in the project's style; returns the picture as bytes, "svg" or "png"."""
+    """Draw with `draw(pyplot, ...)` in the project's style; returns the picture as bytes, "svg" or "png".
+
+    The canvas is asked for it directly: `savefig` draws a figure that has a layout engine twice.
+    """
     with plots() as pyplot:
-        figure = draw(pyplot, *arguments)
-        content = io.BytesIO()
-        options = {"metadata": {"Date": None}} if kind == "svg" else {"pil_kwargs": {"compress_level": 4}}
-        figure.savefig(content, format=kind, **options)
+        from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+        figure, content = draw(pyplot, *arguments), io.BytesIO()
+        figure.set_dpi(pyplot.rcParams["savefig.dpi"])
+        if kind == "svg":
+            FigureCanvasSVG(figure).print_svg(content, metadata={"Date": None})
+        else:
+            figure.canvas.print_png(content, pil_kwargs={"compress_level": 4})
     return content.getvalue()
+
+
+def place(
+    figure: Any, left: float, right: float, bottom: float, top: float, *, across: float = 0.0, down: float = 0.0
+) -> None:
+    """Set the margins of a figure without a layout engine, and the gaps between its axes, all in inches.
+
+    A layout engine draws all text twice to measure it, which takes longer than drawing the picture.
+    """
+    rows, columns = figure.axes[0].get_gridspec().get_geometry()
+    width, height = figure.get_size_inches()
+    wide = (width - left - right - (columns - 1) * across) / columns  # of one axes
+    high = (height - bottom - top - (rows - 1) * down) / rows
+    figure.subplots_adjust(
+        left / width, bottom / height, 1 - right / width, 1 - top / height, across / wide, down / high
+    )
 
 
 def panels(pyplot: Any, images: Any, top: float, scale_bar: float) -> Any:
@@ -76,22 +99,24 @@ def panels(pyplot: Any, images: Any, top: float, scale_bar: float) -> Any:
     scale_bar : [pixels] length of 5 mm across the close-up
     """
     count = len(images)
+    height = 0.9 + 3.0 * count
     figure, grid = pyplot.subplots(
-        count, 2, figsize=(10.4, 0.9 + 3.0 * count), squeeze=False, width_ratios=(1.45, 1), layout="constrained"
+        count, 2, figsize=(10.4, height), squeeze=False, width_ratios=(1.45, 1), layout="none"
     )
+    place(figure, 0.1, 0.1, 0.75, 0.35, across=0.2, down=0.35)
     for row, (title, pair) in zip(grid, images.items()):
         for axes, (when, image) in zip(row, pair):
             axes.imshow(image, interpolation="antialiased")
             axes.axis("off")
-            axes.set_title(when, loc="right", fontweight="normal", color=FAINT)
-        row[0].set_title(title if count > 1 else "back face")
-        row[1].set_title("impact point, cut open")
+            axes.set_title(when, loc="right", y=1.0, fontweight="normal", color=FAINT)
+        row[0].set_title(title if count > 1 else "back face", y=1.0)
+        row[1].set_title("impact point, cut open", y=1.0)
         rows, columns = pair[1][1].shape[:2]
         ends = np.array([0.03 * columns, 0.03 * columns + scale_bar])
         row[1].plot(ends, [0.95 * rows] * 2, color=INK, lw=2.5, solid_capstyle="butt")
         row[1].text(ends.mean(), 0.92 * rows, "5 mm", ha="center", va="bottom", fontsize=10)
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100 * top), tension_map())
-    bar = figure.colorbar(scale, ax=grid, location="bottom", shrink=0.5, aspect=38, pad=0.02)
+    bar = figure.colorbar(scale, cax=figure.add_axes((0.25, 0.52 / height, 0.5, 0.13 / height)), location="bottom")
     bar.set_label("yarn tension, % of the strength, the higher of warp and weft (orange: one yarn has failed)")
     bar.outline.set_visible(False)
     return figure
@@ -129,7 +154,8 @@ def cell(pyplot: Any, cases: Any) -> Any:
     ----------
     cases : {title: {"strain": (n,), "curves": {label: (T1, T2)}, "points": (strain, T1, T2) or None}} [-, N]
     """
-    figure, row = pyplot.subplots(1, len(cases), figsize=(10.4, 4.2), sharey=True, squeeze=False)
+    figure, row = pyplot.subplots(1, len(cases), figsize=(10.4, 4.2), sharey=True, squeeze=False, layout="none")
+    place(figure, 0.75, 0.1, 0.6, 0.32, across=0.15)
     for axes, (title, case) in zip(row[0], cases.items()):
         for (label, tensions), dash in zip(case["curves"].items(), DASHES):
             for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
@@ -140,7 +166,8 @@ def cell(pyplot: Any, cases: Any) -> Any:
                 axes.plot(
                     100 * strain, tension, "o", ms=5, mfc="white", mec=colour, mew=1.4, label=f"{family}, 3D crossover"
                 )
-        axes.set(title=title, xlabel="strain of the cell [%]")
+        axes.set_title(title, y=1.0)
+        axes.set_xlabel("strain of the cell [%]")
         axes.set_xlim(left=0)
         axes.set_ylim(bottom=0)
     row[0][0].set_ylabel("yarn tension [N]")
@@ -221,7 +248,8 @@ def reactions(pyplot: Any, runs: Any) -> Any:
     across = min(2, len(runs))
     down = -(-len(runs) // across)
     size = (5.6, 5.6) if len(runs) == 1 else (10.4, 0.7 + 2.6 * down)
-    figure, grid = pyplot.subplots(down, across, figsize=size, sharey=True, sharex=True, squeeze=False)
+    figure, grid = pyplot.subplots(down, across, figsize=size, sharey=True, sharex=True, squeeze=False, layout="none")
+    place(figure, 1.1, 0.2, 0.7, 0.4 if len(runs) > 1 else 0.15, across=0.3, down=0.45)
     for axes, (title, (t, warp, weft)) in zip(grid.flat, runs.items()):
         axes.plot(US * t, warp, color=WARP, label="warp yarn")
         axes.plot(US * t, weft, color=WEFT, ls="--", label="weft yarn")

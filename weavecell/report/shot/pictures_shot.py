@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, STEEL
-from weavecell.report.pictures import ENERGIES
+from weavecell.report.pictures import ENERGIES, place
 from weavecell.report.shot.pictures_pack import shades
 
 if TYPE_CHECKING:
@@ -26,7 +26,10 @@ def histories(pyplot: Any, runs: Any) -> Any:
     runs : {label: (t, velocity, deflection, nose, force)} [s, m/s, m, m, N]; of runs of one strike velocity the next
         are dashed
     """
-    figure, (top, middle, low) = pyplot.subplots(3, 1, figsize=(10.4, 8.6), sharex=True, height_ratios=(1.2, 1, 1))
+    figure, (top, middle, low) = pyplot.subplots(
+        3, 1, figsize=(10.4, 8.6), sharex=True, height_ratios=(1.2, 1, 1), layout="none"
+    )
+    place(figure, 1.05, 0.2, 0.65, 0.15, down=0.2)
     strikes = list(dict.fromkeys(round(float(run[1][0]), 6) for run in runs.values()))
     seen = dict.fromkeys(strikes, 0)
     for label, (t, velocity, deflection, nose, force) in runs.items():
@@ -81,8 +84,9 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float) -> Any:
     close_up : [m] half the width of a close-up
     """
     figure, grid = pyplot.subplots(
-        len(rows), 2, figsize=(10.4, 0.5 + 2.7 * len(rows)), squeeze=False, width_ratios=(1.15, 1)
+        len(rows), 2, figsize=(10.4, 0.5 + 2.7 * len(rows)), squeeze=False, width_ratios=(1.15, 1), layout="none"
     )
+    place(figure, 0.8, 0.15, 0.65, 0.4, across=0.45, down=0.6)
     top = max(_foremost(row.cut) for row in rows)
     for axes_row, row in zip(grid, rows):
         cut, colours = row.cut, shades(len(row.thickness))
@@ -97,8 +101,8 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float) -> Any:
             axes.grid(visible=near)
         reach = MM * max(float(np.nanmax(line[:, 0])) for line in cut.lines)
         axes_row[0].set(xlim=(-reach, reach), ylim=(-8, MM * top + 3), ylabel="z [mm]")
-        axes_row[0].set_title(row.title)
-        axes_row[1].set_title("to scale", fontweight="normal", color=FAINT)
+        axes_row[0].set_title(row.title, y=1.0)  # at a given height it is not moved above all else, which takes long
+        axes_row[1].set_title("to scale", y=1.0, fontweight="normal", color=FAINT)
         high = MM * _foremost(cut) + 0.8
         axes_row[1].set_aspect("equal")
         axes_row[1].set(xlim=(-MM * close_up, MM * close_up), ylim=(high - 1.3e3 * close_up, high))
@@ -167,6 +171,7 @@ def energies(pyplot: Any, runs: Any) -> Any:
         squeeze=False,
         height_ratios=(3.2, 1) * down,
         sharex="col" if down == 1 else False,
+        layout="none" if len(runs) == 1 else "constrained",
     )
     parts_of = [parts for _, parts, _, _ in runs.values()]
     known = [row for row in ENERGIES if any(np.any(parts.get(row[0], 0.0)) for parts in parts_of)]
@@ -186,5 +191,10 @@ def energies(pyplot: Any, runs: Any) -> Any:
     for number in range(len(runs), down * across):
         for row in range(2):
             grid[2 * (number // across) + row, number % across].set_visible(False)
-    figure.legend(handles, [label for _, label, _ in known], loc="outside lower center", ncols=2 * across, fontsize=10)
+    labels, columns = [label for _, label, _ in known], 2 * across
+    if len(runs) == 1:
+        rows = -(-len(labels) // columns)
+        place(figure, 0.9, 0.2, 0.75 + 0.215 * rows, 0.15, down=0.2)
+    side = "lower center" if len(runs) == 1 else "outside lower center"
+    figure.legend(handles, labels, loc=side, ncols=columns, fontsize=10)
     return figure
