@@ -13,14 +13,17 @@ The folder of `weavecell demo`
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import resources
 from pathlib import Path
 
 import weavecell
 from fabrics import assumed, catalogue
+from fabrics.errors import WeavecellError
+from fabrics.executors import CONTEXT
 from fabrics.units import si
 from fabrics.variants import with_linear_density
 from weavecell.commands import calibrate, impact, mesh
@@ -39,12 +42,17 @@ def demonstrate(out: Path, *, size: str, jobs: int, executor: str) -> None:
     text, plan = scenes_impact.read_toml(file, what="demonstration")  # type: ignore[arg-type]
     fabric = catalogue.load(plan["calibration"]["fabric"])
     clock = Clock()
+    compiler = CONTEXT.Process(target=_compile, args=(plan,), daemon=True)
+    if jobs > 1:
+        compiler.start()
     with clock.stage("mesh"):
         meshed = mesh.build(fabric, size=size, domain="whole")
         mesh.write(meshed, out / "mesh")
     with clock.stage("calibration"):
         calibration = calibrate.calibrate(fabric, out / "calibration", size=size, jobs=jobs, executor=executor)
     with clock.stage("impacts"):
+        if jobs > 1:
+            compiler.join()
         shots = [_shoot(plan, case, law, out) for case in plan["impact"] for law in LAWS]
     records = [record for _, record, _ in shots]
     with clock.stage("pictures"), progress.bar("Pictures and report") as advance:
@@ -80,8 +88,20 @@ class Clock:
         self.times[name] = time.perf_counter() - began
 
 
-def _shoot(plan, case, law, out):
-    """Run one impact and write its folder; returns (case, record, setup)."""
+def _compile(plan):
+    """Compile the kernels of the impacts, in a process beside the calibration: by one of them, of which nothing is
+    kept. What goes wrong is told by the impact itself, and the kernels are announced by nobody: the bars of the
+    calibration are on the terminal."""
+    logging.getLogger("weavecell").setLevel(logging.ERROR)
+    with suppress(WeavecellError, KeyboardInterrupt):
+        from shellfabric.impact import single_ply
+
+        *_, setup = _set_up(plan, plan["impact"][0], "table", Path())
+        single_ply.run(setup, table=setup.table(kept=True))
+
+
+def _set_up(plan, case, law, out):
+    """(folder, title, text of the scene, Case, ImpactSetup) of one impact."""
     words, value = LAWS[law]
     folder = out / f"{case['name']}-{law}"
     title = f"{case['strike_velocity']}, {words}"
@@ -89,10 +109,14 @@ def _shoot(plan, case, law, out):
     table["fabric"]["law"] = value
     table["projectile"]["strike_velocity"] = case["strike_velocity"]
     table["run"]["outputs"] = ["paraview"]
-    text = toml_writer.dumps(table)
     file = folder / "scene.toml"
     this = build.build(scenes_impact.check(table, file, impact.SUPPORT), file, folder.name)
-    setup = build.setup(this, file)
+    return folder, title, toml_writer.dumps(table), this, build.setup(this, file)
+
+
+def _shoot(plan, case, law, out):
+    """Run one impact and write its folder; returns (case, record, setup)."""
+    folder, title, text, this, setup = _set_up(plan, case, law, out)
     record, snapshots, *_ = impact.fire(this, setup, title)
     impact.write(folder, this, setup, record, snapshots, text, lambda *_: None)
     return case, record, setup
