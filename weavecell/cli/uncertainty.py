@@ -32,8 +32,8 @@ OpeningOption = Annotated[
 GradingOption = Annotated[
     str | None,
     typer.Option(
-        help="Sides of a fabric's elements by distance from the impact point, as panel.grading of an input file: "
-        "'[[inf, 1]]' for one side everywhere. If not given, one crossover near the impact point, up to four far off.",
+        help="Sides of a fabric's elements by distance from the impact point, as panel.grading of an input file. If "
+        "not given, one crossover near the impact point and up to four far off.",
         metavar="ZONES",
     ),
 ]
