@@ -186,6 +186,7 @@ COMMANDS = (
     "biaxial S-720 --out biaxial",
     "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
     "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
+    "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
     "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",
     "cost-accuracy --scene struck-yarn --quick --out chart",
     "stability --map printed-law --quick --out stability",
