@@ -21,8 +21,9 @@ test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(APART:%=--ignore=%)
 	$(QUICK) tests/meshing
 	$(QUICK) tests/validation
-	$(QUICK) tests/weavecell --ignore=tests/weavecell/commands
+	$(QUICK) tests/weavecell --ignore=tests/weavecell/commands --ignore=tests/weavecell/limits
 	$(QUICK) tests/weavecell/commands
+	$(QUICK) tests/weavecell/limits
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m slow

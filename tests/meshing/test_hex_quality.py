@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from hexahedra import volumes
 
-from meshing.quality import NEIGHBOURS, scaled_jacobian, volumes
+from meshing.quality import NEIGHBOURS, scaled_jacobian
 
 CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], dtype=float)
 ONE = np.arange(8)[None]

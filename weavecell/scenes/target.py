@@ -54,7 +54,9 @@ class Target:
         return words.shot_in_words(self.case.scene.projectile)
 
     def in_file(self, problem: InputError) -> InputError:
-        """An InputError with the file and its key in it."""
+        """An InputError of what an input file asks, with the file and its key in it; any other as it is."""
+        if not self.from_file or (problem.key or "").startswith("--"):
+            return problem
         return build.in_file(problem, self.name, pack=self.case.scene.panel.plies > 1)
 
 
