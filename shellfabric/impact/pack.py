@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, inf
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -29,7 +29,6 @@ from shellfabric.sliding_plies.solver import pack_of, slip_summaries, solver_of
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
-    from shellfabric.panel.model import Panel
 
 ELEMENTS, NEAR = 2, 10  # per crossover about the impact point, and to how many crossovers from it at least
 _SMALL = 11  # samples a side of a cell's table that no run uses
@@ -93,22 +92,6 @@ class PackSetup:
         return pack_of(
             panel, self.plies, stacking=self.stacking, gap=self.gap, contact=self.contact, friction=self.friction
         )
-
-
-def first_ply(setup: ImpactSetup | PackSetup) -> ImpactSetup:
-    """The set-up of the first ply, or of the one there is."""
-    return setup.ply if isinstance(setup, PackSetup) else setup
-
-
-def with_ply(setup: ImpactSetup | PackSetup, **fields: Any) -> ImpactSetup | PackSetup:
-    """The same with other fields of its plies' ImpactSetup."""
-    ply = replace(first_ply(setup), **fields)
-    return replace(setup, ply=ply) if isinstance(setup, PackSetup) else ply
-
-
-def panel_of(setup: ImpactSetup | PackSetup, table: CellTable | None = None) -> Panel | Pack:
-    """What the projectile strikes: the panel of a single ply, or the pack; parameters and exceptions as theirs."""
-    return setup.pack(table) if isinstance(setup, PackSetup) else setup.panel(table)
 
 
 @dataclass(frozen=True)
@@ -187,11 +170,6 @@ def shots(solver: PackSolver) -> tuple[Snapshot, ...]:
             )
         )
     return tuple(found)
-
-
-def run_any(setup: ImpactSetup | PackSetup, **others: Any) -> Outcome:
-    """`run` of a pack, or `single_ply.run`; others as theirs."""
-    return run(setup, **others) if isinstance(setup, PackSetup) else single_ply.run(setup, **others)
 
 
 def run(

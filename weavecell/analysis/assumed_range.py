@@ -154,7 +154,7 @@ def critical_velocity(
     on_progress : called as on_progress(share of the searches) after each
     """
     from shellfabric.impact import ballistic_limit  # with the kernels of packs, which a shot on one ply does not use
-    from shellfabric.impact.pack import first_ply, panel_of, with_ply
+    from shellfabric.impact.setups import first_ply, panel_of, with_ply
 
     ply = first_ply(setup)
     rows, found = [Row("nominal", "", velocity)], corners(ply.fabric, ply.laws)

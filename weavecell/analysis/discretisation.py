@@ -32,9 +32,10 @@ import numpy as np
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.pack import PackResult, PackSetup
+from shellfabric.impact.setups import first_ply, with_ply
 from shellfabric.impact.single_ply import ImpactResult, ImpactSetup
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import meshed, ply_of, with_ply
+from weavecell.analysis.fidelity.ladder import meshed
 
 RATIO, ORDER, SAFETY = 2, 2.0, 3.0
 REACH = 10.0  # [crossovers] from the impact point up to which elements are halved, at least
@@ -170,7 +171,7 @@ def run_pair(
     ------
     InputError : as `finer`; nothing has been run
     """
-    table = ply_of(setup).table(kept=True)
+    table = first_ply(setup).table(kept=True)
     refined = finer(setup, table)
     record, snapshots, failure, result = shoot(setup, table)
     other = result if failure is not None else shoot(refined, table, "finer mesh")[3]
@@ -203,8 +204,8 @@ def _apart(result, refined, values, others):
     """{name: norm of the difference of the solutions}, in the units of `quantities.of`; of tensions over themselves."""
     (t, z, v), (tf, zf, vf) = (one.step_history[:, :3].T for one in (result, refined))
     common = t <= tf[-1]
-    z, v = z[common], v[common] / ply_of(result.setup).strike_velocity
-    zf, vf = (np.interp(t[common], tf, one) for one in (zf, vf / ply_of(refined.setup).strike_velocity))
+    z, v = z[common], v[common] / first_ply(result.setup).strike_velocity
+    zf, vf = (np.interp(t[common], tf, one) for one in (zf, vf / first_ply(refined.setup).strike_velocity))
     moving = values["outcome"] != "stopped"
     tensions = [abs(b / a - 1) for a, b in zip(values["peak_tension"], others["peak_tension"]) if a > 0]
     return {

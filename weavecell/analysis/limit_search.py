@@ -13,7 +13,8 @@ from shellfabric.impact import ballistic_limit, lambert_jonas, limit_scan
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.limit_scan import ScanRange
-from shellfabric.impact.pack import PackSetup, first_ply, panel_of
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.setups import first_ply, panel_of
 from shellfabric.impact.single_ply import ImpactSetup
 from weavecell.analysis import assumed_range
 from weavecell.analysis.assumed_range import AssumedRange

@@ -9,7 +9,8 @@ import numpy as np
 
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from shellfabric.impact.limit_scan import ScanRange
-from shellfabric.impact.pack import PackSetup, run_any
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.setups import fired
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel import quality
 from weavecell.analysis import limit_search
@@ -49,22 +50,20 @@ def point(setup: ImpactSetup | PackSetup, wanted: Wanted) -> dict[str, Any]:
     try:
         return shot(setup) if wanted.quantity == "shot" else limit(setup, wanted.tolerance)
     except (UnstableError, UndecidedError) as problem:
-        return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
+        return _failed(problem)
+
+
+def _failed(problem):
+    """The row of a set-up that cannot be computed."""
+    return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
 
 
 def shot(setup: ImpactSetup | PackSetup) -> dict[str, Any]:
     """Outcome, velocity, energy, deflection, tensions and checks of one shot."""
-    result: Any
-    try:
-        result = run_any(setup)
-        outcome = result.outcome
-    except UnstableError as problem:
-        if problem.result is None:
-            raise
-        result, outcome = problem.result, "unstable"
+    result, problem = fired(setup)
     warp, weft = np.max(np.atleast_2d(result.peak_tension), axis=0)
     return {
-        "outcome": outcome,
+        "outcome": "unstable" if problem else result.outcome,
         "residual_velocity_m_s": float(result.residual_velocity),
         "absorbed_energy_J": float(result.strike_energy - result.energies["kinetic_projectile"][-1]),
         "max_deflection_m": float(result.max_deflection),
@@ -100,5 +99,5 @@ def v50_of(setup: ImpactSetup | PackSetup, wanted: Wanted, **others: Any) -> dic
     try:
         study = v50.study(setup, inputs.published(), shots=wanted.shots, seed=wanted.seed, **others)
     except (UnstableError, UndecidedError) as problem:
-        return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
+        return _failed(problem)
     return {"outcome": "fitted", **study.summary(), "checks": "doubtful" if study.doubtful else "ok"}

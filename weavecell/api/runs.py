@@ -265,19 +265,14 @@ def draws(
 
 def _fire(given):
     """(ShotResult, why it became unstable or "") of a set-up."""
-    from shellfabric.impact import pack, single_ply
+    from shellfabric.impact import setups
+    from shellfabric.impact.single_ply import ImpactSetup
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Shape
     from weavecell.results.pack import PackRecord
 
-    several = isinstance(given, pack.PackSetup)
-    ply, problem = given.ply if several else given, ""
-    try:
-        result = (pack if several else single_ply).run(given)
-    except UnstableError as error:
-        if error.result is None:
-            raise
-        result, problem = error.result, str(error)
+    several, ply = not isinstance(given, ImpactSetup), setups.first_ply(given)
+    result, problem = setups.fired(given)
     title = f"{ply.fabric.name}, {ply.strike_velocity:g} m/s"
     source = (
         "3D response surface" if ply.surface is not None else ply.laws[0].provenance if ply.laws else ply.cell_model
@@ -320,7 +315,7 @@ def critical_velocity(
     UnstableError : a shot became unphysical; its attribute `shots` holds those before
     """
     from shellfabric.impact.limit_scan import ScanRange
-    from shellfabric.impact.pack import first_ply
+    from shellfabric.impact.setups import first_ply
     from weavecell.analysis import limit_search
 
     given = _panel(target, options)

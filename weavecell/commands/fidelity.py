@@ -15,7 +15,7 @@ from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Support, of
 
 if TYPE_CHECKING:
-    from weavecell.analysis.fidelity.ladder import Setup
+    from shellfabric.impact.setups import Setup
     from weavecell.analysis.fidelity.select import Answer
 
 _CHOSEN = "left out in a scene with [accuracy], whose mesh is chosen"
@@ -114,14 +114,15 @@ def answer(scene: Scene, setup: Setup, shoot: Callable[..., Any]) -> tuple[Any, 
     shot : (ImpactRecord, snapshots, failure) of the run that counts
     choice : select.Answer, or None where that run became unstable
     """
-    from weavecell.analysis.fidelity import ladder, select
+    from shellfabric.impact import setups
+    from weavecell.analysis.fidelity import select
 
     last = None
 
     def fire(option, table):
         nonlocal last
-        audited = ladder.ply_of(setup).audit_interval  # its histories are drawn
-        this = ladder.with_ply(option.setup, audit_interval=audited)
+        audited = setups.first_ply(setup).audit_interval  # its histories are drawn
+        this = setups.with_ply(option.setup, audit_interval=audited)
         *last, result = shoot(this, table, option.model.name)
         if last[2] is not None:
             raise last[2]
@@ -234,9 +235,9 @@ def summary(choice: Answer | None) -> dict[str, Any]:
 
 def _stale(choice):
     """What is to be said of estimates for a pack, "" of one ply."""
-    from weavecell.analysis.fidelity import ladder
+    from shellfabric.impact.setups import plies_of
 
-    if ladder.plies_of(choice.final.option.setup) == 1:
+    if plies_of(choice.final.option.setup) == 1:
         return ""
     return (
         "The survey of packs was computed with an earlier contact between plies: errors that it estimates do not hold "

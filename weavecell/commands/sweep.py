@@ -18,7 +18,7 @@ from typing import Any
 from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.files import replace_whole, write_whole
-from shellfabric.impact.pack import first_ply, with_ply
+from shellfabric.impact.setups import first_ply, with_ply
 from weavecell.analysis import sweep as analysis
 from weavecell.analysis.sweep import QUANTITIES, Wanted
 from weavecell.commands.uncertainty import OF_SHOTS, OF_V50, RUNS

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
-from shellfabric.impact.pack import first_ply
+from shellfabric.impact.setups import first_ply
 from shellfabric.panel import grading as panel_grading
 from weavecell.analysis.uncertainty import draws as draws_of
 from weavecell.analysis.uncertainty import inputs, protocol, sobol, v50

@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from fabrics.errors import UnstableError
+from shellfabric.impact.setups import Setup, first_ply, run, with_ply
 from validation.verification.fidelity import scenes
 from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import (
@@ -21,13 +22,9 @@ from weavecell.analysis.fidelity.ladder import (
     PACK_FULL,
     PACK_LADDER,
     Model,
-    Setup,
     Tables,
     effort,
-    ply_of,
-    run,
     simplest,
-    with_ply,
 )
 
 SEED, COUNT = 7, 60
@@ -74,7 +71,7 @@ def pack_row(number: int) -> dict[str, Any] | None:
     setup = with_ply(setup, numerics=replace(setup.ply.numerics, threads=1))
     tables = Tables()
     setup = simplest(setup, tables)
-    cheap, ply = tables.cheap(setup), ply_of(setup)
+    cheap, ply = tables.cheap(setup), first_ply(setup)
     if setup.plies * effort(BY_NAME[PACK_FULL].panel(setup, cheap), ply.end_time) > MOST_OF_PACKS:
         return None
     found = {"fabric": ply.fabric.name, "velocity": ply.strike_velocity, "plies": setup.plies}
@@ -90,5 +87,5 @@ def timed(model: Model, setup: Setup) -> dict[str, Any]:
     """What a model answers, and its process time [s]."""
     began = time.process_time()
     this = model.of(setup)
-    result = run(this, ply_of(this).table())
+    result = run(this, first_ply(this).table())
     return {"values": quantities.of(result), "seconds": time.process_time() - began}

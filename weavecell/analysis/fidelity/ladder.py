@@ -11,21 +11,17 @@ changes is in their errors.
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError
-from shellfabric.impact import single_ply
-from shellfabric.impact.single_ply import ImpactResult, ImpactSetup
+from shellfabric.impact.setups import Setup, first_ply, with_ply
+from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import SYMMETRIES, Panel
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
-    from shellfabric.impact.pack import PackResult, PackSetup
-
-# the solver of packs is imported where one is run: its kernels are no part of a single ply
-Setup: TypeAlias = "ImpactSetup | PackSetup"
 
 FULL, PACK_FULL = "3 elements, table 201", "2 elements, table 201"
 
@@ -68,7 +64,7 @@ class Model:
         """The panel, of a pack the first ply, as this model meshes it; None where it cannot be: longer elements begin
         beyond the shot."""
         try:
-            return ply_of(self.of(ply_of(setup))).panel(table)
+            return first_ply(self.of(first_ply(setup))).panel(table)
         except InputError:
             return None
 
@@ -76,29 +72,12 @@ class Model:
         """Whether the model leaves those fields as they are that the user has set by hand."""
         if self.refined and "elements_per_crossover" in fixed:
             return False
-        return all(getattr(ply_of(setup), key) == value for key, value in self.changes if key in fixed)
-
-
-def ply_of(setup: Setup) -> ImpactSetup:
-    """The set-up of one ply: that of the first ply of a pack."""
-    return setup if isinstance(setup, ImpactSetup) else setup.ply
+        return all(getattr(first_ply(setup), key) == value for key, value in self.changes if key in fixed)
 
 
 def meshed(setup: Setup) -> ImpactSetup:
     """The set-up of one ply with the mesh that is used, which a pack has a default of its own for."""
     return setup if isinstance(setup, ImpactSetup) else setup.meshed_ply
-
-
-def plies_of(setup: Setup) -> int:
-    """Number of plies."""
-    return 1 if isinstance(setup, ImpactSetup) else setup.plies
-
-
-def with_ply(setup: Setup, **changes: Any) -> Setup:
-    """A set-up with fields of its ply changed."""
-    if isinstance(setup, ImpactSetup):
-        return replace(setup, **changes)
-    return replace(setup, ply=replace(setup.ply, **changes))
 
 
 def ladder_of(setup: Setup) -> tuple[Model, ...]:
@@ -165,7 +144,7 @@ class Tables:
 
     def of(self, setup: Setup) -> CellTable:
         """The CellTable of a set-up, of a pack that of its first ply."""
-        setup = ply_of(setup)
+        setup = first_ply(setup)
         for known, table in self._known:
             if all(getattr(known, key) == getattr(setup, key) for key in self._CELL):
                 return table
@@ -187,27 +166,13 @@ def simplest(setup: Setup, tables: Tables) -> Setup:
     for symmetry in SYMMETRIES:
         found = with_ply(setup, symmetry=symmetry)
         try:
-            ply_of(found).panel(tables.cheap(setup))
+            first_ply(found).panel(tables.cheap(setup))
         except InputError:
             if symmetry == "whole":
                 raise
         else:
             return found
     raise AssertionError("a whole panel has no symmetry to refuse")
-
-
-def run(setup: Setup, table: CellTable) -> ImpactResult | PackResult:
-    """The ImpactResult or PackResult of a set-up, with a CellTable of its (first) ply.
-
-    Raises
-    ------
-    InputError, UnstableError : as `single_ply.run`
-    """
-    if isinstance(setup, ImpactSetup):
-        return single_ply.run(setup, table=table)
-    from shellfabric.impact import pack
-
-    return pack.run(setup, table=table)
 
 
 def effort(panel: Panel, end_time: float) -> float:

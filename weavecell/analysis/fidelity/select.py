@@ -20,22 +20,10 @@ from typing import Any
 
 from fabrics.errors import InputError, UnstableError
 from shellfabric.impact import pack, single_ply
+from shellfabric.impact.setups import Setup, first_ply, plies_of, run, with_ply
 from weavecell.analysis.fidelity import error_database as books
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import (
-    Model,
-    Setup,
-    Tables,
-    effort,
-    ladder_of,
-    partner,
-    plies_of,
-    ply_of,
-    run,
-    scouts,
-    simplest,
-    with_ply,
-)
+from weavecell.analysis.fidelity.ladder import Model, Tables, effort, ladder_of, partner, scouts, simplest
 
 BY_HAND = Model("as set by hand", ())
 _PAYS = 0.8  # of the least error, over the target, that a dearer model has to get below to be worth its time
@@ -154,13 +142,13 @@ def options(
             raise InputError(key=name, value=share, allowed="above 0")
     tables, book = tables or Tables(), book or _book(setup)
     base = setup if "symmetry" in fixed else simplest(setup, tables)
-    if ply_of(setup).surface is not None:  # it has its own cell
+    if first_ply(setup).surface is not None:  # it has its own cell
         fixed = frozenset(fixed) | {"cell_model"}
 
     def option(model):
         this = model.of(base)
-        panel, plies = ply_of(this).panel(tables.cheap(base)), plies_of(base)
-        work, expected = plies * effort(panel, ply_of(base).end_time), _expected(book, model, targets, seen)
+        panel, plies = first_ply(this).panel(tables.cheap(base)), plies_of(base)
+        work, expected = plies * effort(panel, first_ply(base).end_time), _expected(book, model, targets, seen)
         return Option(model, this, plies * panel.elements, work, book.cost(model), expected, targets)
 
     models = ladder_of(base)
@@ -219,11 +207,11 @@ def answer(
     fire = fire or (lambda option, table: run(option.setup, table))
     options(setup, targets, fixed=fixed, tables=tables, book=book)  # wrong targets are refused before anything is run
     base = setup if "symmetry" in fixed else simplest(setup, tables)
-    shot = ply_of(setup).projectile
+    shot = first_ply(setup).projectile
     seen, body = _look(base, tables), f"projectile: {_kind(shot)}, as set"
     if "projectile" not in fixed and seen:
         shot, body = _body(shot, seen[0].result)
-        if shot != ply_of(setup).projectile:
+        if shot != first_ply(setup).projectile:
             setup, base = with_ply(setup, projectile=shot), with_ply(base, projectile=shot)
             seen = _look(base, tables)  # rigid scouts are no check of an elastic projectile
     on_progress(body)

@@ -18,8 +18,9 @@ import numpy as np
 
 from fabrics import run_cache
 from fabrics.checks import FilePath
-from fabrics.errors import InputError, UnstableError
-from shellfabric.impact.pack import PackSetup, first_ply, run_any
+from fabrics.errors import InputError
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.setups import fired, first_ply
 from weavecell.analysis.uncertainty import strengths
 from weavecell.analysis.uncertainty.inputs import Scatter
 
@@ -144,17 +145,10 @@ def fire(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: in
     """The shot of a number at the whole panel."""
     drawn = strengths.drawn(setup, scatter, seed, number)
     name = "pack" if isinstance(setup, PackSetup) else "panel"
-    result: Any
-    try:
-        result = run_any(setup, **{name: drawn.panel})
-        outcome = result.outcome
-    except UnstableError as problem:
-        if problem.result is None:
-            raise
-        result, outcome = problem.result, "unstable"
+    result, problem = fired(setup, **{name: drawn.panel})
     warp, weft = np.max(np.atleast_2d(result.peak_tension), axis=0)
     return Draw(
-        number, outcome, float(result.residual_velocity),
+        number, "unstable" if problem else result.outcome, float(result.residual_velocity),
         float(result.strike_energy - result.energies["kinetic_projectile"][-1]), float(warp), float(weft),
         int(result.failed_segments[-1]), float(result.t[-1]), min(drawn.weakest), float(result.energy_error_max),
     )  # fmt: skip

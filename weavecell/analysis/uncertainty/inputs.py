@@ -15,7 +15,8 @@ from fabrics import variants
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.units import si
-from shellfabric.impact.pack import PackSetup, first_ply, with_ply
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.setups import first_ply, with_ply
 from shellfabric.impact.single_ply import ImpactSetup
 
 STATUSES = ("measured", "derived", "corrected", "fitted", "assumed")

@@ -23,7 +23,8 @@ import numpy as np
 from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
-from shellfabric.impact.pack import PackSetup, first_ply, run_any, with_ply
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.setups import first_ply, run, with_ply
 from shellfabric.impact.single_ply import ImpactSetup
 from weavecell.analysis.uncertainty import inputs
 
@@ -102,7 +103,7 @@ def shots(
     table = first_ply(given).table()  # of the cell, whatever the velocity
     for velocity in velocities:
         try:
-            result: Any = run_any(with_ply(given, strike_velocity=velocity), table=table)
+            result: Any = run(with_ply(given, strike_velocity=velocity), table=table)
         except UnstableError as trouble:
             changes = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
             raise UnstableError(str(trouble), when=f"of the shot at {velocity:g} m/s with {changes}") from None

@@ -26,7 +26,8 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from shellfabric.impact.ballistic_limit import plies
-from shellfabric.impact.pack import PackSetup, first_ply, panel_of, with_ply
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.setups import first_ply, panel_of, with_ply
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel import grading as grading_of_panels
 from shellfabric.panel.model import Panel

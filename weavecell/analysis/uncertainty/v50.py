@@ -30,7 +30,8 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit, lambert_jonas
 from shellfabric.impact.lambert_jonas import LambertJonas
-from shellfabric.impact.pack import PackSetup, first_ply, panel_of, with_ply
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.setups import first_ply, panel_of, with_ply
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel import boundary, quality
 from weavecell.analysis.uncertainty import probit, protocol, strengths

@@ -35,6 +35,7 @@ def sections(
     chosen : the chapter on the choice of the model by [accuracy]
     around, pair : the range over assumed laws, the discretisation uncertainty
     """
+    from shellfabric.impact.setups import plies_of
     from weavecell.analysis.fidelity import ladder
 
     ply, places = ladder.meshed(setup), this.scene.history.report_positions if this.scene.history else ()
@@ -45,7 +46,7 @@ def sections(
         found.append(chapters_discretisation.section(pair))
     if around is not None:
         found.append(chapters_assumed.section(around))
-    lines, plies = tuple(assumed.lines(this.fabric)), ladder.plies_of(setup)
+    lines, plies = tuple(assumed.lines(this.fabric)), plies_of(setup)
     if isinstance(record, PackRecord):
         found += [chapters_impact.slips(record)] if record.slips else []
         ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the last
