@@ -10,6 +10,7 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
 # in processes of their own: each loads other libraries, and memory that compiled code takes is not given back
 APART = tests/meshing tests/validation tests/weavecell
+WEAVECELL_APART = $(addprefix tests/weavecell/,analysis api commands limits)
 QUICK = $(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
 
 .PHONY: demo test test-slow validate fuzz lint figures charts docs setup clean
@@ -21,7 +22,9 @@ test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(APART:%=--ignore=%)
 	$(QUICK) tests/meshing
 	$(QUICK) tests/validation
-	$(QUICK) tests/weavecell --ignore=tests/weavecell/commands --ignore=tests/weavecell/limits
+	$(QUICK) tests/weavecell $(WEAVECELL_APART:%=--ignore=%)
+	$(QUICK) tests/weavecell/analysis
+	$(QUICK) tests/weavecell/api
 	$(QUICK) tests/weavecell/commands
 	$(QUICK) tests/weavecell/limits
 
