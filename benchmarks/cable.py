@@ -14,7 +14,7 @@ from shell import machine
 from fabrics import catalogue
 from shellfabric.cable.model import CableNet, CableNumerics
 from shellfabric.cable.solver import run
-from shellfabric.impact import single_ply
+from shellfabric.impact import simulation
 
 THESIS = {"cable": 1243.0, "shell": 1932.0}  # [s], Table 4-3, on one processor of its day
 
@@ -28,7 +28,7 @@ def row(name, cells, steps, times, source):
 
 def main(repetitions=7):
     print("; ".join(f"{name} {value}" for name, value in machine().items()))
-    setup = single_ply.ImpactSetup(catalogue.load("S-720").with_effective_density(), 100.0, end_time=250e-6)
+    setup = simulation.ImpactSetup(catalogue.load("S-720").with_effective_density(), 100.0, end_time=250e-6)
     print(f"{'S-720 at 100 m/s, 250 us, quarter':34s} {'parts':>7s} {'steps':>6s} {'median s':>9s} {'ns/part':>8s} "
           f"{'best s':>9s} {'thesis s':>8s}")  # fmt: skip
     for cfl in (0.4, 0.9):
@@ -43,7 +43,7 @@ def main(repetitions=7):
         )
         print(f"    energy balance off by {100 * results[0].energy_error_max:.2f} % of the strike energy")
     for model in ("decoupled", "compressible"):
-        results = [single_ply.run(replace(setup, cell_model=model)) for _ in range(repetitions)]
+        results = [simulation.run(replace(setup, cell_model=model)) for _ in range(repetitions)]
         cells = results[0].panel.elements
         shell = row(f"shell, elements, {model}", cells, results[0].steps, [r.wall_time for r in results], "shell")
         print(f"    shell over net {shell / wall:.2f} at 0.9 of the bound each (thesis {1932 / 1243:.2f})")

@@ -40,11 +40,11 @@ def stages(end_time):
         last[:] = now
 
     from fabrics import catalogue
-    from shellfabric.impact import single_ply
+    from shellfabric.impact import simulation
     from shellfabric.panel.solver import PanelSolver
 
     note("import")
-    setup = single_ply.ImpactSetup(catalogue.load("S-720").with_effective_density(), 92.5, end_time=end_time)
+    setup = simulation.ImpactSetup(catalogue.load("S-720").with_effective_density(), 92.5, end_time=end_time)
     table = setup.table()
     note("table")
     panel = setup.panel(table)
@@ -52,7 +52,7 @@ def stages(end_time):
     note("state and first sample")
     solver.run()
     note("run")
-    single_ply.collect_result(setup, solver)
+    simulation.collect_result(setup, solver)
     note("result")
     return found
 

@@ -21,7 +21,7 @@ from shell import machine, publish
 
 from fabrics import catalogue
 from shellfabric.impact import ballistic_limit, limit_scan
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 
 FABRICS = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 

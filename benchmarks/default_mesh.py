@@ -22,9 +22,8 @@ from shell import machine, publish
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric.backing.block import Backing
-from shellfabric.impact import pack, single_ply
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from weavecell.report.marked_page import markdown, put
@@ -41,7 +40,7 @@ QUANTITIES = ("residual velocity", "absorbed energy", "stop time", "deflection",
 
 
 def ply(name, velocity, **changes):
-    """A shot at one ply of a fabric, 400 us at the longest."""
+    """A shot at a fabric, 400 us at the longest."""
     fabric = catalogue.load(name).with_effective_density()
     return ImpactSetup(fabric, velocity, end_time=400e-6, numerics=Numerics(threads=1), **changes)
 
@@ -50,8 +49,8 @@ SCENES = {
     "S-720, 92.5 m/s": lambda: ply("S-720", 92.5),
     "S-720, 160 m/s": lambda: ply("S-720", 160.0),
     "S-745, 240 m/s": lambda: ply("S-745", 240.0),
-    "4 x S-728, 91 m/s": lambda: PackSetup(ply("S-728", 91.0, opening=0.12), 4),
-    "4 x S-731, 300 m/s": lambda: PackSetup(ply("S-731", 300.0, opening=0.08), 4),
+    "4 x S-728, 91 m/s": lambda: ply("S-728", 91.0, opening=0.12, plies=4),
+    "4 x S-731, 300 m/s": lambda: ply("S-731", 300.0, opening=0.08, plies=4),
     "S-726, 96 m/s, 20 degrees oblique": lambda: ply(
         "S-726", 96.0, opening=0.12, symmetry="half", projectile=Projectile(obliquity=radians(20), azimuth=radians(90))
     ),
@@ -64,13 +63,12 @@ def run(setup, repeats):
     costs = []
     for _ in range(repeats):
         begun = time.process_time()
-        result = (pack if isinstance(setup, PackSetup) else single_ply).run(setup)
+        result = simulation.run(setup)
         costs.append(time.process_time() - begun)
-    one = getattr(setup, "ply", setup)
     left, found = max(0.0, result.residual_velocity), {"outcome": result.outcome}
     highest = float(np.max(result.peak_tension))
     if result.outcome == "perforated":
-        energy = 0.5 * one.projectile.mass * (one.strike_velocity**2 - left**2)
+        energy = 0.5 * setup.projectile.mass * (setup.strike_velocity**2 - left**2)
         found |= {"residual velocity": left, "absorbed energy": energy}
     else:
         found |= {"deflection": float(result.step_history[:, 1].max()), "peak tension": highest}
@@ -79,22 +77,15 @@ def run(setup, repeats):
     return found, min(costs)
 
 
-def changed(setup, changes):
-    """A set-up on another mesh."""
-    if isinstance(setup, PackSetup):
-        return replace(setup, ply=replace(setup.ply, **changes))
-    return replace(setup, **changes)
-
-
 def scene(setup):
     """{mesh: {"errors", "outcome", "cpu_s"}} of a shot, the reference among them."""
-    run(changed(setup, {"end_time": 1e-6}), 1)  # compiled before
-    run(changed(setup, {"end_time": 1e-6, **MESHES["1 to 16, 2 to 32, then 4"]}), 1)
-    truth, cost = run(changed(setup, REFERENCE), 1)
+    run(replace(setup, end_time=1e-6), 1)  # compiled before
+    run(replace(setup, end_time=1e-6, **MESHES["1 to 16, 2 to 32, then 4"]), 1)
+    truth, cost = run(replace(setup, **REFERENCE), 1)
     found = {"2": {"errors": {}, "outcome": truth["outcome"], "cpu_s": cost}}
     for name, mesh in MESHES.items():
         try:
-            values, cost = run(changed(setup, mesh), 2)
+            values, cost = run(replace(setup, **mesh), 2)
         except (InputError, UnstableError) as problem:
             found[name] = {"failed": str(problem)}
             continue

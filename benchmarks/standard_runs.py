@@ -13,9 +13,12 @@ import sys
 import numpy as np
 
 from fabrics import catalogue
+from shellfabric.backing.block import Backing
 from shellfabric.cable import solver as cable_solver
 from shellfabric.cable.model import CableNet
-from shellfabric.impact import pack, single_ply
+from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding.model import CrossoverFriction
 
 # energies in the order of the names that they had when digests were first kept
 FIRST_NAMES = {
@@ -33,34 +36,27 @@ def digest(*arrays):
     return found.hexdigest()[:16]
 
 
-def of_result(result, nodes):
+def of_result(result, nodes, peaks):
     """(text of the outcome and the last velocity [m/s], digest) of a run."""
     energies = [
         result.energies[name]
         for name in sorted({*result.energies} - LATER, key=lambda name: FIRST_NAMES.get(name, name))
     ]
-    found = digest(result.t, result.v, result.nose_position, *energies, result.step_history, nodes, result.peak_tension)
+    found = digest(result.t, result.v, result.nose_position, *energies, result.step_history, nodes, peaks)
     return f"{result.outcome} {result.v[-1]:.6f}", found
 
 
-def shot(name, velocity, end_time=250e-6):
-    """One ply at the default settings: (text of the outcome, digest)."""
-    result = single_ply.run(single_ply.ImpactSetup(catalogue.load(name), velocity, end_time=end_time))
-    return of_result(result, result.nodes)
-
-
-def shot_at_pack(name, plies, velocity, end_time=250e-6):
-    """A pack of equal plies: (text of the outcome, digest)."""
-    ply = single_ply.ImpactSetup(catalogue.load(name), velocity, end_time=end_time)
-    result = pack.run(pack.PackSetup(ply, plies))
-    return of_result(result, result.last[0].nodes)
+def shot(name, velocity, **changes):
+    """One ply or several, 250 us at the longest: (text of the outcome, digest)."""
+    result = run(ImpactSetup(catalogue.load(name), velocity, **{"end_time": 250e-6, **changes}))
+    return of_result(result, result.last[0].nodes, result.peaks[..., 0])
 
 
 def cable_net():
     """The cable net of S-720 at 100 m/s: (text of the outcome, digest)."""
-    setup = single_ply.ImpactSetup(catalogue.load("S-720"), 100.0, end_time=100e-6)
+    setup = ImpactSetup(catalogue.load("S-720"), 100.0, end_time=100e-6)
     result = cable_solver.run(CableNet.of(setup), 100.0, 100e-6)
-    return of_result(result, result.nodes)
+    return of_result(result, result.nodes, result.peak_tension)
 
 
 def calibration_path():
@@ -73,21 +69,28 @@ def calibration_path():
     return f"{found.T1[-1]:.6f} {found.T2[-1]:.6f}", digest(found.path, found.T1, found.T2, found.F_c, found.d_c)
 
 
+SMALL = {"opening": 0.06, "end_time": 100e-6}
 RUNS = {
     "S-720 at 92.5 m/s": lambda: shot("S-720", 92.5),
     "S-720 at 155 m/s": lambda: shot("S-720", 155.0),
     "S-745 at 215 m/s": lambda: shot("S-745", 215.0),
-    "4 x S-728 at 91 m/s": lambda: shot_at_pack("S-728", 4, 91.0),
-    "4 x S-726 at 300 m/s, torn": lambda: shot_at_pack("S-726", 4, 300.0, 60e-6),
+    "4 x S-728 at 91 m/s": lambda: shot("S-728", 91.0, plies=4),
+    "4 x S-726 at 300 m/s, torn": lambda: shot("S-726", 300.0, plies=4, end_time=60e-6),
+    "S-726, sliding crossovers": lambda: shot("S-726", 96.0, **SMALL, crossovers=CrossoverFriction(0.2)),
+    "2 x S-726, sliding crossovers": lambda: shot("S-726", 130.0, **SMALL, plies=2, crossovers=CrossoverFriction(0.2)),
+    "S-726 on a block": lambda: shot("S-726", 150.0, **SMALL, backing=Backing(size=(0.06, 0.06, 0.04))),
+    "S-726, elastic bar": lambda: shot("S-726", 150.0, **SMALL, projectile=Projectile(body="elastic_bar")),
+    "S-726, oblique weave": lambda: shot("S-726", 120.0, **SMALL, weave_angle=0.3, symmetry="whole"),
+    "4 x S-728, alternating": lambda: shot("S-728", 120.0, **SMALL, plies=4, stacking="alternating", ply_friction=0.2),
     "cable net, S-720 at 100 m/s": cable_net,
     "3D path of S-720, coarse": calibration_path,
 }
 
 
 def main():
-    for name, run in RUNS.items():
-        if not (run is calibration_path and "--without-3d" in sys.argv):
-            print(f"{name:30s}", *run(), flush=True)
+    for name, fire in RUNS.items():
+        if not (fire is calibration_path and "--without-3d" in sys.argv):
+            print(f"{name:30s}", *fire(), flush=True)
 
 
 if __name__ == "__main__":

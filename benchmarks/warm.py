@@ -128,7 +128,7 @@ def main():
             "impact, outputs = []": impact(plain),
             "weavecell --help": ("-m", "weavecell", "--help"),
             "import shellfabric": ("-c", "import shellfabric"),
-            "import shellfabric.impact.single_ply": ("-c", "import shellfabric.impact.single_ply"),
+            "import shellfabric.impact.simulation": ("-c", "import shellfabric.impact.simulation"),
             "import numba": ("-c", "import numba"),
             "import weavecell": ("-c", "import weavecell"),
         }

@@ -1,6 +1,6 @@
 """Explicit dynamics of a fabric panel under impact: numba kernels on a structured grid of crossovers.
 
-The public names are loaded when they are first used; `run` fires one shot at one ply.
+The public names are loaded when they are first used; `run` fires one shot.
 """
 
 from __future__ import annotations
@@ -20,8 +20,6 @@ __all__ = [
     "Limit",
     "Numerics",
     "Pack",
-    "PackResult",
-    "PackSetup",
     "Panel",
     "PlyContact",
     "Projectile",
@@ -41,8 +39,7 @@ _MODULES = {
     "shellfabric.impact.ballistic_limit": ("Limit", "Shot", "critical_velocity", "shoot"),
     "shellfabric.impact.lambert_jonas": ("LambertJonas",),
     "shellfabric.impact.limit_scan": ("ScanRange", "scan"),
-    "shellfabric.impact.pack": ("PackResult", "PackSetup"),
-    "shellfabric.impact.single_ply": ("ImpactResult", "ImpactSetup", "run"),
+    "shellfabric.impact.simulation": ("ImpactResult", "ImpactSetup", "run"),
     "shellfabric.output.histories": ("HistoryRequest",),
     "shellfabric.panel.boundary": ("Grip", "PullIn"),
     "shellfabric.panel.model": ("Numerics", "Panel"),

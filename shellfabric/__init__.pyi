@@ -4,8 +4,7 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.impact.ballistic_limit import Limit, Shot, critical_velocity, shoot
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.limit_scan import ScanRange, scan
-from shellfabric.impact.pack import PackResult, PackSetup
-from shellfabric.impact.single_ply import ImpactResult, ImpactSetup, run
+from shellfabric.impact.simulation import ImpactResult, ImpactSetup, run
 from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Numerics, Panel
@@ -24,8 +23,6 @@ __all__ = [
     "Limit",
     "Numerics",
     "Pack",
-    "PackResult",
-    "PackSetup",
     "Panel",
     "PlyContact",
     "Projectile",

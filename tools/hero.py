@@ -11,7 +11,8 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.files import write_whole
 from meshing.pictures_style import FAINT, GREEN, INK, RED, plots, tension_map
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.output import snapshots
 from weavecell.report import pictures, pictures3d
 
 HERO = Path(__file__).parents[1] / "docs" / "figures" / "impact.png"
@@ -30,14 +31,14 @@ def shot(velocity, interval=None):
 
 def image_of(result):
     """(rows, columns, 3) the panel at INSTANT, its modelled part mirrored."""
-    shape = min(result.snapshots, key=lambda one: abs(one.t - INSTANT))
+    shape = min((shapes[0] for shapes in result.snapshots), key=lambda one: abs(one.t - INSTANT))
     strength = [yarn.strength for yarn in result.setup.fabric.weave.yarns]
     share = (shape.tension / strength).max(axis=-1).ravel()
     failed = shape.failed.reshape(-1, 3)
     count = np.where(failed[:, 2], 2, failed[:, 0].astype(int) + failed[:, 1])
     body = shape.projectile_position + result.setup.projectile.surface()
     return shape.t, pictures3d.panel(
-        shape.nodes.reshape(-1, 3), result.quads, share, count, body, result.mirrored, REACH
+        shape.nodes.reshape(-1, 3), snapshots.quads(result.panel), share, count, body, result.mirrored, REACH
     )
 
 

@@ -133,7 +133,7 @@ class CableNet:
 
     @classmethod
     def of(cls, setup: Any, **others: Any) -> CableNet:
-        """The net of an `single_ply.ImpactSetup`: its fabric, opening, projectile and symmetry, to compare the two
+        """The net of an `simulation.ImpactSetup`: its fabric, opening, projectile and symmetry, to compare the two
         models.
 
         Raises

@@ -30,7 +30,7 @@ SAMPLES = ("t", "v", "z", *ENERGIES)
 
 @dataclass(frozen=True)
 class CableResult:
-    """What an impact on a net came to; names as in `single_ply.ImpactResult`. Energies and forces are of the whole net.
+    """What an impact on a net came to; names as in `simulation.ImpactResult`. Energies and forces are of the whole net.
 
     Parameters
     ----------

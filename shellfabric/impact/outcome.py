@@ -11,26 +11,20 @@ from shellfabric.panel.model import SYMMETRIES
 from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 
 if TYPE_CHECKING:
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
 
 
 class Outcome:
-    """What follows from an impact's set-up and energies, on one ply or a pack of plies like it.
+    """What follows from an impact's set-up and energies, whose `setup` is the ImpactSetup."""
 
-    `energies` are those of the result, `first_ply_setup` is the ImpactSetup of the first ply.
-    """
-
+    setup: ImpactSetup
     energies: dict
     step_history: np.ndarray
 
     @property
-    def first_ply_setup(self) -> ImpactSetup:
-        raise NotImplementedError
-
-    @property
     def strike_energy(self) -> float:
         """[J]"""
-        return self.first_ply_setup.projectile.energy(self.first_ply_setup.strike_velocity)
+        return self.setup.projectile.energy(self.setup.strike_velocity)
 
     @property
     def energy_error_max(self) -> float:
@@ -40,13 +34,13 @@ class Outcome:
     @property
     def mirrored(self) -> tuple[bool, bool]:
         """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
-        return SYMMETRIES[self.first_ply_setup.symmetry]
+        return SYMMETRIES[self.setup.symmetry]
 
     @property
     def rigidity(self) -> Rigidity | None:
         """Whether a rigid projectile is enough, its contact held against the period of the bar that it is, or would be
         if it were of steel; None where it is no flat cylinder of steel, or where it was never touched."""
-        shot = self.first_ply_setup.projectile
+        shot = self.setup.projectile
         try:
             bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
             if bar is None:

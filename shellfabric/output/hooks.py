@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from shellfabric.output.snapshots import snapshot
+from shellfabric.output.snapshots import of_plies
 
 if TYPE_CHECKING:
     from shellfabric.driver.solver import ExplicitSolver
@@ -39,12 +39,12 @@ class Snapshots(Every):
     Parameters
     ----------
     interval : [s]
-    take : called as take(solver), makes the snapshot; None takes that of a panel
+    take : called as take(solver), makes the snapshot; None takes those of all plies
     """
 
     def __init__(self, interval: float, take: Callable[..., object] | None = None) -> None:
         super().__init__(interval)
-        self.take = take or (lambda solver: snapshot(solver.panel, solver.state, solver.time))
+        self.take = take or of_plies
 
     def __call__(self, solver: ExplicitSolver) -> None:
         if self.due(solver):

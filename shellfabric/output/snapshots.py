@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -48,6 +48,16 @@ def snapshot(panel: Panel, state: State, t: float) -> Snapshot:
     broken = failures(c, state)
     z = float(state.projectile_position[2] + panel.projectile.top)
     return Snapshot(t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken)
+
+
+def of_plies(solver: Any) -> tuple[Snapshot, ...]:
+    """(plies,) snapshots of the plies of a ClothSolver, counted from the plane of the first ply at rest."""
+    found, nose = [], solver.state.projectile_position
+    for (panel, _, state), z in zip(solver.parts, solver.places):
+        one = snapshot(panel, state, solver.time)
+        one.nodes[..., 2] += z
+        found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy()))
+    return tuple(found)
 
 
 def failures(c: Any, state: Any) -> BoolArray:

@@ -52,7 +52,7 @@ class ClothSolver(ExplicitSolver):
 
     sample_names, energy_names = SAMPLES, ENERGIES
     counters = (*ExplicitSolver.counters, "perforated_samples")
-    module = "shellfabric.impact.single_ply"  # whose code determines a run
+    module = "shellfabric.impact.simulation"  # whose code determines a run
 
     def _start(self, parts, elements, most_threads=np.inf):
         """Take the first sample of the plies at rest, of all `elements`; at most so many threads can share them."""
@@ -71,6 +71,30 @@ class ClothSolver(ExplicitSolver):
         self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
         self.monitor = quality.Monitor(self)
         self._begin(self.const.dt)
+
+    @property
+    def target(self) -> Any:
+        """What is struck: the Panel of one ply, or the Pack of several."""
+        return self.panel
+
+    @property
+    def places(self) -> FloatArray:
+        """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
+        return np.zeros(1)
+
+    @property
+    def deepest(self) -> FloatArray:
+        """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
+        return np.zeros(0)
+
+    @property
+    def held_apart(self) -> FloatArray:
+        """(2,) [-] how often torn cloth was kept off other cloth, and how often that did not succeed."""
+        return np.zeros(2)
+
+    def slip_summaries(self) -> tuple[Any, ...]:
+        """(plies,) sliding.solver.SlipSummary of sliding crossovers so far; empty of pinned ones."""
+        return ()
 
     @property
     def steps(self) -> int:

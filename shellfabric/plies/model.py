@@ -75,7 +75,7 @@ class Pack:
             raise InputError(key="gaps", value=len(self.gaps), allowed=f"{len(self.plies) - 1} of them")
         for gap in self.gaps:
             if not 0 <= gap < inf:
-                raise InputError(key="gap", value=gap, allowed="at least 0")
+                raise InputError(key="ply_gap", value=gap, allowed="at least 0")
         if not self.laws:
             own = {id(ply): PlyLaw.of(ply.fabric) for ply in self.plies[: len(self.plies) if self.gaps else 0]}
             laws = tuple(own[id(a)].between(own[id(b)]) for a, b in zip(self.plies, self.plies[1:]))

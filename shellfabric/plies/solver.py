@@ -47,7 +47,6 @@ class PackSolver(ClothSolver):
         ("contact", "the contact with the nose"), ("ply_contact", "the contact between plies"),
         ("ply_friction", "the friction between plies"),
     )  # fmt: skip
-    module = "shellfabric.impact.pack"
 
     def __init__(
         self, pack: Pack, strike_velocity: float, end_time: float, *, interval: float = 2e-6,
@@ -65,6 +64,16 @@ class PackSolver(ClothSolver):
         self._start(tuple(zip(pack.plies, self.consts, self.states)), pack.elements, len(pack.plies))
         self._works = [lists(pack.works()) for _ in range(self.threads)]
 
+    @property
+    def target(self) -> Pack:
+        """See ClothSolver."""
+        return self.pack
+
+    @property
+    def places(self) -> FloatArray:
+        """See ClothSolver."""
+        return self.pack.places
+
     _sum: Callable[..., float] = staticmethod(np.sum)  # in numpy's order, which differs from `sum` in the last digit
 
     @property
@@ -79,7 +88,7 @@ class PackSolver(ClothSolver):
 
     @property
     def deepest(self) -> FloatArray:
-        """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
+        """See ClothSolver."""
         return self._of_pairs(contact_simd_kernels.MAX_DEPTH)
 
     @property
@@ -96,7 +105,7 @@ class PackSolver(ClothSolver):
 
     @property
     def held_apart(self) -> FloatArray:
-        """(2,) [-] how often torn cloth was kept off other cloth, and how often that did not succeed."""
+        """See ClothSolver."""
         return self.stops.energy[[torn_contact_kernels.CORRECTIONS, torn_contact_kernels.UNRESOLVED]]
 
     def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:

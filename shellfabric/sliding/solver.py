@@ -107,9 +107,9 @@ class SlidingSolver(ClothSolver):
         energies = [ply[0], *projectile, *ply[1:], *np.zeros(len(ENERGIES) - len(ply) - 4), *self.slip.work]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
-    def summary(self) -> SlipSummary:
-        """What the slip has come to so far."""
-        return SlipSummary.of(self.panel, self.state, self.slip, self.share)
+    def slip_summaries(self) -> tuple[SlipSummary, ...]:
+        """See ClothSolver."""
+        return (SlipSummary.of(self.panel, self.state, self.slip, self.share),)
 
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
@@ -151,8 +151,3 @@ def solver_of(panel: Panel, strike_velocity: float, end_time: float, **others: A
     if isinstance(panel, SlidingPanel):
         return SlidingSolver(panel, strike_velocity, end_time, **others)
     return PanelSolver(panel, strike_velocity, end_time, **others)
-
-
-def slip_summary(solver: ClothSolver) -> SlipSummary | None:
-    """The summary of a run with sliding crossovers; None of any other."""
-    return solver.summary() if isinstance(solver, SlidingSolver) else None

@@ -120,7 +120,7 @@ class SlidingPackSolver(PackSolver):
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
-        """(plies,) what the slip of each ply has come to so far."""
+        """See ClothSolver."""
         plies = zip(self.pack.plies, self.states, self.slips)
         return tuple(SlipSummary.of(panel, state, slip, self.share) for panel, state, slip in plies)
 
@@ -157,8 +157,3 @@ def solver_of(pack: Panel | Pack, strike_velocity: float, end_time: float, **oth
     if any(isinstance(ply, SlidingPanel) for ply in pack.plies):
         raise InputError(key="crossovers", value="sliding", allowed="pinned in a Pack that is no SlidingPack")
     return PackSolver(pack, strike_velocity, end_time, **others)
-
-
-def slip_summaries(solver: PackSolver) -> tuple[SlipSummary, ...]:
-    """The summaries of a run with sliding crossovers; empty of any other."""
-    return solver.slip_summaries() if isinstance(solver, SlidingPackSolver) else ()

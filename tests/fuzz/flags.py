@@ -17,8 +17,7 @@ from pathlib import Path
 
 from fabrics.errors import UnstableError, WeavecellError
 from fabrics.files import write_whole
-from shellfabric.impact import pack as impact_pack
-from shellfabric.impact import single_ply
+from shellfabric.impact import simulation
 from shellfabric.panel.quality import LIMITS, NOTES
 from tests.fuzz import scenes
 from validation.verification.stability import study
@@ -108,11 +107,7 @@ def of_scene(path):
     asked, _ = scenes_impact.load(path)
     setup = build.setup(build.build(asked, path, path.stem), path)
     setup = replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
-    if asked.panel.plies > 1:
-        pack = build.pack_setup(setup, asked.panel)
-        result = impact_pack.run(pack, hooks=(watch,))
-    else:
-        result = single_ply.run(setup, hooks=(watch,))
+    result = simulation.run(setup, hooks=(watch,))
     return [path.stem, result.outcome, [str(one) for one in result.checks if not one.ok]]
 
 

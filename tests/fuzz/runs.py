@@ -80,18 +80,13 @@ def compile_kernels():
 
 def run(path, hooks=()):
     """The result of `shellfabric` for the scene at `path`, on one thread."""
-    from shellfabric.impact import pack as impact_pack
-    from shellfabric.impact import single_ply
+    from shellfabric.impact import simulation
 
-    asked, setup = setup_of(path)
-    panel = asked.panel
-    if panel.plies > 1:
-        return impact_pack.run(build.pack_setup(setup, panel), hooks=hooks)
-    return single_ply.run(setup, hooks=hooks)
+    return simulation.run(setup_of(path)[1], hooks=hooks)
 
 
 def setup_of(path):
-    """(Scene, ImpactSetup of one ply) of the scene at `path`, on one thread."""
+    """(Scene, ImpactSetup) of the scene at `path`, on one thread."""
     asked, _ = scene_files.load(path)
     setup = build.setup(build.build(asked, path, path.stem), path)
     return asked, replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)

@@ -272,8 +272,7 @@ SOLID = (
     "fabrics/solid.py",
 )
 CODE = {
-    "shellfabric.impact.single_ply": SHELL,
-    "shellfabric.impact.pack": (*SHELL, "shellfabric/plies/contact_kernels.py", "shellfabric/plies/model.py"),
+    "shellfabric.impact.simulation": (*SHELL, "shellfabric/plies/contact_kernels.py", "shellfabric/plies/model.py"),
     "shellfabric.coupon.quasistatic": (
         "shellfabric/coupon/relaxation_kernels.py",
         "shellfabric/cell/model.py",

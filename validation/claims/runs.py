@@ -19,8 +19,8 @@ from shellfabric.cable.model import CableNet
 from shellfabric.cable.solver import run as run_cable
 from shellfabric.cell.model import CellModel
 from shellfabric.impact import ballistic_limit as limits
-from shellfabric.impact.single_ply import ImpactSetup
-from shellfabric.impact.single_ply import run as run_impact
+from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.simulation import run as run_impact
 from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import PullIn
@@ -126,7 +126,7 @@ def shot(**scene: Any) -> RunResult:
     """
     chosen, hook = setup(**scene), _FirstFailures()
     result = run_impact(chosen, hooks=(hook,))
-    history = result.histories
+    (history,) = result.histories
     yarns = {
         yarn.family: {
             name: np.asarray(getattr(yarn, name)) for name in ("X", "tension", "place", "deflection", "strength")
@@ -155,8 +155,8 @@ def shot(**scene: Any) -> RunResult:
         "edge_offset": np.array([place for place, _ in edge]),
         "edge_tension": np.array([tension for _, tension in edge]),
         "half": np.array([yarns[f]["X"][-1] for f in ("warp", "weft")]),
-        "snapshots": [_shape(panel, taken) for taken in result.snapshots],
-        "eroded": int(result.failed[..., 2].sum()),
+        "snapshots": [_shape(panel, taken) for (taken,) in result.snapshots],
+        "eroded": int(result.last[0].failed[..., 2].sum()),
         "balance": result.energy_error_max,
     }
 

@@ -13,8 +13,8 @@ from fabrics.errors import UnstableError
 from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
-from shellfabric.impact.single_ply import ImpactSetup
-from shellfabric.impact.single_ply import run as run_impact
+from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.simulation import run as run_impact
 from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.model import Numerics
@@ -113,8 +113,8 @@ def edged(
     )  # fmt: skip
     result = run_impact(chosen)
     X, Y = result.panel.coordinates()
-    nodes = result.nodes.reshape(*X.shape, 3)
-    ends = sorted((abs(yarn.offset), yarn.tension[:, -1]) for yarn in result.histories.yarns if yarn.family == "weft")
+    nodes, (history,) = result.last[0].nodes, result.histories
+    ends = sorted((abs(yarn.offset), yarn.tension[:, -1]) for yarn in history.yarns if yarn.family == "weft")
     return {
         "outcome": result.outcome,
         "residual": result.residual_velocity,
@@ -124,7 +124,7 @@ def edged(
         "energies": result.energies,
         "slip": Y[:, -1] - nodes[:, -1, 1],
         "place": X[:, -1],
-        "clock": result.histories.t,
+        "clock": history.t,
         "edge_offset": np.array([place for place, _ in ends]),
         "edge_tension": np.array([tension for _, tension in ends]),
         "balance": result.energy_error_max,
@@ -145,10 +145,11 @@ def yarn_in_shell(*, fabric: str, velocity: float, length: float, end_time: floa
         end_time=end_time, elements_per_crossover=1, failure=False, history=HistoryRequest(1e-6, (0.0,), (0.0,)),
     )  # fmt: skip
     result = run_impact(chosen)
-    yarn = result.histories.through("warp")
+    (history,) = result.histories
+    yarn = history.through("warp")
     return {
         "v": result.v,
-        "clock": result.histories.t,
+        "clock": history.t,
         "X": np.asarray(yarn.X),
         "place": np.asarray(yarn.place),
         "deflection": np.asarray(yarn.deflection),

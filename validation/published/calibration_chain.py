@@ -22,7 +22,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
 from shellfabric.impact import ballistic_limit
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from unitcell3d.identify.chain import combine
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance

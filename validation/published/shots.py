@@ -25,7 +25,7 @@ from fabrics import catalogue
 from fabrics.errors import run_program
 from fabrics.files import write_whole
 from shellfabric.impact import ballistic_limit
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from validation.published.packs import study as packs
 from weavecell.report.marked_page import markdown, put

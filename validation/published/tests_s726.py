@@ -22,7 +22,7 @@ from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
 from fabrics.yarn import WeavingDamage
 from shellfabric.impact.ballistic_limit import critical_velocity, shoot
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.projectile import Projectile

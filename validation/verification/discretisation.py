@@ -20,8 +20,8 @@ import numpy as np
 
 from fabrics import run_cache
 from fabrics.errors import run_program
-from shellfabric.impact import single_ply
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactSetup
 from validation.verification.fidelity import scenes
 from weavecell.analysis import discretisation
 from weavecell.analysis.fidelity.ladder import Tables, simplest
@@ -81,7 +81,7 @@ def row(number: int) -> Row:
     seconds: list[float] = []
     for this in (setup, refined, reference(setup, refined)):
         began = time.process_time()
-        results.append(single_ply.run(this, table=table))
+        results.append(simulation.run(this, table=table))
         seconds.append(time.process_time() - began)
     pair = discretisation.compare(*results[:2])
     finest = {one.name: one.finer for one in discretisation.compare(results[0], results[2]).intervals}

@@ -24,7 +24,7 @@ import numpy as np
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import run_program
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from weavecell.analysis.uncertainty import inputs, probit, v50
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance

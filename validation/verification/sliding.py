@@ -22,7 +22,7 @@ from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE, RED, plots
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding import cell_scaling
@@ -102,7 +102,7 @@ def window(panel: Panel, velocity: float) -> float:
     if not isinstance(panel, SlidingPanel):
         return float("nan")
     solver: Any = solver_of(panel, velocity, 1e-3)
-    return float(solver.run().summary().largest_window)
+    return float(solver.run().slip_summaries()[0].largest_window)
 
 
 def text(results: dict[str, list]) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from fabrics import catalogue
 from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE, plots
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding import contact_force, pull_out
 from shellfabric.sliding.model import CrossoverFriction

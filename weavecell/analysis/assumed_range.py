@@ -12,18 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING
 
 from fabrics import assumed
 from fabrics.compression import CompressionLaw
 from fabrics.errors import UnstableError, WeavecellError
 from fabrics.fabric import Fabric
-from shellfabric.impact import single_ply
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import quality
-
-if TYPE_CHECKING:
-    from shellfabric.impact.pack import PackSetup
 
 NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
 
@@ -130,7 +126,7 @@ def residual_velocity(
     for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
         plain = replace(setup, fabric=fabric, laws=laws, snapshot_interval=None, history=None)
         try:
-            result = single_ply.run(plain)
+            result = simulation.run(plain)
             doubt = " (doubtful)" if quality.status(result.checks) == quality.DOUBTFUL else ""
             rows.append(Row(name, result.outcome + doubt, float(result.residual_velocity)))
         except UnstableError:
@@ -141,27 +137,26 @@ def residual_velocity(
 
 
 def critical_velocity(
-    setup: ImpactSetup | PackSetup, velocity: float, *, tolerance: float = 1.0, executor: str = "local", jobs: int = 1,
+    setup: ImpactSetup, velocity: float, *, tolerance: float = 1.0, executor: str = "local", jobs: int = 1,
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:  # fmt: skip
     """Range of the critical velocity of a panel or pack; None where nothing is assumed.
 
     Parameters
     ----------
-    setup : ImpactSetup or PackSetup of any shot at the panel
+    setup : ImpactSetup of any shot at the panel
     velocity : [m/s] nominal critical velocity
     tolerance, executor, jobs : as of `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
     from shellfabric.impact import ballistic_limit  # with the kernels of packs, which a shot on one ply does not use
-    from shellfabric.impact.setups import first_ply, panel_of, with_ply
 
-    ply = first_ply(setup)
+    ply = setup
     rows, found = [Row("nominal", "", velocity)], corners(ply.fabric, ply.laws)
     for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
         try:
             limit = ballistic_limit.critical_velocity(
-                panel_of(with_ply(setup, fabric=fabric, laws=laws)),
+                replace(setup, fabric=fabric, laws=laws).target(),
                 guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs,
             )  # fmt: skip
             doubt = any(quality.status(shot.checks) == quality.DOUBTFUL for shot in limit.ends)

@@ -31,11 +31,8 @@ import numpy as np
 
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellTable
-from shellfabric.impact.pack import PackResult, PackSetup
-from shellfabric.impact.setups import first_ply, with_ply
-from shellfabric.impact.single_ply import ImpactResult, ImpactSetup
+from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import meshed
 
 RATIO, ORDER, SAFETY = 2, 2.0, 3.0
 REACH = 10.0  # [crossovers] from the impact point up to which elements are halved, at least
@@ -87,7 +84,7 @@ def index(difference: float) -> float:
     return SAFETY * difference * RATIO**ORDER / (RATIO**ORDER - 1)
 
 
-def finer(setup: ImpactSetup | PackSetup, table: CellTable) -> ImpactSetup | PackSetup:
+def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
     """The set-up with half the element side within REACH of the impact point, or further where the projectile needs it.
 
     Where the panel cannot be graded (edges that are held by friction) all its elements are halved. No snapshots are
@@ -102,13 +99,13 @@ def finer(setup: ImpactSetup | PackSetup, table: CellTable) -> ImpactSetup | Pac
     ------
     InputError : the finer mesh would have more than MOST_ELEMENTS elements along a crossover
     """
-    setup = with_ply(setup, snapshot_interval=None, history=None)
-    ply = meshed(setup)
+    setup = replace(setup, snapshot_interval=None, history=None)
+    ply = setup.meshed
     if ply.grading is not None:
         (until, side), *rest = ply.grading
         side = Fraction(side).limit_denominator(MOST_ELEMENTS) / RATIO
         _check(1 / side)
-        return with_ply(setup, grading=((float(until), float(side)), *rest))
+        return replace(setup, grading=((float(until), float(side)), *rest))
     count = ply.resolved_elements_per_crossover
     _check(RATIO * count)
     reach = REACH
@@ -116,9 +113,9 @@ def finer(setup: ImpactSetup | PackSetup, table: CellTable) -> ImpactSetup | Pac
         zones = ((reach, 1 / (RATIO * count)), (inf, 1 / count))
         graded = replace(ply, elements_per_crossover=None, grading=zones)
         if _can_be_meshed(graded, table):
-            return with_ply(setup, elements_per_crossover=None, grading=graded.grading)
+            return replace(setup, elements_per_crossover=None, grading=graded.grading)
         reach *= 1.5
-    return with_ply(setup, elements_per_crossover=RATIO * count)
+    return replace(setup, elements_per_crossover=RATIO * count)
 
 
 def _check(count: float | Fraction) -> None:
@@ -136,9 +133,9 @@ def _can_be_meshed(ply: ImpactSetup, table: CellTable) -> bool:
     return True
 
 
-def in_words(setup: ImpactSetup | PackSetup) -> str:
+def in_words(setup: ImpactSetup) -> str:
     """The mesh of a set-up."""
-    ply = meshed(setup)
+    ply = setup.meshed
     if ply.grading is None:
         count = ply.resolved_elements_per_crossover
         return f"{count} element{'s' * (count > 1)} per crossover"
@@ -153,7 +150,7 @@ def in_words(setup: ImpactSetup | PackSetup) -> str:
 
 
 def run_pair(
-    setup: ImpactSetup | PackSetup, shoot: Callable[..., tuple[Any, Any, Any, Any]]
+    setup: ImpactSetup, shoot: Callable[..., tuple[Any, Any, Any, Any]]
 ) -> tuple[tuple[Any, Any, Any], Discretisation]:
     """Run a scene on its mesh and on the finer one.
 
@@ -171,17 +168,17 @@ def run_pair(
     ------
     InputError : as `finer`; nothing has been run
     """
-    table = first_ply(setup).table(kept=True)
+    table = setup.table(kept=True)
     refined = finer(setup, table)
     record, snapshots, failure, result = shoot(setup, table)
     other = result if failure is not None else shoot(refined, table, "finer mesh")[3]
     return (record, snapshots, failure), compare(result, other)
 
 
-def compare(result: ImpactResult | PackResult, refined: ImpactResult | PackResult) -> Discretisation:
-    """The pair of results, ImpactResult or PackResult, of the scene's mesh and the finer one."""
+def compare(result: ImpactResult, refined: ImpactResult) -> Discretisation:
+    """The pair of results, ImpactResult, of the scene's mesh and the finer one."""
     values, others = quantities.of(result), quantities.of(refined)
-    ply = meshed(result.setup)
+    ply = result.setup.meshed
     energy = result.strike_energy
     rows = [("residual velocity", "m/s", ply.strike_velocity, "residual_velocity", None),
             ("absorbed energy", "J", energy, "absorbed_energy", None),
@@ -204,8 +201,8 @@ def _apart(result, refined, values, others):
     """{name: norm of the difference of the solutions}, in the units of `quantities.of`; of tensions over themselves."""
     (t, z, v), (tf, zf, vf) = (one.step_history[:, :3].T for one in (result, refined))
     common = t <= tf[-1]
-    z, v = z[common], v[common] / first_ply(result.setup).strike_velocity
-    zf, vf = (np.interp(t[common], tf, one) for one in (zf, vf / first_ply(refined.setup).strike_velocity))
+    z, v = z[common], v[common] / result.setup.strike_velocity
+    zf, vf = (np.interp(t[common], tf, one) for one in (zf, vf / refined.setup.strike_velocity))
     moving = values["outcome"] != "stopped"
     tensions = [abs(b / a - 1) for a, b in zip(values["peak_tension"], others["peak_tension"]) if a > 0]
     return {

@@ -13,9 +13,7 @@ from shellfabric.impact import ballistic_limit, lambert_jonas, limit_scan
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.limit_scan import ScanRange
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.setups import first_ply, panel_of
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from weavecell.analysis import assumed_range
 from weavecell.analysis.assumed_range import AssumedRange
 
@@ -45,14 +43,14 @@ class Found:
 
 
 def search(
-    setup: ImpactSetup | PackSetup, *, tolerance: float, residual_shots: int, scan: ScanRange | None, with_range: bool,
+    setup: ImpactSetup, *, tolerance: float, residual_shots: int, scan: ScanRange | None, with_range: bool,
     jobs: int, executor: str, stage: Stage | None = None, keep: Callable[[Shot], object] | None = None,
 ) -> Found:  # fmt: skip
     """Bisect, scan about the bracket, fire residual shots, fit them, and repeat the search over assumed laws.
 
     Parameters
     ----------
-    setup : ImpactSetup or PackSetup of any strike velocity
+    setup : ImpactSetup of any strike velocity
     tolerance, jobs, executor : as of `ballistic_limit.critical_velocity`
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
@@ -65,7 +63,7 @@ def search(
     InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`
     """
     stage = stage or (lambda title: nullcontext(lambda *_: None))
-    panel, name = panel_of(setup), first_ply(setup).fabric.name
+    panel, name = setup.target(), setup.fabric.name
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
 
     def shots(advance):
@@ -85,7 +83,7 @@ def search(
         with stage("Residual velocities") as advance:
             strikes = max(limit.high, limit.highest_stop) * np.geomspace(*CURVE, residual_shots)
             limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **shots(advance)))
-    ply, around = first_ply(setup), None
+    ply, around = setup, None
     if with_range and assumed_range.corners(ply.fabric, ply.laws):
         with stage("Range over the assumed laws") as advance:
             around = assumed_range.critical_velocity(

@@ -5,13 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from shellfabric.impact.limit_scan import ScanRange
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.setups import fired
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup, fired
 from shellfabric.panel import quality
 from weavecell.analysis import limit_search
 from weavecell.analysis.uncertainty import inputs, v50
@@ -45,7 +41,7 @@ class Wanted:
             raise InputError(key="quantity", value=self.quantity, allowed=f"one of {', '.join(QUANTITIES)}")
 
 
-def point(setup: ImpactSetup | PackSetup, wanted: Wanted) -> dict[str, Any]:
+def point(setup: ImpactSetup, wanted: Wanted) -> dict[str, Any]:
     """The row of a set-up, of a shot or a critical velocity; one that cannot be computed says why in "outcome"."""
     try:
         return shot(setup) if wanted.quantity == "shot" else limit(setup, wanted.tolerance)
@@ -58,10 +54,10 @@ def _failed(problem):
     return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
 
 
-def shot(setup: ImpactSetup | PackSetup) -> dict[str, Any]:
+def shot(setup: ImpactSetup) -> dict[str, Any]:
     """Outcome, velocity, energy, deflection, tensions and checks of one shot."""
     result, problem = fired(setup)
-    warp, weft = np.max(np.atleast_2d(result.peak_tension), axis=0)
+    warp, weft = result.peak_tension
     return {
         "outcome": "unstable" if problem else result.outcome,
         "residual_velocity_m_s": float(result.residual_velocity),
@@ -75,7 +71,7 @@ def shot(setup: ImpactSetup | PackSetup) -> dict[str, Any]:
     }
 
 
-def limit(setup: ImpactSetup | PackSetup, tolerance: float) -> dict[str, Any]:
+def limit(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
     """Bracket of the critical velocity, and the zone of mixed outcomes where there is one."""
     found = limit_search.search(
         setup, tolerance=tolerance, residual_shots=0, scan=ScanRange(), with_range=False, jobs=1, executor="local"
@@ -94,7 +90,7 @@ def limit(setup: ImpactSetup | PackSetup, tolerance: float) -> dict[str, Any]:
     }
 
 
-def v50_of(setup: ImpactSetup | PackSetup, wanted: Wanted, **others: Any) -> dict[str, Any]:
+def v50_of(setup: ImpactSetup, wanted: Wanted, **others: Any) -> dict[str, Any]:
     """V50 with the scatter of inputs.toml; others as of `v50.study`."""
     try:
         study = v50.study(setup, inputs.published(), shots=wanted.shots, seed=wanted.seed, **others)

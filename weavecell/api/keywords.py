@@ -82,11 +82,9 @@ class Keywords(TypedDict, total=False):
 def tables() -> dict[str, str]:
     """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
     from weavecell.commands.impact import SUPPORT
-    from weavecell.scenes.build import OF_A_PACK
-    from weavecell.scenes.supported import of
 
     found = {}
-    for key in (*SUPPORT.supported, *OF_A_PACK, *of("panel", "plies")):
+    for key in SUPPORT.supported:
         table, _, rest = key.partition(".")
         if table in FLAT and key not in NOT_HERE:
             found[rest.partition(".")[0]] = table

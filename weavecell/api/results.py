@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from weavecell.analysis.assumed_range import AssumedRange
     from weavecell.analysis.uncertainty.draws import Draws
     from weavecell.analysis.uncertainty.v50 import Study
-    from weavecell.results.impact_base import BaseRecord
+    from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Shape
 
 __all__ = ["CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult", "V50Result"]
@@ -34,15 +34,15 @@ class ShotResult(Result):
 
     Parameters
     ----------
-    record : `weavecell.results.impact.ImpactRecord`, or `weavecell.results.pack.PackRecord` of a pack
-    shapes : tuple of Shape, the panel at the instants of `snapshot_interval`; empty for a pack
+    record : `weavecell.results.impact.ImpactRecord`
+    shapes : of each instant of `snapshot_interval` the tuple of the plies' Shape
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
     range : AssumedRange of the residual velocity over the assumed laws, or None
     """
 
-    record: BaseRecord
-    shapes: tuple[Shape, ...] = ()
+    record: ImpactRecord
+    shapes: tuple[tuple[Shape, ...], ...] = ()
     fabric: Fabric | None = None
     assumed: tuple[str, ...] = ()
     range: AssumedRange | None = None
@@ -110,8 +110,7 @@ class ShotResult(Result):
             "failed_yarn_segments": record.failed_segments,
         }  # fmt: skip
         columns |= {f"energy_{name}_J": values for name, values in record.energies.items()}
-        reactions = getattr(record, "reactions", {})
-        columns |= {f"reaction_{name}_N": values for name, values in reactions.items()}
+        columns |= {f"reaction_{name}_N": record.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")}
         return columns | {"checks": [self.checks_text] * len(record.time)}
 
     def plot(self) -> Figure:
@@ -131,7 +130,7 @@ class ShotResult(Result):
         return figure(view.end, self.record)
 
     def to_vtk(self, folder: FilePath) -> Path:
-        """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``; of a pack the plies at the end, ply-NN.vtu.
+        """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``, all plies in each.
 
         Parameters
         ----------
@@ -139,22 +138,14 @@ class ShotResult(Result):
 
         Returns
         -------
-        path : of panel.pvd, or of the folder of a pack
+        path : of panel.pvd
         """
         from weavecell.results import paraview
 
-        folder = Path(folder)
-        final = getattr(self.record, "final", None)
-        if final is not None:
-            before = [shape for shape in self.shapes if shape.t < final.t]
-            paraview.write_panel(folder, [*before, final], self.record.quads)  # type: ignore[attr-defined]
-            return folder / "panel.pvd"
-        folder.mkdir(parents=True, exist_ok=True)
-        for ply, (shape, quads) in enumerate(zip(self.record.shapes, self.record.quads)):  # type: ignore[attr-defined]
-            values = paraview.cell_values(shape.tension, shape.failed)
-            cells = paraview.topology(quads)
-            paraview.write_grid(folder / f"ply-{ply:02d}.vtu", shape.nodes, cells, values, shape.nose_position)
-        return folder
+        folder, final = Path(folder), self.record.final
+        before = [plies for plies in self.shapes if plies[0].t < final[0].t]
+        paraview.write_panel(folder, [*before, final], self.record.quads)
+        return folder / "panel.pvd"
 
     def write(self, path: FilePath) -> None:
         """Write the histories as HDF5, as `weavecell impact` writes histories.h5."""

@@ -22,8 +22,7 @@ from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResul
 from weavecell.scenes.schema import InlineLaw
 
 if TYPE_CHECKING:
-    from shellfabric.impact.pack import PackSetup
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
 
 __all__ = [
     "critical_velocity",
@@ -106,7 +105,7 @@ def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
     return projectile_data.table(name, changes)
 
 
-def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Keywords]) -> ImpactSetup | PackSetup:
+def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Keywords]) -> ImpactSetup:
     """The set-up of one impact, for `sweep` or `shellfabric`.
 
     Parameters
@@ -153,7 +152,7 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
         raise keywords.named(problem) from None
     if options.get("snapshot_interval") is None:
         ply = replace(ply, snapshot_interval=None)
-    return ply if scene.panel.plies == 1 else build.pack_setup(ply, scene.panel)
+    return ply
 
 
 def shoot(
@@ -179,7 +178,6 @@ def shoot(
     InputError : as `setup`
     UnstableError : the run became unphysical; its attribute `result` is the ShotResult up to then
     """
-    from shellfabric.impact.pack import PackSetup
 
     given = setup(fabric, velocity, **options)
     shot, problem = _fire(given)
@@ -188,16 +186,14 @@ def shoot(
         error.result = shot
         raise error
     shot.warn()
-    if assumed_range and not isinstance(given, PackSetup):
+    if assumed_range and given.plies == 1:
         from weavecell.analysis import assumed_range as analysis
 
         shot = replace(shot, range=analysis.residual_velocity(given, shot.outcome, shot.residual_velocity))
     return shot
 
 
-def sweep(
-    setups: Iterable[ImpactSetup | PackSetup], *, jobs: int = 1, executor: str | Executor = "local"
-) -> SweepResult:
+def sweep(setups: Iterable[ImpactSetup], *, jobs: int = 1, executor: str | Executor = "local") -> SweepResult:
     """Fire several shots.
 
     With jobs = 1 they run in this process one after the other; else in `jobs` processes with one thread each, and the
@@ -229,7 +225,7 @@ def sweep(
 
 
 def draws(
-    setup: ImpactSetup | PackSetup, count: int, *, shape: float | None = None, seed: int = 1,
+    setup: ImpactSetup, count: int, *, shape: float | None = None, seed: int = 1,
     folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local",
 ) -> DrawsResult:  # fmt: skip
     """Fire at `count` whole panels or packs, each yarn with a strength of its own.
@@ -265,25 +261,20 @@ def draws(
 
 def _fire(given):
     """(ShotResult, why it became unstable or "") of a set-up."""
-    from shellfabric.impact import setups
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact import simulation
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Shape
-    from weavecell.results.pack import PackRecord
 
-    several, ply = not isinstance(given, ImpactSetup), setups.first_ply(given)
-    result, problem = setups.fired(given)
-    title = f"{ply.fabric.name}, {ply.strike_velocity:g} m/s"
-    source = (
-        "3D response surface" if ply.surface is not None else ply.laws[0].provenance if ply.laws else ply.cell_model
-    )
-    record = (PackRecord if several else ImpactRecord).of(result, title, source, problem)
-    shapes = () if several else tuple(Shape.of(each) for each in result.snapshots)
-    return ShotResult(record, shapes, ply.fabric, tuple(assumed.lines(ply.fabric))), problem
+    result, problem = simulation.fired(given)
+    title = f"{given.fabric.name}, {given.strike_velocity:g} m/s"
+    laws = given.laws[0].provenance if given.laws else given.cell_model
+    record = ImpactRecord.of(result, title, "3D response surface" if given.surface is not None else laws, problem)
+    shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
+    return ShotResult(record, shapes, given.fabric, tuple(assumed.lines(given.fabric))), problem
 
 
 def critical_velocity(
-    target: Fabric | FilePath | ImpactSetup | PackSetup, *, tolerance: float | str = 1.0, residual_shots: int = 8,
+    target: Fabric | FilePath | ImpactSetup, *, tolerance: float | str = 1.0, residual_shots: int = 8,
     scan: bool = True, assumed_range: bool = False, jobs: int = 1, executor: str = "local",
     **options: Unpack[Keywords],
 ) -> CriticalVelocityResult:  # fmt: skip
@@ -315,7 +306,6 @@ def critical_velocity(
     UnstableError : a shot became unphysical; its attribute `shots` holds those before
     """
     from shellfabric.impact.limit_scan import ScanRange
-    from shellfabric.impact.setups import first_ply
     from weavecell.analysis import limit_search
 
     given = _panel(target, options)
@@ -323,7 +313,7 @@ def critical_velocity(
         given, tolerance=_above_zero(tolerance, "m/s", "tolerance"), residual_shots=residual_shots,
         scan=ScanRange() if scan else None, with_range=assumed_range, jobs=jobs, executor=executor,
     )  # fmt: skip
-    cloth = first_ply(given).fabric
+    cloth = given.fabric
     plies = getattr(given, "plies", 1)
     result = CriticalVelocityResult(
         cloth, found.limit, found.fit, tuple(assumed.lines(cloth)), found.range, plies=plies
@@ -333,7 +323,7 @@ def critical_velocity(
 
 
 def v50(
-    target: Fabric | FilePath | ImpactSetup | PackSetup, *, shots: int = 100, batch: int = 10,
+    target: Fabric | FilePath | ImpactSetup, *, shots: int = 100, batch: int = 10,
     shape: float | None = None, modulus_cov: float | None = None, crimp_cov: float | None = None, seed: int = 1,
     folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local", **options: Unpack[Keywords],
 ) -> V50Result:  # fmt: skip
@@ -377,12 +367,11 @@ def v50(
     return V50Result(found)
 
 
-def _panel(target: Any, options: Any) -> ImpactSetup | PackSetup:
+def _panel(target: Any, options: Any) -> ImpactSetup:
     """The set-up of a target of shots that end with their outcome."""
-    from shellfabric.impact.pack import PackSetup
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
 
-    if isinstance(target, (ImpactSetup, PackSetup)):
+    if isinstance(target, ImpactSetup):
         for key in options:
             raise InputError(key=key, allowed="left out beside a set-up, which has it")
         return target

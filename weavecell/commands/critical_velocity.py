@@ -28,7 +28,7 @@ from weavecell.scenes.supported import of
 if TYPE_CHECKING:
     from shellfabric.impact.lambert_jonas import LambertJonas
 
-SUPPORT, PACK_SUPPORT = target.supports(
+SUPPORT = target.support(
     "weavecell critical-velocity",
     ignored=(
         "title", "projectile.strike_velocity",
@@ -79,7 +79,7 @@ def critical_velocity(
     from shellfabric.impact.limit_scan import ScanRange
     from weavecell.analysis import limit_search
 
-    this, began = target.read(name, out, target.support(SUPPORT, PACK_SUPPORT)), time.perf_counter()
+    this, began = target.read(name, out, SUPPORT), time.perf_counter()
     shots: list[Any] = []
     scan = scan or ScanRange()
     try:

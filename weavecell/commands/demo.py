@@ -94,10 +94,10 @@ def _compile(plan):
     calibration are on the terminal."""
     logging.getLogger("weavecell").setLevel(logging.ERROR)
     with suppress(WeavecellError, KeyboardInterrupt):
-        from shellfabric.impact import single_ply
+        from shellfabric.impact import simulation
 
         *_, setup = _set_up(plan, plan["impact"][0], "table", Path())
-        single_ply.run(setup, table=setup.table(kept=True))
+        simulation.run(setup, table=setup.table(kept=True))
 
 
 def _set_up(plan, case, law, out):

@@ -15,7 +15,7 @@ from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Support, of
 
 if TYPE_CHECKING:
-    from shellfabric.impact.setups import Setup
+    from shellfabric.impact.simulation import ImpactSetup
     from weavecell.analysis.fidelity.select import Answer
 
 _CHOSEN = "left out in a scene with [accuracy], whose mesh is chosen"
@@ -28,30 +28,18 @@ SUPPORT = Support(
         *of("history", "interval warp weft report_positions"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_SLACK
-    | build.PINNED
-    | {"panel.grading": _CHOSEN, "panel.plies": "1 for a single ply"}
-    | dict.fromkeys(build.OF_A_PACK, "left out for a single ply"),
+    rejected=build.NO_SLACK | build.PINNED | {"panel.grading": _CHOSEN},
     rules=build.SHOT_RULES,
 )  # fmt: skip
-PACK_SUPPORT = replace(
-    SUPPORT,
-    supported=(*SUPPORT.supported, "panel.plies", *build.OF_A_PACK),
-    rejected=build.NO_SLACK | build.PINNED | {"panel.grading": _CHOSEN},
-    rules=build.PACK_RULES,
-)
 _OF_A_RUN = (
     "title", *of("run", "snapshot_interval checkpoint_interval outputs"),
     *of("history", "interval warp weft report_positions"),
 )  # fmt: skip
-EXPLAIN, PACK_EXPLAIN = (
-    replace(
-        support,
-        command="weavecell impact --explain",
-        supported=tuple(key for key in support.supported if key not in _OF_A_RUN),
-        ignored=_OF_A_RUN,
-    )
-    for support in (SUPPORT, PACK_SUPPORT)
+EXPLAIN = replace(
+    SUPPORT,
+    command="weavecell impact --explain",
+    supported=tuple(key for key in SUPPORT.supported if key not in _OF_A_RUN),
+    ignored=_OF_A_RUN,
 )
 
 # keys of a scene that a model of the ladder would change; what is given there stays
@@ -99,30 +87,29 @@ def run(scene: Scene, setup: Any, shoot: Callable[..., Any], uncertainty: bool) 
     return (*answer(scene, setup, shoot), None)
 
 
-def answer(scene: Scene, setup: Setup, shoot: Callable[..., Any]) -> tuple[Any, Answer | None]:
+def answer(scene: Scene, setup: ImpactSetup, shoot: Callable[..., Any]) -> tuple[Any, Answer | None]:
     """Choose, run and check.
 
     Parameters
     ----------
     scene : Scene with a table [accuracy]
-    setup : ImpactSetup as the scene has it, of a pack PackSetup
+    setup : ImpactSetup as the scene has it
     shoot : called as shoot(setup, table, name of the model) for a run with all its records; gives
-        (ImpactRecord, snapshots, failure, ImpactResult), or those of a pack
+        (ImpactRecord, snapshots, failure, ImpactResult)
 
     Returns
     -------
     shot : (ImpactRecord, snapshots, failure) of the run that counts
     choice : select.Answer, or None where that run became unstable
     """
-    from shellfabric.impact import setups
     from weavecell.analysis.fidelity import select
 
     last = None
 
     def fire(option, table):
         nonlocal last
-        audited = setups.first_ply(setup).audit_interval  # its histories are drawn
-        this = setups.with_ply(option.setup, audit_interval=audited)
+        audited = setup.audit_interval  # its histories are drawn
+        this = replace(option.setup, audit_interval=audited)
         *last, result = shoot(this, table, option.model.name)
         if last[2] is not None:
             raise last[2]
@@ -150,15 +137,11 @@ def explain(path: Path) -> None:
 
     from weavecell.analysis.fidelity import error_database, select
 
-    scene, _ = scenes_impact.load(path, lambda scene: PACK_EXPLAIN if scene.panel.plies > 1 else EXPLAIN)
+    scene, _ = scenes_impact.load(path, EXPLAIN)
     if scene.accuracy is None:
         raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
     this = build.build(scene, path, path.stem)
-    packs = scene.panel.plies > 1
-    ply = build.setup(this, path)
-    setup: Setup = ply
-    if packs:
-        setup = build.pack_setup(ply, scene.panel)
+    setup = build.setup(this, path)
     options = select.options(setup, scene.accuracy.targets, fixed=by_hand(scene))
     chosen = select.pick(options)
     shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")
@@ -166,7 +149,7 @@ def explain(path: Path) -> None:
         shown.add_column(column.replace("_", " "))
     for option in options:
         shown.add_row("->" if option is chosen else "", *_row(option, scene.accuracy.targets))
-    known_errors = error_database.load(packs=packs)
+    known_errors = error_database.load(packs=setup.plies > 1)
     for name, known in known_errors.others.items():
         errors = (_percent(known["expected"][quantity]) for quantity in scene.accuracy.targets)
         shown.add_row("", name, "-", "-", f"{known['cost']:.3f}", *errors)
@@ -199,7 +182,7 @@ def _row(option, targets):
 
 
 def _symmetry(option):
-    return getattr(option.setup, "ply", option.setup).symmetry
+    return option.setup.symmetry
 
 
 def _percent(share):
@@ -235,9 +218,8 @@ def summary(choice: Answer | None) -> dict[str, Any]:
 
 def _stale(choice):
     """What is to be said of estimates for a pack, "" of one ply."""
-    from shellfabric.impact.setups import plies_of
 
-    if plies_of(choice.final.option.setup) == 1:
+    if choice.final.option.setup.plies == 1:
         return ""
     return (
         "The survey of packs was computed with an earlier contact between plies: errors that it estimates do not hold "

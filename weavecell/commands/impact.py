@@ -1,15 +1,13 @@
-"""One impact from its scene to its folder of results.
+"""One impact on one ply or several, from its scene to its folder of results.
 
 The folder of `weavecell impact`
     scene.toml      the scene as it was given
-    histories.h5    scalars, histories and the panel at the end (`results.impact.ImpactRecord`)
+    histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
-    panel.pvd       the ParaView series of panel/panel-*.vtu
-    pictures/       histories, cuts, energies and reactions (.svg), panel.png
+    panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
+    pictures/       histories, cuts, energies, reactions, of several plies their shares (.svg), panel.png
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
-
-A pack of several plies has a folder much like it (`pack_run`).
 
 Where the scene says how accurate its answer is to be, the model is chosen (`fidelity`): summary.json and the report
 then tell which, why, and whether the promise was confirmed.
@@ -29,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError, UnstableError, WeavecellError
 from weavecell.analysis import assumed_range
-from weavecell.commands import fidelity, impact_pack
+from weavecell.commands import fidelity
 from weavecell.report import chapters_assumed, chapters_discretisation, checks
 from weavecell.report import page as report_page
 from weavecell.report.shot import shot_page, tables_shot
@@ -43,7 +41,7 @@ from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactResult, ImpactSetup
     from shellfabric.output.snapshots import Snapshot
     from weavecell.analysis.discretisation import Discretisation
     from weavecell.analysis.fidelity.select import Answer
@@ -52,22 +50,19 @@ SUPPORT = Support(
     "weavecell impact",
     scenes_impact.Scene,
     (
-        "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
-        *build.CROSSOVERS,
+        "title", *build.SHOT, "projectile.strike_velocity", "panel.grading", *build.CROSSOVERS,
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("history", "interval warp weft report_positions"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_SLACK | dict.fromkeys(build.OF_A_PACK, "left out for a single ply"),
+    rejected=build.NO_SLACK,
     rules=build.SHOT_RULES,
 )  # fmt: skip
 
 
 def support(scene: scenes_impact.Scene) -> Support:
-    """The declaration that holds for a scene: packs and scenes with [accuracy] have their own."""
-    if scene.accuracy is not None:
-        return fidelity.PACK_SUPPORT if scene.panel.plies > 1 else fidelity.SUPPORT
-    return impact_pack.SUPPORT if scene.panel.plies > 1 else SUPPORT
+    """The declaration that holds for a scene: one with [accuracy] has its own."""
+    return SUPPORT if scene.accuracy is None else fidelity.SUPPORT
 
 
 class Interrupted(WeavecellError):
@@ -102,14 +97,7 @@ def impact(
     setup = build.setup(this, path)
     if resume and not checkpoints(out):
         raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
-    if scene.panel.plies > 1:
-        try:
-            return impact_pack.impact(
-                this, setup, path, text, out, resume=resume, strict=strict, uncertainty=uncertainty
-            )
-        except KeyboardInterrupt:
-            raise _interrupted(out) from None
-    title = scene.title or f"{this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
+    title = scene.title or f"{this.title}, {scene.projectile.strike_velocity:g} m/s"
 
     def shoot(setup, table=None, model=""):
         checkpoint = out / f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"
@@ -122,7 +110,7 @@ def impact(
         raise build.in_file(problem, path) from None
     except KeyboardInterrupt:
         raise _interrupted(out) from None
-    plain = with_range and choice is None and failure is None
+    plain = with_range and choice is None and failure is None and setup.plies == 1
     around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
         write(out, this, setup, record, snapshots, text, advance, choice, around, pair)
@@ -158,30 +146,32 @@ def checkpoints(out: Path) -> list[Any]:
 def fire(
     this: build.Case, setup: ImpactSetup, title: str, *, checkpoint: Path | None = None, every: float | None = None,
     resume: bool = False, table: CellTable | None = None,
-) -> tuple[ImpactRecord, tuple[Snapshot, ...], UnstableError | None, Any]:  # fmt: skip
+) -> tuple[ImpactRecord, tuple[tuple[Snapshot, ...], ...], UnstableError | None, ImpactResult]:  # fmt: skip
     """Run an impact under a progress bar, with checkpoints if a path for them is given.
 
     Returns
     -------
     record : ImpactRecord
-    snapshots : tuple of shellfabric.output.snapshots.Snapshot
+    snapshots : of each instant the tuple of the plies' shellfabric.output.snapshots.Snapshot
     failure : the UnstableError that ended the run, or None
     result : ImpactResult
     """
-    from shellfabric.impact import single_ply as solver
+    from shellfabric.impact import simulation
     from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
 
     hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)  # type: ignore[arg-type]
     table = table or setup.table(kept=True)
     result, failure = progress.watched(
-        lambda hooks: solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table), title, hooks
+        lambda hooks: simulation.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table),
+        title,
+        hooks,
     )
     return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
 
 
 def write(
-    out: Path, this: build.Case, setup: ImpactSetup, record: ImpactRecord, snapshots: Sequence[Snapshot], text: str,
-    advance: Callable[..., object], choice: Answer | None = None, around: Any = None,
+    out: Path, this: build.Case, setup: ImpactSetup, record: ImpactRecord, snapshots: Sequence[tuple[Snapshot, ...]],
+    text: str, advance: Callable[..., object], choice: Answer | None = None, around: Any = None,
     pair: Discretisation | None = None,
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
@@ -193,8 +183,8 @@ def write(
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:
-        shapes = [Shape.of(shot) for shot in snapshots if shot.t < record.final.t]
-        paraview.write_panel(out, [*shapes, record.final], record.quads)
+        before = [tuple(map(Shape.of, shots)) for shots in snapshots if shots[0].t < record.final[0].t]
+        paraview.write_panel(out, [*before, record.final], record.quads)
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
@@ -210,6 +200,10 @@ def write(
 
 def _tell(record, out, around, choice, pair):
     print(f"{record.title}: {record.outcome}, {tables_shot.residual(record)}")
+    if record.pack:
+        print(record.contact_words)
+        print(record.gap_words)
+        print(f"failed yarn segments by ply: {', '.join(f'{n:g}' for n in record.plies['failed_yarns'][-1])}")
     print(
         f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )

@@ -10,7 +10,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from fabrics.files import write_whole
-from weavecell.commands import coupon, critical_velocity, fidelity, impact, impact_pack, uncertainty
+from weavecell.commands import coupon, critical_velocity, fidelity, impact, uncertainty
 from weavecell.results import keys
 from weavecell.scenes import build, supported
 from weavecell.scenes.coupon import CouponScene
@@ -28,15 +28,14 @@ Quantities are texts with a unit, in any unit of the dimension; the unit here is
 is "none", the code chooses `run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`; any other is
 not used. An editor completes and checks these keys with the JSON Schemas that `make docs` writes to docs/generated.
 
-Columns of commands: `weavecell impact` with one ply, with several (`panel.plies`), with `[accuracy]`;
+Columns of commands: `weavecell impact`, without and with `[accuracy]`;
 `weavecell critical-velocity` and `weavecell v50` ("limit"), and `weavecell sensitivity`, of plies and packs. "no":
 rejected in one line; "ignored": without meaning there."""
 SHOTS = {
-    "one ply": impact.SUPPORT,
-    "pack": impact_pack.SUPPORT,
+    "impact": impact.SUPPORT,
     "accuracy": fidelity.SUPPORT,
-    "limit": critical_velocity.PACK_SUPPORT,
-    "sensitivity": uncertainty.OF_SOBOL[1],
+    "limit": critical_velocity.SUPPORT,
+    "sensitivity": uncertainty.OF_SOBOL,
 }
 CODE = "`{}`".format
 RESULTS = {

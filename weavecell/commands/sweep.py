@@ -18,7 +18,6 @@ from typing import Any
 from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.files import replace_whole, write_whole
-from shellfabric.impact.setups import first_ply, with_ply
 from weavecell.analysis import sweep as analysis
 from weavecell.analysis.sweep import QUANTITIES, Wanted
 from weavecell.commands.uncertainty import OF_SHOTS, OF_V50, RUNS
@@ -27,7 +26,7 @@ from weavecell.results import json_file, progress, provenance
 from weavecell.scenes import impact as scenes
 from weavecell.scenes import supported, target
 
-OF_SWEEP = target.supports(
+OF_SWEEP = target.support(
     "weavecell sweep", honoured=("projectile.strike_velocity", "run.end_time"), ignored=OF_SHOTS,
     rejected={"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"},
 )  # fmt: skip
@@ -51,12 +50,12 @@ def sweep(
     InputError : a key or value that is not allowed, in any combination; nothing has been written
     """
     keys = [parse(text) for text in over]
-    supports = OF_SWEEP if wanted.quantity == "shot" else OF_V50
+    check = OF_SWEEP if wanted.quantity == "shot" else OF_V50
     combinations = [dict(zip((key for key, _ in keys), values)) for values in itertools.product(*(v for _, v in keys))]
     targets, own = [], wanted.quantity == "v50"
     for number, changes in enumerate(combinations):
         with redirect_stdout(io.StringIO()) if number else nullcontext():  # what is assumed is told once
-            targets.append(target.read(name, out, target.support(*supports), changes=changes, own_mesh=own))
+            targets.append(target.read(name, out, check, changes=changes, own_mesh=own))
     rows = _rows(targets, wanted, out / RUNS, jobs, executor, resume)
     plies = [one.case.scene.panel.plies for one in targets]
     table = [
@@ -111,8 +110,8 @@ def _rows(targets, wanted, folder, jobs, executor, resume):
 
 def alone(setup: Any) -> Any:
     """The set-up on one thread, since others run beside it, that records nothing beside its samples."""
-    numerics = replace(first_ply(setup).numerics, threads=1)
-    return with_ply(setup, numerics=numerics, snapshot_interval=None)
+    numerics = replace(setup.numerics, threads=1)
+    return replace(setup, numerics=numerics, snapshot_interval=None)
 
 
 def _write(out, targets, keys, table, wanted):

@@ -19,12 +19,10 @@ from typing import TYPE_CHECKING, Any
 from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
-from shellfabric.impact.setups import first_ply
 from shellfabric.panel import grading as panel_grading
 from weavecell.analysis.uncertainty import draws as draws_of
 from weavecell.analysis.uncertainty import inputs, protocol, sobol, v50
 from weavecell.commands import impact as commands_impact
-from weavecell.commands import impact_pack
 from weavecell.commands.critical_velocity import parameters
 from weavecell.report import marked_page, pictures_uncertainty
 from weavecell.results import json_file, progress, provenance
@@ -39,10 +37,10 @@ RUNS = "runs"
 STRIKES = 92.5, 170.0  # [m/s] of a fabric's sensitivities
 OF_SHOTS = "title", *of("run", "snapshot_interval checkpoint_interval outputs")  # what repeated shots do not write
 _NOTHING_ALONG_YARNS = {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
-OF_V50 = target.supports(
+OF_V50 = target.support(
     "weavecell v50", ignored=(*OF_SHOTS, "projectile.strike_velocity", "run.end_time"), rejected=_NOTHING_ALONG_YARNS
 )
-OF_SOBOL = target.supports(
+OF_SOBOL = target.support(
     "weavecell sensitivity", honoured=("projectile.strike_velocity", "run.end_time"), ignored=OF_SHOTS,
     rejected=_NOTHING_ALONG_YARNS,
 )  # fmt: skip
@@ -61,7 +59,7 @@ def sensitivity(
     page : Markdown file to put table and picture into
     """
     began, this = time.perf_counter(), _begin(name, out, page, "sobol", resume, OF_SOBOL, opening=opening)
-    velocities = velocities or ((first_ply(this.setup).strike_velocity,) if this.from_file else STRIKES)
+    velocities = velocities or ((this.setup.strike_velocity,) if this.from_file else STRIKES)
     try:
         with progress.bar(f"{this.title}, sensitivities") as advance:
             found = sobol.study(
@@ -123,7 +121,7 @@ def probabilistic(
     command = f"weavecell v50 {name} --shots {len(study.shots)} --batch {batch} --seed {seed}"
     command += f' --grading "{grading}"' if grading is not None else ""
     title = f"{this.title}: probability of perforation, {len(study.shots)} shots"
-    zones = first_ply(v50.graded(this.setup)).grading
+    zones = v50.graded(this.setup).grading
     content = {
         **study.summary(), "plies": this.case.scene.panel.plies, "projectile": this.projectile,
         "deterministic": study.deterministic, "series": asdict(study.series),
@@ -180,13 +178,12 @@ _IGNORED = (
     "panel.symmetry", *of("run", "snapshot_interval checkpoint_interval outputs"),
     *of("history", "interval warp weft report_positions"),
 )  # fmt: skip
-DRAWS, PACK_DRAWS = (
-    replace(
-        support, command="weavecell impact --draws", ignored=_IGNORED,
-        supported=tuple(key for key in support.supported if key not in _IGNORED and not key.startswith("accuracy.")),
-        rejected={**support.rejected, "accuracy": "left out with --draws, which runs the mesh of the scene"},
-    )
-    for support in (commands_impact.SUPPORT, impact_pack.SUPPORT)
+DRAWS = replace(
+    commands_impact.SUPPORT, command="weavecell impact --draws", ignored=_IGNORED,
+    supported=tuple(
+        key for key in commands_impact.SUPPORT.supported if key not in _IGNORED and not key.startswith("accuracy.")
+    ),
+    rejected=build.NO_SLACK | {"accuracy": "left out with --draws, which runs the mesh of the scene"},
 )  # fmt: skip
 
 
@@ -207,20 +204,19 @@ def draws(
     UnstableError : a draw became unstable; all results have been written
     """
     began = time.perf_counter()
-    scene, text = impact_scenes.load(path, lambda scene: PACK_DRAWS if scene.panel.plies > 1 else DRAWS)
+    scene, text = impact_scenes.load(path, DRAWS)
     this = build.build(scene, path, path.stem)
     setup = build.setup(this, path)
     scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
-    title = scene.title or f"{this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
-    shot = setup if scene.panel.plies == 1 else build.pack_setup(setup, scene.panel)
+    title = scene.title or f"{this.title}, {scene.projectile.strike_velocity:g} m/s"
     try:
         with progress.bar(f"{title}, draws") as advance:
             study = draws_of.study(
-                shot, scatter, count, folder=out / RUNS, seed=seed, jobs=jobs, executor=executor, resume=resume,
+                setup, scatter, count, folder=out / RUNS, seed=seed, jobs=jobs, executor=executor, resume=resume,
                 report=lambda done, total: advance(done / total, f"{done} of {total} draws"),
             )  # fmt: skip
     except InputError as problem:
-        raise build.in_file(problem, path, pack=scene.panel.plies > 1) from None
+        raise build.in_file(problem, path) from None
     _write_scene(out, text)
     columns = study.columns()
     with write_whole(out / "draws.csv") as file:
@@ -287,9 +283,9 @@ def grading_text(zones: tuple[tuple[float, float], ...]) -> str:
                            for (until, _), side in zip(zones, sides)) + "]"  # fmt: skip
 
 
-def _begin(name, out, page, mark, resume, supports, **panel):
+def _begin(name, out, page, mark, resume, support, **panel):
     """The target, with the folder made ready; InputError before anything is written."""
-    this = target.read(name, out, target.support(*supports), own_mesh=mark == "v50", **panel)
+    this = target.read(name, out, support, own_mesh=mark == "v50", **panel)
     if page is not None:
         marked_page.split(page, *_marks(mark))
     if not resume:

@@ -1,7 +1,7 @@
 """Look at a mesh, a panel or a pack: in a window, as a picture, or as a movie of a panel or pack.
 
 A picture or movie of a panel or pack shows all of it, with the parts that symmetry leaves out, the projectile, a scale
-of the tensions and the outcome. These need histories.h5 beside panel.pvd or pack.pvd; without it the elements of the
+of the tensions and the outcome. These need histories.h5 beside panel.pvd; without it the elements of the
 file are drawn.
 """
 
@@ -25,22 +25,17 @@ from weavecell.report import pictures3d
 from weavecell.report.pictures_painter import Camera
 from weavecell.results import json_file
 from weavecell.results.impact import ImpactRecord
-from weavecell.results.pack import PackRecord
 from weavecell.results.paraview import failed_yarns, read_series
 
 if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape
 
-_ALLOWED = "a folder that holds panel.pvd, pack.pvd or crossover.vtu, or a .pvd or .vtu file"
+_ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
 MOVIES = (".gif", ".mp4")
 FRAME_TIME = 0.1  # [s] of a movie for each snapshot
 LAST_FRAME_TIME = 1.5  # [s]
 COLOURS = 96  # of a GIF
 _TITLE = 70  # letters of a title that fit in one line, with the outcome
-RECORDS: dict[str, type[ImpactRecord | PackRecord]] = {
-    "panel.pvd": ImpactRecord,
-    "pack.pvd": PackRecord,
-}  # of histories.h5 beside a series
 
 
 @dataclass(frozen=True)
@@ -49,11 +44,11 @@ class Panel:
 
     Parameters
     ----------
-    record : ImpactRecord or PackRecord
+    record : ImpactRecord
     series : list of (path of a .vtu, time [s])
     """
 
-    record: ImpactRecord | PackRecord
+    record: ImpactRecord
     series: list[tuple[Path, float]]
 
     @property
@@ -63,13 +58,12 @@ class Panel:
 
     @property
     def shapes(self) -> tuple[Shape, ...]:
-        """Shapes of the ply, or of the rear ply of a pack, in the order of time; the last is that of the end."""
-        record = self.record
-        return record.shapes[-1:] if isinstance(record, PackRecord) else (record.half_energy, record.final)
+        """Shapes of the last ply in the order of time; the last is that of the end."""
+        return self.record.half_energy[-1], self.record.final[-1]
 
     def strength(self, grid: Any) -> FloatArray:
-        """(2,) or (m, 2) [N] strength of warp and weft, of each element of a pack."""
-        return self.record.strength[grid.cell_data["ply"] - 1] if "ply" in grid.cell_data else self.record.strength
+        """(m, 2) [N] strength of warp and weft, of each element."""
+        return self.record.strength[grid.cell_data["ply"] - 1]
 
     def body(self, z: float, t: float) -> FloatArray:
         """(a, b, 3) [m] surface of the projectile whose foremost point is at z at time t."""
@@ -107,7 +101,7 @@ def view(path: Path, screenshot: Path | None = None, movie: Path | None = None) 
     if movie is not None:
         if panel is None:
             raise InputError(
-                key="PATH", value=str(path), allowed="a folder with panel.pvd or pack.pvd and histories.h5, for --movie"
+                key="PATH", value=str(path), allowed="a folder with panel.pvd and histories.h5, for --movie"
             )
         _write_movie(panel, movie)
     if screenshot is not None:
@@ -122,7 +116,7 @@ def find(path: Path) -> Path:
     """The .vtu file to show for a path: of a series the last one."""
     path = Path(path)
     if path.is_dir():
-        for name in ("panel.pvd", "pack.pvd", "crossover.vtu"):
+        for name in ("panel.pvd", "crossover.vtu"):
             if (path / name).exists():
                 return find(path / name)
     elif path.suffix == ".pvd" and path.exists():
@@ -138,9 +132,8 @@ def panel_of(path: Path, file: Path) -> Panel | None:
     """The shot at one ply or pack that a path belongs to; None where it is none, or has no histories.h5."""
     path = Path(path)
     folder = path if path.is_dir() else path.parent if path.suffix == ".pvd" else file.parent.parent
-    for name, kind in RECORDS.items():
-        if (folder / name).exists() and (folder / "histories.h5").exists():
-            return Panel(kind.read(folder / "histories.h5"), read_series(folder / name))
+    if (folder / "panel.pvd").exists() and (folder / "histories.h5").exists():
+        return Panel(ImpactRecord.read(folder / "histories.h5"), read_series(folder / "panel.pvd"))
     return None
 
 
@@ -186,20 +179,17 @@ def compose(pyplot: Any, panel: Panel, image: np.ndarray, t: float) -> Any:
     return figure
 
 
-def end(pyplot: Any, record: ImpactRecord | PackRecord) -> Any:
+def end(pyplot: Any, record: ImpactRecord) -> Any:
     """The figure of the last instant of a record, as `compose` has it, without the files of a run."""
     panel = Panel(record, [])
-    if isinstance(record, PackRecord):
-        shapes, quads, strengths = record.shapes, record.quads, record.strength
-    else:
-        shapes, quads, strengths = (record.final,), (record.quads,), record.strength[None]
-    first = np.cumsum([0, *(len(shape.nodes.reshape(-1, 3)) for shape in shapes)])
-    share = [(shape.tension.reshape(-1, 2) / each).max(axis=1) for shape, each in zip(shapes, strengths)]
-    failed = [failed_yarns(shape.failed.reshape(-1, 3)) for shape in shapes]
+    shapes = record.final
+    first = np.cumsum([0, *(len(shape.nodes) for shape in shapes)])
+    share = [(shape.tension / each).max(axis=1) for shape, each in zip(shapes, record.strength)]
+    failed = [failed_yarns(shape.failed) for shape in shapes]
     last = shapes[-1]
     image = pictures3d.panel(
-        np.concatenate([shape.nodes.reshape(-1, 3) for shape in shapes]),
-        np.concatenate([each + start for each, start in zip(quads, first)]), np.concatenate(share),
+        np.concatenate([shape.nodes for shape in shapes]),
+        np.concatenate([each + start for each, start in zip(record.quads, first)]), np.concatenate(share),
         np.concatenate(failed), last.projectile_position + record.projectile, panel.mirrors, camera=panel.camera(),
     )  # fmt: skip
     with pyplot.rc_context({"figure.constrained_layout.use": False}):

@@ -13,7 +13,6 @@ from weavecell.report.page import Figure, Section, Table
 if TYPE_CHECKING:
     from shellfabric.output.histories import Histories
     from weavecell.results.impact import ImpactRecord
-    from weavecell.results.pack import PackRecord
 
 
 def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:
@@ -75,27 +74,13 @@ def body(record: ImpactRecord) -> list[Section]:
         picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
         caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
         found.append(Section("backing", "The block behind", lead, (Figure(picture, "png", caption, "crater"),)))
-    if record.slip is not None:
-        found.append(_slip(record))
+    if record.slips:
+        found.append(_slips(record))
     return found
 
 
-def _slip(record):
-    """Section of sliding crossovers."""
-    slip = record.slip
-    rows = (
-        ("failed segments of yarns", f"{int(record.failed_segments[-1])}"),
-        ("segments whose yarn has left a crossover without failure", f"{slip.pulled_out_segments}"),
-        ("longest length of yarn that has passed through a crossover [mm]", f"{1e3 * slip.pulled_out_length:.3g}"),
-        ("widest distance between neighbouring yarns at the end [mm]", f"{1e3 * slip.largest_window:.3g}"),
-        ("work of friction at the crossovers [J]", f"{slip.friction_work:.3g}"),
-        ("the same over the strike energy [%]", f"{100 * slip.friction_work / record.strike_energy:.3g}"),
-    )
-    return Section("slip", "Sliding crossovers", "", (), (Table(("quantity", "value"), rows, numeric=("value",)),))
-
-
-def slips(record: PackRecord) -> Section:
-    """Section of sliding crossovers in a pack: a row a ply."""
+def _slips(record):
+    """Section of sliding crossovers: a row a ply."""
     columns = (
         "ply", "segments that a yarn has left", "longest yarn through a crossover [mm]",
         "widest distance of neighbouring yarns [mm]", "work of friction [J]",
@@ -106,7 +91,7 @@ def slips(record: PackRecord) -> Section:
         for ply, slip in enumerate(record.slips, 1)
     )  # fmt: skip
     share = 100 * sum(slip.friction_work for slip in record.slips) / record.strike_energy
-    caption = f"Friction at the crossovers of all plies: {share:.3g} % of the strike energy."
+    caption = f"Friction at the crossovers: {share:.3g} % of the strike energy."
     return Section("slip", "Sliding crossovers", "", (), (Table(columns, rows, caption, numeric=columns[1:]),))
 
 

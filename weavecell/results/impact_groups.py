@@ -9,17 +9,9 @@ from weavecell.results import keys
 from weavecell.results.hdf5_file import plain, put
 
 if TYPE_CHECKING:
-    from shellfabric.backing.coupling import BackingResult
     from shellfabric.output.histories import Histories
-    from shellfabric.projectile.dynamics import BarHistory
-    from shellfabric.sliding.solver import SlipSummary
 
 _YARN = tuple(keys.units(keys.YARN_DATA))
-# of a SlipSummary: field, and key of summary.json
-SLIP = {
-    "pulled_out_length": "pulled_out_length_m", "largest_window": "largest_window_m",
-    "pulled_out_segments": "pulled_out_segments", "friction_work": "crossover_friction_work_J",
-}  # fmt: skip
 _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 # datasets whose attribute in the object that holds them has another name
 _FIELDS = {"time": "t", "position": "place", "eroded": "gone"}
@@ -33,8 +25,8 @@ def write_group(group: Any, source: object, table: Iterable[keys.Key], scalars: 
         put(group, name, getattr(source, _FIELDS.get(name, name)), unit, **_PACKED)
 
 
-def read_group(file: Any, name: str) -> BarHistory | BackingResult | SlipSummary | None:
-    """What `write_group` wrote of a bar, a backing or sliding crossovers (of a ply of a pack slip/00, ...), or None."""
+def read_group(file: Any, name: str) -> Any:
+    """What `write_group` wrote of a bar, a backing or the sliding crossovers of a ply (slip/00, ...), or None."""
     from shellfabric.backing.coupling import BackingResult
     from shellfabric.projectile.dynamics import BarHistory
     from shellfabric.sliding.solver import SlipSummary

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,25 +20,32 @@ _QUAD = 9  # VTK's number of a quadrilateral
 _KINDS = {"f8": "Float64", "i8": "Int64", "i1": "Int8", "u1": "UInt8"}
 
 
-def write_panel(out: Path, shapes: Iterable[Shape], quads: np.ndarray) -> None:
-    """Write a panel's shapes as panel.pvd and panel/*.vtu in the folder `out`.
+def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[np.ndarray]) -> None:
+    """Write a panel's shapes as panel.pvd and panel/*.vtu in the folder `out`; the cells of a ply have its number.
 
     Parameters
     ----------
-    shapes : sequence of `results.impact_base.Shape`
-    quads : (m, 4) node numbers, in order round the cell
+    instants : of each instant the plies' `results.impact_shapes.Shape`
+    quads : of each ply (m, 4) node numbers, in order round the cell
     """
-    times, cells = {}, topology(quads)
-    for number, shape in enumerate(shapes):
-        values = cell_values(shape.tension, shape.failed)
+    times: dict[str, float] = {}
+    plies = np.concatenate([np.full(len(each), ply, np.int8) for ply, each in enumerate(quads, 1)])
+    for number, shapes in enumerate(instants):
+        if not times:
+            first = np.cumsum([0, *(len(shape.nodes) for shape in shapes)])
+            cells = topology(np.concatenate([each + start for each, start in zip(quads, first)]))
+        nodes, tension, failed = (
+            np.concatenate([getattr(shape, name) for shape in shapes]) for name in ("nodes", "tension", "failed")
+        )
         name = f"panel/panel-{number:04d}.vtu"
-        write_grid(out / name, shape.nodes, cells, values, shape.nose_position)
-        times[name] = shape.t
+        values = cell_values(tension, failed) | {"ply": plies}
+        write_grid(out / name, nodes, cells, values, shapes[0].nose_position)
+        times[name] = shapes[0].t
     write_series(out / "panel.pvd", times)
 
 
 def cell_values(tension: np.ndarray, failed: np.ndarray) -> dict[str, np.ndarray]:
-    """Cell data of a panel from its tensions (m, 2) [N] and its flags (m, 3) bool of `results.impact_base.Shape`."""
+    """Cell data of a panel from its tensions (m, 2) [N] and its flags (m, 3) bool of `results.impact_shapes.Shape`."""
     return {
         "tension_warp_N": tension[:, 0].astype(float),
         "tension_weft_N": tension[:, 1].astype(float),

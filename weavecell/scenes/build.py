@@ -17,14 +17,13 @@ from fabrics.ply_law import PlyLaw
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from fabrics.yarn import WeavingDamage
-from weavecell.scenes.impact import BackingTable, PanelTable, ProjectileTable, SlipTable
+from weavecell.scenes.impact import BackingTable, ProjectileTable, SlipTable
 from weavecell.scenes.schema import FabricTable, InlineLaw
 from weavecell.scenes.supported import Rule, of
 from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
-    from shellfabric.impact.pack import PackSetup
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
 
 # keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
 CLOTH = of(
@@ -46,9 +45,10 @@ BACKING = of(
     "size standoff modulus density poisson yield_stress hardening erosion_strain outer_boundary min_size refined_depth "
     "growth",
 )
-OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")  # what a pack has besides its number of plies
+_OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")
 SHOT = (
-    *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "run.elements_per_crossover", *NUMERICS, *BACKING,
+    *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "panel.plies", *_OF_A_PACK,
+    "run.elements_per_crossover", *NUMERICS, *BACKING,
 )  # fmt: skip
 # keys whose field in the objects of shellfabric has another name
 FIELDS = {
@@ -56,8 +56,6 @@ FIELDS = {
     "fabric.crossover_gap": "gap",
     "panel.boundary": "edge",
 }
-_OF_PACKS = {"plies": "panel.plies", "stacking": "panel.stacking", "gap": "panel.ply_gap", "ply_friction":
-    "panel.ply_friction"}  # fmt: skip
 NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
 # of sliding crossovers, which need a mesh of one element a crossover
 PINNED = {"panel.crossovers": '"pinned" where the mesh is chosen by [accuracy]'} | dict.fromkeys(
@@ -86,9 +84,7 @@ SHOT_RULES = (
         Rule(f"panel.{key}", lambda scene: scene.panel.crossovers == "pinned", "left out where crossovers are pinned")
         for key in ("crossover_friction", "crossover_cohesion")
     ),
-)
-PACK_RULES = (
-    *SHOT_RULES,
+    *(Rule(key, lambda scene: scene.panel.plies == 1, "left out for a single ply") for key in _OF_A_PACK),
     Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
     Rule(
         "panel.stacking", lambda scene: scene.fabric.surface is not None, "aligned where the cell is a response surface"
@@ -117,6 +113,13 @@ class Case:
     scene: Any
     surface: ResponseSurface | None = None
 
+    @property
+    def title(self) -> str:
+        """The fabric, with the number of its plies."""
+        panel = getattr(self.scene, "panel", None)
+        plies = getattr(panel, "plies", 1)
+        return f"{plies} x {self.fabric.name}" if plies > 1 else self.fabric.name
+
 
 def build(scene: Any, file: Path, name: str) -> Case:
     """Look up everything that a scene names.
@@ -142,7 +145,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     ------
     InputError : values that fit each on its own but not together, named with the scene's file
     """
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.output.histories import HistoryRequest
     from shellfabric.panel.model import Numerics
 
@@ -159,6 +162,10 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             symmetry=panel.symmetry,
             weave_angle=panel.weave_angle,
             grading=panel.grading,
+            plies=panel.plies,
+            stacking=panel.stacking,
+            ply_gap=panel.ply_gap,
+            ply_friction=panel.ply_friction,
             end_time=run.end_time,
             elements_per_crossover=run.elements_per_crossover,
             cell_model=case.scene.fabric.cell_model,
@@ -176,13 +183,6 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         )
     except InputError as problem:
         raise in_file(problem, file) from None
-
-
-def pack_setup(ply: ImpactSetup, panel: PanelTable) -> PackSetup:
-    """The set-up of a pack, from that of its first ply and the scene's table [panel]."""
-    from shellfabric.impact.pack import PackSetup
-
-    return PackSetup(ply, panel.plies, panel.stacking, panel.ply_gap, friction=panel.ply_friction)
 
 
 def _crossovers(table):
@@ -239,16 +239,13 @@ def _side(side):
     return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
 
 
-def in_file(problem: InputError, file: FilePath | None, pack: bool = False) -> InputError:
-    """An InputError of an object that does not know its file, with the scene's file and key in it; `pack`: of a Pack,
-    whose gap is that between plies."""
+def in_file(problem: InputError, file: FilePath | None) -> InputError:
+    """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
-    if pack and problem.key in _OF_PACKS:
-        return InputError(file=file, key=_OF_PACKS[problem.key], value=problem.value, allowed=problem.allowed)
     tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run", "cfl": "numerics"}
-    in_panel = ("opening", "symmetry", "weave_angle", "grading", "crossovers", "yarn_failure")
-    tables |= dict.fromkeys(in_panel, "panel")
+    in_panel = "opening symmetry weave_angle grading crossovers yarn_failure plies stacking ply_gap ply_friction"
+    tables |= dict.fromkeys(in_panel.split(), "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
     tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key

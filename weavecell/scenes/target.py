@@ -7,7 +7,7 @@ A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and cl
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -30,7 +30,7 @@ class Target:
     Parameters
     ----------
     case : build.Case
-    setup : ImpactSetup, or PackSetup of several plies
+    setup : ImpactSetup
     text : of the input file; that of a fabric is the standard one
     name : as it was given
     from_file : whether it is an input file
@@ -45,8 +45,7 @@ class Target:
     @property
     def title(self) -> str:
         """The fabric, with the number of its plies."""
-        plies = self.case.scene.panel.plies
-        return f"{plies} x {self.case.fabric.name}" if plies > 1 else self.case.fabric.name
+        return self.case.title
 
     @property
     def projectile(self) -> str:
@@ -57,19 +56,14 @@ class Target:
         """An InputError of what an input file asks, with the file and its key in it; any other as it is."""
         if not self.from_file or (problem.key or "").startswith("--"):
             return problem
-        return build.in_file(problem, self.name, pack=self.case.scene.panel.plies > 1)
+        return build.in_file(problem, self.name)
 
 
-def support(one: Support, pack: Support) -> Callable[[scenes.Scene], Support]:
-    """The declaration that holds for a scene: that of one ply, or of a pack."""
-    return lambda scene: pack if scene.panel.plies > 1 else one
-
-
-def supports(
+def support(
     command: str, *, honoured: tuple[str, ...] = (), ignored: tuple[str, ...] = (),
     rejected: Mapping[str, str] | None = None,
-) -> tuple[Support, Support]:  # fmt: skip
-    """(Support of one ply, of a pack) of a command that shoots at a target many times.
+) -> Support:  # fmt: skip
+    """The Support of a command that shoots at a target many times.
 
     Parameters
     ----------
@@ -79,15 +73,7 @@ def supports(
     keys = (*build.SHOT, "panel.grading", *build.CROSSOVERS, *honoured)
     refused = build.NO_SLACK | dict(rejected or {})
     refused |= {"accuracy": "left out: the shots are computed on the mesh of the scene"}
-    alone = dict.fromkeys(build.OF_A_PACK, "left out for a single ply")
-    return (
-        Support(
-            command, scenes.Scene, (*keys, "panel.plies"), ignored, refused | alone, build.SHOT_RULES
-        ),
-        Support(
-            command, scenes.Scene, (*keys, "panel.plies", *build.OF_A_PACK), ignored, refused, build.PACK_RULES
-        ),
-    )  # fmt: skip
+    return Support(command, scenes.Scene, keys, ignored, refused, build.SHOT_RULES)
 
 
 def read(
@@ -149,7 +135,4 @@ def _target(scene, name, stem, text, from_file=False):
     case = build.build(scene, name, stem)  # which prints the projectile where it has a name
     if scene.projectile.name is None:
         print(f"projectile: {words.shot_in_words(scene.projectile)}")
-    setup = build.setup(case, name)
-    if scene.panel.plies > 1:
-        setup = build.pack_setup(setup, scene.panel)
-    return Target(case, setup, text, name, from_file)
+    return Target(case, build.setup(case, name), text, name, from_file)

@@ -10,7 +10,7 @@ from fabrics.materials import Isotropic, load
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
 from shellfabric.cloth import jamming_kernels
-from shellfabric.impact.single_ply import UNFAILING, ImpactSetup, collect_result, run
+from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
 from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
@@ -140,7 +140,7 @@ def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
         backing=Backing(size=(0.12, 0.12, 0.06), min_size=3e-3, refined_depth=9e-3, growth=1.5),
     )  # fmt: skip
     result = run(setup)
-    x = result.nodes.reshape(result.panel.counts[0] + 1, -1, 3)
+    x = result.last[0].nodes
     shortest = np.linalg.norm(np.diff(x, axis=0), axis=2).min() / result.panel.spacing[0]
     assert shortest > 0.4
     assert result.energy_error_max < 0.01

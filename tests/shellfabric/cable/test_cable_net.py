@@ -13,7 +13,7 @@ from shellfabric.cable import step_kernels as kernels
 from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet, CableNumerics
 from shellfabric.cable.solver import ENERGIES, CableSolver, collect_result, run
-from shellfabric.impact import single_ply
+from shellfabric.impact import simulation
 from shellfabric.output import checkpoint
 from shellfabric.output.hooks import Snapshots
 
@@ -181,11 +181,11 @@ def test_a_plug_before_the_projectile_does_not_count_as_cloth():
 def beside_shell(crimps):
     """S-720 at 100 m/s over 240 us: the decoupled shell without trellis, and the net, with points as stiff as its."""
     fabric = replace(with_yarns(S720, crimp=crimps), shear=None)
-    setup = single_ply.ImpactSetup(fabric, 100.0, cell_model="decoupled", end_time=240e-6, audit_interval=2e-7)
+    setup = simulation.ImpactSetup(fabric, 100.0, cell_model="decoupled", end_time=240e-6, audit_interval=2e-7)
     net = CableNet.of(setup)
     stiffness = setup.panel().constants().point_law.stiffness / net.constants().point_law.stiffness
     net = replace(net, numerics=replace(net.numerics, penalty=stiffness * net.numerics.penalty))
-    return single_ply.run(setup), run(net, 100.0, 240e-6)
+    return simulation.run(setup), run(net, 100.0, 240e-6)
 
 
 @pytest.mark.parametrize(
@@ -215,9 +215,9 @@ def test_decoupled_shell_is_the_cable_model(crimps, bounds):
 
 def test_coupled_yarns_are_stiffer():
     """Figure 4-23: without crimp exchange the projectile is slowed less; measured 8.2 m/s at 200 us."""
-    setup = single_ply.ImpactSetup(S720, 100.0, end_time=200e-6)
+    setup = simulation.ImpactSetup(S720, 100.0, end_time=200e-6)
     cable = run(CableNet.of(setup), 100.0, 200e-6)
-    assert single_ply.run(setup).v[-1] < cable.v[-1] - 1.0
+    assert simulation.run(setup).v[-1] < cable.v[-1] - 1.0
 
 
 def test_bad_input():
@@ -232,7 +232,7 @@ def test_bad_input():
     with pytest.raises(InputError, match="strike_velocity"):
         run(SMALL, 0.0)
     with pytest.raises(InputError, match="clamped"):
-        CableNet.of(single_ply.ImpactSetup(S720, 100.0, edge="free"))
+        CableNet.of(simulation.ImpactSetup(S720, 100.0, edge="free"))
 
 
 def test_a_run_that_gains_energy_is_stopped():

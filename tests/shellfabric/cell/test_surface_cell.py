@@ -10,7 +10,7 @@ from fabrics.errors import InputError
 from fabrics.surface import ResponseSurface
 from shellfabric.cell.model import CellModel
 from shellfabric.cell.surface_cell import SurfaceCell, potential
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 
 
 def sampled(fabric, d1, d2, form="variational"):

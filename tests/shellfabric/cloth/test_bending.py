@@ -9,7 +9,7 @@ from conftest_tools import bring, node_forces
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import bending_kernels
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import SAMPLES, PanelSolver

@@ -1,5 +1,7 @@
 """Cloth that nothing holds: drawn together, thrown, and drawn in from free edges."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest_tools import bring, node_forces
@@ -12,9 +14,8 @@ from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 from shellfabric.driver.guards import speed_limit
-from shellfabric.impact import single_ply
-from shellfabric.impact.pack import PackSetup, run
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
@@ -87,7 +88,7 @@ def test_contact_finds_cloth_that_is_drawn_in_from_a_free_edge():
     )
     panel = ply.panel()
     assert all(reach > x[-1] - x[0] for reach, x in zip(panel.reach(), panel.lines()))
-    result = single_ply.run(ply)
+    result = simulation.run(ply)
     assert result.energies["contact"].min() > -1e-3 * result.strike_energy
 
 
@@ -119,7 +120,7 @@ def test_heavy_yarns_bear_a_fast_shot():
         edge="free", elements_per_crossover=2, profile="straight", end_time=5e-6, table_size=101,
     )  # fmt: skip
     fast = []
-    result = single_ply.run(ply, hooks=[lambda march: fast.append(np.linalg.norm(march.state.v, axis=0).max())])
+    result = simulation.run(ply, hooks=[lambda march: fast.append(np.linalg.norm(march.state.v, axis=0).max())])
     assert max(fast) > 0.25 * speed_limit(result.panel.constants())
     assert result.energy_error_max < 5e-3
 
@@ -130,7 +131,7 @@ def test_what_a_tear_brings_into_contact_is_no_spring_that_someone_has_squeezed(
     fabric = cloth((179.6, 131.1), 119e9, 1070.6, 0.0281, (0.0302, 0.00229), (565.2, 1273.1), (2.84e-5, 3.47e-5))
     shot = Projectile(0.931e-3, 2.743e-3, 0.3e-3, "hemisphere", friction=0.2)
     ply = ImpactSetup(fabric, 280.0, projectile=shot, opening=0.03927, end_time=12.5e-6, table_size=101)
-    result = run(PackSetup(ply, 4, stacking="alternating", gap=9.47e-6))
+    result = run(replace(ply, plies=4, stacking="alternating", ply_gap=9.47e-6))
     assert result.failed_segments[-1] > 0
     torn = np.flatnonzero(result.failed_segments)[0]  # before that springs give back what they have stored
     assert np.diff(result.energies["ply_contact"])[torn - 1 :].min() > -1e-3 * result.strike_energy
@@ -144,7 +145,7 @@ def thin():
     ply = ImpactSetup(
         fabric, 622.3, projectile=shot, opening=0.01721, end_time=2e-6, cell_model="incompressible", table_size=101
     )
-    return PackSetup(ply, 3, stacking="alternating", gap=5.3e-5)
+    return replace(ply, plies=3, stacking="alternating", ply_gap=5.3e-5)
 
 
 def test_fast_nose_drives_no_ply_through_the_next():

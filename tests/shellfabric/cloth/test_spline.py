@@ -7,7 +7,7 @@ from scipy.interpolate import BSpline
 from fabrics import catalogue
 from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.projectile import contact_kernels, sdf_kernels
 from shellfabric.projectile.projectile import Projectile

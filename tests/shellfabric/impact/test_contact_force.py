@@ -7,12 +7,12 @@ import pytest
 
 from fabrics import catalogue
 from shellfabric.backing.block import Backing
-from shellfabric.impact import pack, single_ply
+from shellfabric.impact import simulation
 from shellfabric.output import checkpoint
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction
 
-SETUP = single_ply.ImpactSetup(
+SETUP = simulation.ImpactSetup(
     catalogue.load("S-720").with_effective_density(), 150.0, opening=0.0508, table_size=51, end_time=60e-6,
     audit_interval=1e-6,
 )  # fmt: skip
@@ -20,9 +20,7 @@ SLIDING = {"crossovers": CrossoverFriction()}
 
 
 def run(setup, plies=1, **options):
-    if plies == 1:
-        return single_ply.run(setup, **options)
-    return pack.run(pack.PackSetup(setup, plies), **options)
+    return simulation.run(replace(setup, plies=plies), **options)
 
 
 def impulses(result):
@@ -73,8 +71,7 @@ def test_impulse_with_a_block():
 @pytest.mark.parametrize("plies", [1, 2])
 def test_deflection_is_that_of_the_last_ply(plies):
     result = run(replace(SETUP, strike_velocity=60.0), plies)
-    nodes = result.nodes if plies == 1 else result.last[-1].nodes
-    rest = 0.0 if plies == 1 else result.pack.places[-1]
+    nodes, rest = result.last[-1].nodes, 0.0 if plies == 1 else result.target.places[-1]
     assert result.deflection[-1] == pytest.approx(nodes[..., 2].max() - rest, rel=1e-12)
     assert result.deflection[0] == 0.0
     assert result.max_deflection == result.deflection.max()
@@ -84,7 +81,7 @@ def test_deflection_leaves_out_what_is_cut_out():
     """A plug that flies on with the projectile is no cloth of the panel any more."""
     result = run(replace(SETUP, strike_velocity=600.0, end_time=100e-6))
     assert result.outcome == "perforated"
-    assert result.max_deflection < 0.5 * result.nodes[:, 2].max()
+    assert result.max_deflection < 0.5 * result.last[0].nodes[..., 2].max()
     assert result.max_deflection < 0.5 * result.nose_position[-1]
 
 
@@ -93,19 +90,16 @@ def test_peak_tension_has_its_time_and_place(plies):
     """Another run that ends at the peak's time finds the same peak there, and one a step shorter a lower one."""
     setup = replace(SETUP, strike_velocity=60.0, end_time=40e-6)
     result = run(setup, plies)
-    peaks, times, places = (
-        np.atleast_1d(getattr(result, name)) for name in ("peak_tension", "peak_tension_time", "peak_tension_place")
-    )
-    if plies > 1:
-        peaks, times, places = peaks[-1], times[-1], places[-1]
+    last = result.peaks[-1]
+    peaks, times, places = last[:, 0], last[:, 1], last[:, 2:]
     dt, middle = result.step_history[0, 0], 0.25 * 0.0508
     for family in range(2):
         assert 0 < times[family] <= setup.end_time + dt
         assert np.all((places[family] >= 0) & (places[family] <= 2 * middle))
         until = run(replace(setup, end_time=times[family] - 0.5 * dt), plies)
         short = run(replace(setup, end_time=times[family] - 1.5 * dt), plies)
-        assert np.atleast_2d(until.peak_tension)[-1, family] == peaks[family]
-        assert np.atleast_2d(short.peak_tension)[-1, family] < peaks[family]
+        assert until.peaks[-1, family, 0] == peaks[family]
+        assert short.peaks[-1, family, 0] < peaks[family]
 
 
 def test_a_run_gone_on_with_has_the_same_histories(tmp_path):
@@ -113,5 +107,5 @@ def test_a_run_gone_on_with_has_the_same_histories(tmp_path):
     whole = run(SETUP)
     run(replace(SETUP, end_time=30e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
     again = run(SETUP, resume=path)
-    for name in ("contact_force", "deflection", "peak_tension_time", "peak_tension_place"):
+    for name in ("contact_force", "deflection", "peaks"):
         np.testing.assert_array_equal(getattr(again, name), getattr(whole, name))

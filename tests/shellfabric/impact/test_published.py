@@ -7,7 +7,7 @@ They hold with one element per crossover and a rigid projectile; with two and th
 import pytest
 
 from fabrics import catalogue
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 from validation.published.shots import CAPTIONS
 
 

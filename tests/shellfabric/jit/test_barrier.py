@@ -10,7 +10,7 @@ from numba import njit
 
 from fabrics.errors import InputError
 from shellfabric.impact.ballistic_limit import shoot
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.jit import barrier
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics

@@ -8,7 +8,7 @@ from conftest_tools import Interrupted, Interrupting
 
 from fabrics.errors import InputError
 from shellfabric.cable.smith import smith
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import snapshots, wave_fronts
 from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, HistoryRequest, YarnHistory
 from shellfabric.panel.model import Numerics
@@ -40,10 +40,10 @@ def test_a_record_is_what_the_panel_was(quick, symmetry):
     """At the instants of snapshots, tensions and deflections are those of the whole panel's snapshot."""
     measure = HistoryRequest(1e-6, (0.0, 6e-3), (0.0, 10e-3))
     result = quick(symmetry=symmetry, history=measure, snapshot_interval=20e-6)
-    panel, recorded = result.panel, result.histories
+    panel, (recorded,) = result.panel, result.histories
     c = panel.constants()
     assert 45 < len(recorded.t) <= 61  # whole steps nearest to the interval
-    for shot in result.snapshots:
+    for (shot,) in result.snapshots:
         k = int(np.argmin(np.abs(recorded.t - shot.t)))
         assert recorded.t[k] == shot.t
         for yarn in recorded.yarns:
@@ -93,7 +93,7 @@ def test_reactions_take_up_the_momentum(quick, part):
         )
 
     result = quick(60.0, end_time=119.9e-6, history=HistoryRequest(1e-9), hooks=[weigh], **part)
-    edges, t = result.histories.edges, result.histories.t
+    edges, t = result.histories[0].edges, result.histories[0].t
     lift = sum(edges[name][:, LIFT] for name in EDGES)
     # velocities stand half a step back: the forces of a step act on those of the next
     taken = t[0] * np.concatenate([[0.0], np.cumsum(lift[:-1])])
@@ -112,12 +112,12 @@ def test_resumed_records_are_the_same_bit_for_bit(quick, tmp_path):
     with pytest.raises(Interrupted):
         quick(history=measure, hooks=[Interrupting(path, 8e-6, 20e-6)])
     resumed = quick(history=measure, resume=path)
-    np.testing.assert_array_equal(resumed.histories.t, whole.histories.t)
-    for one, other in zip(resumed.histories.yarns, whole.histories.yarns):
+    np.testing.assert_array_equal(resumed.histories[0].t, whole.histories[0].t)
+    for one, other in zip(resumed.histories[0].yarns, whole.histories[0].yarns):
         for name in ("tension", "place", "deflection"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
     for name in EDGES:
-        np.testing.assert_array_equal(resumed.histories.edges[name], whole.histories.edges[name])
+        np.testing.assert_array_equal(resumed.histories[0].edges[name], whole.histories[0].edges[name])
     with pytest.raises(InputError, match="another run"):
         quick(history=HistoryRequest(1e-6, (0.0, 4e-3)), resume=path)
 

@@ -8,13 +8,12 @@ from pathlib import Path
 CODE = """
     import numpy as np
     from fabrics import catalogue
-    from shellfabric.impact.single_ply import ImpactSetup
-    from shellfabric.impact.pack import PackSetup
+    from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.plies.solver import PackSolver
     from shellfabric.plies import surface_kernels as ply_surface_kernels
 
     ply = ImpactSetup(catalogue.load("S-728"), 91.0, opening=0.05)
-    march = PackSolver(PackSetup(ply, 2, gap=1e-4).pack(), 91.0, 50e-6)
+    march = PackSolver(replace(ply, plies=2, ply_gap=1e-4).target(), 91.0, 50e-6)
     state, const = march.states[1], march.pack.plies[1].constants()
     for place in ((np.nan, np.nan), (np.nan, 3.0), (3.0, np.nan), (-0.5, -0.5), (float(const.ni), float(const.nj))):
         assert ply_surface_kernels.intact_about(state, const, *place)

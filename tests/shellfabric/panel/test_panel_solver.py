@@ -10,7 +10,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import checkpoint, snapshots
 from shellfabric.output.hooks import Progress, Snapshots
 from shellfabric.panel import step_kernels as panel_step_kernels
@@ -227,8 +227,8 @@ def test_resumed_run_is_the_same_bit_for_bit(quick, tmp_path):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name), err_msg=name)
     for name, values in whole.energies.items():
         np.testing.assert_array_equal(resumed.energies[name], values, err_msg=name)
-    assert [shot.t for shot in resumed.snapshots] == [shot.t for shot in whole.snapshots]
-    np.testing.assert_array_equal(resumed.snapshots[0].nodes, whole.snapshots[0].nodes)
+    assert [shot.t for (shot,) in resumed.snapshots] == [shot.t for (shot,) in whole.snapshots]
+    np.testing.assert_array_equal(resumed.snapshots[0][0].nodes, whole.snapshots[0][0].nodes)
 
 
 def test_wrong_checkpoints(quick, tmp_path):
@@ -260,7 +260,7 @@ def test_hooks(quick):
     result = quick(100.0, hooks=[Progress(lambda share, v: seen.append((share, v)))], snapshot_interval=20e-6)
     assert seen[-1][0] == 1.0
     assert seen == sorted(seen, key=lambda entry: entry[0])
-    assert [round(shot.t * 1e6, -1) for shot in result.snapshots] == [20, 40, 60]
+    assert [round(shot.t * 1e6, -1) for (shot,) in result.snapshots] == [20, 40, 60]
     assert seen[-1][1] == pytest.approx(result.v[-1], rel=1e-3)  # half a step apart
     assert seen[-1][1] < seen[0][1] < 100.0
 
@@ -271,7 +271,7 @@ def test_snapshots_are_at_the_audit_nearest_each_multiple_of_their_interval(quic
     result = quick(100.0, end_time=30e-6, hooks=[Snapshots(interval)])
     multiples = np.arange(1, np.ceil(30e-6 / interval - 1e-6)) * interval
     nearest = [result.t[np.argmin(abs(result.t - instant))] for instant in multiples]
-    np.testing.assert_array_equal([shot.t for shot in result.snapshots], [*nearest, result.t[-1]])
+    np.testing.assert_array_equal([shot.t for (shot,) in result.snapshots], [*nearest, result.t[-1]])
     assert np.ptp(np.diff(result.t[:-1])) < 1e-12  # so that "nearest" means within half of a known interval
 
 
@@ -375,15 +375,15 @@ def test_stopping_and_the_end_of_time(quick):
 
 def test_measures(quick):
     result = quick(100.0, snapshot_interval=30e-6)
-    shot = result.snapshots[-1]
+    (shot,) = result.snapshots[-1]
     (x, z), (_, other) = snapshots.deflection_profile(result.panel, shot)
     assert z.max() == pytest.approx(result.nose_position[-1], abs=0.5e-3)
     assert x[0] == 0.0
     assert z[-1] == other[-1] == 0.0
     reach = snapshots.pyramid(result.panel, shot)
     assert 0.003 < reach[0] < 0.0254
-    assert result.nodes.shape[0] == (result.quads.max() + 1)
-    assert result.tension.shape == (result.panel.elements, 2)
+    assert result.last[0].nodes[..., 0].size == snapshots.quads(result.panel).max() + 1
+    assert result.last[0].tension[..., 0].size == result.panel.elements
 
 
 def test_tensions_follow_from_the_shape_of_the_panel(quick, fabric):
@@ -391,12 +391,12 @@ def test_tensions_follow_from_the_shape_of_the_panel(quick, fabric):
     audits = []
     result = quick(100.0, hooks=[lambda march: audits.append([T.max() for T in march.state.T])])
     ni, nj = result.panel.counts
-    nodes, c = result.nodes.reshape(ni + 1, nj + 1, 3), result.panel.constants()
+    nodes, c = result.last[0].nodes, result.panel.constants()
     warp = np.linalg.norm(np.diff(nodes, axis=0), axis=2) / c.dx
     weft = np.linalg.norm(np.diff(nodes, axis=1), axis=2) / c.dy
     cell = CellModel(fabric).solve(0.5 * (warp[:, :-1] + warp[:, 1:]), 0.5 * (weft[:-1] + weft[1:]))
     for family, name in enumerate(("T1", "T2")):
-        tension = result.tension[:, family].reshape(ni, nj)
+        tension = result.last[0].tension[..., family]
         assert tension.max() > 20.0
         np.testing.assert_allclose(tension, cell[name], atol=0.03 * tension.max())
         most = max(row[family] for row in audits)

@@ -4,7 +4,7 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import perforation
 from shellfabric.panel.solver import PanelSolver
 

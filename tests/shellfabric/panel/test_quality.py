@@ -9,7 +9,7 @@ from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.variants import with_law_form
 from shellfabric.cell.model import CellModel
-from shellfabric.impact import single_ply
+from shellfabric.impact import simulation
 from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.quality import Indicator
@@ -150,7 +150,7 @@ class TestDefaultMesh:
     @staticmethod
     def setup(velocity=300.0, **changes):
         shot = Projectile(mass=0.44e-3, radius=1.06e-3)  # 1.2 times as long an element of one crossover
-        return single_ply.ImpactSetup(
+        return simulation.ImpactSetup(
             catalogue.load("S-720").with_effective_density(), velocity, projectile=shot, opening=0.06, end_time=100e-6,
             table_size=51, numerics=Numerics(threads=1), **changes,
         )  # fmt: skip
@@ -159,7 +159,7 @@ class TestDefaultMesh:
         table = self.setup().table()
         panel = self.setup().panel(table)
         assert panel.elements_per_crossover == 2
-        assert max(panel.spacing) < single_ply.ELEMENT_SIDE * panel.projectile.radius
+        assert max(panel.spacing) < simulation.ELEMENT_SIDE * panel.projectile.radius
         assert self.setup(elements_per_crossover=1).panel(table).elements_per_crossover == 1
         assert self.setup(grading=((16, 1), (np.inf, 2))).panel(table).elements_per_crossover == 1
         assert replace(self.setup(), projectile=Projectile()).panel(table).elements_per_crossover == 1
@@ -167,7 +167,7 @@ class TestDefaultMesh:
     def test_is_fine_enough_for_a_narrow_projectile(self):
         velocities, table = (180.0, 240.0, 300.0, 360.0), self.setup().table()
         fine, usual, one = (
-            [single_ply.run(self.setup(v, elements_per_crossover=n), table=table) for v in velocities]
+            [simulation.run(self.setup(v, elements_per_crossover=n), table=table) for v in velocities]
             for n in (3, None, 1)
         )
         residual = [np.array([run.residual_velocity for run in runs]) / velocities for runs in (fine, usual, one)]
@@ -180,13 +180,13 @@ class TestDefaultMesh:
 def test_indicators_survive_a_checkpoint(tmp_path):
     from shellfabric.output import checkpoint
 
-    setup = single_ply.ImpactSetup(
+    setup = simulation.ImpactSetup(
         catalogue.load("S-720").with_effective_density(), 92.5, opening=0.05, end_time=40e-6, table_size=51,
         numerics=Numerics(threads=1),
     )  # fmt: skip
     path = tmp_path / "checkpoint.h5"
-    whole = single_ply.run(setup)
-    single_ply.run(replace(setup, end_time=20e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
-    resumed = single_ply.run(setup, resume=path)
+    whole = simulation.run(setup)
+    simulation.run(replace(setup, end_time=20e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
+    resumed = simulation.run(setup, resume=path)
     assert resumed.checks == whole.checks
     assert resumed.max_deflection == whole.max_deflection

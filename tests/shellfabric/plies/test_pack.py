@@ -12,8 +12,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
-from shellfabric.impact import pack as impact_pack
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.output import checkpoint
@@ -246,14 +245,11 @@ def test_gap_from_the_compression_of_packs():
 @pytest.mark.parametrize(("plies", "velocity", "at"), [(3, 260.0, 14e-6), (5, 280.0, 25e-6)])
 def test_a_resumed_run_goes_on_bit_for_bit(ply, tmp_path, plies, velocity, at):
     """Also where torn cloth is held apart before and after, as in the second."""
-    setup = impact_pack.PackSetup(
-        ImpactSetup(
-            ply.fabric, velocity, opening=0.04, end_time=2 * at + 2e-6, table_size=81, snapshot_interval=10e-6,
-            numerics=Numerics(threads=1),
-        ),
-        plies, "alternating", GAP,
+    setup = ImpactSetup(
+        ply.fabric, velocity, opening=0.04, end_time=2 * at + 2e-6, table_size=81, snapshot_interval=10e-6,
+        numerics=Numerics(threads=1), plies=plies, stacking="alternating", ply_gap=GAP,
     )  # fmt: skip
-    whole = impact_pack.run(setup)
+    whole = run(setup)
 
     class Stop(Exception):
         pass
@@ -264,8 +260,8 @@ def test_a_resumed_run_goes_on_bit_for_bit(ply, tmp_path, plies, velocity, at):
 
     path = tmp_path / "checkpoint.h5"
     with pytest.raises(Stop):
-        impact_pack.run(setup, hooks=(checkpoint.Checkpoints(path, 2e-6), stop))
-    again = impact_pack.run(setup, resume=path)
+        run(setup, hooks=(checkpoint.Checkpoints(path, 2e-6), stop))
+    again = run(setup, resume=path)
     assert whole.failed_segments[-1] > 0
     np.testing.assert_array_equal(whole.held_apart, again.held_apart)
     np.testing.assert_array_equal(whole.step_history, again.step_history)
@@ -277,9 +273,9 @@ def test_a_resumed_run_goes_on_bit_for_bit(ply, tmp_path, plies, velocity, at):
     for one, two in zip(whole.last, again.last):
         np.testing.assert_array_equal(one.nodes, two.nodes)
     np.testing.assert_array_equal(whole.deepest, again.deepest)
-    other = replace(setup, gap=2 * GAP)
+    other = replace(setup, ply_gap=2 * GAP)
     with pytest.raises(InputError, match="another run"):
-        impact_pack.run(other, resume=path)
+        run(other, resume=path)
 
 
 def test_threads_change_nothing(ply):

@@ -1,11 +1,10 @@
-"""Histories along yarns and at edges of the plies of a pack: against a panel's, and by momentum."""
+"""Histories along yarns and at edges of the plies of a pack: by number of the ply, and by momentum."""
 
 import numpy as np
 import pytest
 
 from fabrics.errors import InputError
-from shellfabric.impact import pack as impact_pack
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import checkpoint
 from shellfabric.output.histories import EDGES, LIFT, HistoryRequest
 from shellfabric.panel.model import Numerics
@@ -17,8 +16,8 @@ GAP = 50e-6
 @pytest.fixture(scope="module")
 def shoot(fabric):
     def make(plies, measure, hooks=(), resume=None, **changes):
-        setup = ImpactSetup(fabric, 120.0, history=measure, **QUICK | changes)
-        return impact_pack.run(impact_pack.PackSetup(setup, plies, gap=GAP), hooks=hooks, resume=resume)
+        setup = ImpactSetup(fabric, 120.0, history=measure, plies=plies, ply_gap=GAP, **QUICK | changes)
+        return run(setup, hooks=hooks, resume=resume)
 
     return make
 
@@ -32,14 +31,6 @@ def assert_same(one, other):
             np.testing.assert_array_equal(getattr(yarn, name), getattr(same, name))
     for name in EDGES:
         np.testing.assert_array_equal(one.edges[name], other.edges[name])
-
-
-def test_a_pack_of_one_ply_records_what_a_panel_does(fabric, shoot):
-    measure = HistoryRequest(1e-6, (0.0, 5e-3), (0.0,))
-    alone = run(ImpactSetup(fabric, 120.0, history=measure, **QUICK)).histories
-    (packed,) = shoot(1, measure).histories
-    assert alone.yarns[0].tension.max() > 10
-    assert_same(packed, alone)
 
 
 def test_plies_are_followed_by_their_numbers(shoot):
@@ -64,7 +55,7 @@ def test_reactions_of_all_plies_take_up_the_momentum(shoot):
         momentum.append((solver.const.projectile_mass * solver.stack.projectile_velocity[2] + cloth) / solver.share)
 
     result = shoot(2, HistoryRequest(1e-9), hooks=[weigh], end_time=60e-6)
-    start = 120.0 * result.first_ply_setup.projectile.mass
+    start = 120.0 * result.setup.projectile.mass
     t = result.histories[0].t
     lift = sum(ply.edges[name][:, LIFT] for ply in result.histories for name in EDGES)
     taken = t[0] * np.concatenate([[0.0], np.cumsum(lift[:-1])])

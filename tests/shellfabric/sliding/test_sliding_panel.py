@@ -66,8 +66,8 @@ def test_yarn_is_neither_made_nor_lost(sliding):
     warp, weft = (grid(share, run.panel) for share in run.slip.share)
     assert warp[:-1].sum(axis=0) == pytest.approx(np.full(warp.shape[1], warp.shape[0] - 1), rel=1e-12)
     assert weft[:, :-1].sum(axis=1) == pytest.approx(np.full(weft.shape[0], weft.shape[1] - 1), rel=1e-12)
-    assert run.summary().pulled_out_length > 1e-6
-    assert run.summary().friction_work > 0
+    assert run.slip_summaries()[0].pulled_out_length > 1e-6
+    assert run.slip_summaries()[0].friction_work > 0
 
 
 def test_momentum_of_a_free_panel_is_that_of_its_projectile(sliding):
@@ -147,7 +147,7 @@ def slope(energy, array, k, step, inverse=None):
 def test_a_pulled_out_free_edge(sliding):
     """Without friction and with free sides the yarns under the nose leave their last crossovers."""
     run = SlidingSolver(sliding(0.0, edge="free"), 80.0, 150e-6).run()
-    assert run.summary().pulled_out_segments > 0
+    assert run.slip_summaries()[0].pulled_out_segments > 0
     assert run.sample("failed_yarns")[-1] == 0
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
 
@@ -164,7 +164,7 @@ def test_ends_of_yarn_leave_with_the_kinetic_energy_that_they_have(tables):
     panel = SlidingPanel(tables["variational"], (0.05, 0.05), friction=CrossoverFriction(0.3), numerics=ONE)
     run = SlidingSolver(panel, 200.0, 100e-6).run()
     assert run.sample("failed_yarns")[-1] > 0
-    assert run.summary().pulled_out_segments > 0
+    assert run.slip_summaries()[0].pulled_out_segments > 0
     assert np.abs(run.sample("error")).max() < 5e-4 * run.strike_energy
 
 
@@ -265,7 +265,7 @@ def test_a_run_goes_on_from_a_checkpoint_to_the_bit(sliding, tmp_path):
     checkpoint.read(resumed, path)
     resumed.run()
     assert np.array_equal(resumed.samples, whole.samples)
-    assert resumed.summary() == whole.summary()
+    assert resumed.slip_summaries() == whole.slip_summaries()
 
 
 def test_there_is_one_thread(sliding):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fabrics.errors import InputError
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel.boundary import Grip
 from validation.published.edge_slip.__main__ import MARKS, gripped_rows, led_rows, markdown, write_page
 from validation.published.edge_slip.study import SLIPPED, Shot, departs, of, weft

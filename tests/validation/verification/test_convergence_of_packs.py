@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from validation.verification import graded_v50
 from validation.verification.mesh_convergence import failure_times, packs, packs_page
 

@@ -217,7 +217,7 @@ def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):
 
 def test_the_defaults_of_the_charts_are_those_of_the_code():
     from shellfabric.cell.model import FILL
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
     from validation.verification.cost_accuracy import coupons, packs
     from weavecell.commands.coupon import TABLE_SIZE
     from weavecell.scenes.coupon import TOLERANCE

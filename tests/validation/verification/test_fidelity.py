@@ -10,8 +10,7 @@ import pytest
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError, UnstableError
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.boundary import PullIn
 from shellfabric.projectile.bar import rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
@@ -196,7 +195,7 @@ class TestCheck:
                 raise found
             return found
 
-        monkeypatch.setattr(select.single_ply, "run", run)
+        monkeypatch.setattr(select.simulation, "run", run)
         return select.answer(setup, asked, book=cls.known, fixed=fixed), calls
 
     def test_a_promise_that_holds(self, monkeypatch):
@@ -292,7 +291,7 @@ class TestProjectile:
 
 
 class TestPacks:
-    setup = PackSetup(SETUP, 3, "alternating", 1e-4)
+    setup = replace(SETUP, plies=3, stacking="alternating", ply_gap=1e-4)
 
     @staticmethod
     def result(*peaks, stacking="alternating", **changes):
@@ -312,16 +311,16 @@ class TestPacks:
         alone = {one.model.name: one for one in select.options(SETUP, {"deflection": 1.0}, book=taught({ONE: 1}))}
         assert found[ONE].elements == 3 * alone[ONE].elements
         assert found[ONE].setup.plies == 3
-        assert found[ONE].setup.ply.symmetry == "quarter"
-        assert found[TWO].setup.ply.elements_per_crossover == 2
+        assert found[ONE].setup.symmetry == "quarter"
+        assert found[TWO].setup.elements_per_crossover == 2
 
     def test_answer(self, monkeypatch):
         """Scouts, the model that fits, and its check, all of packs; a made-up run."""
         calls = []
 
         def run(setup, table=None):
-            assert (setup.plies, setup.stacking, setup.gap) == (3, "alternating", 1e-4)
-            side = 0.5 if setup.ply.grading == ((inf, 2),) else setup.ply.elements_per_crossover
+            assert (setup.plies, setup.stacking, setup.ply_gap) == (3, "alternating", 1e-4)
+            side = 0.5 if setup.grading == ((inf, 2),) else setup.elements_per_crossover
             calls.append(side)
             return self.result((100.0, 120.0), z=0.021 if side == 0.5 else 0.02)
 

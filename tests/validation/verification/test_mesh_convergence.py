@@ -8,7 +8,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from validation.verification.mesh_convergence import __main__ as command
 from validation.verification.mesh_convergence import rim, yarn
 from validation.verification.mesh_convergence.study import FINE, Strikes, mesh, quantity, study, velocities

@@ -9,8 +9,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel.boundary import Grip
 from validation.verification import discretisation as study
 from weavecell.analysis import discretisation
@@ -41,9 +40,9 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
     graded = replace(setup, grading=((8, 1), (inf, 2)))
     assert discretisation.finer(graded, table).grading == ((8.0, 0.5), (inf, 2.0))
     assert discretisation.finer(replace(setup, elements_per_crossover=2), table).grading[0][1] == 0.25
-    (near, side), *outside = PackSetup(setup, 2).meshed_ply.grading
-    pack = discretisation.finer(PackSetup(setup, 2), table)
-    assert (pack.plies, pack.ply.grading) == (2, ((near, side / 2), *outside))
+    (near, side), *outside = replace(setup, plies=2).meshed.grading
+    pack = discretisation.finer(replace(setup, plies=2), table)
+    assert (pack.plies, pack.grading) == (2, ((near, side / 2), *outside))
 
 
 def test_edges_that_no_graded_panel_has_are_refined_everywhere(setup, table):

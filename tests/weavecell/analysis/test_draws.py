@@ -11,10 +11,8 @@ import pytest
 import weavecell as wc
 from fabrics import catalogue
 from fabrics.errors import InputError
-from shellfabric.impact import single_ply
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.pack import run as run_pack
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactSetup
 from weavecell.analysis.uncertainty import draws, inputs, strengths
 from weavecell.cli import app
 from weavecell.commands.uncertainty import draws_table
@@ -66,7 +64,7 @@ def test_statistics_are_those_of_textbooks():
 
 def test_every_yarn_of_every_ply_is_drawn(setup):
     """Ply p of draw k has the strengths of number k N + p: no two are alike, and none depends on the others."""
-    given = PackSetup(replace(setup, elements_per_crossover=1), 2, "alternating", 1e-4)
+    given = replace(setup, elements_per_crossover=1, plies=2, stacking="alternating", ply_gap=1e-4)
     drawn = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 3)
     first, second = drawn.panel.plies
     for p, ply in enumerate((first, second)):
@@ -80,7 +78,7 @@ def test_every_yarn_of_every_ply_is_drawn(setup):
 
 def test_plies_of_a_draw_are_of_one_roll(setup):
     """Modulus and crimp are one value for all plies of a draw, and scale the laws that a set-up names as well."""
-    given = PackSetup(replace(setup, elements_per_crossover=1), 2, gap=1e-4)
+    given = replace(setup, elements_per_crossover=1, plies=2, ply_gap=1e-4)
     drawn = strengths.drawn(given, inputs.published(), 7, 3)
     one, other = drawn.panel.plies
     assert one.fabric == other.fabric
@@ -92,10 +90,10 @@ def test_plies_of_a_draw_are_of_one_roll(setup):
 
 @pytest.mark.parametrize("plies", [1, 2])
 def test_without_scatter_every_draw_is_the_shot_at_the_whole_panel(setup, tmp_path, plies):
-    whole = strengths.whole(setup)
+    given = replace(setup, plies=plies)
+    whole = strengths.whole(given)
     assert whole.symmetry == "whole"
-    given = setup if plies == 1 else PackSetup(setup, plies)
-    plain = single_ply.run(whole) if plies == 1 else run_pack(replace(given, ply=whole))
+    plain = simulation.run(whole)
     found = draws.study(given, ALIKE, 2, folder=tmp_path)
     for one in found.draws:
         assert (one.outcome, one.residual_velocity) == (plain.outcome, plain.residual_velocity)

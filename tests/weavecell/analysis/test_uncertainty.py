@@ -12,8 +12,7 @@ from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
 from weavecell.analysis.uncertainty import inputs, probit, protocol, sobol, strengths, v50
 
@@ -34,7 +33,7 @@ def test_the_mesh_of_a_study(fabric):
     assert max(far / step for far, step in zip(drawn.reach(), drawn.spacing)) < near[0]
     for changes in ({"elements_per_crossover": 1}, {"edge": "free"}, {"grading": ((np.inf, 1),)}):
         assert v50.graded(replace(plain, **changes)) == replace(plain, **changes)
-    pack = PackSetup(plain, 2)
+    pack = replace(plain, plies=2)
     assert v50.graded(pack) is pack
 
 

@@ -109,8 +109,8 @@ def test_view_shows_the_whole_panel_and_the_projectile(command, scene, tmp_path)
     assert view.panel_of(tmp_path / "results" / "panel.pvd", file).series == panel.series
     last, t = panel.series[-1]
     assert last == file
-    body = panel.body(panel.record.final.nose_position, t)
-    assert body[..., 2].max() == pytest.approx(panel.record.final.nose_position)
+    body = panel.body(panel.record.final[-1].nose_position, t)
+    assert body[..., 2].max() == pytest.approx(panel.record.final[-1].nose_position)
     image = view.frame(panel, file, t)
     quarters = [
         np.any(half < 240, axis=2).sum() for rows in np.array_split(image, 2) for half in np.array_split(rows, 2, 1)

@@ -24,7 +24,8 @@ def test_what_a_row_says():
     rows = {row.split("`")[1]: row.split(" | ") for row in keys_page.page().splitlines() if row.startswith("| `")}
     assert rows["numerics.cfl"][1:4] == ["time step over its stability bound (Courant factor)", "", "0.9"]
     assert rows["backing.standoff"][2:4] == ["m", "0"]
-    assert rows["panel.ply_gap"][5:] == ["no", "yes", "no", "yes", "yes |"]
+    assert rows["panel.ply_gap"][5:] == ["yes", "yes", "yes", "yes |"]
+    assert rows["panel.grading"][5:7] == ["yes", "no"]
     assert rows["run.end_time"][3] == "required"
 
 

@@ -11,9 +11,9 @@ from test_impact import datasets, interrupt_at, names
 from tests.scene_text import every, impact_scene
 from weavecell.commands import view
 from weavecell.results import progress
-from weavecell.results.pack import PackRecord
+from weavecell.results.impact import ImpactRecord
 
-EVERYTHING = ["histories.h5", "pack", "pack.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
+EVERYTHING = ["histories.h5", "panel", "panel.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
 
 
 @pytest.fixture
@@ -42,15 +42,17 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert (told["ply_gap_m"], told["ply_gap_low_m"], told["ply_gap_source"]) == (1e-4, 1e-4, "given")
     assert "ply gap 0.1 mm, given" in out.splitlines()
     assert told["energy_error_max"] < 5e-3
-    assert len(told["failed_yarn_segments"]) == 3
-    record = PackRecord.read(folder / "histories.h5")
+    assert len(told["ply_failed_yarn_segments"]) == 3
+    assert sum(told["ply_failed_yarn_segments"]) == told["failed_yarn_segments"]
+    record = ImpactRecord.read(folder / "histories.h5")
     assert record.count == 3
     impulse = trapezoid(record.plies["push"].sum(axis=1), record.time)  # of the nose on all plies
     assert impulse == pytest.approx(record.mass * (record.velocity[0] - record.velocity[-1]), rel=0.05)
     assert len(record.cuts) == 3
     assert record.z_rest[1] == pytest.approx(record.thickness[0] + 0.1e-3)
     assert names(folder / "pictures") == [
-        "cuts.svg", "energies.svg", "histories.svg", "panel.png", "plies.svg", "pushes.svg", "reactions.svg",
+        "cell.svg", "cuts.svg", "energies.svg", "histories.svg", "panel.png", "plies.svg", "pushes.svg",
+        "reactions.svg",
     ]  # fmt: skip
     page = (folder / "report.html").read_text()
     assert "3 plies of S-728, alternating, " in page
@@ -61,7 +63,7 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     import pyvista
     from PIL import Image
 
-    last = sorted((folder / "pack").iterdir())[-1]
+    last = sorted((folder / "panel").iterdir())[-1]
     grid = pyvista.read(last)
     assert set(np.unique(grid.cell_data["ply"])) == {1, 2, 3}
     assert command("view", "results", "--screenshot", "pack.png")[0] == 0
@@ -82,7 +84,7 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
 def test_histories_of_every_ply_are_written_and_drawn_of_the_first_and_the_last(command, scene, tmp_path):
     path = scene(outputs='["pictures"]', extra='[history]\ninterval = "2 us"\nwarp = ["0 mm", "5 mm"]\n')
     assert command("impact", path, "--out", "results")[0] == 0
-    record = PackRecord.read(tmp_path / "results" / "histories.h5")
+    record = ImpactRecord.read(tmp_path / "results" / "histories.h5")
     assert len(record.measured) == 3
     for ply, found in enumerate(record.measured):
         assert [yarn.family for yarn in found.yarns] == ["warp", "warp", "weft"]
@@ -152,7 +154,7 @@ def test_a_graded_pack_has_all_records(command, scene, tmp_path):
         path = scene(panel='ply_gap = "0.1 mm"' + more, outputs='["paraview", "pictures", "report"]', extra=history)
         code, _, err = command("impact", path, "--out", name)
         assert code == 0, err
-        records.append(PackRecord.read(tmp_path / name / "histories.h5"))
+        records.append(ImpactRecord.read(tmp_path / name / "histories.h5"))
     plain, graded = records
     assert graded.elements < 0.8 * plain.elements
     assert names(tmp_path / "graded") == names(tmp_path / "plain") == EVERYTHING

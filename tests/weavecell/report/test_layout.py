@@ -60,7 +60,7 @@ def record_of(title, scale):
     energies = {name: scale * plain.energies["yarn_strain"] / 20 for name, *_ in pictures.ENERGIES}
     changes = {name: scale * getattr(plain, name) for name in ("velocity", "deflection", "contact_force")}
     changes["energies"] = energies | {"error": scale * plain.energies["error"]}
-    changes["reactions"] = {name: 100 * scale * force for name, force in plain.reactions.items()}
+    changes["plies"] = {name: 100 * scale * force for name, force in plain.plies.items()}
     return replace(plain, title=title, **changes)
 
 

@@ -243,16 +243,13 @@ def shot(capsys, folder, table):
     told = json.loads((folder / "r/summary.json").read_text())
     with h5py.File(folder / "r/histories.h5") as file:
         v = file["histories/velocity"][()]
-        group = file["reactions"] if "reactions" in file else file["plies/histories"]
-        reactions = np.array([group[key][()].max() for key in group if "warp" in key or "weft" in key])
-        recorded = file.get("measured", {})
-        recorded = recorded.get("00", recorded)  # that of the first ply of a pack
-        followed = len(recorded["yarns"]) if recorded else 0
-    name = next((name for name in ("panel.pvd", "pack.pvd") if (folder / "r" / name).exists()), None)
-    series = read_series(folder / "r" / name) if name else []
+        reactions = np.array([file[f"plies/histories/reaction_{side}"][()].max() for side in ("warp", "weft")])
+        followed = len(file["measured/00/yarns"]) if "measured" in file else 0
+    name = folder / "r" / "panel.pvd"
+    series = read_series(name) if name.exists() else []
     return SimpleNamespace(
         **{"stacking": "", "gap": told.get("ply_gap_m"), **told}, v=v, reactions=reactions, followed=followed,
-        series=series, energies=told["energies_at_end_J"], failed=np.sum(told["failed_yarn_segments"]),
+        series=series, energies=told["energies_at_end_J"], failed=told["failed_yarn_segments"],
     )  # fmt: skip
 
 
@@ -305,7 +302,7 @@ def test_honoured_by_impacts(capsys, tmp_path, known, name, command):
 def test_a_pack_of_single_precision_keeps_its_forces_in_it():
     asked = scenes_impact.check(scene_of("pack", KINDS["single precision"].changes), "s", commands_impact.support)
     setup = build.setup(build.build(asked, "s", "s"), "s")
-    states, _ = build.pack_setup(setup, asked.panel).pack().states(400.0)
+    states, _ = setup.target().states(400.0)
     assert [state.T[0].dtype for state in states] == [np.float32] * 2
 
 

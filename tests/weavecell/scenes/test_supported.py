@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fabrics.errors import InputError
-from weavecell.commands import coupon, critical_velocity, fidelity, impact_pack, uncertainty
+from weavecell.commands import coupon, critical_velocity, fidelity, sweep, uncertainty
 from weavecell.commands import impact as commands_impact
 from weavecell.scenes import build, supported
 from weavecell.scenes import coupon as scenes_coupon
@@ -15,19 +15,13 @@ from weavecell.scenes import impact as scenes_impact
 DATA = Path(__file__).parents[2] / "shellfabric" / "cell" / "data"
 SUPPORTS = {
     "impact": commands_impact.SUPPORT,
-    "impact of a pack": impact_pack.SUPPORT,
     "impact with accuracy": fidelity.SUPPORT,
-    "impact of a pack with accuracy": fidelity.PACK_SUPPORT,
     "explain": fidelity.EXPLAIN,
-    "explain of a pack": fidelity.PACK_EXPLAIN,
     "draws": uncertainty.DRAWS,
-    "draws of a pack": uncertainty.PACK_DRAWS,
     "critical-velocity": critical_velocity.SUPPORT,
-    "critical-velocity of a pack": critical_velocity.PACK_SUPPORT,
-    "v50": uncertainty.OF_V50[0],
-    "v50 of a pack": uncertainty.OF_V50[1],
-    "sensitivity": uncertainty.OF_SOBOL[0],
-    "sensitivity of a pack": uncertainty.OF_SOBOL[1],
+    "v50": uncertainty.OF_V50,
+    "sensitivity": uncertainty.OF_SOBOL,
+    "sweep": sweep.OF_SWEEP,
     "coupon": coupon.SUPPORT,
 }
 SHOT = {
@@ -122,6 +116,11 @@ KEYS = FABRIC | SLIPS | {
     "panel.crossovers": ({}, "pinned", "sliding"),
     "panel.crossover_friction": ({"panel": {"crossovers": "sliding"}}, 0.2, 0.3),
     "panel.crossover_cohesion": ({"panel": {"crossovers": "sliding"}}, "0 N", "1 N"),
+    "panel.plies": ({}, 1, 2),
+    "panel.stacking": ({"panel": {"plies": 2}}, "aligned", "alternating"),
+    "panel.ply_gap": ({"panel": {"plies": 2}}, "0.1 mm", "0.2 mm"),
+    "panel.ply_contact": ({"panel": {"plies": 2}}, "solid", "pressure_law"),
+    "panel.ply_friction": ({"panel": {"plies": 2}}, 0.0, 0.1),
     "panel.grading": ({}, [["inf", 1]], [[8, 1], ["inf", 2]]),
     "run.end_time": ({}, "60 us", "70 us"),
     "run.elements_per_crossover": ({}, 1, 2),
@@ -152,11 +151,6 @@ KEYS = FABRIC | SLIPS | {
 # what the set-up of the solver does not hold; tests/weavecell/scenes/test_scene_matrix.py sees to them by runs
 OF_THE_RUN = {
     "title",
-    "panel.plies",
-    "panel.stacking",
-    "panel.ply_gap",
-    "panel.ply_contact",
-    "panel.ply_friction",
     "history.report_positions",
 }
 OF_THE_RUN |= {
@@ -245,8 +239,6 @@ def honoured():
 def test_a_supported_key_reaches_the_solver(name, key):
     """Two values of it make two set-ups, or for the ballistic limit two panels; so a new one fails until it is here."""
     context, first, other = KEYS[key]
-    if name.endswith("of a pack"):
-        context = merged(context, {"panel": {"plies": 2}})
     if name in ("impact with accuracy", "explain"):
         context = merged(context, {"accuracy": {"deflection": "5 %"}})
     made = []
@@ -304,11 +296,10 @@ def test_what_is_ignored_is_named_in_the_help(command):
         ("impact", fidelity.EXPLAIN),
         ("impact", uncertainty.DRAWS),
         ("critical-velocity", critical_velocity.SUPPORT),
-        ("v50", uncertainty.OF_V50[0]),
-        ("sensitivity", uncertainty.OF_SOBOL[0]),
+        ("v50", uncertainty.OF_V50),
+        ("sensitivity", uncertainty.OF_SOBOL),
     ):
         told = command(words, "--help")[1]
         assert [key for key in support.ignored if key not in told] == []
     ignoring = {name for name, support in SUPPORTS.items() if support.ignored}
-    one = {"explain", "draws", "critical-velocity", "v50", "sensitivity"}
-    assert ignoring == one | {f"{name} of a pack" for name in one}
+    assert ignoring == {"explain", "draws", "critical-velocity", "v50", "sensitivity", "sweep"}

@@ -16,7 +16,7 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.checks import FloatArray
 from shellfabric.impact.ballistic_limit import critical_velocity
-from shellfabric.impact.single_ply import ImpactResult, ImpactSetup, run
+from shellfabric.impact.simulation import ImpactResult, ImpactSetup, run
 from shellfabric.panel.boundary import Grip, PullIn
 
 FABRIC, VELOCITY, SLOW = "S-728", 100.0, 36.0  # of section 6.4.3 (36.9 m/s in Figure 6-36, 36 in the text)
@@ -77,7 +77,7 @@ def of(name: str, result: ImpactResult) -> Shot:
     """What is kept of an impact on a quarter of a panel."""
     panel = result.panel
     X, Y = panel.coordinates()
-    nodes = result.nodes.reshape(*X.shape, 3)
+    nodes = result.last[0].nodes
     energies = result.energies
     return Shot(
         name, panel.edge, result.outcome, result.t, result.v, float(result.t[-1]), float(result.nose_position.max()),

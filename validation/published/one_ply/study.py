@@ -22,7 +22,7 @@ from shellfabric.cell.model import CellTable
 from shellfabric.impact import ballistic_limit, lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
-from shellfabric.impact.single_ply import ImpactResult, ImpactSetup, run
+from shellfabric.impact.simulation import ImpactResult, ImpactSetup, run
 from shellfabric.output.histories import Histories, HistoryRequest
 from shellfabric.output.wave_fronts import Front, fronts
 from validation.published.shots import CAPTIONS
@@ -73,9 +73,7 @@ class Caption:
     @property
     def histories(self) -> Histories:
         """Histories along the yarns through the impact point and at the edges."""
-        recorded = self.result.histories
-        assert recorded is not None
-        return recorded
+        return self.result.histories[0]
 
     @property
     def fronts(self) -> tuple[Front, ...]:
@@ -127,7 +125,7 @@ def captions() -> tuple[Caption, ...]:
 
     Raises
     ------
-    UnstableError : as `single_ply.run`
+    UnstableError : as `simulation.run`
     """
     found = []
     for fabric, velocities in CAPTIONS.items():

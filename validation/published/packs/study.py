@@ -21,8 +21,7 @@ import numpy as np
 from fabrics import catalogue, run_cache
 from fabrics.errors import UnstableError
 from shellfabric.cell.model import CellModel
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies import torn_contact_kernels
 from shellfabric.plies.model import Pack, PlyContact
@@ -121,9 +120,9 @@ def panel(fabric: str, cfl: float | None = None, elements: int | None = None) ->
     changes: dict[str, Any] = {} if cfl is None else {"cfl": cfl}
     table = _table(fabric)
     ply = ImpactSetup(
-        table.model.fabric, 100.0, numerics=Numerics(threads=1, **changes), elements_per_crossover=elements
+        table.model.fabric, 100.0, numerics=Numerics(threads=1, **changes), elements_per_crossover=elements, plies=2
     )
-    return PackSetup(ply, 2).meshed_ply.panel(table)
+    return ply.panel(table)
 
 
 @cache

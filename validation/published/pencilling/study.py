@@ -20,7 +20,7 @@ import numpy as np
 from shellfabric.backing import bare_impact
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult, radius_at, wall_angle
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.output.hooks import Progress
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack

@@ -18,7 +18,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import write_hdf5
 from meshing import patch
-from shellfabric.impact import single_ply
+from shellfabric.impact import simulation
 from shellfabric.solid.model import SolidPatch
 from shellfabric.solid.numerics import PatchNumerics
 from shellfabric.solid.solver import SAMPLES, SolidSolver
@@ -65,17 +65,17 @@ def shell(march: Any) -> Shell:
     """The same shot on the shell: one element a crossover, the published compression law."""
     weave, count = march.patch.fabric.weave, march.patch.count[0]
     opening = tuple(2 * w * count * (1 + 1e-6) for w in weave.w)
-    setup = single_ply.ImpactSetup(
+    setup = simulation.ImpactSetup(
         march.patch.fabric, march.strike_velocity, projectile=march.patch.projectile, opening=opening,
         end_time=march.end_time, audit_interval=0.5e-6, snapshot_interval=1e-6,
     )  # fmt: skip
-    found = single_ply.run(setup)
+    found = simulation.run(setup)
     under = [np.arange(count // 2) * 2 * w + w < march.patch.projectile.radius for w in weave.w]
-    nose = [(shot.tension[under[0], 0, 0].mean(), shot.tension[0, under[1], 1].mean()) for shot in found.snapshots]
+    nose = [(shot.tension[under[0], 0, 0].mean(), shot.tension[0, under[1], 1].mean()) for (shot,) in found.snapshots]
     nose = np.array(nose).reshape(-1, 2)  # type: ignore[assignment]
-    times = [shot.t for shot in found.snapshots]
+    times = [shot.t for (shot,) in found.snapshots]
     tensions = np.stack([np.interp(found.t, times, nose[:, k]) for k in (0, 1)], axis=1)  # type: ignore[call-overload]
-    profiles = np.array([shot.nodes[:, 0][:, [0, 2]] for shot in found.snapshots])
+    profiles = np.array([shot.nodes[:, 0][:, [0, 2]] for (shot,) in found.snapshots])
     return Shell(found.t, found.v, found.nose_position, tensions, np.array(times), profiles)
 
 

@@ -9,15 +9,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import catalogue
 from fabrics.variants import with_linear_density
 from shellfabric.impact import ballistic_limit
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.plies.model import STACKINGS
 from shellfabric.projectile.projectile import Projectile
 from weavecell.analysis.uncertainty import inputs
@@ -68,12 +67,14 @@ def drawn(number: int, seed: int) -> ImpactSetup:
     return ImpactSetup(fabric, velocity, projectile=shot, opening=opening, end_time=END, symmetry="whole")  # type: ignore[arg-type]
 
 
-def drawn_pack(number: int, seed: int) -> PackSetup:
+def drawn_pack(number: int, seed: int) -> ImpactSetup:
     """The random pack of a number and a seed: the drawn ply and projectile, in a smaller opening, 2 to 4 times."""
     ply, draw = drawn(number, seed), np.random.default_rng((seed, number, 2))
     plies, stacking = int(draw.integers(2, MOST_PLIES + 1)), str(draw.choice(STACKINGS))
     low, high = np.log(PACK_VELOCITY)
     velocity = round(float(np.exp(draw.uniform(low, high)) * (plies / 2) ** 0.5), 1)
-    opening = tuple(float(side) for side in draw.uniform(*PACK_OPENING, 2))
-    ply = replace(ply, strike_velocity=velocity, opening=opening, end_time=PACK_END)  # type: ignore[arg-type]
-    return PackSetup(ply, plies, stacking, float(draw.uniform(*GAP)))
+    opening: Any = tuple(float(side) for side in draw.uniform(*PACK_OPENING, 2))
+    return replace(
+        ply, strike_velocity=velocity, opening=opening, end_time=PACK_END, plies=plies, stacking=stacking,
+        ply_gap=float(draw.uniform(*GAP)),
+    )  # fmt: skip

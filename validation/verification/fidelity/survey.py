@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from fabrics.errors import UnstableError
-from shellfabric.impact.setups import Setup, first_ply, run, with_ply
+from shellfabric.impact.simulation import ImpactSetup, run
 from validation.verification.fidelity import scenes
 from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import (
@@ -67,14 +67,14 @@ def sample(name: str, number: int, model: str) -> dict[str, Any] | None:
 def pack_row(number: int) -> dict[str, Any] | None:
     """{model: {"values", "seconds"}} of a drawn pack, with its velocity and plies; None of one that is left out, as too
     long or as a run of it became unstable."""
-    setup: Any = scenes.drawn_pack(number, PACK_SEED)
-    setup = with_ply(setup, numerics=replace(setup.ply.numerics, threads=1))
+    setup = scenes.drawn_pack(number, PACK_SEED)
+    setup = replace(setup, numerics=replace(setup.numerics, threads=1))
     tables = Tables()
     setup = simplest(setup, tables)
-    cheap, ply = tables.cheap(setup), first_ply(setup)
-    if setup.plies * effort(BY_NAME[PACK_FULL].panel(setup, cheap), ply.end_time) > MOST_OF_PACKS:
+    cheap = tables.cheap(setup)
+    if setup.plies * effort(BY_NAME[PACK_FULL].panel(setup, cheap), setup.end_time) > MOST_OF_PACKS:
         return None
-    found = {"fabric": ply.fabric.name, "velocity": ply.strike_velocity, "plies": setup.plies}
+    found = {"fabric": setup.fabric.name, "velocity": setup.strike_velocity, "plies": setup.plies}
     try:
         return found | {
             model.name: timed(model, setup) for model in PACK_LADDER if model.panel(setup, cheap) is not None
@@ -83,9 +83,9 @@ def pack_row(number: int) -> dict[str, Any] | None:
         return None
 
 
-def timed(model: Model, setup: Setup) -> dict[str, Any]:
+def timed(model: Model, setup: ImpactSetup) -> dict[str, Any]:
     """What a model answers, and its process time [s]."""
     began = time.process_time()
     this = model.of(setup)
-    result = run(this, first_ply(this).table())
+    result = run(this, table=this.table())
     return {"values": quantities.of(result), "seconds": time.process_time() - began}

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.impact import single_ply
+from shellfabric.impact import simulation
 from validation.verification.fidelity import fit_error_database, scenes
 from weavecell.analysis.fidelity import quantities, select
 from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Tables, simplest
@@ -128,5 +128,5 @@ def _full(setup):
     """(quantities, process time [s]) of the full model on the panel of a set-up."""
     began = time.process_time()
     this = BY_NAME[FULL].of(setup)
-    result = single_ply.run(this, table=this.table())
+    result = simulation.run(this, table=this.table())
     return quantities.of(result), time.process_time() - began

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from fabrics import catalogue, run_cache
 from fabrics.errors import run_program
 from shellfabric.impact.ballistic_limit import UNDECIDED
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.solver import PanelSolver
 from validation.verification.mesh_convergence.study import mesh

@@ -25,7 +25,7 @@ from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.ballistic_limit import UNDECIDED
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Panel
 from shellfabric.panel.solver import PanelSolver
 from weavecell.report.marked_page import markdown, put

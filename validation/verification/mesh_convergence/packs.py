@@ -33,14 +33,13 @@ from typing import Any
 import numpy as np
 
 from fabrics import catalogue, run_cache
-from fabrics.errors import InputError, UnstableError, run_program
+from fabrics.errors import InputError, run_program
 from fabrics.ply_law import PlyLaw
 from fabrics.units import si
-from shellfabric.impact import pack as impact_pack
+from shellfabric.impact import simulation
 from shellfabric.impact.ballistic_limit import UNDECIDED
 from shellfabric.impact.bracket import Bracket
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.numerics import PlyContact
@@ -67,7 +66,7 @@ class Case:
     stiffness, damping, step : factors on the contact's stiffness, its damping and the time step
     gap : [m] added between plies
     law : of the contact, as of PlyLaw.chosen; "" that of the fabric
-    stacking, symmetry : as of PackSetup and ImpactSetup
+    stacking, symmetry : as of ImpactSetup
     outer : [crossovers] elements far from the nose
     """
 
@@ -136,8 +135,8 @@ def _ply(name: str, law: str) -> ImpactSetup:
     return ImpactSetup(fabric, 100.0, elements_per_crossover=1, end_time=UNDECIDED, audit_interval=5e-7)
 
 
-def setup(case: Case, velocity: float = 100.0) -> PackSetup:
-    """The PackSetup of a case."""
+def setup(case: Case, velocity: float = 100.0) -> ImpactSetup:
+    """The set-up of a case."""
     ply = _ply(case.fabric, case.law)
     panel = replace(ply, table_size=11).panel()
     first = max(LEAST, *(ceil(far / side) + 1 for far, side in zip(panel.reach(), panel.spacing)))
@@ -151,28 +150,24 @@ def setup(case: Case, velocity: float = 100.0) -> PackSetup:
     )
     law = PlyLaw.of(ply.fabric)
     gap = ply_gap(ply.fabric, law).value + case.gap
-    shot = replace(ply, strike_velocity=velocity, grading=zones, numerics=numerics, symmetry=case.symmetry)
-    return PackSetup(shot, case.plies, case.stacking, gap, contact)
+    return replace(
+        ply, strike_velocity=velocity, grading=zones, numerics=numerics, symmetry=case.symmetry, plies=case.plies,
+        stacking=case.stacking, ply_gap=gap, contact=contact,
+    )  # fmt: skip
 
 
 def shoot(case: Case, velocity: float) -> Shot:
     """One shot at a case."""
     given = setup(case, velocity)
-    result: Any
-    try:
-        result = impact_pack.run(given, table=given.ply.table(kept=True))
-        outcome = result.outcome
-    except UnstableError as problem:
-        if problem.result is None:
-            raise
-        result, outcome = problem.result, "unstable"
+    result, problem = simulation.fired(given, table=given.table(kept=True))
+    outcome = "unstable" if problem else result.outcome
     left = 0.0 if outcome == "stopped" else float(result.residual_velocity)
     failed = result.plies["failed_yarns"] > 0
     times = tuple(float(result.t[column.argmax()]) if column.any() else inf for column in failed.T)
-    warp, weft = result.peak_tension.max(axis=0)
-    absorbed = 0.5 * given.ply.projectile.mass * (velocity**2 - left**2)
+    warp, weft = result.peak_tension
+    absorbed = 0.5 * given.projectile.mass * (velocity**2 - left**2)
     return Shot(
-        velocity, outcome, left, absorbed, float(warp), float(weft), times, result.pack.elements,
+        velocity, outcome, left, absorbed, warp, weft, times, sum(panel.elements for panel in result.panels),
         float(result.wall_time), float(result.energy_error_max),
     )  # fmt: skip
 
@@ -198,7 +193,7 @@ def cases(fabrics: Sequence[str], plies: Sequence[int], levels: Sequence[int], n
 @cache
 def weight(case: Case) -> float:
     """Elements of all plies times the elements of a crossover, to which the cost of a shot is in proportion."""
-    panel = replace(setup(case).ply, table_size=11).panel()
+    panel = replace(setup(case), table_size=11).panel()
     return case.plies * panel.elements * max(case.level, 2) / case.step
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from fabrics.errors import InputError
 from fabrics.units import si
 from shellfabric.impact import ballistic_limit
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from validation.verification.mesh_convergence.uncertainty import uncertainty
 from weavecell.analysis.richardson import Extrapolation, extrapolate

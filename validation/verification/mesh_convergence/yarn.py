@@ -17,7 +17,7 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.cloth.failure_kernels import WEFT, yarn_tension
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.solver import PanelSolver
 
 if TYPE_CHECKING:

@@ -11,13 +11,12 @@ changes is in their errors.
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError
-from shellfabric.impact.setups import Setup, first_ply, with_ply
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import SYMMETRIES, Panel
 
 if TYPE_CHECKING:
@@ -56,33 +55,28 @@ class Model:
         """Whether it is the model that all others of its ladder are held against."""
         return self.name in (FULL, PACK_FULL)
 
-    def of(self, setup: Setup) -> Setup:
+    def of(self, setup: ImpactSetup) -> ImpactSetup:
         """The set-up as this model runs it."""
-        return with_ply(setup, **dict(self.changes))
+        return replace(setup, **dict(self.changes))
 
-    def panel(self, setup: Setup, table: CellTable) -> Panel | None:
+    def panel(self, setup: ImpactSetup, table: CellTable) -> Panel | None:
         """The panel, of a pack the first ply, as this model meshes it; None where it cannot be: longer elements begin
         beyond the shot."""
         try:
-            return first_ply(self.of(first_ply(setup))).panel(table)
+            return self.of(setup).panel(table)
         except InputError:
             return None
 
-    def leaves(self, setup: Setup, fixed: Container[str]) -> bool:
+    def leaves(self, setup: ImpactSetup, fixed: Container[str]) -> bool:
         """Whether the model leaves those fields as they are that the user has set by hand."""
         if self.refined and "elements_per_crossover" in fixed:
             return False
-        return all(getattr(first_ply(setup), key) == value for key, value in self.changes if key in fixed)
+        return all(getattr(setup, key) == value for key, value in self.changes if key in fixed)
 
 
-def meshed(setup: Setup) -> ImpactSetup:
-    """The set-up of one ply with the mesh that is used, which a pack has a default of its own for."""
-    return setup if isinstance(setup, ImpactSetup) else setup.meshed_ply
-
-
-def ladder_of(setup: Setup) -> tuple[Model, ...]:
+def ladder_of(setup: ImpactSetup) -> tuple[Model, ...]:
     """The models that a set-up can be answered with, the full model last."""
-    return LADDER if isinstance(setup, ImpactSetup) else PACK_LADDER
+    return LADDER if setup.plies == 1 else PACK_LADDER
 
 
 def _about_the_nose(n):
@@ -100,7 +94,7 @@ def _mesh(name, elements, *, answers=True, **changes):
 
 
 SCOUT = "2 x 2 crossovers"
-_QUICK = {"table_size": 51, "audit_interval": 20e-6}
+_QUICK: dict[str, Any] = {"table_size": 51, "audit_interval": 20e-6}
 LADDER = (
     _mesh(SCOUT, 1, answers=False, grading=((inf, 2),), **_QUICK),
     _mesh("graded", 1, grading=((16, 1), (32, 2), (inf, 4)), **_QUICK),
@@ -142,21 +136,20 @@ class Tables:
     def __init__(self) -> None:
         self._known: list[Any] = []
 
-    def of(self, setup: Setup) -> CellTable:
-        """The CellTable of a set-up, of a pack that of its first ply."""
-        setup = first_ply(setup)
+    def of(self, setup: ImpactSetup) -> CellTable:
+        """The CellTable of a set-up."""
         for known, table in self._known:
             if all(getattr(known, key) == getattr(setup, key) for key in self._CELL):
                 return table
         self._known.append((setup, setup.table()))
         return self._known[-1][1]
 
-    def cheap(self, setup: Setup) -> CellTable:
+    def cheap(self, setup: ImpactSetup) -> CellTable:
         """A table of the cell for panels that are looked at, not run: the one that the cheap models have."""
-        return self.of(with_ply(setup, table_size=_QUICK["table_size"]))
+        return self.of(replace(setup, table_size=_QUICK["table_size"]))
 
 
-def simplest(setup: Setup, tables: Tables) -> Setup:
+def simplest(setup: ImpactSetup, tables: Tables) -> ImpactSetup:
     """The set-up with the smallest part of the panel that shot, edges and weave let stand for all of it.
 
     Raises
@@ -164,9 +157,9 @@ def simplest(setup: Setup, tables: Tables) -> Setup:
     InputError : a set-up that is wrong with any symmetry
     """
     for symmetry in SYMMETRIES:
-        found = with_ply(setup, symmetry=symmetry)
+        found = replace(setup, symmetry=symmetry)
         try:
-            first_ply(found).panel(tables.cheap(setup))
+            found.panel(tables.cheap(setup))
         except InputError:
             if symmetry == "whole":
                 raise

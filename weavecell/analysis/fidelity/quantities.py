@@ -34,7 +34,7 @@ WORDS = {
 
 
 def of(result: Any) -> dict[str, Any]:
-    """{name: value or (values)} of an ImpactResult or PackResult, with its outcome, load and haste.
+    """{name: value or (values)} of an ImpactResult, with its outcome, load and haste.
 
     Velocities and energies are shares of those of the strike. Deflection [m] and tensions (warp, weft) [N] are nan
     where the panel is perforated. Peak tensions of a pack are the highest of any ply, those of turned plies with the

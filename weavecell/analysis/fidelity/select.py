@@ -19,8 +19,7 @@ from math import inf, isnan
 from typing import Any
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric.impact import pack, single_ply
-from shellfabric.impact.setups import Setup, first_ply, plies_of, run, with_ply
+from shellfabric.impact.simulation import ImpactResult, ImpactSetup, run
 from weavecell.analysis.fidelity import error_database as books
 from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import Model, Tables, effort, ladder_of, partner, scouts, simplest
@@ -36,7 +35,7 @@ class Option:
     Parameters
     ----------
     model : Model
-    setup : ImpactSetup or PackSetup as the model runs it
+    setup : ImpactSetup as the model runs it
     elements : of the modelled part, of all plies
     effort : elements times steps, to the end time
     cost : [-] over that of the full model, as the survey found it
@@ -45,7 +44,7 @@ class Option:
     """
 
     model: Model
-    setup: single_ply.ImpactSetup | pack.PackSetup
+    setup: ImpactSetup
     elements: int
     effort: float
     cost: float
@@ -70,7 +69,7 @@ class Attempt:
     Parameters
     ----------
     option : Option
-    result : ImpactResult or PackResult
+    result : ImpactResult
     values : quantities of it, peak tensions mixed with the partner's
     against : name of the model that it was held against; empty if there was none
     partner : name of the model whose peak tensions are mixed in; empty if there was none
@@ -79,7 +78,7 @@ class Attempt:
     """
 
     option: Option
-    result: single_ply.ImpactResult | pack.PackResult
+    result: ImpactResult
     values: dict
     against: str
     partner: str
@@ -119,14 +118,14 @@ class Answer:
 
 
 def options(
-    setup: Setup, targets: dict[str, float], *, fixed: Collection[str] = frozenset(), tables: Tables | None = None,
-    book: books.Book | None = None, seen: Sequence[dict[str, Any]] | None = None,
+    setup: ImpactSetup, targets: dict[str, float], *, fixed: Collection[str] = frozenset(),
+    tables: Tables | None = None, book: books.Book | None = None, seen: Sequence[dict[str, Any]] | None = None,
 ) -> tuple[Option, ...]:  # fmt: skip
     """All models that leave alone what the user has set by hand, the cheapest first.
 
     Parameters
     ----------
-    setup : ImpactSetup or PackSetup
+    setup : ImpactSetup
     targets : {quantity: [-] error at most}
     fixed : names of fields of ImpactSetup that are to stay
     seen : what two scouts found, the finer first; None before they are run
@@ -142,13 +141,13 @@ def options(
             raise InputError(key=name, value=share, allowed="above 0")
     tables, book = tables or Tables(), book or _book(setup)
     base = setup if "symmetry" in fixed else simplest(setup, tables)
-    if first_ply(setup).surface is not None:  # it has its own cell
+    if setup.surface is not None:  # it has its own cell
         fixed = frozenset(fixed) | {"cell_model"}
 
     def option(model):
         this = model.of(base)
-        panel, plies = first_ply(this).panel(tables.cheap(base)), plies_of(base)
-        work, expected = plies * effort(panel, first_ply(base).end_time), _expected(book, model, targets, seen)
+        panel, plies = this.panel(tables.cheap(base)), base.plies
+        work, expected = plies * effort(panel, base.end_time), _expected(book, model, targets, seen)
         return Option(model, this, plies * panel.elements, work, book.cost(model), expected, targets)
 
     models = ladder_of(base)
@@ -159,7 +158,7 @@ def options(
 
 
 def _book(setup):
-    return books.load(packs=isinstance(setup, pack.PackSetup))
+    return books.load(packs=setup.plies > 1)
 
 
 def _expected(book, model, targets, seen):
@@ -184,8 +183,9 @@ def pick(options: Sequence[Option]) -> Option:
 
 
 def answer(
-    setup: Setup, targets: dict[str, float], *, fixed: Collection[str] = frozenset(), fire: Callable | None = None,
-    tables: Tables | None = None, book: books.Book | None = None, on_progress: Callable[[str], object] | None = None,
+    setup: ImpactSetup, targets: dict[str, float], *, fixed: Collection[str] = frozenset(),
+    fire: Callable | None = None, tables: Tables | None = None, book: books.Book | None = None,
+    on_progress: Callable[[str], object] | None = None,
 ) -> Answer:  # fmt: skip
     """Run the scouts, the model chosen by them, and others where the first answer is objected to.
 
@@ -201,18 +201,18 @@ def answer(
 
     Raises
     ------
-    InputError, UnstableError : as `options` and `single_ply.run`
+    InputError, UnstableError : as `options` and `simulation.run`
     """
     tables, book, on_progress = tables or Tables(), book or _book(setup), on_progress or (lambda text: None)
-    fire = fire or (lambda option, table: run(option.setup, table))
+    fire = fire or (lambda option, table: run(option.setup, table=table))
     options(setup, targets, fixed=fixed, tables=tables, book=book)  # wrong targets are refused before anything is run
     base = setup if "symmetry" in fixed else simplest(setup, tables)
-    shot = first_ply(setup).projectile
+    shot = setup.projectile
     seen, body = _look(base, tables), f"projectile: {_kind(shot)}, as set"
     if "projectile" not in fixed and seen:
         shot, body = _body(shot, seen[0].result)
-        if shot != first_ply(setup).projectile:
-            setup, base = with_ply(setup, projectile=shot), with_ply(base, projectile=shot)
+        if shot != setup.projectile:
+            setup, base = replace(setup, projectile=shot), replace(base, projectile=shot)
             seen = _look(base, tables)  # rigid scouts are no check of an elastic projectile
     on_progress(body)
     both = tuple(scout.values for scout in seen) if seen else None
@@ -245,7 +245,7 @@ def answer(
 @dataclass(frozen=True)
 class _Scout:
     model: Model
-    result: single_ply.ImpactResult | pack.PackResult
+    result: ImpactResult
     values: dict
 
 
@@ -254,7 +254,7 @@ def _look(base, tables):
     meshed = [model.name for model in ladder_of(base) if model.panel(base, tables.cheap(base)) is not None]
     found = []
     for model in scouts(meshed):
-        this = model.of(with_ply(base, snapshot_interval=None, history=None))
+        this = model.of(replace(base, snapshot_interval=None, history=None))
         try:
             result = run(this, tables.of(this))
         except UnstableError:

@@ -19,15 +19,14 @@ import numpy as np
 from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.setups import fired, first_ply
+from shellfabric.impact.simulation import fired
 from weavecell.analysis.uncertainty import strengths
 from weavecell.analysis.uncertainty.inputs import Scatter
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
 
 # of a Draw: unit, words
 QUANTITIES = {
@@ -141,12 +140,11 @@ class Draws:
         return {field.name: [getattr(one, field.name) for one in self.draws] for field in fields(Draw)}
 
 
-def fire(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: int) -> Draw:
+def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Draw:
     """The shot of a number at the whole panel."""
     drawn = strengths.drawn(setup, scatter, seed, number)
-    name = "pack" if isinstance(setup, PackSetup) else "panel"
-    result, problem = fired(setup, **{name: drawn.panel})
-    warp, weft = np.max(np.atleast_2d(result.peak_tension), axis=0)
+    result, problem = fired(setup, target=drawn.panel)
+    warp, weft = result.peak_tension
     return Draw(
         number, "unstable" if problem else result.outcome, float(result.residual_velocity),
         float(result.strike_energy - result.energies["kinetic_projectile"][-1]), float(warp), float(weft),
@@ -155,7 +153,7 @@ def fire(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: in
 
 
 def study(
-    setup: ImpactSetup | PackSetup, scatter: Scatter, count: int, *, folder: FilePath, seed: int = 1,
+    setup: ImpactSetup, scatter: Scatter, count: int, *, folder: FilePath, seed: int = 1,
     executor: str | Executor = "local", jobs: int = 1, resume: bool = True,
     report: Callable[[int, int], object] | None = None,
 ) -> Draws:  # fmt: skip
@@ -163,7 +161,7 @@ def study(
 
     Parameters
     ----------
-    setup : ImpactSetup or PackSetup; its symmetry is not used
+    setup : ImpactSetup; its symmetry is not used
     scatter : Scatter, of which shape and gauge_length count
     count : number of draws, at least 2
     folder : of kept runs, from which a later call goes on, also to more draws
@@ -179,7 +177,7 @@ def study(
     if count < 2:
         raise InputError(key="draws", value=count, allowed="at least 2")
     alike, given = replace(scatter, modulus=0.0, crimp=0.0), strengths.whole(setup)
-    strengths.check(first_ply(given), alike)
+    strengths.check(given, alike)
     arguments = [(given, alike, seed, number) for number in range(count)]
     found = run_cache.results(
         fire, arguments, folder=folder, executor=executor, jobs=jobs, batches=False, resume=resume, report=report

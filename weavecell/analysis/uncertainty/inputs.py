@@ -15,9 +15,7 @@ from fabrics import variants
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.units import si
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.setups import first_ply, with_ply
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 
 STATUSES = ("measured", "derived", "corrected", "fitted", "assumed")
 FILE = "inputs.toml"
@@ -102,18 +100,18 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
     return variants.scale_shear(fabric, f["trellis_stiffness"], f["trellis_angles"])
 
 
-def changed_setup(setup: ImpactSetup | PackSetup, **factors: float) -> ImpactSetup | PackSetup:
+def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
     """A set-up whose plies are of a fabric changed by `changed`, with the laws that it names changed alike.
 
     Raises
     ------
     InputError : an unknown name
     """
-    ply = first_ply(setup)
+    ply = setup
     laws = (
         ply.laws
         and variants.scale_laws(
             replace(ply.fabric, laws=ply.laws), *(factors.get(f"compression_{name}", 1.0) for name in "ab")
         ).laws
     )
-    return with_ply(setup, fabric=changed(ply.fabric, **factors), laws=laws)
+    return replace(setup, fabric=changed(ply.fabric, **factors), laws=laws)

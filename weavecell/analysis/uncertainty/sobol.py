@@ -23,9 +23,7 @@ import numpy as np
 from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.setups import first_ply, run, with_ply
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup, run
 from weavecell.analysis.uncertainty import inputs
 
 INSTANT = 200e-6
@@ -89,21 +87,21 @@ def estimate(
 
 
 def shots(
-    setup: ImpactSetup | PackSetup, factors: Sequence[tuple[str, float]], velocities: Sequence[float]
+    setup: ImpactSetup, factors: Sequence[tuple[str, float]], velocities: Sequence[float]
 ) -> dict[tuple[float, str], float]:
     """One row of the sample: {(velocity, quantity): value} and, by (velocity, "perforated"), whether it did.
 
     Parameters
     ----------
-    setup : ImpactSetup or PackSetup of any strike velocity
+    setup : ImpactSetup of any strike velocity
     factors : tuple of (name, factor)
     velocities : tuple of [m/s]
     """
     given, found = inputs.changed_setup(setup, **dict(factors)), {}
-    table = first_ply(given).table()  # of the cell, whatever the velocity
+    table = given.table()  # of the cell, whatever the velocity
     for velocity in velocities:
         try:
-            result: Any = run(with_ply(given, strike_velocity=velocity), table=table)
+            result: Any = run(replace(given, strike_velocity=velocity), table=table)
         except UnstableError as trouble:
             changes = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
             raise UnstableError(str(trouble), when=f"of the shot at {velocity:g} m/s with {changes}") from None
@@ -114,7 +112,7 @@ def shots(
 
 
 def study(
-    setup: ImpactSetup | PackSetup,
+    setup: ImpactSetup,
     velocities: Sequence[float],
     *,
     samples: int,
@@ -129,7 +127,7 @@ def study(
 
     Parameters
     ----------
-    setup : ImpactSetup or PackSetup of any strike velocity; what it records is not used
+    setup : ImpactSetup of any strike velocity; what it records is not used
     velocities : [m/s]
     samples : N, a power of 2
     folder : Path of the runs
@@ -139,7 +137,7 @@ def study(
 
     Raises
     ------
-    InputError, UnstableError : as `single_ply.run`, or an unknown input
+    InputError, UnstableError : as `simulation.run`, or an unknown input
     """
     entries = inputs.table("range")
     if names is not None:
@@ -148,11 +146,11 @@ def study(
         entries = {name: entries[name] for name in names}
     given = problem(entries)
     rows = sample(given, samples, seed)
-    ply = first_ply(setup)
+    ply = setup
     if ply.surface is not None:
         raise InputError("a response surface holds for one fabric", key="surface", allowed="left out")
     numerics = replace(ply.numerics, threads=1)
-    plain = with_ply(
+    plain = replace(
         setup, strike_velocity=1.0, history=None, snapshot_interval=None, numerics=numerics, table_size=TABLE
     )
     runs = [

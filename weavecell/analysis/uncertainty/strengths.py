@@ -26,9 +26,7 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from shellfabric.impact.ballistic_limit import plies
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.setups import first_ply, panel_of, with_ply
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import grading as grading_of_panels
 from shellfabric.panel.model import Panel
 from shellfabric.plies.model import Pack
@@ -53,13 +51,13 @@ class Drawn:
     weakest: tuple[float, float]
 
 
-def whole(setup: ImpactSetup | PackSetup) -> ImpactSetup | PackSetup:
+def whole(setup: ImpactSetup) -> ImpactSetup:
     """The set-up of the whole panel, which records nothing beside its samples, on one thread."""
-    numerics = replace(first_ply(setup).numerics, threads=1)
-    return with_ply(setup, symmetry="whole", history=None, snapshot_interval=None, numerics=numerics)
+    numerics = replace(setup.numerics, threads=1)
+    return replace(setup, symmetry="whole", history=None, snapshot_interval=None, numerics=numerics)
 
 
-def drawn(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: int) -> Drawn:
+def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn:
     """The panel or pack of a number.
 
     Raises
@@ -67,17 +65,17 @@ def drawn(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: i
     InputError : yarns that do not fail, or a response surface where modulus or crimp scatter
     """
     given = whole(setup)
-    ply = first_ply(given)
+    ply = given
     check(ply, scatter)
-    plain = plies(panel_of(with_ply(given, table_size=_SMALL)))
+    plain = plies(replace(given, table_size=_SMALL).target())
     found = [draw(ply.fabric, scatter, seed, number * len(plain) + p, *_yarns(one)) for p, one in enumerate(plain)]
     factors = found[0][0]
     if all(factor == 1 for factor in factors.values()):
         table = ply.table(kept=True)
     else:
         given = changed_setup(given, **factors)
-        table = first_ply(given).table()
-    panel = panel_of(given, table)
+        table = given.table()
+    panel = given.target(table)
     own = tuple(
         replace(one, strength_factors=strengths if one.sides is None else of_lines(strengths, one))
         for one, (_, strengths) in zip(plies(panel), found)

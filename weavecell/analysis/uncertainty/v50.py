@@ -30,9 +30,7 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit, lambert_jonas
 from shellfabric.impact.lambert_jonas import LambertJonas
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.setups import first_ply, panel_of, with_ply
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import boundary, quality
 from weavecell.analysis.uncertainty import probit, protocol, strengths
 from weavecell.analysis.uncertainty.inputs import Scatter, changed_setup, published
@@ -121,7 +119,7 @@ class Study:
         }  # fmt: skip
 
 
-def fire(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: int, velocity: float) -> Shot:
+def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity: float) -> Shot:
     """The shot of a number at its drawn panel."""
     panel = strengths.drawn(setup, scatter, seed, number)
     try:
@@ -134,24 +132,24 @@ def fire(setup: ImpactSetup | PackSetup, scatter: Scatter, seed: int, number: in
     )  # fmt: skip
 
 
-def deterministic(setup: ImpactSetup | PackSetup, tolerance: float) -> tuple[float, float]:
+def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
     """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that the set-up models."""
-    numerics = replace(first_ply(setup).numerics, threads=1)
-    found = ballistic_limit.critical_velocity(panel_of(with_ply(setup, numerics=numerics)), tolerance=tolerance)
+    numerics = replace(setup.numerics, threads=1)
+    found = ballistic_limit.critical_velocity(replace(setup, numerics=numerics).target(), tolerance=tolerance)
     return found.low, found.high
 
 
-def graded(setup: ImpactSetup | PackSetup) -> ImpactSetup | PackSetup:
+def graded(setup: ImpactSetup) -> ImpactSetup:
     """The set-up with the mesh of a study where it names none: elements of one crossover as far as anything can come
     under the nose of nearly all drawn panels, of two to twice that distance, of four beyond.
 
     A pack has a graded mesh of its own. Edges that are not clamped, oblique shots and weaves, and sliding crossovers
     have the uniform mesh; so has `elements_per_crossover = 1`.
     """
-    ply = first_ply(setup)
+    ply = setup
     given = ply.grading is not None or ply.elements_per_crossover is not None or ply.crossovers is not None
     clamped = all(side == "clamped" for pair in boundary.sides(ply.edge) for side in pair)
-    if isinstance(setup, PackSetup) or given or not clamped or ply.projectile.obliquity or ply.weave_angle:
+    if setup.plies > 1 or given or not clamped or ply.projectile.obliquity or ply.weave_angle:
         return setup
     near = first_zone(ply)
     return replace(ply, grading=((near, 1), (2 * near, 2), (inf, 4)))
@@ -185,7 +183,7 @@ def _curve(V, hit):
 
 
 def study(
-    setup: ImpactSetup | PackSetup, scatter: Scatter, *, shots: int, folder: FilePath, batch: int = 10, seed: int = 1,
+    setup: ImpactSetup, scatter: Scatter, *, shots: int, folder: FilePath, batch: int = 10, seed: int = 1,
     tolerance: float = 1.0, executor: str | Executor = "local", jobs: int = 1,
     report: Callable[[float, str], object] | None = None,
 ) -> Study:  # fmt: skip
@@ -193,7 +191,7 @@ def study(
 
     Parameters
     ----------
-    setup : ImpactSetup or PackSetup of any strike velocity; what it records is not used. Where it names no mesh that is
+    setup : ImpactSetup of any strike velocity; what it records is not used. Where it names no mesh that is
         the one of `graded`
     scatter : Scatter
     shots : how many
@@ -211,10 +209,8 @@ def study(
     for key, value in (("shots", shots), ("batch", batch)):
         if value < 4:
             raise InputError(key=key, value=value, allowed="at least 4")
-    strengths.check(first_ply(setup), scatter)
-    setup = with_ply(
-        graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None
-    )  # which name no kept shot
+    strengths.check(setup, scatter)
+    setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)  # which name no kept shot
     report = report or (lambda share, text: None)
     with open_executor(executor, jobs) as pool:
         runs: dict[str, Any] = {"folder": folder, "executor": pool, "jobs": jobs}

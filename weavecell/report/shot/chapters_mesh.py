@@ -8,16 +8,16 @@ from weavecell.analysis.fidelity import error_database, ladder, quantities
 from weavecell.report.page import Section, Table
 
 if TYPE_CHECKING:
-    from shellfabric.impact.single_ply import ImpactSetup
-    from weavecell.results.impact_base import BaseRecord
+    from shellfabric.impact.simulation import ImpactSetup
+    from weavecell.results.impact import ImpactRecord
 
 
-def section(record: BaseRecord, setup: ImpactSetup) -> Section:
+def section(record: ImpactRecord, setup: ImpactSetup) -> Section:
     """Mesh, and what meshes like it were found to be off by.
 
     Parameters
     ----------
-    setup : of the (first) ply, as it was run
+    setup : with the mesh that was used
     """
     weave = setup.fabric.weave
     side = 1 / setup.resolved_elements_per_crossover if setup.grading is None else setup.grading[0][1]  # [crossovers]
@@ -41,12 +41,12 @@ def section(record: BaseRecord, setup: ImpactSetup) -> Section:
     return Section("panel-mesh", "Mesh and its expected error", lead, tables=tuple(tables))
 
 
-def expected(record: BaseRecord, setup: ImpactSetup) -> tuple[str, tuple[tuple[str, str, str], ...]]:
+def expected(record: ImpactRecord, setup: ImpactSetup) -> tuple[str, tuple[tuple[str, str, str], ...]]:
     """(text, rows of result, expected error, error of the finest mesh), from the survey of `docs/fidelity.md`."""
     further = (
         "The option --uncertainty of weavecell impact computes the uncertainty of this very shot from a second mesh."
     )
-    if len(record.thickness) > 1:
+    if record.count > 1:
         return f"No survey of mesh errors holds for packs with the present contact of plies. {further}", ()
     known, finest = error_database.load(packs=False), ladder.FULL
     n = setup.resolved_elements_per_crossover

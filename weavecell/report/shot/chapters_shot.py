@@ -14,15 +14,15 @@ from weavecell.report.shot.tables_shot import percent, ply_table, residual, resu
 from weavecell.results.paraview import failed_yarns
 
 if TYPE_CHECKING:
-    from shellfabric.impact.single_ply import ImpactSetup
-    from weavecell.results.impact_base import BaseRecord
+    from shellfabric.impact.simulation import ImpactSetup
+    from weavecell.results.impact import ImpactRecord
 
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
 _SCALE_BAR = 5.0  # [mm]
 _STEP = 0.1  # [-] of the strength: the scale of tensions ends at a multiple of it
 
 
-def outcome(record: BaseRecord) -> str:
+def outcome(record: ImpactRecord) -> str:
     """The result of an impact in one line."""
     strike, end = f"{record.strike_velocity:g} m/s", f"{1e6 * record.time[-1]:.0f} µs"
     if record.outcome == "unstable":
@@ -49,7 +49,7 @@ def _load(record):
     return f"peak tension {percent(peak.share)} of the strength ({family})"
 
 
-def card(record: BaseRecord) -> Card:
+def card(record: ImpactRecord) -> Card:
     """What one impact came to."""
     names = {"in flight": "still moving"}
     tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
@@ -62,19 +62,19 @@ def card(record: BaseRecord) -> Card:
     return Card(record.title, names.get(record.outcome, record.outcome), lines, tone)
 
 
-def chapter(records: Sequence[BaseRecord]) -> Section:
+def chapter(records: Sequence[ImpactRecord]) -> Section:
     """Histories, cuts, pictures, energies and results of one impact or of several to be compared."""
     one = len(records) == 1
     figures = [_histories(records), _cuts(records), _panels(records), _energies(records), _edges(records)]
     tables = [results(records)]
-    if one and hasattr(records[0], "plies"):
+    if one and _several_plies(records):
         figures += _of_plies(records[0])
         tables.append(ply_table(records[0]))
     return Section("impact", "Impact" if one else "Impacts", "", tuple(figures), tuple(tables))
 
 
 def _several_plies(records):
-    return len(records[0].thickness) > 1
+    return records[0].count > 1
 
 
 def _histories(records):
@@ -137,9 +137,6 @@ def parts(energies: Mapping[str, Any]) -> dict[str, Any]:
 
 def _reactions(record):
     """(warp, weft) [N] over time."""
-    reactions = getattr(record, "reactions", None)
-    if reactions is not None:
-        return reactions["warp"], reactions["weft"]
     return record.plies["reaction_warp"].sum(axis=1), record.plies["reaction_weft"].sum(axis=1)
 
 
@@ -164,7 +161,7 @@ def _cut_views(records):
 def _panels(records):
     """The back face of the last ply and the impact point, all under one scale of tension that ends at the highest."""
     shares = {
-        record.title: [np.max(shape.tension / record.rear_strength, axis=1) for shape in record.drawn_shapes]
+        record.title: [np.max(shape.tension / record.strength[-1], axis=1) for shape in _rear(record)]
         for record in records
     }
     top = max(float(share.max()) for pair in shares.values() for share in pair)
@@ -172,10 +169,10 @@ def _panels(records):
     images = {}
     for record in records:
         drawn, mirrors = [], (record.mirror_x, record.mirror_y)
-        for shape, share, reach in zip(record.drawn_shapes, shares[record.title], (None, CLOSE_UP)):
+        for shape, share, reach in zip(_rear(record), shares[record.title], (None, CLOSE_UP)):
             body = shape.projectile_position + record.projectile
             image = pictures3d.panel(
-                shape.nodes, record.rear_quads, share, failed_yarns(shape.failed), body, mirrors, reach, top_share=top,
+                shape.nodes, record.quads[-1], share, failed_yarns(shape.failed), body, mirrors, reach, top_share=top,
                 open_quarter=reach is not None,
             )  # fmt: skip
             drawn.append((f"at {1e6 * shape.t:.0f} µs", image))
@@ -184,18 +181,20 @@ def _panels(records):
     several = _several_plies(records)
     caption = (
         f"The {'last ply' if several else 'ply'} seen from behind, to scale; the colours end at the highest tension of "
-        "the pictures, rounded up. Left: the whole panel"
-        + ("" if several else ", at the snapshot at which half of the absorbed energy was absorbed")
-        + ". Right: the impact point at the end of the run, the quarter in front left out to show the projectile."
+        "the pictures, rounded up. Left: the whole panel, at the snapshot at which half of the absorbed energy was "
+        "absorbed. Right: the impact point at the end of the run, the quarter in front left out to show the projectile."
     )
     return Figure(pictures.render(pictures.panels, images, top, bar, kind="png"), "png", caption, "panel")
 
 
+def _rear(record):
+    """Shapes of the last ply: when half of the energy was absorbed, and at the end."""
+    return record.half_energy[-1], record.final[-1]
+
+
 def _of_plies(record):
-    """Figures of what each ply of a pack bears; none of one ply."""
-    plies = getattr(record, "plies", None)
-    if plies is None:
-        return []
+    """Figures of what each ply of a pack bears."""
+    plies = record.plies
     return [
         Figure(
             pictures.render(
@@ -213,17 +212,14 @@ def _of_plies(record):
     ]  # fmt: skip
 
 
-def assumptions(
-    setup: ImpactSetup, lines: Sequence[str], *, body: str = "", plies: int = 1, friction: float = 0.0
-) -> Section:
+def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> Section:
     """What the model assumes in this run.
 
     Parameters
     ----------
-    setup : of the (first) ply
+    setup : as it was run
     lines : that name the laws that are assumed (`fabrics.assumed.lines`)
     body : whether a rigid projectile is justified, in words
-    plies, friction : of a pack, Coulomb's coefficient between plies [-]
     """
     strength = " / ".join(f"{yarn.strength:.0f}" for yarn in setup.fabric.weave.yarns)
     if setup.crossovers is None:
@@ -232,7 +228,7 @@ def assumptions(
     else:
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
     fails = f"A yarn fails at its strength, {strength} N (warp / weft), the same for all yarns and at any strain rate."
-    shot = setup.projectile
+    shot, between = setup.projectile, setup.ply_friction
     rows = [
         ("crossovers", pinned),
         ("failure of yarns", fails if setup.failure else "Yarns do not fail."),
@@ -240,7 +236,7 @@ def assumptions(
         ("projectile", ("Rigid." if shot.body == "rigid" else "Elastic-plastic along its axis.")
          + (f" {body[0].upper()}{body[1:]}." if body else "")
          + (f" Friction on the fabric {shot.friction:g}." if shot.friction else " No friction on the fabric.")),
-        *((("between plies", f"Friction {friction:g}." if friction else "No friction."),) if plies > 1 else ()),
+        *((("between plies", f"Friction {between:g}." if between else "No friction."),) if setup.plies > 1 else ()),
         *(("assumed law", line) for line in lines),
     ]  # fmt: skip
     return Section("assumptions", "Assumptions", tables=(Table(("of", "in this run"), tuple(rows)),))

@@ -10,20 +10,18 @@ from fabrics import assumed
 from weavecell.report import chapters, chapters_assumed, chapters_discretisation, chapters_impact, checks
 from weavecell.report.page import Report, Section
 from weavecell.report.shot import chapters_mesh, chapters_shot, tables_shot
-from weavecell.results.pack import PackRecord
 from weavecell.scenes import words
 from weavecell.scenes.build import Case
 
 if TYPE_CHECKING:
-    from shellfabric.impact.pack import PackSetup
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
     from weavecell.analysis.assumed_range import AssumedRange
     from weavecell.analysis.discretisation import Discretisation
     from weavecell.results.impact import ImpactRecord
 
 
 def sections(
-    this: Case, setup: ImpactSetup | PackSetup, record: ImpactRecord | PackRecord, chosen: Section | None = None,
+    this: Case, setup: ImpactSetup, record: ImpactRecord, chosen: Section | None = None,
     around: AssumedRange | None = None, pair: Discretisation | None = None,
 ) -> list[Section]:  # fmt: skip
     """The chapters that have pictures or follow from options.
@@ -35,29 +33,18 @@ def sections(
     chosen : the chapter on the choice of the model by [accuracy]
     around, pair : the range over assumed laws, the discretisation uncertainty
     """
-    from shellfabric.impact.setups import plies_of
-    from weavecell.analysis.fidelity import ladder
-
-    ply, places = ladder.meshed(setup), this.scene.history.report_positions if this.scene.history else ()
-    found = [chapters_shot.chapter([record]), chapters_mesh.section(record, ply)]
+    used, places = setup.meshed, this.scene.history.report_positions if this.scene.history else ()
+    found = [chapters_shot.chapter([record]), chapters_mesh.section(record, used)]
     if chosen is not None:
         found.append(chosen)
     if pair is not None:
         found.append(chapters_discretisation.section(pair))
     if around is not None:
         found.append(chapters_assumed.section(around))
-    lines, plies = tuple(assumed.lines(this.fabric)), plies_of(setup)
-    if isinstance(record, PackRecord):
-        found += [chapters_impact.slips(record)] if record.slips else []
-        ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the last
-        found += [chapters_impact.measures(record.measured[p], places, p + 1) for p in ends]
-        friction = getattr(setup, "friction", 0.0)
-    else:
-        found += [chapters_impact.measures(record.measured, places)] if record.measured is not None else []
-        found += [*chapters_impact.body(record), *_cell(this)]
-        friction = 0.0
-    body = getattr(record, "rigid_check", "")
-    return [*found, chapters_shot.assumptions(ply, lines, body=body, plies=plies, friction=friction)]
+    ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the last
+    found += [chapters_impact.measures(record.measured[p], places, p + 1 if record.pack else None) for p in ends]
+    found += [*chapters_impact.body(record), *_cell(this)]
+    return [*found, chapters_shot.assumptions(used, tuple(assumed.lines(this.fabric)), body=record.rigid_check)]
 
 
 def _cell(this):
@@ -69,18 +56,16 @@ def _cell(this):
 
 
 def page(
-    this: Case, setup: ImpactSetup | PackSetup, record: ImpactRecord | PackRecord, found: Sequence[Section],
+    this: Case, setup: ImpactSetup, record: ImpactRecord, found: Sequence[Section],
     stamp: dict[str, str],
 ) -> Report:  # fmt: skip
     """The report of one impact; `found` are the chapters of `sections`."""
-    from weavecell.analysis.fidelity import ladder
-
     shot, panel, model = this.scene.projectile, this.scene.panel, this.scene.fabric.cell_model
     source = this.law_name if model == "compressible" else model
     laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
     plies, more = f"One ply of {record.fabric}", ""
-    if isinstance(record, PackRecord):
-        plies = f"{record.count} plies of {record.fabric}, {record.stacking}"
+    if record.pack:
+        plies = f"{record.count} plies of {record.fabric}, {record.pack['stacking']}"
         more = f" At rest: {record.gap_words}; {record.contact_words}."
     return Report(
         record.title,
@@ -91,9 +76,7 @@ def page(
             *found,
             checks.section(record.checks),
             chapters.sources(this.fabric),
-            chapters.making(
-                stamp, {"time integration": record.wall_time}, tables_shot.cost([record], ladder.meshed(setup))
-            ),
+            chapters.making(stamp, {"time integration": record.wall_time}, tables_shot.cost([record], setup.meshed)),
         ),
         f"weavecell {weavecell.__version__}, {stamp['date']}",
         outcome=chapters_shot.outcome(record),

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weavecell.report.page import Table
 
 if TYPE_CHECKING:
-    from shellfabric.impact.single_ply import ImpactSetup
-    from weavecell.results.impact_base import BaseRecord
+    from shellfabric.impact.simulation import ImpactSetup
+    from weavecell.results.impact import ImpactRecord
 
 
 def percent(share: float) -> str:
@@ -19,13 +19,13 @@ def percent(share: float) -> str:
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
-def residual(record: BaseRecord) -> str:
+def residual(record: ImpactRecord) -> str:
     """Velocity at the end, as text."""
     name = "velocity at the end" if record.outcome in ("in flight", "unstable") else "residual velocity"
     return f"{name} {record.residual_velocity:.1f} m/s".replace(" 0.0 m/s", " 0 m/s")
 
 
-def results(records: Sequence[BaseRecord]) -> Table:
+def results(records: Sequence[ImpactRecord]) -> Table:
     """Results, one column a run."""
     rows = [
         ("outcome", lambda record: record.outcome),
@@ -51,7 +51,7 @@ def results(records: Sequence[BaseRecord]) -> Table:
 
 def _peak_rows(family):
     """Rows on the highest tension of a family."""
-    several = lambda record: f", ply {record.peaks[family].ply}" if len(record.thickness) > 1 else ""  # noqa: E731
+    several = lambda record: f", ply {record.peaks[family].ply}" if record.count > 1 else ""  # noqa: E731
     return (
         (
             f"peak tension of the {family} [N] (share of the strength)",
@@ -68,7 +68,7 @@ def _peak_rows(family):
     )
 
 
-def ply_table(record: Any) -> Table:
+def ply_table(record: ImpactRecord) -> Table:
     """One row a ply of a pack."""
     columns = ("ply", "failed yarn segments", "peak tension / strength, warp", "weft", "energy at the end [J]")
     peaks = record.peak_tension / record.strength
@@ -85,7 +85,7 @@ def ply_table(record: Any) -> Table:
     return Table(columns, rows, caption=caption, numeric=columns[1:])
 
 
-def cost(records: Sequence[BaseRecord], setup: ImpactSetup | None = None) -> tuple[Table, ...]:
+def cost(records: Sequence[ImpactRecord], setup: ImpactSetup | None = None) -> tuple[Table, ...]:
     """Tables for those who develop the code: cost of the time integration, and settings of the model."""
     columns = (
         "run",

@@ -1,17 +1,18 @@
-"""One impact on one ply: set-up, run, result."""
+"""One impact on a panel of one ply or several: set-up, run, result."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
-from math import ceil
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import ceil, inf
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import FilePath
+from fabrics.checks import FilePath, FloatArray, IntArray
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from shellfabric.backing.block import Backing
@@ -24,23 +25,30 @@ from shellfabric.impact.outcome import Outcome
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.hooks import Snapshots
-from shellfabric.panel import quality
+from shellfabric.output.snapshots import Snapshot
+from shellfabric.panel import boundary, quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import ClothSolver, PanelSolver
+from shellfabric.panel.solver import PLY_SAMPLES, ClothSolver
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding import solver as sliding
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
-from shellfabric.sliding.solver import SlidingSolver, SlipSummary, slip_summary, solver_of
+from shellfabric.sliding.solver import SlipSummary
+
+if TYPE_CHECKING:
+    from shellfabric.plies.model import Pack, PlyContact
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
+PACK_ELEMENTS, NEAR = 2, 10  # of packs, per crossover about the impact point, and to how many crossovers at least
+_SMALL = 11  # samples a side of a cell's table that no run uses
 UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
 
 @dataclass(frozen=True)
 class ImpactSetup:
-    """A projectile that strikes the middle of a panel.
+    """A projectile that strikes the middle of a panel of one ply or several.
 
     Parameters
     ----------
@@ -69,6 +77,11 @@ class ImpactSetup:
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
     crossovers : sliding.model.CrossoverFriction of yarns that slide through their crossovers; None pins them
+    plies : number of plies, all of this fabric
+    stacking : "aligned", or "alternating": every other ply turned by a right angle
+    ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
+    ply_friction : [-] Coulomb's coefficient between plies
+    contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes its defaults
     """
 
     fabric: Fabric
@@ -97,6 +110,11 @@ class ImpactSetup:
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
     crossovers: CrossoverFriction | None = None
+    plies: int = 1
+    stacking: str = "aligned"
+    ply_gap: float | None = None
+    ply_friction: float = 0.0
+    contact: PlyContact | None = None
 
     @property
     def resolved_elements_per_crossover(self) -> int:
@@ -105,6 +123,31 @@ class ImpactSetup:
             return self.elements_per_crossover
         needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
         return 1 if self.grading is not None else min(max(1, ceil(needed)), MOST_ELEMENTS)
+
+    @cached_property
+    def meshed(self) -> ImpactSetup:
+        """The set-up with the mesh that is used: the given one, or the default of packs.
+
+        That has two elements per crossover, more for a small projectile, as far as anything can come under it, then
+        elements of one crossover to twice that distance, and of two beyond. One element per crossover overestimates the
+        first wave in the rear plies (docs/theory.md). Where the projectile may leave the first zone, in an oblique
+        shot or with edges that are not clamped, the short elements are everywhere; sliding crossovers have one per
+        crossover.
+
+        Raises
+        ------
+        InputError : as `panel`
+        """
+        given = self.grading is not None or self.elements_per_crossover is not None
+        if self.plies == 1 or given or self.crossovers is not None:
+            return self
+        sides = max(PACK_ELEMENTS, self.resolved_elements_per_crossover)
+        panel = replace(self, plies=1, elements_per_crossover=1, table_size=_SMALL).panel()  # for its reach
+        clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
+        if not clamped or self.projectile.obliquity != 0:
+            return replace(self, elements_per_crossover=sides)
+        near = max(NEAR, *(ceil(far / side) + 1 for far, side in zip(panel.reach(), panel.spacing)))
+        return replace(self, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
 
     @property
     def sample_interval(self) -> float:
@@ -136,12 +179,14 @@ class ImpactSetup:
         return table_cache.table(cell, self.table_size, method) if kept else cell.table(self.table_size, method)  # type: ignore[arg-type, call-arg]
 
     def panel(self, table: CellTable | None = None) -> Panel:
-        """The panel that this set-up describes, with its own table or one that a like set-up has filled.
+        """One ply, of several the first, with its own table or one that a like set-up has filled.
 
         Raises
         ------
         InputError : as `table` and Panel
         """
+        if self.meshed is not self:
+            return self.meshed.panel(table)
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
         kind: type[Panel]
         more: dict[str, Any]
@@ -163,6 +208,25 @@ class ImpactSetup:
             **more,
         )
 
+    def target(self, table: CellTable | None = None) -> Panel | Pack:
+        """What the projectile strikes: the panel of one ply, or the pack of several; `table` as of `panel`.
+
+        The solver of packs is loaded with the first pack; one ply needs none.
+
+        Raises
+        ------
+        InputError : as `panel` and Pack.stacked
+        """
+        panel = self.panel(table)
+        if self.plies == 1:
+            return panel
+        from shellfabric.sliding_plies.solver import pack_of
+
+        return pack_of(
+            panel, self.plies, stacking=self.stacking, gap=self.ply_gap, contact=self.contact,
+            friction=self.ply_friction,
+        )  # fmt: skip
+
 
 @dataclass(frozen=True)
 class ImpactResult(Outcome):
@@ -170,37 +234,36 @@ class ImpactResult(Outcome):
 
     Parameters
     ----------
-    setup, panel : what was run
+    setup : what was run
+    target : the Panel of one ply, or the Pack of several
     outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile has stopped when it no
         longer moves along the panel's normal, though it may slide on
     residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has stopped
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
     t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point of the projectile
     contact_force : (n,) [N] on the projectile along the normal, mean since the sample before (ClothSolver)
-    deflection : (n,) [m] largest of the cloth, along the normal (`ply_audit.deflection`); of a pack, of its last ply
-    energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; error is the sum less the energy at the start
-    reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
-    failed_segments : (n,) number of failed yarn segments
-    peak_tension : (warp, weft) [N] over the run
-    peak_tension_time, peak_tension_place : (2,) [s] and (2, 2) [m] when, and where at rest along warp and weft from the
-        impact point; NaN where there was none
+    deflection : (n,) [m] largest of the last ply, along the normal (`ply_audit.deflection`)
+    energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less the energy at the
+        start
+    plies : {name: (n, plies)} with the names of panel.solver.PLY_SAMPLES
+    peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time [s], and its place at
+        rest along warp and weft from the impact point [m]; NaN but for the tension where there was none
+    deepest, held_apart : (plies - 1,) and (2,) [-] see PackSolver
     step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
     backing : backing.coupling.BackingResult, the block behind the cloth at the end, or None
     projectile_position : (3,) [m] position of its nose at the end
-    nodes, quads : (k, 3) [m], (m, 4) the panel (or its modelled part) at the end
-    tension : (m, 2) [N] of warp and weft at the end
-    failed : (m, 3) bool at the end: warp failed, weft failed, element eroded
-    snapshots : tuple of snapshots.Snapshot
-    histories : histories.Histories, or None where nothing was to be recorded
+    last : (plies,) snapshots.Snapshot at the end, counted from the plane of the first ply at rest
+    snapshots : tuple of such tuples
+    histories : tuple of histories.Histories of each ply that has been followed; empty where nothing was to be recorded
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
-    slip : sliding.solver.SlipSummary of sliding crossovers, None of pinned ones
+    slips : (plies,) sliding.solver.SlipSummary of sliding crossovers; empty of pinned ones
     """
 
     setup: ImpactSetup
-    panel: Panel
+    target: Panel | Pack
     outcome: str
     residual_velocity: float
     velocity: np.ndarray
@@ -210,36 +273,54 @@ class ImpactResult(Outcome):
     contact_force: np.ndarray
     deflection: np.ndarray
     energies: dict
-    reactions: dict
-    failed_segments: np.ndarray
-    peak_tension: tuple[float, float]
-    peak_tension_time: np.ndarray
-    peak_tension_place: np.ndarray
+    plies: dict
+    peaks: np.ndarray
+    deepest: np.ndarray
+    held_apart: np.ndarray
     step_history: np.ndarray
     bar: dynamics.BarHistory | None
     backing: BackingResult | None
     projectile_position: np.ndarray
-    nodes: np.ndarray
-    quads: np.ndarray
-    tension: np.ndarray
-    failed: np.ndarray
-    snapshots: tuple
-    histories: histories.Histories | None
+    last: tuple[Snapshot, ...]
+    snapshots: tuple[tuple[Snapshot, ...], ...]
+    histories: tuple[histories.Histories, ...]
     steps: int
     wall_time: float
     ns_per_element_step: float
     max_deflection: float
     checks: tuple
-    slip: SlipSummary | None = None
+    slips: tuple[SlipSummary, ...] = ()
 
     @property
-    def first_ply_setup(self) -> ImpactSetup:
-        return self.setup
+    def panels(self) -> tuple[Panel, ...]:
+        """(plies,) the Panel of each ply."""
+        return (self.target,) if isinstance(self.target, Panel) else self.target.plies
+
+    @property
+    def panel(self) -> Panel:
+        """The first ply."""
+        return self.panels[0]
+
+    @property
+    def peak_tension(self) -> tuple[float, float]:
+        """(warp, weft) [N] the highest of any ply over the run, each in its own weave."""
+        warp, weft = self.peaks[:, :, 0].max(axis=0)
+        return float(warp), float(weft)
+
+    @property
+    def failed_segments(self) -> IntArray:
+        """(n,) failed yarn segments of all plies."""
+        return self.plies["failed_yarns"].sum(axis=1)
+
+    @property
+    def reactions(self) -> dict[str, FloatArray]:
+        """{"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point, of all plies."""
+        return {family: self.plies[f"reaction_{family}"].sum(axis=1) for family in ("warp", "weft")}
 
 
 def run(
     setup: ImpactSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None,
-    panel: Panel | None = None,
+    target: Panel | Pack | None = None,
 ) -> ImpactResult:  # fmt: skip
     """Run an impact.
 
@@ -250,84 +331,90 @@ def run(
     resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
         for bit
     table : CellTable that a set-up of the same cell has filled, or None
-    panel : that of the set-up with changes of its own, such as strengths of its yarns; None makes it
+    target : that of the set-up with changes of its own, such as strengths of its yarns; None makes it
 
     Raises
     ------
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    solver = solver_of(
-        panel or setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval
-    )
-    own = (*recorder(solver, setup), *snapshot_hooks(setup))
+    solver = solver_of(target or setup.target(table), setup)
+    solver.history_request = setup.history
+    own: list[Hook] = []
+    if setup.history:
+        own.append(histories.Recorder([panel for panel, _, _ in solver.parts], setup.history))
+    if setup.snapshot_interval is not None:
+        if not setup.snapshot_interval > 0:
+            raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
+        own.append(Snapshots(setup.snapshot_interval))
     if resume is not None:
         checkpoint.read(solver, resume)
     return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver))
 
 
-def recorder(solver: ClothSolver, setup: ImpactSetup) -> tuple[Hook, ...]:
-    """The hook that records along yarns and at edges, in a tuple; none where nothing is to be recorded."""
-    solver.history_request = setup.history
-    plies = [panel for panel, _, _ in solver.parts]
-    return (histories.Recorder(plies, setup.history),) if setup.history else ()
+def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
+    """(result of `run`, why it became unstable or ""); of an unstable run the result is what it had computed.
+
+    Raises
+    ------
+    UnstableError : a run that became unstable before it had a result
+    """
+    try:
+        return run(setup, **others), ""
+    except UnstableError as problem:
+        if problem.result is None:
+            raise
+        return problem.result, str(problem)
 
 
-def snapshot_hooks(setup: ImpactSetup, take: Callable[..., object] | None = None) -> tuple[Hook, ...]:
-    """The hook that takes the set-up's snapshots, in a tuple; see hooks.Snapshots. InputError for a bad interval."""
-    if setup.snapshot_interval is None:
-        return ()
-    if not setup.snapshot_interval > 0:
-        raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
-    return (Snapshots(setup.snapshot_interval, take),)
+def solver_of(target: Panel | Pack, setup: ImpactSetup) -> ClothSolver:
+    """The solver of the target of a set-up."""
+    shot = {"strike_velocity": setup.strike_velocity, "end_time": setup.end_time, "interval": setup.sample_interval}
+    if isinstance(target, Panel):
+        return sliding.solver_of(target, **shot)
+    from shellfabric.sliding_plies import solver as sliding_plies
+
+    return sliding_plies.solver_of(target, **shot)
 
 
-def collect_result(setup: ImpactSetup, solver: PanelSolver | SlidingSolver) -> ImpactResult:
+def collect_result(setup: ImpactSetup, solver: ClothSolver) -> ImpactResult:
     """Gather what a run has recorded."""
-    last = output_snapshots.snapshot(solver.panel, solver.state, solver.time)
+    panels = [panel for panel, _, _ in solver.parts]
+    elements = sum(panel.elements for panel in panels)
+    fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
+    clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), setup.projectile.bar
+    plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
+    deflection = plies["deflection"][:, -1]
+    last = output_snapshots.of_plies(solver)
     return ImpactResult(
         setup=setup,
-        panel=solver.panel,
+        target=solver.target,
+        outcome=solver.outcome,
+        residual_velocity=solver.residual_velocity,
+        velocity=dynamics.velocity(solver.state, solver.const),
+        t=solver.sample("t"),
+        v=solver.sample("v"),
+        nose_position=solver.sample("z"),
+        contact_force=solver.contact_force,
+        deflection=deflection,
         energies={name: solver.sample(name) for name in solver.energy_names},
-        reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
-        failed_segments=solver.sample("failed_yarns"),
-        peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
-        peak_tension_time=solver.peak_tensions[0, :, 1],
-        peak_tension_place=solver.peak_tensions[0, :, 2:],
-        projectile_position=last.projectile_position,
-        nodes=last.nodes.reshape(-1, 3),
-        quads=output_snapshots.quads(solver.panel),
-        tension=last.tension.reshape(-1, 2),
-        failed=last.failed.reshape(-1, 3),
-        histories=histories.unpack(solver.histories, (solver.panel,), setup.history)[0]
+        plies=plies,
+        peaks=solver.peak_tensions,
+        deepest=solver.deepest,
+        held_apart=solver.held_apart,
+        step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
+        bar=None if bar is None else dynamics.history(clock, fine, solver.state, bar),
+        backing=solver.backing.result() if solver.backing else None,
+        projectile_position=last[0].projectile_position.copy(),
+        last=last,
+        snapshots=tuple(solver.snapshots),
+        histories=histories.unpack(solver.histories, panels, setup.history)
         if setup.history and solver.histories
-        else None,
-        slip=slip_summary(solver),
-        **projectile_result(solver, solver.panel.elements),
+        else (),
+        steps=solver.steps,
+        wall_time=solver.wall_time,
+        ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),
+        max_deflection=float(deflection.max()),
+        checks=quality.of_solver(solver),
+        slips=solver.slip_summaries(),
     )
-
-
-def projectile_result(solver: ClothSolver, elements: int) -> dict[str, Any]:
-    """Entries of a result that are the same for one ply and a pack: the projectile's, the block's, and the cost."""
-    fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
-    clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), solver.panel.projectile.bar
-    deflection = solver.ply_sample("deflection")[:, -1]
-    return {
-        "outcome": solver.outcome,
-        "residual_velocity": solver.residual_velocity,
-        "velocity": dynamics.velocity(solver.state, solver.const),
-        "t": solver.sample("t"),
-        "v": solver.sample("v"),
-        "nose_position": solver.sample("z"),
-        "contact_force": solver.contact_force,
-        "deflection": deflection,
-        "step_history": np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.panel.share]),
-        "bar": None if bar is None else dynamics.history(clock, fine, solver.state, bar),
-        "backing": solver.backing.result() if solver.backing else None,
-        "snapshots": tuple(solver.snapshots),
-        "max_deflection": float(deflection.max()),
-        "checks": quality.of_solver(solver),
-        "steps": solver.steps,
-        "wall_time": solver.wall_time,
-        "ns_per_element_step": 1e9 * solver.wall_time / max(1, solver.steps * elements),
-    }
