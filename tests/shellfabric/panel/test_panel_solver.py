@@ -390,7 +390,6 @@ def test_tensions_follow_from_the_shape_of_the_panel(quick, fabric):
     """The cell, solved at the stretches read off the nodes, carries the tensions; the peak is that of all steps."""
     audits = []
     result = quick(100.0, hooks=[lambda march: audits.append([T.max() for T in march.state.T])])
-    ni, nj = result.panel.counts
     nodes, c = result.last[0].nodes, result.panel.constants()
     warp = np.linalg.norm(np.diff(nodes, axis=0), axis=2) / c.dx
     weft = np.linalg.norm(np.diff(nodes, axis=1), axis=2) / c.dy
