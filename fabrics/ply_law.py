@@ -237,7 +237,7 @@ class PlyLaw:
 
     def between(self, other: PlyLaw) -> PlyLaw:
         """The law of a ply of this fabric on one of another: half of the closure of each at every pressure."""
-        if other is self:
+        if other is self or other == self:
             return self
         pressure = np.union1d(self.pressure, other.pressure)
         closure = 0.5 * (self.closure_at(pressure) + other.closure_at(pressure))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import groupby
 from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,24 @@ UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail
 
 
 @dataclass(frozen=True)
+class Ply:
+    """One ply of a lay-up.
+
+    Parameters
+    ----------
+    fabric : Fabric, as of ImpactSetup
+    laws : (warp, weft) CompressionLaw; None takes the fabric's published ones
+    turned : whether it is turned by a right angle
+    gap : [m] to the next ply at rest; None takes the mean of both fabrics' (`plies.gap.ply_gap`)
+    """
+
+    fabric: Fabric
+    laws: tuple[CompressionLaw, CompressionLaw] | None = None
+    turned: bool = False
+    gap: float | None = None
+
+
+@dataclass(frozen=True)
 class ImpactSetup:
     """A projectile that strikes the middle of a panel of one ply or several.
 
@@ -82,6 +101,12 @@ class ImpactSetup:
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
     ply_friction : [-] Coulomb's coefficient between plies
     contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes its defaults
+    lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and `laws`, `plies` is their
+        number, and stacking and ply_gap are not used. Empty for plies that are
+
+    Raises
+    ------
+    InputError : a lay-up of another number of plies, or of cells from a response surface
     """
 
     fabric: Fabric
@@ -115,6 +140,40 @@ class ImpactSetup:
     ply_gap: float | None = None
     ply_friction: float = 0.0
     contact: PlyContact | None = None
+    lay_up: tuple[Ply, ...] = ()
+
+    def __post_init__(self):
+        if self.lay_up and self.plies != len(self.lay_up):
+            raise InputError(key="plies", value=self.plies, allowed=f"{len(self.lay_up)}, as many as the lay-up has")
+        if self.lay_up and self.surface is not None:
+            raise InputError(key="surface", value="given", allowed="left out with plies of a lay-up")
+
+    @property
+    def title(self) -> str:
+        """The fabric with the number of its plies, or what the lay-up is made of."""
+        if not self.lay_up:
+            return f"{self.plies} x {self.fabric.name}" if self.plies > 1 else self.fabric.name
+        same = groupby((ply.fabric.name, ply.turned) for ply in self.lay_up)
+        parts = [(len(list(plies)), f"{name}{' at 90 deg' if turned else ''}") for (name, turned), plies in same]
+        return " + ".join(f"{count} x {name}" for count, name in parts)
+
+    def fabric_of(self, ply: int) -> Fabric:
+        """The fabric of a ply, the first is 0."""
+        return self.lay_up[ply].fabric if self.lay_up else self.fabric
+
+    def is_turned(self, ply: int) -> bool:
+        """Whether a ply, the first is 0, is turned by a right angle."""
+        return self.lay_up[ply].turned if self.lay_up else self.stacking == "alternating" and ply % 2 == 1
+
+    @cached_property
+    def kinds(self) -> tuple[ImpactSetup, ...]:
+        """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply first."""
+        found = [replace(self, plies=1, lay_up=())]
+        for ply in self.lay_up:
+            one = replace(found[0], fabric=ply.fabric, laws=ply.laws)
+            if one not in found:
+                found.append(one)
+        return tuple(found)
 
     @property
     def resolved_elements_per_crossover(self) -> int:
@@ -141,12 +200,12 @@ class ImpactSetup:
         given = self.grading is not None or self.elements_per_crossover is not None
         if self.plies == 1 or given or self.crossovers is not None:
             return self
-        sides = max(PACK_ELEMENTS, self.resolved_elements_per_crossover)
-        panel = replace(self, plies=1, elements_per_crossover=1, table_size=_SMALL).panel()  # for its reach
+        sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
         clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
         if not clamped or self.projectile.obliquity != 0:
             return replace(self, elements_per_crossover=sides)
-        near = max(NEAR, *(ceil(far / side) + 1 for far, side in zip(panel.reach(), panel.spacing)))
+        plain = [replace(one, elements_per_crossover=1, table_size=_SMALL).panel() for one in self.kinds]
+        near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))
         return replace(self, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
 
     @property
@@ -215,13 +274,25 @@ class ImpactSetup:
 
         Raises
         ------
-        InputError : as `panel` and Pack.stacked
+        InputError : as `panel`, Pack and Pack.stacked
         """
         panel = self.panel(table)
         if self.plies == 1:
             return panel
-        from shellfabric.sliding_plies.solver import pack_of
+        from shellfabric.sliding_plies.solver import laid_up, pack_of
 
+        if self.lay_up:
+            used = self.meshed
+            kinds = [
+                replace(one, grading=used.grading, elements_per_crossover=used.elements_per_crossover)
+                for one in self.kinds
+            ]
+            panels = [panel, *(one.panel(one.table(kept=True)) for one in kinds[1:])]
+            numbers = [kinds.index(replace(kinds[0], fabric=ply.fabric, laws=ply.laws)) for ply in self.lay_up]
+            return laid_up(
+                [(panels[number], ply.turned) for number, ply in zip(numbers, self.lay_up)],
+                gaps=[ply.gap for ply in self.lay_up[:-1]], contact=self.contact, friction=self.ply_friction,
+            )  # fmt: skip
         return pack_of(
             panel, self.plies, stacking=self.stacking, gap=self.ply_gap, contact=self.contact,
             friction=self.ply_friction,
@@ -304,8 +375,13 @@ class ImpactResult(Outcome):
     @property
     def peak_tension(self) -> tuple[float, float]:
         """(warp, weft) [N] the highest of any ply over the run, each in its own weave."""
-        warp, weft = self.peaks[:, :, 0].max(axis=0)
+        warp, weft = self.ply_tensions.max(axis=0)
         return float(warp), float(weft)
+
+    @property
+    def ply_tensions(self) -> FloatArray:
+        """(plies, 2) [N] the highest of each ply over the run, in its own weave."""
+        return self.peaks[..., 0]
 
     @property
     def failed_segments(self) -> IntArray:

@@ -124,6 +124,36 @@ class Pack:
         stack = tuple(both[n % 2] for n in range(plies))
         return cls(stack, (gap,) * (plies - 1), contact or PlyContact(), friction, laws)
 
+    @classmethod
+    def laid_up(
+        cls, plies: Sequence[tuple[Panel, bool]], *, gaps: Sequence[float | None], contact: PlyContact | None = None,
+        friction: float = 0.0,
+    ) -> Pack:  # fmt: skip
+        """A pack of any plies.
+
+        Parameters
+        ----------
+        plies : of each ply its panel as it lies in the warp's direction, and whether it is turned by a right angle
+        gaps : [m] between each two; None takes the mean of both fabrics' (`gap.ply_gap`)
+        contact, friction : as of a Pack
+
+        Raises
+        ------
+        InputError : as Pack and `turned`
+        """
+        made: dict[tuple[int, bool], Panel] = {}
+        for panel, is_turned in plies:
+            if (id(panel), is_turned) not in made:
+                made[id(panel), is_turned] = turned(panel) if is_turned else panel
+        own = {id(panel): ply_gap(panel.fabric, PlyLaw.of(panel.fabric)).value for panel, _ in plies}
+        chosen = tuple(
+            0.5 * (own[id(a)] + own[id(b)]) if gap is None else gap
+            for gap, (a, _), (b, _) in zip(gaps, plies, plies[1:])
+        )
+        return cls(
+            tuple(made[id(panel), is_turned] for panel, is_turned in plies), chosen, contact or PlyContact(), friction
+        )
+
     @property
     def elements(self) -> int:
         """Number of elements of all plies."""

@@ -139,8 +139,16 @@ class SlidingPackSolver(PackSolver):
 
 def pack_of(ply: Any, plies: int, **others: Any) -> Pack:
     """The pack of a first ply, by its crossovers; parameters as Pack.stacked."""
-    kind = SlidingPack if isinstance(ply, SlidingPanel) else Pack
-    return kind.stacked(ply, plies, **others)
+    return _kind(ply).stacked(ply, plies, **others)
+
+
+def laid_up(plies: Sequence[tuple[Any, bool]], **others: Any) -> Pack:
+    """The pack of a lay-up, by its crossovers; parameters as Pack.laid_up."""
+    return _kind(plies[0][0]).laid_up(plies, **others)
+
+
+def _kind(ply):
+    return SlidingPack if isinstance(ply, SlidingPanel) else Pack
 
 
 def solver_of(pack: Panel | Pack, strike_velocity: float, end_time: float, **others: Any) -> ClothSolver:

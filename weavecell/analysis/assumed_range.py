@@ -151,8 +151,7 @@ def critical_velocity(
     """
     from shellfabric.impact import ballistic_limit  # with the kernels of packs, which a shot on one ply does not use
 
-    ply = setup
-    rows, found = [Row("nominal", "", velocity)], corners(ply.fabric, ply.laws)
+    rows, found = [Row("nominal", "", velocity)], corners(setup.fabric, setup.laws)
     for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
         try:
             limit = ballistic_limit.critical_velocity(
@@ -165,4 +164,4 @@ def critical_velocity(
             rows.append(Row(name, str(problem), None))
         if on_progress is not None:
             on_progress(number / len(found))
-    return AssumedRange("critical velocity", varied(ply.fabric, ply.laws), tuple(rows)) if found else None
+    return AssumedRange("critical velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None

@@ -54,7 +54,7 @@ def search(
     tolerance, jobs, executor : as of `ballistic_limit.critical_velocity`
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
-    with_range : whether the range over assumed laws is computed
+    with_range : whether the range over assumed laws is computed; never of a lay-up
     stage : progress of each stage
     keep : called with each shot as it ends
 
@@ -63,7 +63,7 @@ def search(
     InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`
     """
     stage = stage or (lambda title: nullcontext(lambda *_: None))
-    panel, name = setup.target(), setup.fabric.name
+    panel, name = setup.target(), setup.title
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
 
     def shots(advance):
@@ -83,8 +83,8 @@ def search(
         with stage("Residual velocities") as advance:
             strikes = max(limit.high, limit.highest_stop) * np.geomspace(*CURVE, residual_shots)
             limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **shots(advance)))
-    ply, around = setup, None
-    if with_range and assumed_range.corners(ply.fabric, ply.laws):
+    around = None
+    if with_range and not setup.lay_up and assumed_range.corners(setup.fabric, setup.laws):
         with stage("Range over the assumed laws") as advance:
             around = assumed_range.critical_velocity(
                 setup, limit.velocity, tolerance=tolerance, on_progress=lambda share: advance(share, None), **beside

@@ -97,7 +97,7 @@ def impact(
     setup = build.setup(this, path)
     if resume and not checkpoints(out):
         raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
-    title = scene.title or f"{this.title}, {scene.projectile.strike_velocity:g} m/s"
+    title = scene.title or f"{setup.title}, {scene.projectile.strike_velocity:g} m/s"
 
     def shoot(setup, table=None, model=""):
         checkpoint = out / f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"

@@ -208,7 +208,7 @@ def draws(
     this = build.build(scene, path, path.stem)
     setup = build.setup(this, path)
     scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
-    title = scene.title or f"{this.title}, {scene.projectile.strike_velocity:g} m/s"
+    title = scene.title or f"{setup.title}, {scene.projectile.strike_velocity:g} m/s"
     try:
         with progress.bar(f"{title}, draws") as advance:
             study = draws_of.study(

@@ -158,20 +158,22 @@ def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:
     )
 
 
-def sources(fabric: Fabric) -> Section:
+def sources(*fabrics: Fabric) -> Section:
     """Where each number comes from."""
-    rows = tuple(
-        (key, entry["value"], entry["status"], entry["source"]) for key, entry in sorted(fabric.sources.items())
-    )
+    tables = []
+    for fabric in fabrics:
+        of = f" {fabric.name}" if fabrics[1:] else ""
+        rows = tuple(
+            (key, entry["value"], entry["status"], entry["source"]) for key, entry in sorted(fabric.sources.items())
+        )
+        tables.append(Table(("key", "value", "status", "source"), rows, caption=f"Data of the fabric{of}"))
+        tables.append(Table(("quantity", "value"), tuple(derived(fabric)), caption=f"What follows from them{of}"))
     return Section(
         "sources",
         "Where each number comes from",
         "Every input of the fabric as it stands in its data file. The thesis is the PhD thesis whose "
         "model is implemented; E-nn are its errata.",
-        tables=(
-            Table(("key", "value", "status", "source"), rows, caption="Data of the fabric"),
-            Table(("quantity", "value"), tuple(derived(fabric)), caption="What follows from them"),
-        ),
+        tables=tuple(tables),
     )
 
 

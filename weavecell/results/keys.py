@@ -65,7 +65,9 @@ SHARED = keys(
     ("provenance.*", "", "versions, commit, date, machine, threads, text of the scene, assumed tables"),
 )  # fmt: skip
 PACK = keys(
-    ("stacking", "", 'pack: "aligned" or "alternating"'),
+    ("stacking", "", 'pack: "aligned", "alternating" or "lay-up"'),
+    ("ply_fabrics", "", "pack: name of the fabric of each ply"),
+    ("ply_angles_deg", "", "pack: angle of each ply's warp, 0 or 90"),
     ("ply_contact_source", "", "pack: where the contact law of plies comes from"),
     ("ply_contact_status", "", "pack: its status, such as computed, fitted or assumed"),
     ("ply_contact_travel_m", "m", "pack: its closure before solid fibre is pressed"),

@@ -23,7 +23,7 @@ from weavecell.scenes.supported import Rule, of
 from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
-    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup, Ply
 
 # keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
 CLOTH = of(
@@ -46,8 +46,9 @@ BACKING = of(
     "growth",
 )
 _OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")
+_LAY_UP = of("panel", "ply ply.name ply.file ply.law ply.law.a ply.law.b ply.law.form ply.angle ply.gap ply.count")
 SHOT = (
-    *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "panel.plies", *_OF_A_PACK,
+    *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "panel.plies", *_LAY_UP, *_OF_A_PACK,
     "run.elements_per_crossover", *NUMERICS, *BACKING,
 )  # fmt: skip
 # keys whose field in the objects of shellfabric has another name
@@ -84,6 +85,10 @@ SHOT_RULES = (
         Rule(f"panel.{key}", lambda scene: scene.panel.crossovers == "pinned", "left out where crossovers are pinned")
         for key in ("crossover_friction", "crossover_cohesion")
     ),
+    *(
+        Rule(key, lambda scene: bool(scene.panel.ply), "left out with [[panel.ply]]")
+        for key in ("fabric.surface", "panel.weave_angle")
+    ),
     *(Rule(key, lambda scene: scene.panel.plies == 1, "left out for a single ply") for key in _OF_A_PACK),
     Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
     Rule(
@@ -104,6 +109,7 @@ class Case:
     law_name : where the laws come from, in words
     scene : Scene
     surface : ResponseSurface that the cell is made from in place of the laws, or None
+    lay_up : every simulation.Ply of plies that are not all alike, from the front; the first has fabric and laws
     """
 
     name: str
@@ -112,13 +118,14 @@ class Case:
     law_name: str
     scene: Any
     surface: ResponseSurface | None = None
+    lay_up: tuple[Ply, ...] = ()
 
     @property
-    def title(self) -> str:
-        """The fabric, with the number of its plies."""
-        panel = getattr(self.scene, "panel", None)
-        plies = getattr(panel, "plies", 1)
-        return f"{plies} x {self.fabric.name}" if plies > 1 else self.fabric.name
+    def fabrics(self) -> tuple[Fabric, ...]:
+        """The fabrics of all plies, each once."""
+        found = [self.fabric]
+        found += [ply.fabric for ply in self.lay_up if ply.fabric not in found]
+        return tuple({each.name: each for each in found}.values())
 
 
 def build(scene: Any, file: Path, name: str) -> Case:
@@ -128,14 +135,39 @@ def build(scene: Any, file: Path, name: str) -> Case:
     ------
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
-    fabric = _sheared(_fabric(scene.fabric, file), scene, file)
-    surface = surface_of(scene.fabric, fabric, file)
-    fabric = _with_ply_contact(fabric, scene, file)
-    laws, law_name = _laws(scene.fabric, fabric, file) if surface is None else (fabric.laws, "3D response surface")
+    plies = getattr(getattr(scene, "panel", None), "ply", ())
+    lay_up, known = [], {}
+    for table in plies:
+        given = {key: getattr(table, key) for key in ("name", "file") if getattr(table, key) is not None}
+        own = {"name": None, "file": None, "law": "published", **given} if given else {}
+        own |= {} if table.law is None else {"law": table.law}
+        if (key := repr(own)) not in known:
+            known[key] = _cloth(scene.fabric.model_copy(update=own), scene, file)
+        gap = scene.panel.ply_gap if table.gap is None else table.gap
+        lay_up += _plies(known[key], table, gap)
+    fabric, surface, laws, law_name = next(iter(known.values())) if known else _cloth(scene.fabric, scene, file)
     shot = getattr(scene, "projectile", None)
     if shot is not None and shot.name is not None:
         print(f"projectile: {shot_in_words(shot)}")
-    return Case(name, fabric, laws, law_name, scene, surface)
+    return Case(name, fabric, laws, law_name, scene, surface, tuple(lay_up))
+
+
+def _cloth(table, scene, file):
+    """(fabric, surface, laws, where they come from) of a table [fabric]."""
+    fabric = _sheared(_fabric(table, file), scene, file)
+    surface = surface_of(table, fabric, file)
+    fabric = _with_ply_contact(fabric, table.law, scene, file)
+    if surface is not None:
+        return fabric, surface, fabric.laws, "3D response surface"
+    return fabric, None, *_laws(table, fabric, file)
+
+
+def _plies(cloth, table, gap):
+    """The plies of a table [[panel.ply]]."""
+    from shellfabric.impact.simulation import Ply
+
+    fabric, _, laws, _ = cloth
+    return [Ply(fabric, laws, table.angle, gap)] * table.count
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
@@ -163,6 +195,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             weave_angle=panel.weave_angle,
             grading=panel.grading,
             plies=panel.plies,
+            lay_up=case.lay_up,
             stacking=panel.stacking,
             ply_gap=panel.ply_gap,
             ply_friction=panel.ply_friction,
@@ -288,9 +321,9 @@ def _sheared(fabric, scene, file):
     return fabric
 
 
-def _with_ply_contact(fabric, scene, file):
+def _with_ply_contact(fabric, law, scene, file):
     """The fabric with the contact law of plies that the scene of a pack names, or that the file of its law holds."""
-    panel, law = getattr(scene, "panel", None), scene.fabric.law
+    panel = getattr(scene, "panel", None)
     if getattr(panel, "plies", 1) == 1:
         return fabric
     try:

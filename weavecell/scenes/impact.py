@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -13,7 +14,9 @@ from fabrics.errors import InputError
 from fabrics.units import si
 from weavecell.scenes import supported
 from weavecell.scenes.schema import (
+    LAW,
     FabricTable,
+    Law,
     Table,
     anchored,
     angle,
@@ -145,6 +148,40 @@ def _ply_contact(value):
     raise ValueError("no law")
 
 
+def _right_angle(text):
+    degrees = round(math.degrees(si(text, "rad")), 6)
+    if degrees not in (0, 90):
+        raise ValueError("no right angle")
+    return degrees == 90
+
+
+def _right_angle_or_value_error(text):
+    try:
+        return _right_angle(text)
+    except InputError as problem:
+        raise ValueError(str(problem)) from None
+
+
+MOST_PLIES = 32
+
+
+def _tuple(value):
+    return tuple(value) if isinstance(value, list) else value
+
+
+class PlyTable(Table):
+    """One ply of a lay-up, or several alike; what it leaves out is that of the table [fabric]."""
+
+    name: Annotated[str | None, Field(description="the name of a fabric of the catalogue")] = None
+    file: Annotated[str | None, Field(description="the path of a fabric file (*.toml)")] = None
+    law: Annotated[Law | None, Field(description=LAW)] = None
+    angle: Annotated[
+        bool, BeforeValidator(_right_angle_or_value_error), in_unit("rad", '"0 deg" or "90 deg", of the warp')
+    ] = False
+    gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
+    count: whole(1, MOST_PLIES) = 1
+
+
 class PanelTable(Table):
     """A panel in a rectangular opening, or a pack of several plies."""
 
@@ -156,7 +193,8 @@ class PanelTable(Table):
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"
     weave_angle: angle(-89, 89, "45 deg") = 0.0
-    plies: whole(1, 32) = 1
+    plies: whole(1, MOST_PLIES) = 1
+    ply: Annotated[tuple[PlyTable, ...], BeforeValidator(_tuple), Field(description="tables [[panel.ply]]")] = ()
     stacking: one_of("aligned", "alternating") = "aligned"
     ply_gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
     ply_contact: Annotated[str | None, BeforeValidator(_ply_contact), Field(description=_PLY_CONTACT)] = None
@@ -290,7 +328,7 @@ def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> 
     """Turn a scene's table into a checked Scene; `file`, where there is one, is named in errors and anchors relative
     paths."""
     table = _with_named_projectile(table, file)
-    scene = validated(Scene, table, file)
+    scene = _with_counted_plies(validated(Scene, table, file), file)
     _check_relations(scene, table, file)
     if support is not None:
         supported.check(scene, table, file, support(scene) if callable(support) else support)
@@ -303,6 +341,25 @@ def _with_named_projectile(table, file):
     if not isinstance(given, dict) or not isinstance(given.get("name"), str):
         return table
     return table | {"projectile": projectiles.table(given["name"], given, file=file, key="projectile.name")}
+
+
+def _with_counted_plies(scene, file):
+    """The scene with the number of plies of its tables [[panel.ply]]."""
+    panel = scene.panel
+    if not panel.ply:
+        return scene
+    for key in ("plies", "stacking"):
+        if key in panel.model_fields_set:
+            value = getattr(panel, key)
+            raise InputError(file=file, key=f"panel.{key}", value=value, allowed="left out beside [[panel.ply]]")
+    for ply in panel.ply:
+        if ply.name is not None and ply.file is not None:
+            raise InputError("give one of panel.ply.name and panel.ply.file", file=file, key="panel.ply")
+    plies = sum(ply.count for ply in panel.ply)
+    if not 2 <= plies <= MOST_PLIES:
+        allowed = f"2 to {MOST_PLIES} plies in all; [fabric] alone is one ply"
+        raise InputError(file=file, key="panel.ply", value=f"{plies} plies", allowed=allowed)
+    return scene.model_copy(update={"panel": panel.model_copy(update={"plies": plies})})
 
 
 def _check_relations(scene, table, file):

@@ -87,7 +87,8 @@ class InlineLaw(Table):
     form: one_of("regularised", "printed") = "regularised"
 
 
-_LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
+_NAMED_LAWS = "published", "solid", "pressure_law"
+LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
 
 
 def _law_kind(value):
@@ -138,7 +139,7 @@ class FabricTable(Table):
     weaving_damage: Annotated[
         WeavingDamageTable | None, Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }')
     ] = None
-    law: Annotated[Law, Field(description=_LAW)] = "published"
+    law: Annotated[Law, Field(description=LAW)] = "published"
     cell_model: one_of("compressible", "incompressible", "decoupled") = "compressible"
     cell_formulation: one_of("variational", "equilibrium", "direct") = "variational"
     cell_profile: one_of("cosine", "straight") = "cosine"
@@ -195,19 +196,19 @@ def exactly_one(table: BaseModel, names: Sequence[str], key: str, file: FilePath
 
 def anchored(scene: Any, folder: Path) -> Any:
     """The scene with its relative paths taken from the folder of the scene file."""
-    changes = {}
-    if scene.fabric.file is not None:
-        changes["file"] = os.path.normpath(folder / scene.fabric.file)
-    if isinstance(scene.fabric.law, str) and scene.fabric.law != "published":
-        changes["law"] = os.path.normpath(folder / scene.fabric.law)
-    if scene.fabric.surface is not None:
-        changes["surface"] = os.path.normpath(folder / scene.fabric.surface)
-    updates = {"fabric": scene.fabric.model_copy(update=changes)}
-    contact = getattr(getattr(scene, "panel", None), "ply_contact", None)
-    if contact is not None and contact.endswith((".json", ".csv")):
-        path = os.path.normpath(folder / contact)
-        updates["panel"] = scene.panel.model_copy(update={"ply_contact": path})
+    updates: dict[str, Any] = {"fabric": _anchored(scene.fabric, folder, ("file", "law", "surface"))}
+    panel = getattr(scene, "panel", None)
+    if panel is not None:
+        plies = tuple(_anchored(ply, folder, ("file", "law")) for ply in panel.ply)
+        updates["panel"] = _anchored(panel, folder, ("ply_contact",)).model_copy(update={"ply": plies})
     return scene.model_copy(update=updates)
+
+
+def _anchored(table, folder, keys):
+    """A table whose paths, all texts but the names of laws, are taken from a folder."""
+    given = {key: getattr(table, key) for key in keys}
+    paths = {key: text for key, text in given.items() if isinstance(text, str) and text not in _NAMED_LAWS}
+    return table.model_copy(update={key: os.path.normpath(folder / text) for key, text in paths.items()})
 
 
 def _problems(found, model, file):

@@ -45,7 +45,7 @@ class Target:
     @property
     def title(self) -> str:
         """The fabric, with the number of its plies."""
-        return self.case.title
+        return self.setup.title
 
     @property
     def projectile(self) -> str:

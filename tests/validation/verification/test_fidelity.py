@@ -27,7 +27,7 @@ def result(outcome="stopped", speed=0.0, z=0.02, peak=(100.0, 120.0), strike=100
     return SimpleNamespace(
         outcome=outcome, residual_velocity=speed,
         step_history=np.array([[0, 0, 0, 0], [1, z, 0, 0], [2, 0.9 * z, 0, 0]]),
-        peak_tension=peak, setup=SimpleNamespace(strike_velocity=strike, fabric=FABRIC), rigidity=rigidity,
+        ply_tensions=[peak], setup=replace(SETUP, strike_velocity=strike, fabric=FABRIC), rigidity=rigidity,
     )  # fmt: skip
 
 

@@ -31,7 +31,7 @@ def row(name: str, number: int) -> dict[str, Any]:
     seconds = time.process_time() - began
     result = SimpleNamespace(
         setup=setup, outcome=found.outcome, residual_velocity=found.residual_velocity, step_history=found.step_history,
-        peak_tension=found.peak_tension,
+        ply_tensions=[found.peak_tension],
     )  # fmt: skip
     return {NAME: {"values": quantities.of(result), "seconds": seconds}}
 

@@ -41,26 +41,24 @@ def of(result: Any) -> dict[str, Any]:
     fabric's own warp and weft. The load is the larger peak tension over the yarn's strength,
     the haste the strike velocity over that which fails a lone yarn at once (`fabrics.yarn.striking_velocity`).
     """
-    speed = max(result.residual_velocity, 0.0)
-    ply, peaks = getattr(result.setup, "ply", result.setup), _peaks(result)
-    share, through = speed / ply.strike_velocity, result.outcome == "perforated"
+    speed, setup, peaks = max(result.residual_velocity, 0.0), result.setup, _peaks(result)
+    share, through = speed / setup.strike_velocity, result.outcome == "perforated"
+    strengths = [[yarn.strength for yarn in setup.fabric_of(p).weave.yarns] for p in range(len(peaks))]
+    warp, weft = peaks.max(axis=0)
     return {
         "outcome": result.outcome,
-        "haste": haste(ply.strike_velocity, ply.fabric.weave.yarns),
-        "load": max(T / yarn.strength for T, yarn in zip(peaks, ply.fabric.weave.yarns)),
+        "haste": haste(setup.strike_velocity, setup.fabric.weave.yarns),
+        "load": float(np.max(peaks / strengths)),
         "residual_velocity": share,
         "absorbed_energy": 1 - share**2,
         "deflection": nan if through else float(max(result.step_history[:, 1])),
-        "peak_tension": (nan, nan) if through else peaks,
+        "peak_tension": (nan, nan) if through else (float(warp), float(weft)),
     }
 
 
 def _peaks(result):
-    """(warp, weft) [N] highest tension of any ply, by the fabric's own warp and weft."""
-    peaks = [tuple(ply) for ply in np.atleast_2d(result.peak_tension)]
-    if getattr(result.setup, "stacking", "") == "alternating":
-        peaks[1::2] = [ply[::-1] for ply in peaks[1::2]]
-    return tuple(float(max(family)) for family in zip(*peaks))
+    """(plies, 2) [N] highest tension of each ply, by its fabric's own warp and weft."""
+    return np.array([row[::-1] if result.setup.is_turned(p) else row for p, row in enumerate(result.ply_tensions)])
 
 
 def haste(strike_velocity: float, yarns: Iterable[Yarn]) -> float:

@@ -107,11 +107,13 @@ def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
     ------
     InputError : an unknown name
     """
-    ply = setup
-    laws = (
-        ply.laws
-        and variants.scale_laws(
-            replace(ply.fabric, laws=ply.laws), *(factors.get(f"compression_{name}", 1.0) for name in "ab")
-        ).laws
-    )
-    return replace(setup, fabric=changed(ply.fabric, **factors), laws=laws)
+
+    def one(fabric, laws):
+        """Fabric and laws, changed."""
+        if laws:
+            scales = (factors.get(f"compression_{name}", 1.0) for name in "ab")
+            laws = variants.scale_laws(replace(fabric, laws=laws), *scales).laws
+        return {"fabric": changed(fabric, **factors), "laws": laws}
+
+    lay_up = tuple(replace(ply, **one(ply.fabric, ply.laws)) for ply in setup.lay_up)
+    return replace(setup, lay_up=lay_up, **one(setup.fabric, setup.laws))

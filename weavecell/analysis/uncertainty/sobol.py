@@ -146,10 +146,9 @@ def study(
         entries = {name: entries[name] for name in names}
     given = problem(entries)
     rows = sample(given, samples, seed)
-    ply = setup
-    if ply.surface is not None:
+    if setup.surface is not None:
         raise InputError("a response surface holds for one fabric", key="surface", allowed="left out")
-    numerics = replace(ply.numerics, threads=1)
+    numerics = replace(setup.numerics, threads=1)
     plain = replace(
         setup, strike_velocity=1.0, history=None, snapshot_interval=None, numerics=numerics, table_size=TABLE
     )

@@ -65,13 +65,14 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     InputError : yarns that do not fail, or a response surface where modulus or crimp scatter
     """
     given = whole(setup)
-    ply = given
-    check(ply, scatter)
+    check(given, scatter)
     plain = plies(replace(given, table_size=_SMALL).target())
-    found = [draw(ply.fabric, scatter, seed, number * len(plain) + p, *_yarns(one)) for p, one in enumerate(plain)]
+    found = [
+        draw(given.fabric_of(p), scatter, seed, number * len(plain) + p, *_yarns(one)) for p, one in enumerate(plain)
+    ]
     factors = found[0][0]
     if all(factor == 1 for factor in factors.values()):
-        table = ply.table(kept=True)
+        table = given.table(kept=True)
     else:
         given = changed_setup(given, **factors)
         table = given.table()
@@ -84,13 +85,13 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     return Drawn(replace(panel, plies=own) if isinstance(panel, Pack) else own[0], factors, (warp, weft))
 
 
-def check(ply: ImpactSetup, scatter: Scatter) -> None:
+def check(setup: ImpactSetup, scatter: Scatter) -> None:
     """InputError where the strengths of these plies cannot be drawn."""
-    if not ply.failure:
+    if not setup.failure:
         raise InputError(
             "strengths are drawn, and the yarns do not fail", key="yarn_failure", value=False, allowed="true"
         )
-    if ply.surface is not None and (scatter.modulus or scatter.crimp):
+    if setup.surface is not None and (scatter.modulus or scatter.crimp):
         raise InputError(
             "a response surface holds for one modulus and one crimp", key="scatter of modulus and crimp", allowed="0"
         )

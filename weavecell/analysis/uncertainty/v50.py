@@ -146,13 +146,12 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     A pack has a graded mesh of its own. Edges that are not clamped, oblique shots and weaves, and sliding crossovers
     have the uniform mesh; so has `elements_per_crossover = 1`.
     """
-    ply = setup
-    given = ply.grading is not None or ply.elements_per_crossover is not None or ply.crossovers is not None
-    clamped = all(side == "clamped" for pair in boundary.sides(ply.edge) for side in pair)
-    if setup.plies > 1 or given or not clamped or ply.projectile.obliquity or ply.weave_angle:
+    given = setup.grading is not None or setup.elements_per_crossover is not None or setup.crossovers is not None
+    clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
+    if setup.plies > 1 or given or not clamped or setup.projectile.obliquity or setup.weave_angle:
         return setup
-    near = first_zone(ply)
-    return replace(ply, grading=((near, 1), (2 * near, 2), (inf, 4)))
+    near = first_zone(setup)
+    return replace(setup, grading=((near, 1), (2 * near, 2), (inf, 4)))
 
 
 def first_zone(ply: ImpactSetup) -> int:

@@ -44,7 +44,12 @@ def sections(
     ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the last
     found += [chapters_impact.measures(record.measured[p], places, p + 1 if record.pack else None) for p in ends]
     found += [*chapters_impact.body(record), *_cell(this)]
-    return [*found, chapters_shot.assumptions(used, tuple(assumed.lines(this.fabric)), body=record.rigid_check)]
+    return [
+        *found,
+        chapters_shot.assumptions(
+            used, tuple(line for fabric in this.fabrics for line in assumed.lines(fabric)), body=record.rigid_check
+        ),
+    ]
 
 
 def _cell(this):
@@ -65,17 +70,19 @@ def page(
     laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
     plies, more = f"One ply of {record.fabric}", ""
     if record.pack:
-        plies = f"{record.count} plies of {record.fabric}, {record.pack['stacking']}"
+        plies = f"{record.count} plies: {record.fabric}"
+        if not setup.lay_up:
+            plies = f"{record.count} plies of {record.fabric}, {record.pack['stacking']}"
         more = f" At rest: {record.gap_words}; {record.contact_words}."
     return Report(
         record.title,
         f"{plies}, {words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
         f"{words.shot_in_words(shot)}.{more}",
-        ((chapters_shot.card(record), chapters.fabric_card(this.fabric), *laws),),
+        ((chapters_shot.card(record), *map(chapters.fabric_card, this.fabrics), *laws),),
         (
             *found,
             checks.section(record.checks),
-            chapters.sources(this.fabric),
+            chapters.sources(*this.fabrics),
             chapters.making(stamp, {"time integration": record.wall_time}, tables_shot.cost([record], setup.meshed)),
         ),
         f"weavecell {weavecell.__version__}, {stamp['date']}",

@@ -1,0 +1,79 @@
+"""Lay-ups: of plies that are all alike they are the plain pack, by right angles the alternating one; hybrid packs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric.impact.simulation import ImpactSetup, Ply, run
+from shellfabric.panel.model import Numerics
+
+SETUP = ImpactSetup(
+    catalogue.load("S-728"), 260.0, opening=0.04, end_time=20e-6, table_size=61, plies=3, numerics=Numerics(threads=1)
+)
+
+
+def laid(*plies, setup=SETUP):
+    """The set-up with a lay-up."""
+    return replace(setup, fabric=plies[0].fabric, laws=plies[0].laws, plies=len(plies), lay_up=plies)
+
+
+def same(one, other):
+    """Whether two results are equal to the last bit."""
+    arrays = [(one.energies[name], other.energies[name]) for name in one.energies]
+    arrays += [(one.plies[name], other.plies[name]) for name in one.plies]
+    arrays += [(one.step_history, other.step_history), (one.last[-1].nodes, other.last[-1].nodes)]
+    return all(np.array_equal(a, b, equal_nan=True) for a, b in arrays)
+
+
+def test_of_one_fabric_it_is_the_plain_pack():
+    """Also where the fabric is given anew for each ply, as by two files."""
+    plain = run(SETUP)
+    assert plain.failed_segments[-1] > 0
+    assert same(run(laid(*(Ply(catalogue.load("S-728")) for _ in range(3)))), plain)
+
+
+def test_by_right_angles_it_is_the_alternating_pack():
+    plies = [Ply(SETUP.fabric, turned=turned) for turned in (False, True, False)]
+    assert same(run(laid(*plies)), run(replace(SETUP, stacking="alternating")))
+
+
+def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
+    """Plies of other crossovers and counts: the same energy balance, each with its own strength; the order matters."""
+    one, other = Ply(SETUP.fabric), Ply(catalogue.load("S-726"), turned=True)
+    results = [run(laid(*plies)) for plies in ((one, one, other), (other, one, one))]
+    for result in results:
+        assert result.energy_error_max < 2e-3
+        assert result.failed_segments[-1] > 0
+        total = sum(result.energies[name][-1] for name in result.energies if name not in ("error", "ply_contact"))
+        assert total == pytest.approx(result.strike_energy - result.energies["ply_contact"][-1], rel=2e-3)
+    first, second = results
+    assert first.setup.title == "2 x S-728 + 1 x S-726 at 90 deg"
+    assert [panel.fabric.name.split(",")[0] for panel in first.panels] == ["S-728", "S-728", "S-726"]
+    weft, warp = (yarn.strength for yarn in first.panels[2].weave.yarns)
+    assert (warp, weft) == tuple(yarn.strength for yarn in other.fabric.weave.yarns)
+    assert abs(first.v[-1] - second.v[-1]) > 0.1
+    law = first.target.laws
+    assert law[0].stiffness != law[1].stiffness
+
+
+def test_gaps_are_those_of_the_plies_or_the_mean():
+    one, other = Ply(SETUP.fabric, gap=1e-4), Ply(catalogue.load("S-726"))
+    both = [laid(each, each).target().gaps[0] for each in (replace(one, gap=None), other)]
+    assert laid(one, other, other).target().gaps == (1e-4, both[1])
+    assert laid(other, one).target().gaps[0] == pytest.approx(np.mean(both), rel=1e-12)
+
+
+def test_the_mesh_is_fine_as_far_as_any_ply_needs():
+    """One grading for all: as many crossovers as the fabric with the shortest ones needs."""
+    setups = [laid(*[Ply(catalogue.load(name))] * 2, setup=replace(SETUP, opening=0.2)) for name in ("S-745", "S-726")]
+    alone = [setup.meshed.grading[0] for setup in setups]
+    mixed = laid(setups[0].lay_up[0], setups[1].lay_up[0], setup=setups[0])
+    assert mixed.meshed.grading[0] == (max(far for far, _ in alone), min(side for _, side in alone))
+
+
+def test_a_lay_up_that_does_not_fit_is_refused():
+    with pytest.raises(InputError, match="plies = 2: must be 3"):
+        replace(SETUP, plies=2, lay_up=(Ply(SETUP.fabric),) * 3)
