@@ -202,8 +202,8 @@ def _tell(record, out, around, choice, pair):
     print(f"{record.title}: {record.outcome}, {tables_shot.residual(record)}")
     if record.pack:
         print(record.contact_words)
-        print(record.gap_words)
         print(f"failed yarn segments by ply: {', '.join(f'{n:g}' for n in record.plies['failed_yarns'][-1])}")
+        print(record.gap_words)
     print(
         f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )

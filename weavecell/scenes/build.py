@@ -46,7 +46,7 @@ BACKING = of(
     "growth",
 )
 _OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")
-_LAY_UP = of("panel", "ply ply.name ply.file ply.law ply.law.a ply.law.b ply.law.form ply.angle ply.gap ply.count")
+_LAY_UP = of("panel", "ply.name ply.file ply.law ply.law.a ply.law.b ply.law.form ply.angle ply.gap ply.count")
 SHOT = (
     *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "panel.plies", *_LAY_UP, *_OF_A_PACK,
     "run.elements_per_crossover", *NUMERICS, *BACKING,

@@ -81,6 +81,25 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert whole.bounds[:4] == pytest.approx([-grid.bounds[1], grid.bounds[1], -grid.bounds[3], grid.bounds[3]])
 
 
+def test_a_hybrid_pack_says_what_it_is_made_of(command, scene, tmp_path):
+    plies = '[[panel.ply]]\ncount = 2\n[[panel.ply]]\nname = "S-726"\nangle = "90 deg"\ngap = "0.2 mm"'
+    path = scene(f'symmetry = "half"\n{plies}', outputs='["paraview", "pictures", "report"]')
+    path.write_text(path.read_text().replace("plies = 3\n", ""))
+    code, out, err = command("impact", path, "--out", "results")
+    assert code == 0, err
+    assert "2 x S-728 + 1 x S-726 at 90 deg, 200 m/s: in flight" in out
+    told = json.loads((tmp_path / "results" / "summary.json").read_text())
+    assert (told["plies"], told["stacking"]) == (3, "lay-up")
+    assert told["ply_fabrics"] == ["S-728", "S-728", "S-726"]
+    assert told["ply_angles_deg"] == [0.0, 0.0, 90.0]
+    record = ImpactRecord.read(tmp_path / "results" / "histories.h5")
+    assert record.strength[0, 0] != record.strength[2, 0]
+    page = (tmp_path / "results" / "report.html").read_text()
+    assert "3 plies: 2 x S-728 + 1 x S-726 at 90 deg" in page
+    assert "Data of the fabric S-726" in page
+    assert command("view", "results", "--screenshot", "pack.png")[0] == 0
+
+
 def test_histories_of_every_ply_are_written_and_drawn_of_the_first_and_the_last(command, scene, tmp_path):
     path = scene(outputs='["pictures"]', extra='[history]\ninterval = "2 us"\nwarp = ["0 mm", "5 mm"]\n')
     assert command("impact", path, "--out", "results")[0] == 0
@@ -132,6 +151,14 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
         ("plies = 2\nply_friction = 0.2", "[numerics]\ncfl = 1.0\n", "numerics.cfl"),
         ("plies = 2\ngrading = [[10, 1], [inf, 2]]", '[accuracy]\ndeflection = "5 %"\n', "panel.grading"),
         ("plies = 2\ngrading = [[2, 1], [inf, 2]]", "", "panel.grading"),
+        ('plies = 2\n[[panel.ply]]\nname = "S-726"', "", "panel.plies"),
+        ('[[panel.ply]]\nname = "S-726"', "", "panel.ply = '1 plies': must be 2 to 32 plies"),
+        ('[[panel.ply]]\nname = "S-000"\ncount = 2', "", "fabric.name"),
+        ('[[panel.ply]]\nangle = "45 deg"\ncount = 2', "", "panel.ply.angle = '45 deg': must be \"0 deg\" or"),
+        ('[[panel.ply]]\nname = "S-726"\nfile = "a.toml"\ncount = 2', "", "panel.ply.name and panel.ply.file"),
+        (
+            'symmetry = "whole"\nweave_angle = "45 deg"\n[[panel.ply]]\ncount = 2', "", "panel.weave_angle",
+        ),
         (
             'plies = 2\nstacking = "alternating"\nsymmetry = "whole"\nweave_angle = "45 deg"', "", "panel.stacking",
         ),

@@ -117,6 +117,15 @@ KEYS = FABRIC | SLIPS | {
     "panel.crossover_friction": ({"panel": {"crossovers": "sliding"}}, 0.2, 0.3),
     "panel.crossover_cohesion": ({"panel": {"crossovers": "sliding"}}, "0 N", "1 N"),
     "panel.plies": ({}, 1, 2),
+    "panel.ply.name": ({}, [{"name": "S-726"}, {}], [{"name": "S-728"}, {}]),
+    "panel.ply.file": ({}, [{"file": FILE}, {}], [{"file": FILE.replace("S-728", "S-731")}, {}]),
+    "panel.ply.law": ({}, [{"law": LAW}, {}], [{"law": LAW | {"a": "0.05 mm"}}, {}]),
+    "panel.ply.law.a": ({}, [{"law": LAW}, {}], [{"law": LAW | {"a": "0.05 mm"}}, {}]),
+    "panel.ply.law.b": ({}, [{"law": LAW}, {}], [{"law": LAW | {"b": "0.06 mm N^(1/3)"}}, {}]),
+    "panel.ply.law.form": ({}, [{"law": LAW}, {}], [{"law": LAW | {"form": "printed"}}, {}]),
+    "panel.ply.angle": ({}, [{"angle": "0 deg"}, {}], [{"angle": "90 deg"}, {}]),
+    "panel.ply.gap": ({}, [{"gap": "0.1 mm"}, {}], [{"gap": "0.2 mm"}, {}]),
+    "panel.ply.count": ({}, [{"count": 2}], [{"count": 3}]),
     "panel.stacking": ({"panel": {"plies": 2}}, "aligned", "alternating"),
     "panel.ply_gap": ({"panel": {"plies": 2}}, "0.1 mm", "0.2 mm"),
     "panel.ply_contact": ({"panel": {"plies": 2}}, "solid", "pressure_law"),
@@ -243,7 +252,8 @@ def test_a_supported_key_reaches_the_solver(name, key):
         context = merged(context, {"accuracy": {"deflection": "5 %"}})
     made = []
     for value in (first, other):
-        table = merged(merged(SHOT, context), table_of(key, numbers(value)))
+        written = "panel.ply" if key.startswith("panel.ply.") else key  # plies are given whole
+        table = merged(merged(SHOT, context), table_of(written, numbers(value)))
         asked = scenes_impact.check(table, "s", SUPPORTS[name])
         made.append(repr(build.setup(build.build(asked, "s", "s"), "s")))
     assert made[0] != made[1]

@@ -256,7 +256,7 @@ def _look(base, tables):
     for model in scouts(meshed):
         this = model.of(replace(base, snapshot_interval=None, history=None))
         try:
-            result = run(this, tables.of(this))
+            result = run(this, table=tables.of(this))
         except UnstableError:
             return ()
         found.insert(0, _Scout(model, result, quantities.of(result)))
