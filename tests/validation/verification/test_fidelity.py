@@ -295,8 +295,9 @@ class TestPacks:
 
     @staticmethod
     def result(*peaks, stacking="alternating", **changes):
-        found = result(peak=np.array(peaks), **changes)
-        found.setup = SimpleNamespace(ply=found.setup, stacking=stacking)
+        found = result(**changes)
+        found.ply_tensions = np.array(peaks)
+        found.setup = replace(found.setup, plies=len(peaks), stacking=stacking)
         return found
 
     def test_peaks_are_the_highest_of_any_ply_by_the_fabrics_own_warp_and_weft(self):
@@ -322,9 +323,9 @@ class TestPacks:
             assert (setup.plies, setup.stacking, setup.ply_gap) == (3, "alternating", 1e-4)
             side = 0.5 if setup.grading == ((inf, 2),) else setup.elements_per_crossover
             calls.append(side)
-            return self.result((100.0, 120.0), z=0.021 if side == 0.5 else 0.02)
+            return self.result(*[(100.0, 120.0)] * 3, stacking="aligned", z=0.021 if side == 0.5 else 0.02)
 
-        monkeypatch.setattr(select.pack, "run", run)
+        monkeypatch.setattr(select.simulation, "run", run)
         known = taught({ONE: 0.5, TWO: 0.1}, apart=2.0)
         for share, names, runs in ((0.1, [ONE], [0.5, 1, 1]), (0.007, [TWO], [0.5, 1, 2]),
                                    (1e-3, [ladder.PACK_FULL], [0.5, 1, 2])):  # fmt: skip
@@ -336,12 +337,12 @@ class TestPacks:
 
     def test_drawn_packs(self):
         one, again, other = (scenes.drawn_pack(number, survey.PACK_SEED) for number in (3, 3, 4))
-        assert (one.ply.strike_velocity, one.gap) == (again.ply.strike_velocity, again.gap)
-        assert one.gap != other.gap
+        assert (one.strike_velocity, one.ply_gap) == (again.strike_velocity, again.ply_gap)
+        assert one.ply_gap != other.ply_gap
         for number in range(survey.PACK_COUNT):
             pack = scenes.drawn_pack(number, survey.PACK_SEED)
             assert 2 <= pack.plies <= scenes.MOST_PLIES
-            assert min(pack.ply.opening) > 4 * pack.ply.projectile.radius
+            assert min(pack.opening) > 4 * pack.projectile.radius
 
     def test_the_packages_own_book(self):
         own = error_database.load(packs=True)

@@ -82,7 +82,7 @@ def test_intervals_of_a_shot(setup, table):
 def result_of(setup, outcome, residual):
     panel = np.array([[0.0, 1e-3, residual, 0.0]])
     return SimpleNamespace(
-        setup=setup, outcome=outcome, residual_velocity=residual, step_history=panel, peak_tension=(10.0, 20.0),
+        setup=setup, outcome=outcome, residual_velocity=residual, step_history=panel, ply_tensions=[(10.0, 20.0)],
         strike_energy=2.4,
     )  # fmt: skip
 

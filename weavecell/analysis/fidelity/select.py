@@ -19,7 +19,8 @@ from math import inf, isnan
 from typing import Any
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric.impact.simulation import ImpactResult, ImpactSetup, run
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 from weavecell.analysis.fidelity import error_database as books
 from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import Model, Tables, effort, ladder_of, partner, scouts, simplest
@@ -204,7 +205,7 @@ def answer(
     InputError, UnstableError : as `options` and `simulation.run`
     """
     tables, book, on_progress = tables or Tables(), book or _book(setup), on_progress or (lambda text: None)
-    fire = fire or (lambda option, table: run(option.setup, table=table))
+    fire = fire or (lambda option, table: simulation.run(option.setup, table=table))
     options(setup, targets, fixed=fixed, tables=tables, book=book)  # wrong targets are refused before anything is run
     base = setup if "symmetry" in fixed else simplest(setup, tables)
     shot = setup.projectile
@@ -256,7 +257,7 @@ def _look(base, tables):
     for model in scouts(meshed):
         this = model.of(replace(base, snapshot_interval=None, history=None))
         try:
-            result = run(this, table=tables.of(this))
+            result = simulation.run(this, table=tables.of(this))
         except UnstableError:
             return ()
         found.insert(0, _Scout(model, result, quantities.of(result)))
