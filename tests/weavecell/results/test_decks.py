@@ -1,0 +1,181 @@
+"""Decks for LS-DYNA, OpenRadioss and Abaqus of all fabrics, laws and units, read back; none is run in its code."""
+
+from dataclasses import replace
+from functools import cache
+
+import deck_readers
+import numpy as np
+import pytest
+
+import weavecell as wc
+from fabrics.errors import InputError
+from weavecell.analysis.material_card.cloth import Cloth
+from weavecell.commands import export
+from weavecell.results.deck import UNITS
+
+FORMS = [(code, law) for code, one in export.CODES.items() for law in one.laws]
+SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
+
+
+@cache
+def deck(fabric, to, law, match="uniaxial", **options):
+    given = wc.setup(fabric, "100 m/s", opening="40 mm", elements_per_crossover=1, **options)
+    return export.made_of(given, to, law, "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
+
+
+def text(made, to):
+    return export.CODES[to].write(made, "panel")
+
+
+@cache
+def cloth(fabric):
+    return Cloth(wc.setup(fabric, "100 m/s").cell())
+
+
+def close(found, wanted, of):
+    """Within 1 % of the largest."""
+    assert np.abs(found - wanted).max() <= 0.01 * np.max(of)
+
+
+@pytest.mark.parametrize("units", UNITS)
+@pytest.mark.parametrize(("to", "law"), FORMS)
+@pytest.mark.parametrize("fabric", wc.fabrics())
+def test_every_deck_is_read_back_with_the_curves_of_the_cell(fabric, to, law, units):
+    files = text(replace(deck(fabric, to, law), units=UNITS[units]), to)
+    content = next(iter(files.values()))
+    gamma = np.linspace(0, cloth(fabric).shear.gamma2, 50)
+    stress = cloth(fabric).shear.stress(gamma)
+    if to == "radioss":
+        (word, rows, shear), *_ = deck_readers.radioss(content).values()
+        assert word == f"MAT/{law.upper()}"
+        modulus = np.array([rows[1][0], rows[1][2]] if law == "law58" else rows[1][:2]) / SCALE[units]
+        if law == "law58":
+            counts, crimp = np.array(rows[4][:2]), np.array(rows[4][2:4])
+            assert modulus * (1 + crimp) / counts[::-1] == pytest.approx(cloth(fabric).modulus, rel=0.01)
+            assert crimp == pytest.approx(cloth(fabric).crimp, rel=0.01)
+            shear_found = np.interp(np.degrees(gamma), *shear.T) * np.cos(gamma)
+            close(shear_found / SCALE[units], stress, stress)
+            assert np.all(np.diff(shear, axis=0) > 0)
+        else:
+            assert np.all(modulus < cloth(fabric).modulus)
+        return
+    if to == "lsdyna":
+        (warp, weft, shear), *_ = deck_readers.dyna(content).values()
+        assert (warp[1], weft[1], shear[1]) == (-2, -2, 0)
+        curves = warp[0], weft[0], shear[0]
+    else:
+        found, *_ = deck_readers.abaqus(content).values()
+        curves = found["2"], found["1"], found["SHEAR"]
+    for family, curve in enumerate(curves[:2]):
+        stretch, wanted = cloth(fabric).uniaxial(family)
+        close(np.interp(stretch - 1, *curve.T) / SCALE[units], wanted, wanted)
+    close(np.interp(gamma, *curves[2].T) / SCALE[units], stress, stress)
+
+
+def test_dyna_deck_is_read_by_dynakw(tmp_path):
+    dynakw = pytest.importorskip("dynakw")
+    made = deck("S-720", "lsdyna", "fabric34", plies=2, stacking="alternating")
+    path = tmp_path / "panel.k"
+    path.write_text(text(made, "lsdyna")["panel.k"])
+    with dynakw.DynaKeywordReader(str(path)) as reader:
+        found = [(each.full_keyword, each.cards) for each in reader.keywords()]
+    cards = dict(found)
+    nodes = cards["*NODE"]["Card 1"]
+    assert np.allclose(np.stack([nodes[k] for k in "XYZ"], axis=1), made.points, rtol=1e-9, atol=1e-12)
+    inertia = cards["*PART_INERTIA"]["inertia"]
+    assert float(inertia["TM"][0]) == pytest.approx(made.nose.mass, rel=1e-3)
+    assert float(inertia["VTZ"][0]) == pytest.approx(100, rel=1e-3)
+    assert cards["*SECTION_SHELL_TITLE"]
+    assert cards["*MAT_RIGID_TITLE"]
+    curves = [card for name, card in found if name == "*DEFINE_CURVE_TITLE"]
+    assert len(curves) == 6
+    points = next(card for name, card in curves[0].items() if name != "Card 1" and len(next(iter(card.values()))) > 3)
+    strain, stress = list(points.values())[:2]
+    assert np.allclose(np.column_stack([strain, stress]), made.cards[0].law.curves[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("to", "law"), FORMS)
+def test_turned_plies_have_a_card_with_warp_and_weft_exchanged(to, law):
+    made = deck("S-726", to, law, plies=3, stacking="alternating", symmetry="half", ply_friction=0.2)
+    assert [ply.card.number for ply in made.plies] == [1, 2, 1]
+    reader = {"lsdyna": deck_readers.dyna, "radioss": deck_readers.radioss, "abaqus": deck_readers.abaqus}[to]
+    assert len(reader(next(iter(text(made, to).values())))) == 2
+    ones, others = (card.cloth for card in made.cards[:2])
+    assert np.array_equal(ones.modulus, others.modulus[::-1])
+    heights = [ply.points[0, 2] for ply in made.plies]
+    assert np.all(np.diff(heights) >= made.cards[0].cloth.thickness)
+    assert made.friction == 0.2
+
+
+@pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])
+def test_a_deck_holds_its_share_of_the_shot(symmetry):
+    made = deck("S-720", "lsdyna", "fabric34", symmetry=symmetry)
+    share = {"quarter": 0.25, "half": 0.5, "whole": 1.0}[symmetry]
+    assert made.nose.mass == pytest.approx(3e-3 * share)
+    ply, held = made.plies[0], made.held()
+    assert set(held) == {"clamped", *(["mirror_x"] if share < 1 else []), *(["mirror_y"] if share == 0.25 else [])}
+    sides = ply.points[ply.quads[:, [1, 3]] - 1] - ply.points[ply.quads[:, [0]] - 1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
+    cell = made.cards[0].cloth
+    mass = cell.density * cell.thickness * area
+    assert mass == pytest.approx(share * 0.04**2 * cell.model.fabric.weave.areal_density, rel=0.1)
+    assert np.all(sides[:, 0, 0] > 0)
+    assert np.all(sides[:, 0, 1] == 0)
+    assert np.all(ply.points[:, 2] - made.nose.points[:, 2].max() > 0.5 * (cell.thickness + made.skin))
+
+
+@pytest.mark.parametrize("shape", [
+    {}, {"shape": "sphere"}, {"shape": "hemisphere"}, {"obliquity": "30 deg"},
+    {"shape": "cone", "half_angle": "40 deg", "tip_radius": "1 mm"},
+])  # fmt: skip
+def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(shape):
+    edge = {} if shape.get("shape") == "sphere" else {"edge_radius": "0.3 mm"}
+    shot = {"mass": "3 g", "diameter": "5.5 mm", **edge, **shape}
+    made = deck.__wrapped__("S-720", "lsdyna", "fabric34", symmetry="whole", projectile=shot)
+    nose = made.nose
+    first = len(made.points) - len(nose.points)
+    faces = [*nose.quads.tolist(), *nose.triangles.tolist()]
+    edges = [frozenset(pair) for face in faces for pair in zip(face, [*face[1:], face[0]])]
+    assert all(edges.count(edge) == 2 for edge in set(edges[:200]))  # every edge has two faces
+    assert min(map(min, faces)) == first
+    assert nose.points[:, 2].max() < -0.5 * made.cards[0].cloth.thickness
+    reach = np.linalg.norm(nose.points - nose.centre, axis=1)
+    assert reach.min() > 0.5 * 2.75e-3
+    assert np.linalg.norm(nose.velocity) == pytest.approx(100)
+
+
+def test_the_header_states_the_error_and_that_nothing_was_run():
+    made = deck("S-731", "abaqus", "fabric")
+    head = "\n".join(made.header)
+    assert "NOT RUN" in head
+    assert "WARNING" in head
+    assert "Not held" in head
+    assert all(len(line) <= 76 for line in made.header)
+
+
+@pytest.mark.parametrize(("options", "key"), [
+    ({"crossovers": "sliding"}, "panel.crossovers"),
+    ({"weave_angle": "30 deg", "symmetry": "whole"}, "panel.weave_angle"),
+    ({"backing": {"size": "60 mm"}}, "backing"),
+    ({"bending": 1e-9}, "fabric.bending"),
+    ({"boundary": {"warp": {"clamp_force": "40 N"}, "weft": "clamped"}}, "panel.boundary"),
+    ({"projectile": {"mass": "2.8 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "body": "elastic_bar"}},
+     "projectile.body"),
+])  # fmt: skip
+def test_what_no_deck_holds_is_refused(options, key, tmp_path):
+    with pytest.raises(InputError) as problem:
+        wc.export(wc.setup("S-720", "100 m/s", **options), "lsdyna", tmp_path / "out")
+    assert problem.value.key == key
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("given", "key"), [
+    ({"to": "nastran"}, "--to"), ({"law": "law58"}, "--law"), ({"units": "t-mm-s"}, "--units"),
+    ({"match": "best"}, "--match"),
+])  # fmt: skip
+def test_unknown_choices_are_refused(given, key, tmp_path):
+    options = {"to": "abaqus", "out": tmp_path / "out", **given}
+    with pytest.raises(InputError) as problem:
+        wc.export(wc.setup("S-720", "100 m/s"), **options)
+    assert problem.value.key == key
+    assert not (tmp_path / "out").exists()
