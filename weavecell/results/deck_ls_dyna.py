@@ -134,6 +134,4 @@ def _row(*values):
 def _number(value):
     if isinstance(value, (int, np.integer)):
         return f"{value:10d}"
-    if value == 0:
-        return f"{0.0:10.1f}"
-    return f"{value:10.{3 if value < 0 else 4}E}"
+    return f"{value:10.3E}" if value else f"{0.0:10.1f}"

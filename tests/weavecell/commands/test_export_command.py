@@ -52,7 +52,8 @@ def test_law19_says_that_it_is_far_off(command, scene):
 @pytest.mark.parametrize(("panel", "extra", "key"), [
     ('crossovers = "sliding"', "", "panel.crossovers"),
     ('weave_angle = "30 deg"\nsymmetry = "whole"', "", "panel.weave_angle"),
-    ("", '[backing]\nsize = "60 mm"', "backing"),
+    ("", '[backing]\nsize = ["60 mm", "60 mm", "40 mm"]\nmin_size = "2 mm"', "backing: must"),
+    ('boundary = { warp = { clamp_force = "40 N" }, weft = "clamped" }', "", "panel.boundary.warp.clamp_force"),
 ])  # fmt: skip
 def test_what_no_deck_holds_is_one_line(command, scene, tmp_path, panel, extra, key):
     code, _, err = command("export", scene(panel, extra), "--to", "lsdyna", "--out", "out")

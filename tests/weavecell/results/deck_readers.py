@@ -24,7 +24,8 @@ def columns(line, widths):
 
 
 def title(line):
-    assert line.strip() and len(line) <= TITLE and line.isascii(), line
+    assert line.isascii()
+    assert 0 < len(line.strip()) <= TITLE, line
     return line.strip()
 
 

@@ -1,7 +1,9 @@
 """Decks for LS-DYNA, OpenRadioss and Abaqus of all fabrics, laws and units, read back; none is run in its code."""
 
+import sys
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import deck_readers
 import numpy as np
@@ -13,8 +15,20 @@ from weavecell.analysis.material_card.cloth import Cloth
 from weavecell.commands import export
 from weavecell.results.deck import UNITS
 
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "export.md").read_text("utf-8")
+RENEW = "to renew it: python tools/material_cards.py"
 FORMS = [(code, law) for code, one in export.CODES.items() for law in one.laws]
 SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
+
+
+@pytest.fixture
+def cards_page(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "tools"))
+    import material_cards
+
+    yield material_cards
+    sys.modules.pop("material_cards")
 
 
 @cache
@@ -156,7 +170,7 @@ def test_the_header_states_the_error_and_that_nothing_was_run():
 @pytest.mark.parametrize(("options", "key"), [
     ({"crossovers": "sliding"}, "panel.crossovers"),
     ({"weave_angle": "30 deg", "symmetry": "whole"}, "panel.weave_angle"),
-    ({"backing": {"size": "60 mm"}}, "backing"),
+    ({"backing": {"size": ["60 mm", "60 mm", "40 mm"], "min_size": "2 mm"}}, "backing"),
     ({"bending": 1e-9}, "fabric.bending"),
     ({"boundary": {"warp": {"clamp_force": "40 N"}, "weft": "clamped"}}, "panel.boundary"),
     ({"projectile": {"mass": "2.8 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "body": "elastic_bar"}},
@@ -179,3 +193,17 @@ def test_unknown_choices_are_refused(given, key, tmp_path):
         wc.export(wc.setup("S-720", "100 m/s"), **options)
     assert problem.value.key == key
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("to", ["lsdyna", "radioss", "abaqus"])
+def test_the_printed_cards_of_the_page_are_up_to_date(to, cards_page):
+    begin, end = cards_page.marks(to)
+    assert PAGE.partition(begin)[2].partition(end)[0].strip() == cards_page.card(to).strip(), RENEW
+
+
+def test_the_tables_of_the_page_are_up_to_date(cards_page):
+    for match in ("plane", "uniaxial"):
+        begin, end = cards_page.marks(match)
+        assert "| " + " | ".join(cards_page.row("S-728", match)) + " |" in PAGE.partition(begin)[2].partition(end)[0], (
+            RENEW
+        )
