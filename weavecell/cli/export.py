@@ -55,8 +55,8 @@ def export(
     """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile, contact, output.
 
     The error of the material card against the unit cell is in the deck's header, printed, and in report.html. Of the
-    input file, [history], [numerics], the contact law of plies, and what a run records mean nothing here. No deck has
-    been run in the code that it is for.
+    input file, the tables history and numerics, the contact law of plies, and what a run records mean nothing here. No
+    deck has been run in the code that it is for.
     """
     from weavecell.commands import export as command
 

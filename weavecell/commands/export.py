@@ -68,9 +68,9 @@ ROWS = {
 _NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
 _SIDES = [f"panel.boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields]
 SUPPORTS = target.supports(
-    "weavecell export", honoured=("projectile.strike_velocity", "run.end_time"),
+    "weavecell export", honoured=("title", "projectile.strike_velocity", "run.end_time"),
     ignored=(
-        "title", *of("run", "snapshot_interval checkpoint_interval outputs"),
+        *of("run", "snapshot_interval checkpoint_interval outputs"),
         *of("history", "interval warp weft report_positions"),
     ),
     rejected={key: allowed for key, (allowed, _) in deck.REFUSED.items() if key != "panel.boundary"}

@@ -26,6 +26,7 @@ from fabrics.errors import InputError
 from shellfabric.impact import setups
 from shellfabric.output.snapshots import quads
 from shellfabric.panel import boundary
+from shellfabric.panel.model import Panel
 from weavecell.analysis.material_card.cloth import Cloth
 from weavecell.analysis.material_card.laws import Law
 from weavecell.analysis.material_card.mismatch import LIMIT, Mismatch
@@ -245,7 +246,7 @@ def _panels(setup):
     """(panels in the order of the plies, their places [m], friction between them): all that is asked of a set-up's
     pack."""
     found = setups.panel_of(setups.with_ply(setup, table_size=_TABLE))
-    if isinstance(setup, setups.ImpactSetup):
+    if isinstance(found, Panel):
         return (found,), (0.0,), 0.0
     return found.plies, found.places, found.friction
 

@@ -97,6 +97,7 @@ def _fabric(card: Card, deck: Deck) -> Iterator[str]:
     yield _row("", 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0) + _row(0.0, 0.0, 0.0, "", "", "", 0.0, 0)
     yield _row(warp, weft, shear, 0, 0, 0, 0.0)  # LCA LCB LCAB LCUA LCUB LCUAB RL
     named = ((warp, "warp", *law.curves[:1]), (weft, "weft", *law.curves[1:]), (shear, "shear", law.trellis))
+    yield "$ Nominal stress, engineering strain; shear: angle. Check this on one element\n"
     for number, name, curve in named:
         kind = 0 if name == "shear" else _FABRIC_CURVE
         yield f"*DEFINE_CURVE_TITLE\n{card.name}, {name}\n" + _row(number, 0, 1.0, 1.0, 0.0, 0.0, kind)

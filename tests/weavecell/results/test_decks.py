@@ -183,6 +183,16 @@ def test_what_no_deck_holds_is_refused(options, key, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+def test_the_python_interface_writes_the_folder(tmp_path):
+    given = wc.setup("S-728", "100 m/s", opening="40 mm", plies=2, stacking="alternating")
+    errors = wc.export(given, "radioss", tmp_path / "out", units="g-mm-ms")
+    assert set(errors) == set(export.ROWS)
+    assert 0 < errors["rms"] < errors["largest"] < 0.2
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert written == {"S-728_0000.rad", "S-728_0001.rad", "mapping.svg", "report.html", "summary.json"}
+    assert "2 x S-728, 100 m/s" in (tmp_path / "out" / "S-728_0000.rad").read_text()
+
+
 @pytest.mark.parametrize(("given", "key"), [
     ({"to": "nastran"}, "--to"), ({"law": "law58"}, "--law"), ({"units": "t-mm-s"}, "--units"),
     ({"match": "best"}, "--match"),
