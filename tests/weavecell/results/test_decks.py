@@ -217,3 +217,27 @@ def test_the_tables_of_the_page_are_up_to_date(cards_page):
         assert "| " + " | ".join(cards_page.row("S-728", match)) + " |" in PAGE.partition(begin)[2].partition(end)[0], (
             RENEW
         )
+
+
+def test_units_are_consistent():
+    """Force is mass times length over time squared: newton in both systems, stress in megapascal in the small one."""
+    for units in UNITS.values():
+        assert units.kg * units.m / units.s**2 == pytest.approx(1)
+        assert units.velocity(100.0) == pytest.approx(100)
+    small = UNITS["g-mm-ms"]
+    assert small.density(7800.0) == pytest.approx(7.8e-3)
+    assert small.stress(2e11) == pytest.approx(2e5)
+
+
+def test_units_go_into_every_number_of_a_deck():
+    """The same deck in two systems: what is not a whole number or an angle differs by the factor of its quantity."""
+    made = deck("S-720", "lsdyna", "fabric34")
+    one, other = (text(replace(made, units=units), "lsdyna")["panel.k"].splitlines() for units in UNITS.values())
+    for word, below, field, factor in (
+        ("*CONTROL_TERMINATION", 1, 0, 1e3), ("*PART_INERTIA", 3, 3, 1e3), ("*PART_INERTIA", 3, 2, 1e3),
+        ("*PART_INERTIA", 4, 0, 1e9), ("*PART_INERTIA", 5, 2, 1.0), ("*MAT_FABRIC_TITLE", 2, 1, 1e-6),
+        ("*MAT_FABRIC_TITLE", 2, 2, 1e-6), ("*SECTION_SHELL_TITLE", 3, 0, 1e3), ("*MAT_RIGID_TITLE", 2, 1, 1e-6),
+        ("*DATABASE_GLSTAT", 1, 0, 1e3),
+    ):  # fmt: skip
+        values = [float(each[each.index(word) + below][10 * field : 10 * field + 10]) for each in (one, other)]
+        assert values[1] == pytest.approx(factor * values[0], rel=1e-3), (word, field)
