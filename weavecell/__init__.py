@@ -43,6 +43,7 @@ __all__ = [
     "coupon",
     "critical_velocity",
     "draws",
+    "export",
     "fabric",
     "fabrics",
     "projectile",
@@ -55,6 +56,7 @@ __all__ = [
 
 # For callers alone: no module of ours takes these names from here, so that kept results do not depend on them.
 _MODULES = {
+    "weavecell.api.exports": ("export",),
     "weavecell.api.quasi_static": ("calibrate", "coupon"),
     "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
     "weavecell.api.result": ("Result",),

@@ -191,6 +191,7 @@ COMMANDS = (
     "cost-accuracy --scene struck-yarn --quick --out chart",
     "stability --map printed-law --quick --out stability",
     "validate --topic geom --jobs 1 --out validate",
+    "export ply.toml --to lsdyna --out export",
     "mesh S-720 --mesh coarse --format msh,vtu,k,inp,rad --out mesh",
     "view mesh --screenshot mesh.png",
 )

@@ -17,6 +17,7 @@ import typer
 from fabrics.errors import InputError, WeavecellError, marked
 from weavecell.cli import (
     crossover,
+    export,
     mesh_calibrate_surface,
     new_fabric,
     shell,
@@ -101,6 +102,7 @@ app.command(epilog=crossover.EPILOG)(crossover.crossover)
 app.command(epilog=uncertainty.SENSITIVITY)(uncertainty.sensitivity)
 app.command(epilog=uncertainty.V50)(uncertainty.v50)
 app.command(epilog=uncertainty.SWEEP)(uncertainty.sweep)
+app.command(epilog=export.EPILOG)(export.export)
 
 
 @app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")

@@ -1,0 +1,91 @@
+"""Laws of other codes against the cell: where they must agree with it, and that their fits are the best ones."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from fabrics import assumed, catalogue
+from fabrics.errors import InputError
+from shellfabric.cell.model import CellModel
+from weavecell.analysis.material_card.cloth import Cloth
+from weavecell.analysis.material_card.laws import FLEX, CrimpExchange, Linear, UncoupledCurves
+from weavecell.analysis.material_card.mismatch import Mismatch
+
+
+def cloth(name="S-720", **options):
+    return Cloth(CellModel(assumed.with_shear(catalogue.load(name)), **options))
+
+
+@pytest.mark.parametrize("name", ["S-720", "S-726", "glass-unbalanced"])
+def test_law58_is_our_cell_of_straight_incompressible_yarns(name):
+    """Two codes, one mechanics: what is left is LAW58's bending, and its whole numbers of yarns."""
+    ours = cloth(name, model="incompressible", profile="straight")
+    found = Mismatch.of(ours, CrimpExchange.of(ours, "uniaxial"))
+    assert found.rms < 0.004
+    assert found.largest < 0.012
+
+
+def test_law58_is_in_equilibrium():
+    """Against a root finder on the forces of two zigzags, written out once more, at single stretches."""
+    law = CrimpExchange.of(cloth("S-728"), "uniaxial")
+    rest = np.sqrt((1 + law.crimp) ** 2 - 1)
+    bend = FLEX * law.E * rest / (1 + law.crimp)
+
+    def pull(n, stretch, y):
+        slant = np.hypot(stretch, rest[n] + y)
+        return law.E[n] * (slant - 1 - law.crimp[n]) * np.array([stretch, rest[n] + y]) / slant
+
+    for L1, L2 in ((1.01, 1.0), (1.02, 1.03), (1.0, 1.02)):
+        y = brentq(lambda y: pull(0, L1, y)[1] - pull(1, L2, -y)[1] + bend.sum() * y, -rest[0], rest[1], xtol=1e-15)  # noqa: B023
+        wanted = pull(0, L1, y)[0], pull(1, L2, -y)[0]
+        assert law.stress(L1, L2) == pytest.approx(wanted, rel=1e-6)
+
+
+def test_curves_of_uniaxial_tension_are_the_yarns_alone():
+    fabric = cloth("S-745")
+    found = Mismatch.of(fabric, UncoupledCurves.of(fabric, "uniaxial"))
+    assert found.uniaxial < 1e-12
+    assert found.shear < 5e-3
+    assert found.largest > 0.3  # crimp exchange, which they do not have
+
+
+@pytest.mark.parametrize("name", catalogue.list_names())
+def test_a_fit_over_the_plane_is_nearer_to_it(name):
+    fabric = cloth(name)
+    for kind in (UncoupledCurves, CrimpExchange, Linear):
+        plane, tension = (Mismatch.of(fabric, kind.of(fabric, match)) for match in ("plane", "uniaxial"))
+        assert plane.rms < tension.rms
+
+
+def test_the_linear_fit_is_the_best_one():
+    fabric = cloth()
+    law = Linear.of(fabric, "plane")
+    best = Mismatch.of(fabric, law).rms
+    for factor in ((1.02, 1), (0.98, 1), (1, 1.02), (1, 0.98)):
+        assert Mismatch.of(fabric, replace(law, E=law.E * factor)).rms > best
+
+
+def test_curves_are_no_steeper_than_the_yarns():
+    """A time step follows from the steepest slope."""
+    fabric = cloth("S-731")
+    for match in ("plane", "uniaxial"):
+        law = UncoupledCurves.of(fabric, match)
+        for curve, modulus in zip(law.curves, fabric.modulus):
+            slope = np.diff(curve[:, 1]) / np.diff(curve[:, 0])
+            assert np.all(slope >= 0)
+            assert slope.max() < 1.05 * modulus
+            assert slope[-1] == pytest.approx(modulus)
+            assert curve[0] == pytest.approx([0, 0])
+
+
+@pytest.mark.parametrize("kind", [UncoupledCurves, CrimpExchange, Linear])
+def test_an_unknown_match_is_refused(kind):
+    with pytest.raises(InputError, match="plane or uniaxial"):
+        kind.of(cloth(), "best")
+
+
+def test_cloth_without_a_trellis_law_is_refused():
+    with pytest.raises(InputError, match="no \\[shear\\]"):
+        Cloth(CellModel(catalogue.load("glass-balanced")))

@@ -1,0 +1,77 @@
+"""`weavecell export`: its folder, its printed error, and one clear line for what no deck holds."""
+
+import json
+
+import pytest
+
+from tests.scene_text import impact_scene
+from weavecell.commands import export
+
+FILES = {"lsdyna": {"scene.k"}, "radioss": {"scene_0000.rad", "scene_0001.rad"}, "abaqus": {"scene.inp"}}
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def write(panel="", extra=""):
+        path = tmp_path / "scene.toml"
+        path.write_text(impact_scene("90 m/s", "45 mm", "24 us", fabric="S-728", panel=panel, extra=extra))
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("to", FILES)
+def test_the_folder_holds_deck_error_and_report(command, scene, tmp_path, to):
+    code, out, _ = command("export", scene(panel="plies = 2"), "--to", to, "--units", "g-mm-ms", "--out", "out")
+    folder = tmp_path / "out"
+    assert code == 0
+    assert "has not been run" in out
+    assert {path.name for path in folder.iterdir()} == FILES[to] | {"mapping.svg", "summary.json", "report.html"}
+    told = json.loads((folder / "summary.json").read_text())
+    assert told["run_in_the_code"] is False
+    (card,) = told["error_over_strength"]
+    assert 0 < card["rms"] < card["largest"] < 1
+    for name in FILES[to]:
+        head = (folder / name).read_text()[:1500]
+        assert "NOT RUN" in head
+        assert "g-mm-ms" in head
+        assert f"rms {100 * card['rms']:.1f} %" in head
+    page = (folder / "report.html").read_text()
+    assert "not run in it" in page
+    assert "rms over the biaxial plane" in page
+
+
+def test_law19_says_that_it_is_far_off(command, scene):
+    code, out, _ = command(
+        "export", scene(), "--to", "radioss", "--law", "law19", "--match", "uniaxial", "--out", "out"
+    )
+    assert code == 0
+    assert "largest in trellis shear until locking 483.0 %" in out
+
+
+@pytest.mark.parametrize(("panel", "extra", "key"), [
+    ('crossovers = "sliding"', "", "panel.crossovers"),
+    ('weave_angle = "30 deg"\nsymmetry = "whole"', "", "panel.weave_angle"),
+    ("", '[backing]\nsize = ["60 mm", "60 mm", "40 mm"]\nmin_size = "2 mm"', "backing: must"),
+    ('boundary = { warp = { clamp_force = "40 N" }, weft = "clamped" }', "", "panel.boundary.warp.clamp_force"),
+])  # fmt: skip
+def test_what_no_deck_holds_is_one_line(command, scene, tmp_path, panel, extra, key):
+    code, _, err = command("export", scene(panel, extra), "--to", "lsdyna", "--out", "out")
+    assert code == 2
+    assert len(err.strip().splitlines()) == 1
+    assert "scene.toml" in err
+    assert key in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_law_of_another_code_is_one_line(command, scene, tmp_path):
+    code, _, err = command("export", scene(), "--to", "abaqus", "--law", "law58", "--out", "out")
+    assert code == 2
+    assert "--law" in err
+    assert "fabric of abaqus" in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_laws_of_the_help_are_those_there_are(command):
+    _, out, _ = command("export", "--help")
+    assert all(law in out for code in export.CODES.values() for law in code.laws)

@@ -1,0 +1,243 @@
+"""Decks for LS-DYNA, OpenRadioss and Abaqus of all fabrics, laws and units, read back; none is run in its code."""
+
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import deck_readers
+import numpy as np
+import pytest
+
+import weavecell as wc
+from fabrics.errors import InputError
+from weavecell.analysis.material_card.cloth import Cloth
+from weavecell.commands import export
+from weavecell.results.deck import UNITS
+
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "export.md").read_text("utf-8")
+RENEW = "to renew it: python tools/material_cards.py"
+FORMS = [(code, law) for code, one in export.CODES.items() for law in one.laws]
+SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
+
+
+@pytest.fixture
+def cards_page(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "tools"))
+    import material_cards
+
+    yield material_cards
+    sys.modules.pop("material_cards")
+
+
+@cache
+def deck(fabric, to, law, match="uniaxial", **options):
+    given = wc.setup(fabric, "100 m/s", opening="40 mm", elements_per_crossover=1, **options)
+    return export.made_of(given, to, law, "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
+
+
+def text(made, to):
+    return export.CODES[to].write(made, "panel")
+
+
+@cache
+def cloth(fabric):
+    return Cloth(wc.setup(fabric, "100 m/s").cell())
+
+
+def close(found, wanted, of):
+    """Within 1 % of the largest."""
+    assert np.abs(found - wanted).max() <= 0.01 * np.max(of)
+
+
+@pytest.mark.parametrize("units", UNITS)
+@pytest.mark.parametrize(("to", "law"), FORMS)
+@pytest.mark.parametrize("fabric", wc.fabrics())
+def test_every_deck_is_read_back_with_the_curves_of_the_cell(fabric, to, law, units):
+    files = text(replace(deck(fabric, to, law), units=UNITS[units]), to)
+    content = next(iter(files.values()))
+    gamma = np.linspace(0, cloth(fabric).shear.gamma2, 50)
+    stress = cloth(fabric).shear.stress(gamma)
+    if to == "radioss":
+        (word, rows, shear), *_ = deck_readers.radioss(content).values()
+        assert word == f"MAT/{law.upper()}"
+        modulus = np.array([rows[1][0], rows[1][2]] if law == "law58" else rows[1][:2]) / SCALE[units]
+        if law == "law58":
+            counts, crimp = np.array(rows[4][:2]), np.array(rows[4][2:4])
+            assert modulus * (1 + crimp) / counts[::-1] == pytest.approx(cloth(fabric).modulus, rel=0.01)
+            assert crimp == pytest.approx(cloth(fabric).crimp, rel=0.01)
+            shear_found = np.interp(np.degrees(gamma), *shear.T) * np.cos(gamma)
+            close(shear_found / SCALE[units], stress, stress)
+            assert np.all(np.diff(shear, axis=0) > 0)
+        else:
+            assert np.all(modulus < cloth(fabric).modulus)
+        return
+    if to == "lsdyna":
+        (warp, weft, shear), *_ = deck_readers.dyna(content).values()
+        assert (warp[1], weft[1], shear[1]) == (-2, -2, 0)
+        curves = warp[0], weft[0], shear[0]
+    else:
+        found, *_ = deck_readers.abaqus(content).values()
+        curves = found["2"], found["1"], found["SHEAR"]
+    for family, curve in enumerate(curves[:2]):
+        stretch, wanted = cloth(fabric).uniaxial(family)
+        close(np.interp(stretch - 1, *curve.T) / SCALE[units], wanted, wanted)
+    close(np.interp(gamma, *curves[2].T) / SCALE[units], stress, stress)
+
+
+def test_dyna_deck_is_read_by_dynakw(tmp_path):
+    dynakw = pytest.importorskip("dynakw")
+    made = deck("S-720", "lsdyna", "fabric34", plies=2, stacking="alternating")
+    path = tmp_path / "panel.k"
+    path.write_text(text(made, "lsdyna")["panel.k"])
+    with dynakw.DynaKeywordReader(str(path)) as reader:
+        found = [(each.full_keyword, each.cards) for each in reader.keywords()]
+    cards = dict(found)
+    nodes = cards["*NODE"]["Card 1"]
+    assert np.allclose(np.stack([nodes[k] for k in "XYZ"], axis=1), made.points, rtol=1e-9, atol=1e-12)
+    inertia = cards["*PART_INERTIA"]["inertia"]
+    assert float(inertia["TM"][0]) == pytest.approx(made.nose.mass, rel=1e-3)
+    assert float(inertia["VTZ"][0]) == pytest.approx(100, rel=1e-3)
+    assert cards["*SECTION_SHELL_TITLE"]
+    assert cards["*MAT_RIGID_TITLE"]
+    curves = [card for name, card in found if name == "*DEFINE_CURVE_TITLE"]
+    assert len(curves) == 6
+    points = next(card for name, card in curves[0].items() if name != "Card 1" and len(next(iter(card.values()))) > 3)
+    strain, stress = list(points.values())[:2]
+    assert np.allclose(np.column_stack([strain, stress]), made.cards[0].law.curves[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("to", "law"), FORMS)
+def test_turned_plies_have_a_card_with_warp_and_weft_exchanged(to, law):
+    made = deck("S-726", to, law, plies=3, stacking="alternating", symmetry="half", ply_friction=0.2)
+    assert [ply.card.number for ply in made.plies] == [1, 2, 1]
+    reader = {"lsdyna": deck_readers.dyna, "radioss": deck_readers.radioss, "abaqus": deck_readers.abaqus}[to]
+    assert len(reader(next(iter(text(made, to).values())))) == 2
+    ones, others = (card.cloth for card in made.cards[:2])
+    assert np.array_equal(ones.modulus, others.modulus[::-1])
+    heights = [ply.points[0, 2] for ply in made.plies]
+    assert np.all(np.diff(heights) >= made.cards[0].cloth.thickness)
+    assert made.friction == 0.2
+
+
+@pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])
+def test_a_deck_holds_its_share_of_the_shot(symmetry):
+    made = deck("S-720", "lsdyna", "fabric34", symmetry=symmetry)
+    share = {"quarter": 0.25, "half": 0.5, "whole": 1.0}[symmetry]
+    assert made.nose.mass == pytest.approx(3e-3 * share)
+    ply, held = made.plies[0], made.held()
+    assert set(held) == {"clamped", *(["mirror_x"] if share < 1 else []), *(["mirror_y"] if share == 0.25 else [])}
+    sides = ply.points[ply.quads[:, [1, 3]] - 1] - ply.points[ply.quads[:, [0]] - 1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
+    cell = made.cards[0].cloth
+    mass = cell.density * cell.thickness * area
+    assert mass == pytest.approx(share * 0.04**2 * cell.model.fabric.weave.areal_density, rel=0.1)
+    assert np.all(sides[:, 0, 0] > 0)
+    assert np.all(sides[:, 0, 1] == 0)
+    assert np.all(ply.points[:, 2] - made.nose.points[:, 2].max() > 0.5 * (cell.thickness + made.skin))
+
+
+@pytest.mark.parametrize("shape", [
+    {}, {"shape": "sphere"}, {"shape": "hemisphere"}, {"obliquity": "30 deg"},
+    {"shape": "cone", "half_angle": "40 deg", "tip_radius": "1 mm"},
+])  # fmt: skip
+def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(shape):
+    edge = {} if shape.get("shape") == "sphere" else {"edge_radius": "0.3 mm"}
+    shot = {"mass": "3 g", "diameter": "5.5 mm", **edge, **shape}
+    made = deck.__wrapped__("S-720", "lsdyna", "fabric34", symmetry="whole", projectile=shot)
+    nose = made.nose
+    first = len(made.points) - len(nose.points)
+    faces = [*nose.quads.tolist(), *nose.triangles.tolist()]
+    edges = [frozenset(pair) for face in faces for pair in zip(face, [*face[1:], face[0]])]
+    assert all(edges.count(edge) == 2 for edge in set(edges[:200]))  # every edge has two faces
+    assert min(map(min, faces)) == first
+    assert nose.points[:, 2].max() < -0.5 * made.cards[0].cloth.thickness
+    reach = np.linalg.norm(nose.points - nose.centre, axis=1)
+    assert reach.min() > 0.5 * 2.75e-3
+    assert np.linalg.norm(nose.velocity) == pytest.approx(100)
+
+
+def test_the_header_states_the_error_and_that_nothing_was_run():
+    made = deck("S-731", "abaqus", "fabric")
+    head = "\n".join(made.header)
+    assert "NOT RUN" in head
+    assert "WARNING" in head
+    assert "Not held" in head
+    assert all(len(line) <= 76 for line in made.header)
+
+
+@pytest.mark.parametrize(("options", "key"), [
+    ({"crossovers": "sliding"}, "panel.crossovers"),
+    ({"weave_angle": "30 deg", "symmetry": "whole"}, "panel.weave_angle"),
+    ({"backing": {"size": ["60 mm", "60 mm", "40 mm"], "min_size": "2 mm"}}, "backing"),
+    ({"bending": 1e-9}, "fabric.bending"),
+    ({"boundary": {"warp": {"clamp_force": "40 N"}, "weft": "clamped"}}, "panel.boundary"),
+    ({"projectile": {"mass": "2.8 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "body": "elastic_bar"}},
+     "projectile.body"),
+])  # fmt: skip
+def test_what_no_deck_holds_is_refused(options, key, tmp_path):
+    with pytest.raises(InputError) as problem:
+        wc.export(wc.setup("S-720", "100 m/s", **options), "lsdyna", tmp_path / "out")
+    assert problem.value.key == key
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_python_interface_writes_the_folder(tmp_path):
+    given = wc.setup("S-728", "100 m/s", opening="40 mm", plies=2, stacking="alternating")
+    errors = wc.export(given, "radioss", tmp_path / "out", units="g-mm-ms")
+    assert set(errors) == set(export.ROWS)
+    assert 0 < errors["rms"] < errors["largest"] < 0.2
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert written == {"S-728_0000.rad", "S-728_0001.rad", "mapping.svg", "report.html", "summary.json"}
+    assert "2 x S-728, 100 m/s" in (tmp_path / "out" / "S-728_0000.rad").read_text()
+
+
+@pytest.mark.parametrize(("given", "key"), [
+    ({"to": "nastran"}, "--to"), ({"law": "law58"}, "--law"), ({"units": "t-mm-s"}, "--units"),
+    ({"match": "best"}, "--match"),
+])  # fmt: skip
+def test_unknown_choices_are_refused(given, key, tmp_path):
+    options = {"to": "abaqus", "out": tmp_path / "out", **given}
+    with pytest.raises(InputError) as problem:
+        wc.export(wc.setup("S-720", "100 m/s"), **options)
+    assert problem.value.key == key
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("to", ["lsdyna", "radioss", "abaqus"])
+def test_the_printed_cards_of_the_page_are_up_to_date(to, cards_page):
+    begin, end = cards_page.marks(to)
+    assert PAGE.partition(begin)[2].partition(end)[0].strip() == cards_page.card(to).strip(), RENEW
+
+
+def test_the_tables_of_the_page_are_up_to_date(cards_page):
+    for match in ("plane", "uniaxial"):
+        begin, end = cards_page.marks(match)
+        assert "| " + " | ".join(cards_page.row("S-728", match)) + " |" in PAGE.partition(begin)[2].partition(end)[0], (
+            RENEW
+        )
+
+
+def test_units_are_consistent():
+    """Force is mass times length over time squared: newton in both systems, stress in megapascal in the small one."""
+    for units in UNITS.values():
+        assert units.kg * units.m / units.s**2 == pytest.approx(1)
+        assert units.velocity(100.0) == pytest.approx(100)
+    small = UNITS["g-mm-ms"]
+    assert small.density(7800.0) == pytest.approx(7.8e-3)
+    assert small.stress(2e11) == pytest.approx(2e5)
+
+
+def test_units_go_into_every_number_of_a_deck():
+    """The same deck in two systems: what is not a whole number or an angle differs by the factor of its quantity."""
+    made = deck("S-720", "lsdyna", "fabric34")
+    one, other = (text(replace(made, units=units), "lsdyna")["panel.k"].splitlines() for units in UNITS.values())
+    for word, below, field, factor in (
+        ("*CONTROL_TERMINATION", 1, 0, 1e3), ("*PART_INERTIA", 3, 3, 1e3), ("*PART_INERTIA", 3, 2, 1e3),
+        ("*PART_INERTIA", 4, 0, 1e9), ("*PART_INERTIA", 5, 2, 1.0), ("*MAT_FABRIC_TITLE", 2, 1, 1e-6),
+        ("*MAT_FABRIC_TITLE", 2, 2, 1e-6), ("*SECTION_SHELL_TITLE", 3, 0, 1e3), ("*MAT_RIGID_TITLE", 2, 1, 1e-6),
+        ("*DATABASE_GLSTAT", 1, 0, 1e3),
+    ):  # fmt: skip
+        values = [float(each[each.index(word) + below][10 * field : 10 * field + 10]) for each in (one, other)]
+        assert values[1] == pytest.approx(factor * values[0], rel=1e-3), (word, field)

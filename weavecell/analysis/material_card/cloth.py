@@ -1,0 +1,138 @@
+"""The cell of a fabric as a membrane of nominal stresses: what the laws of other codes are made of and held against.
+
+Nominal stress is force over the width and the thickness at rest: a force of N in each warp yarn is N warp_count /
+thickness. Stretches L1, L2 are those of the cloth along warp and weft, gamma [rad] is the loss of the right angle
+between the yarns, tau the stress that works on it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fabrics.checks import BoolArray, FloatArray
+from fabrics.errors import InputError
+from fabrics.trellis import TrellisShear
+from shellfabric.cell.model import CellModel
+
+MATCHES = ("plane", "uniaxial")  # what a law is to be nearest to
+_POINTS, _PLANE, _FURTHER = 81, 81, 2.0
+_STEEPEST = np.radians(80)  # of a shear curve
+
+
+@dataclass(frozen=True)
+class Cloth:
+    """A cell and its trellis law.
+
+    Parameters
+    ----------
+    model : CellModel
+
+    Raises
+    ------
+    InputError : a fabric without [shear]
+    """
+
+    model: CellModel
+
+    def __post_init__(self):
+        if self.model.fabric.shear is None:
+            raise InputError(f"fabric {self.model.fabric.name} has no [shear]", allowed="given one")
+
+    @property
+    def shear(self) -> TrellisShear:
+        """The trellis law."""
+        assert self.model.fabric.shear is not None
+        return self.model.fabric.shear
+
+    @property
+    def thickness(self) -> float:
+        """[m] of the membrane."""
+        return self.model.fabric.weave.thickness
+
+    @property
+    def density(self) -> float:
+        """[kg/m3] of the membrane, which has the areal density of the cloth."""
+        return self.model.fabric.weave.areal_density / self.thickness
+
+    @property
+    def smear(self) -> FloatArray:
+        """(2,) [1/m2] nominal stress of 1 N in each yarn of warp and weft."""
+        weave = self.model.fabric.weave
+        return np.array([weave.warp_count, weave.weft_count]) / self.thickness
+
+    @property
+    def modulus(self) -> FloatArray:
+        """(2,) [Pa] of straight yarns of warp and weft."""
+        return self.smear * [yarn.EA for yarn in self.model.fabric.weave.yarns]
+
+    @property
+    def strength(self) -> FloatArray:
+        """(2,) [Pa] nominal, of straight yarns of warp and weft."""
+        return self.smear * [yarn.strength for yarn in self.model.fabric.weave.yarns]
+
+    @property
+    def crimp(self) -> FloatArray:
+        """(2,) [-] of warp and weft."""
+        return np.array([yarn.crimp for yarn in self.model.fabric.weave.yarns])
+
+    @property
+    def failure_stretch(self) -> FloatArray:
+        """(2,) [-] of warp and weft in uniaxial tension."""
+        return (1 + self.crimp) * (1 + np.array(self.model.ultimate_strains))
+
+    def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
+        """(2, ...) [Pa] nominal along warp and weft."""
+        found = self.model.solve(stretch1, stretch2)
+        return np.stack([found["N1"] * self.smear[0], found["N2"] * self.smear[1]])
+
+    def uniaxial(self, family: int) -> tuple[FloatArray, FloatArray]:
+        """(stretch, nominal stress [Pa]) of one direction in uniaxial tension, to the strength.
+
+        Crossing yarns without tension press on nothing: the yarns are straight once their crimp is gone.
+        """
+        stretch = np.linspace(1, self.failure_stretch[family], _POINTS)
+        stretch = np.union1d(stretch, [1 + self.crimp[family]])
+        return stretch, self.model.alone(family, stretch) * self.smear[family]
+
+    @cached_property
+    def plane(self) -> tuple[FloatArray, FloatArray, BoolArray]:
+        """(L1, L2, inside), each (n, n): stretches from rest on, and whether both yarns are below their strengths."""
+        L1, L2 = np.meshgrid(*(np.linspace(1, high, _PLANE) for _, high in self.model.range()), indexing="ij")
+        found, yarns = self.model.solve(L1, L2), self.model.fabric.weave.yarns
+        return L1, L2, (found["T1"] <= yarns[0].strength) & (found["T2"] <= yarns[1].strength)
+
+    def curve(self, family: int, match: str) -> FloatArray:
+        """(n, 2) engineering strain and nominal stress [Pa] of one direction, on beyond the strength with the yarns'
+        modulus.
+
+        match : "uniaxial" tension, or the mean over the stretches of the other direction in the biaxial `plane`, which
+            is the nearest to it of all curves of one stretch; but for its beginning, which is no steeper than the yarns
+            (crossing yarns that are stretched load a direction at rest, which no curve through 0 can have)
+        """
+        if match not in MATCHES:
+            raise InputError(key="--match", value=match, allowed=" or ".join(MATCHES))
+        if match == "uniaxial":
+            stretch, stress = self.uniaxial(family)
+        else:
+            L1, L2, inside = self.plane
+            within = inside if family == 0 else inside.T
+            count = within.sum(axis=1)
+            rows = np.moveaxis(self.stress(L1, L2)[family], family, 0)
+            mean = np.where(within, rows, 0).sum(axis=1)[count > 0] / count[count > 0]
+            stretch = (L1[:, 0] if family == 0 else L2[0])[count > 0]
+            stress = np.minimum(np.maximum.accumulate(mean), self.modulus[family] * (stretch - 1))
+        points = np.column_stack([stretch - 1, np.maximum(stress, 0)])
+        end, reach = points[-1], _FURTHER * points[-1, 0]
+        return np.vstack([points, [reach, end[1] + self.modulus[family] * (reach - end[0])]])
+
+    def trellis(self) -> FloatArray:
+        """(n, 2) shear angle [rad] and stress [Pa], to 60 degrees or beyond locking."""
+        law = self.shear
+        last = min(max(np.pi / 3, 1.2 * law.gamma2), _STEEPEST)
+        parts = [0.0], np.linspace(law.gamma1, law.gamma2, 41), np.linspace(law.gamma2, last, 9)
+        gamma = np.unique(np.concatenate(parts))
+        return np.column_stack([gamma, law.stress(gamma)])

@@ -1,0 +1,243 @@
+"""Material laws of other codes for a fabric, evaluated as those codes evaluate them.
+
+Uncoupled curves (*MAT_FABRIC FORM 14 of LS-DYNA, *FABRIC of Abaqus): P_i = f_i(L_i - 1), tau = f(gamma).
+
+Linear, /MAT/LAW19 of OpenRadioss (engine/source/materials/mat/mat019/sigeps19c.F): linear in the true strain, without
+Poisson's ratio and at constant thickness, P_1 = E_1 ln(L_1) L_2; its shear is G gamma of axes at right angles.
+
+Crimp exchange, /MAT/LAW58 (engine/source/materials/mat/mat058/sigeps58c.F): two straight zigzags of linear,
+incompressible yarns. A yarn of N to a unit width crosses M to a unit length: half length L/M, height H + y with H
+at rest, length D = (1 + S)/M at rest,
+
+    f = (E/N) (sqrt((L/M)^2 + (H + y)^2) - D),   P = N f cos(alpha),
+    f_1 sin(alpha_1) + k_1 y_1 = f_2 sin(alpha_2) + k_2 y_2   with y_2 = -y_1 where the yarns touch,
+
+k = Flex (E/N) H / D, and each side zero where they do not. The modulus of the yarn is E (1 + S)/M. The law's
+viscosity is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fabrics.checks import FloatArray
+from fabrics.errors import InputError
+from weavecell.analysis.material_card.cloth import MATCHES, Cloth
+
+FLEX = 1e-3  # of LAW58: bending of its yarns, for stability alone
+_COUNT = 60  # most yarns to a unit width in LAW58: counts are whole numbers there
+_EVERY = 3  # row and column of the plane that a fit looks at
+
+
+class Law(Protocol):
+    """What another code makes of stretches and shear."""
+
+    lost: ClassVar[str]  # what it does not hold, in words
+
+    def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
+        """(2, ...) [Pa] nominal along warp and weft."""
+
+    def shear(self, gamma: FloatArray) -> FloatArray:
+        """[Pa] on the angle between the yarns."""
+
+    def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
+        """[Pa] nominal along one direction in uniaxial tension."""
+
+
+@dataclass(frozen=True)
+class UncoupledCurves:
+    """P = f(L - 1) of each direction, tau = f(gamma).
+
+    Parameters
+    ----------
+    curves : two of (n, 2), engineering strain and nominal stress [Pa] of warp and weft
+    trellis : (n, 2) shear angle [rad], stress [Pa]
+    """
+
+    curves: tuple[FloatArray, FloatArray]
+    trellis: FloatArray
+    lost: ClassVar[str] = (
+        "crimp exchange (each direction has a curve of its own), sliding of yarns at the crossovers, "
+        "failure (the curves go on beyond the strength, and nothing breaks)"
+    )
+
+    @classmethod
+    def of(cls, cloth: Cloth, match: str) -> UncoupledCurves:
+        """See `Cloth.curve`."""
+        return cls((cloth.curve(0, match), cloth.curve(1, match)), cloth.trellis())
+
+    def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
+        """As `Law.stress`."""
+        pairs = zip(np.broadcast_arrays(stretch1, stretch2), (0, 1))
+        return np.stack([self.uniaxial(stretch, family) for stretch, family in pairs])
+
+    def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
+        """As `Law.uniaxial`."""
+        return np.interp(stretch - 1, *self.curves[family].T)
+
+    def shear(self, gamma: FloatArray) -> FloatArray:
+        """As `Law.shear`."""
+        return np.interp(gamma, *self.trellis.T)
+
+
+@dataclass(frozen=True)
+class Linear:
+    """/MAT/LAW19.
+
+    Parameters
+    ----------
+    E : (2,) [Pa] of warp and weft
+    G : [Pa]
+    """
+
+    E: FloatArray
+    G: float
+    lost: ClassVar[str] = (
+        "crimp exchange and the slack of crimped yarns (it is linear), locking in shear, directions that turn with "
+        "the yarns, sliding of yarns at the crossovers, failure"
+    )
+
+    @classmethod
+    def of(cls, cloth: Cloth, match: str) -> Linear:
+        """Moduli by least squares over the plane or uniaxial tension; G before the yarns touch."""
+        pairs = []
+        if _checked(match) == "plane":
+            L1, L2, inside = cloth.plane
+            strains = np.log(L1) * L2, np.log(L2) * L1
+            pairs = [(e[inside], P[inside]) for e, P in zip(strains, cloth.stress(L1, L2))]
+        else:
+            pairs = [(np.log(L), P) for L, P in map(cloth.uniaxial, (0, 1))]
+        return cls(np.array([(e * P).sum() / (e * e).sum() for e, P in pairs]), cloth.shear.G1)
+
+    def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
+        """As `Law.stress`."""
+        L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
+        return np.stack([self.E[0] * np.log(L1) * L2, self.E[1] * np.log(L2) * L1])
+
+    def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
+        """As `Law.uniaxial`: nothing draws the other direction in."""
+        return self.E[family] * np.log(stretch)
+
+    def shear(self, gamma: FloatArray) -> FloatArray:
+        """As `Law.shear`."""
+        return self.G * gamma
+
+
+@dataclass(frozen=True)
+class CrimpExchange:
+    """/MAT/LAW58.
+
+    Parameters
+    ----------
+    E : (2,) [Pa] E1, E2
+    crimp : (2,) [-] S1, S2
+    counts : N1, N2
+    trellis : (n, 2) shear angle [rad], stress [Pa] that works on it
+    limit : (2,) true strain of the cloth at which a direction fails: that of uniaxial tension
+    """
+
+    E: FloatArray
+    crimp: FloatArray
+    counts: tuple[int, int]
+    trellis: FloatArray
+    limit: FloatArray
+    lost: ClassVar[str] = (
+        "flattening of the yarns and the rounding of their path, sliding of yarns at the crossovers; failure is by "
+        "the strain of the cloth (/FAIL/FABRIC), not by the tension of the yarn"
+    )
+
+    @classmethod
+    def of(cls, cloth: Cloth, match: str) -> CrimpExchange:
+        """Crimps and yarn modulus as they are, which is exact in uniaxial tension; or S1, S2 and one factor on both
+        moduli by least squares over the plane: softer yarns of less crimp stand in for yarns that flatten."""
+        weave = cloth.model.fabric.weave
+        ratio = Fraction(weave.warp_count / weave.weft_count).limit_denominator(_COUNT)
+        counts = ratio.numerator, ratio.denominator
+        whole = cls(cloth.modulus, cloth.crimp, counts, cloth.trellis(), np.log(cloth.failure_stretch))
+
+        def made(scales):
+            crimp = cloth.crimp * scales[:2]
+            return replace(whole, crimp=crimp, E=scales[2] * cloth.modulus * np.array(counts[::-1]) / (1 + crimp))
+
+        if _checked(match) == "uniaxial":
+            return made(np.ones(3))
+        from scipy.optimize import least_squares
+
+        L1, L2, inside = (each[::_EVERY, ::_EVERY] for each in cloth.plane)
+        wanted, strength = cloth.stress(L1, L2), cloth.strength[:, None, None]
+        found = least_squares(
+            lambda scales: ((made(scales).stress(L1, L2) - wanted) / strength)[:, inside].ravel(),
+            [0.7, 0.7, 1.0], bounds=([0.02] * 3, [2.0, 2.0, 1.5]),
+        )  # fmt: skip
+        return made(found.x)
+
+    @property
+    def rest(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Lengths, half lengths and heights at rest, each (2,) of warp and weft."""
+        half = 1 / np.array(self.counts[::-1])
+        length = half * (1 + self.crimp)
+        return length, half, np.sqrt(length**2 - half**2)
+
+    def _yarn(self, family, stretch, y):
+        """(f sin(alpha) + k y, P) of a yarn raised by y."""
+        length, half, height = (each[family] for each in self.rest)
+        stiffness = self.E[family] / self.counts[family]
+        h, along = height + y, half * stretch
+        now = np.hypot(along, h)
+        force = stiffness * (now - length)
+        return force * h / now + FLEX * stiffness * height / length * y, self.counts[family] * force * along / now
+
+    def _alone(self, family, stretch):
+        """Rise y of a yarn that nothing touches."""
+        height = self.rest[2][family]
+        return _root(lambda y: self._yarn(family, stretch, y)[0], -height, 1.0, stretch.shape)
+
+    def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
+        """As `Law.stress`, in equilibrium."""
+        L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
+        y1, y2, height = self._alone(0, L1), self._alone(1, L2), self.rest[2]
+        both = _root(lambda y: self._yarn(0, L1, y)[0] - self._yarn(1, L2, -y)[0], -height[0], height[1], L1.shape)
+        touching = y1 + y2 < 0
+        y1, y2 = np.where(touching, both, y1), np.where(touching, -both, y2)
+        return np.stack([self._yarn(0, L1, y1)[1], self._yarn(1, L2, y2)[1]])
+
+    def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
+        """As `Law.uniaxial`: crossing yarns that carry nothing are pushed out of the way."""
+        return self._yarn(family, stretch, self._alone(family, stretch))[1]
+
+    @property
+    def table(self) -> FloatArray:
+        """(n, 2) angle [degree] and stress [Pa] of its shear function, which is odd.
+
+        The stress is that of a picture frame, F / (2 t L sin(pi/4 + gamma/2)) (Radioss manual, Airbag Fabric
+        Material); the work of F on the frame makes it tau / cos(gamma).
+        """
+        gamma, stress = self.trellis.T
+        half = np.column_stack([np.degrees(gamma), stress / np.cos(gamma)])
+        return np.vstack([-half[:0:-1], half])
+
+    def shear(self, gamma: FloatArray) -> FloatArray:
+        """As `Law.shear`."""
+        return np.interp(np.degrees(gamma), *self.table.T) * np.cos(gamma)
+
+
+def _checked(match):
+    if match not in MATCHES:
+        raise InputError(key="--match", value=match, allowed=" or ".join(MATCHES))
+    return match
+
+
+def _root(function: Callable[[FloatArray], FloatArray], low: float, high: float, shape: tuple[int, ...]) -> FloatArray:
+    """Where a rising function of an array is zero, by bisection; `low` where it is positive there already."""
+    a, b = np.full(shape, low), np.full(shape, high)
+    for _ in range(50):
+        middle = 0.5 * (a + b)
+        above = function(middle) > 0
+        a, b = np.where(above, a, middle), np.where(above, middle, b)
+    return 0.5 * (a + b)

@@ -1,0 +1,64 @@
+"""How far a law of another code is from a fabric's cell: over the biaxial plane, in uniaxial tension, in shear."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics.checks import BoolArray, FloatArray
+from weavecell.analysis.material_card.cloth import Cloth
+from weavecell.analysis.material_card.laws import Law
+
+LIMIT = 0.1  # of the strength: a card that is further off says so
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """The stress of a law less that of the cell, over the strength of the direction; of shear, over the lower one.
+
+    Parameters
+    ----------
+    stretch1, stretch2, inside : of `Cloth.plane`
+    difference : (2, n, n) of warp and weft
+    uniaxial, shear : largest in uniaxial tension to the strength, and in trellis shear until locking
+    """
+
+    stretch1: FloatArray
+    stretch2: FloatArray
+    inside: BoolArray
+    difference: FloatArray
+    uniaxial: float
+    shear: float
+
+    @classmethod
+    def of(cls, cloth: Cloth, law: Law) -> Mismatch:
+        """Compare a law with the cell."""
+        L1, L2, inside = cloth.plane
+        difference = (law.stress(L1, L2) - cloth.stress(L1, L2)) / cloth.strength[:, None, None]
+        tension = []
+        for family in (0, 1):
+            stretch, stress = cloth.uniaxial(family)
+            tension.append(np.abs(law.uniaxial(stretch, family) - stress).max() / cloth.strength[family])
+        gamma = np.linspace(0, cloth.shear.gamma2, 201)
+        shear = np.abs(law.shear(gamma) - cloth.shear.stress(gamma)).max() / cloth.strength.min()
+        return cls(L1, L2, inside, difference, float(max(tension)), float(shear))
+
+    @property
+    def rms(self) -> float:
+        """[-] over the biaxial plane and both directions."""
+        return float(np.sqrt((self.difference[:, self.inside] ** 2).mean()))
+
+    @property
+    def largest(self) -> float:
+        """[-] over the biaxial plane and both directions."""
+        return float(np.abs(self.difference[:, self.inside]).max())
+
+    @property
+    def worst(self) -> float:
+        """[-] the largest of all."""
+        return max(self.largest, self.uniaxial, self.shear)
+
+    def numbers(self) -> dict[str, float]:
+        """The four numbers, by name."""
+        return {"rms": self.rms, "largest": self.largest, "uniaxial": self.uniaxial, "shear": self.shear}

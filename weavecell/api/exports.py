@@ -1,0 +1,55 @@
+"""Decks for other codes, of the Python interface."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from fabrics.checks import FilePath
+
+if TYPE_CHECKING:
+    from shellfabric.impact.pack import PackSetup
+    from shellfabric.impact.single_ply import ImpactSetup
+
+__all__ = ["export"]
+
+
+def export(
+    setup: ImpactSetup | PackSetup, to: Literal["lsdyna", "radioss", "abaqus"], out: FilePath, *,
+    law: str | None = None, units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s",
+    match: Literal["plane", "uniaxial"] = "plane",
+) -> dict[str, float]:  # fmt: skip
+    """Write a panel or pack as a deck for another code, with the error of its material card.
+
+    The deck has not been run in that code. Warp and weft of a turned ply are a second material with the same error.
+
+    Parameters
+    ----------
+    setup : of `weavecell.setup`
+    to : the code
+    out : folder of the deck, its picture and report.html
+    law : "fabric34" of lsdyna, "law58" or "law19" of radioss, "fabric" of abaqus; None takes the first of the code
+    units : of the deck
+    match : what the law is nearest to: the cell over the biaxial plane, or in uniaxial tension
+
+    Returns
+    -------
+    dict of the law less the cell over the strength [-]: "rms" and "largest" over the biaxial plane, largest in
+    "uniaxial" tension and in "shear" until locking
+
+    Raises
+    ------
+    InputError : an unknown code, law or unit, or a set-up with what no deck holds; nothing has been written
+    """
+    from shellfabric.impact.setups import first_ply, plies_of
+    from weavecell.commands import export as command
+
+    first, plies = first_ply(setup), plies_of(setup)
+    name = f"{plies} x {first.fabric.name}" if plies > 1 else first.fabric.name
+    laws = first.laws or first.fabric.laws
+    made = command.made_of(
+        setup, to, command.chosen(to, law), units, match, title=f"{name}, {first.strike_velocity:g} m/s",
+        source=laws[0].provenance if laws and first.cell_model == "compressible" else f"none, {first.cell_model} yarns",
+    )  # fmt: skip
+    command.write(made, Path(out), to, first.fabric.name, match, "", first.fabric)
+    return made.cards[0].mismatch.numbers()
