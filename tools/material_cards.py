@@ -13,7 +13,6 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 import weavecell as wc  # noqa: E402
-from shellfabric.impact.setups import first_ply  # noqa: E402
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth  # noqa: E402
 from weavecell.analysis.material_card.laws import CrimpExchange, Linear, UncoupledCurves  # noqa: E402
 from weavecell.analysis.material_card.mismatch import Mismatch  # noqa: E402
@@ -37,7 +36,7 @@ def marks(name: str) -> tuple[str, str]:
 
 def row(fabric: str, match: str) -> list[str]:
     """A fabric's errors in percent of the strength: rms, largest, uniaxial, shear of each law."""
-    cloth = Cloth(first_ply(wc.setup(fabric, "100 m/s")).cell())
+    cloth = Cloth(wc.setup(fabric, "100 m/s").cell())
     found = [Mismatch.of(cloth, law.of(cloth, match)).numbers().values() for law in LAWS.values()]
     return [fabric, *(" / ".join(f"{100 * value:.0f}" for value in numbers) for numbers in found)]
 

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Literal
 from fabrics.checks import FilePath
 
 if TYPE_CHECKING:
-    from shellfabric.impact.pack import PackSetup
-    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.impact.simulation import ImpactSetup
 
 __all__ = ["export"]
 
 
 def export(
-    setup: ImpactSetup | PackSetup, to: Literal["lsdyna", "radioss", "abaqus"], out: FilePath, *,
+    setup: ImpactSetup, to: Literal["lsdyna", "radioss", "abaqus"], out: FilePath, *,
     law: str | None = None, units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s",
     match: Literal["plane", "uniaxial"] = "plane",
 ) -> dict[str, float]:  # fmt: skip
@@ -41,15 +40,12 @@ def export(
     ------
     InputError : an unknown code, law or unit, or a set-up with what no deck holds; nothing has been written
     """
-    from shellfabric.impact.setups import first_ply, plies_of
     from weavecell.commands import export as command
 
-    first, plies = first_ply(setup), plies_of(setup)
-    name = f"{plies} x {first.fabric.name}" if plies > 1 else first.fabric.name
-    laws = first.laws or first.fabric.laws
+    laws = setup.laws or setup.fabric.laws
     made = command.made_of(
-        setup, to, command.chosen(to, law), units, match, title=f"{name}, {first.strike_velocity:g} m/s",
-        source=laws[0].provenance if laws and first.cell_model == "compressible" else f"none, {first.cell_model} yarns",
+        setup, to, command.chosen(to, law), units, match, title=f"{setup.title}, {setup.strike_velocity:g} m/s",
+        source=laws[0].provenance if laws and setup.cell_model == "compressible" else f"none, {setup.cell_model} yarns",
     )  # fmt: skip
-    command.write(made, Path(out), to, first.fabric.name, match, "", first.fabric)
+    command.write(made, Path(out), to, setup.fabric.name, match, "", setup.fabric)
     return made.cards[0].mismatch.numbers()

@@ -21,7 +21,7 @@ from typing import Any
 
 from fabrics.errors import InputError
 from fabrics.files import write_whole
-from shellfabric.impact import setups
+from shellfabric.impact.simulation import ImpactSetup
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth
 from weavecell.analysis.material_card.laws import CrimpExchange, Linear, UncoupledCurves
 from weavecell.analysis.material_card.mismatch import LIMIT
@@ -67,7 +67,7 @@ ROWS = {
 }  # fmt: skip
 _NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
 _SIDES = [f"panel.boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields]
-SUPPORTS = target.supports(
+SUPPORT = target.support(
     "weavecell export", honoured=("title", "projectile.strike_velocity", "run.end_time"),
     ignored=(
         *of("run", "snapshot_interval checkpoint_interval outputs"),
@@ -92,7 +92,7 @@ def export(name: str, out: Path, *, to: str, law: str | None, units: str, match:
     InputError : an unknown code, law or unit, or a key that no deck holds; nothing has been written
     """
     form = chosen(to, law)
-    this = target.read(name, out, target.support(*SUPPORTS))
+    this = target.read(name, out, SUPPORT)
     try:
         made = made_of(this.setup, to, form, units, match, title=_title(this), source=this.case.law_name)
     except InputError as problem:
@@ -124,7 +124,7 @@ def chosen(to: str, law: str | None) -> str:
     return law or next(iter(laws))
 
 
-def made_of(setup: setups.Setup, to: str, law: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
+def made_of(setup: ImpactSetup, to: str, law: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
     """The deck of a set-up; parameters and exceptions as `deck.build`, with names of code and law, and of MATCHES."""
     if match not in MATCHES:
         raise InputError(key="--match", value=match, allowed=" or ".join(MATCHES))

@@ -23,7 +23,7 @@ import numpy as np
 import weavecell
 from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError
-from shellfabric.impact import setups
+from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.output.snapshots import quads
 from shellfabric.panel import boundary
 from shellfabric.panel.model import Panel
@@ -207,13 +207,13 @@ class Deck:
 
 
 def build(
-    setup: setups.Setup, make: Callable[[Cloth], Law], units: str, *, title: str, source: str, law: str, code: str
+    setup: ImpactSetup, make: Callable[[Cloth], Law], units: str, *, title: str, source: str, law: str, code: str
 ) -> Deck:
     """The deck of a set-up.
 
     Parameters
     ----------
-    setup : ImpactSetup, or PackSetup
+    setup : ImpactSetup
     make : the law of a cloth
     units : of UNITS
     title, source, law, code : in words: of the shot, of its compression law, of the law and the code for the header
@@ -224,37 +224,36 @@ def build(
     """
     if units not in UNITS:
         raise InputError(key="--units", value=units, allowed=" or ".join(UNITS))
-    first = setups.first_ply(setup)
     for key, (allowed, has) in REFUSED.items():
-        if has(first):
+        if has(setup):
             raise InputError(key=key, allowed=allowed)
     panels, places, friction = _panels(setup)
     cards: dict[int, Card] = {}
     plies: list[Ply] = []
-    for panel, place in zip(panels, places):
+    for p, (panel, place) in enumerate(zip(panels, places)):
         if id(panel) not in cards:
-            cards[id(panel)] = _card(panel.table.model, make, len(cards) + 1, first.failure)
+            name = _ascii(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
+            cards[id(panel)] = _card(panel.table.model, make, len(cards) + 1, name, setup.failure)
         plies.append(_ply(panel, cards[id(panel)], place, plies))
     used = tuple(cards.values())
     share, mirrors = panels[0].share, panels[0].mirrors
-    nose = _nose(first.projectile, first.strike_velocity, share, used[0].cloth.thickness, plies)
+    nose = _nose(setup.projectile, setup.strike_velocity, share, used[0].cloth.thickness, plies)
     header = _header(used, units, share, source, law, code)
-    return Deck(_ascii(title)[:70], header, UNITS[units], used, tuple(plies), nose, mirrors, friction, first.end_time)
+    return Deck(_ascii(title)[:70], header, UNITS[units], used, tuple(plies), nose, mirrors, friction, setup.end_time)
 
 
 def _panels(setup):
     """(panels in the order of the plies, their places [m], friction between them): all that is asked of a set-up's
     pack."""
-    found = setups.panel_of(setups.with_ply(setup, table_size=_TABLE))
+    found = replace(setup, table_size=_TABLE).target()
     if isinstance(found, Panel):
         return (found,), (0.0,), 0.0
     return found.plies, found.places, found.friction
 
 
-def _card(model, make, number, failure):
+def _card(model, make, number, name, failure):
     cloth = Cloth(replace(model, reach=1.0))
     law = make(cloth)
-    name = _ascii(model.fabric.name) + ("" if number == 1 else " turned")
     return Card(number, name, cloth, law, Mismatch.of(cloth, law), failure)
 
 

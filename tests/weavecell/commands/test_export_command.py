@@ -75,3 +75,12 @@ def test_a_law_of_another_code_is_one_line(command, scene, tmp_path):
 def test_the_laws_of_the_help_are_those_there_are(command):
     _, out, _ = command("export", "--help")
     assert all(law in out for code in export.CODES.values() for law in code.laws)
+
+
+def test_each_fabric_of_a_lay_up_has_a_card(command, tmp_path):
+    path = tmp_path / "scene.toml"
+    plies = 'ply_gap = "0.1 mm"\n[[panel.ply]]\n[[panel.ply]]\nname = "S-726"\nangle = "90 deg"'
+    path.write_text(impact_scene("100 m/s", "30 mm", "50 us", panel=plies))
+    code, out, err = command("export", path, "--to", "lsdyna", "--out", "r")
+    assert code == 0, err
+    assert [line.split(":")[0] for line in out.splitlines() if "rms" in line] == ["S-720", "S-726 turned"]
