@@ -292,7 +292,12 @@ CODE = {
         "validation/verification/cost_accuracy/shots.py",
         "validation/verification/cost_accuracy/scenes.toml",
     ),
-    "validation.verification.stability.study": (*SHELL, *SOLID, "validation/verification/stability/bars.py"),
+    "validation.verification.stability.study": (
+        *SHELL,
+        *SOLID,
+        "validation/verification/stability/unit_cell.py",
+        "validation/verification/stability/maps.toml",
+    ),
     "weavecell.analysis.uncertainty.sobol": (
         *SHELL,
         "weavecell/analysis/uncertainty/inputs.toml",
