@@ -30,6 +30,7 @@ from validation.program import program, write_csv
 from validation.published.biaxial_glass import pictures
 from validation.published.biaxial_glass.specimen import ARM, CENTRE, MIDDLE
 from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
+from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -138,18 +139,17 @@ def main(
         write_csv(out / f"{name}-sides.csv", rows)
         pictures.sides(fabric, tests, out / f"{name}-sides.png")
         print(f"\n{name}; law of the 3D crossover: a = {1e3 * law.a:.4f} mm, b = {1e5 * law.b:.2f} mm uN^(1/3)\n")
-        print("| test | " + " | ".join(MODELS[1:]) + " |\n" + "|---" * len(MODELS) + "|")
-        within = []
+        compared, within = [["test", *MODELS[1:]]], []
         for title, (yarn, models) in tests.items():
             found = differences(models, fabric.weave.yarns[YARNS.index(yarn)].strength)
             entries = [found.get(model) for model in MODELS[1:]]
-            cells = (f"{rms:.1f} ({100 * share:.1f} %), {most:+.1f}" for rms, share, most in filter(None, entries))
-            texts = iter(cells)
+            cells = [f"{one[0]:.1f} ({100 * one[1]:.1f} %), {one[2]:+.1f}" if one else "" for one in entries]
+            compared.append([title, *cells])
             if MODELS[4] in models:
                 own = differences({name: models[name] for name in (MODELS[4], MODELS[3])}, 1.0)[MODELS[3]]
                 within.append(f"{title}: {own[0]:.1f} N rms, {own[2]:+.1f} N at most")
-            print(f"| {title} | " + " | ".join(next(texts) if one else "" for one in entries) + " |")
-        print("\n3D crossover from the cell with its own law: " + "; ".join(within))
+        print(markdown(compared))
+        print("3D crossover from the cell with its own law: " + "; ".join(within))
 
 
 if __name__ == "__main__":
