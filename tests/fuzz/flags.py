@@ -22,7 +22,7 @@ from shellfabric.panel.quality import LIMITS, NOTES
 from tests.fuzz import scenes
 from validation.verification.stability import study
 from validation.verification.stability.core import STABLE, WRONG
-from validation.verification.study import markdown
+from weavecell.report.marked_page import markdown
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 
@@ -138,7 +138,7 @@ def page(maps, examples, random, command):
 def limits():
     """Every indicator with its limit."""
     rows = [[name, f"{NOTES[name]:g}" if name in NOTES else "", f"{row[0]:g}", row[2]] for name, row in LIMITS.items()]
-    return markdown(["indicator", "noted above", "doubtful above", "value"], rows)
+    return markdown([["indicator", "noted above", "doubtful above", "value"], *rows], numbers=True).rstrip("\n")
 
 
 def shares(maps):
@@ -155,7 +155,8 @@ def shares(maps):
     for title, without in (("all", ()), ("all that a scene can reach", tuple(OUTSIDE))):
         chosen = [point for key, point in all_wrong if key not in without]
         rows.append([f"**{title}**", _share([point for point in chosen if point[3]], chosen), "", "", ""])
-    return markdown(["map", "wrong points flagged", "stable points flagged", "by", "outside the product"], rows)
+    head = ["map", "wrong points flagged", "stable points flagged", "by", "outside the product"]
+    return markdown([head, *rows], numbers=True).rstrip("\n")
 
 
 def _share(part, whole):

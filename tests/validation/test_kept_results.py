@@ -95,8 +95,7 @@ def the_pencilling_study(folder, monkeypatch):
     monkeypatch.setattr(command, "table", lambda shots: [])
     for name in ("depths", "craters"):
         monkeypatch.setattr(command.pictures, name, lambda shots, path: None)
-    monkeypatch.setattr("sys.argv", ["pencilling", "4", "5", "--resume", "--out", str(folder)])
-    command.main()
+    command.main([4, 5], resume=True, out=folder)
 
 
 def the_convergence_study(folder, monkeypatch):
@@ -114,9 +113,7 @@ def the_convergence_study(folder, monkeypatch):
     monkeypatch.setattr(command, "study", study)
     monkeypatch.setattr(command, "write_csv", lambda quantities, path: None)
     monkeypatch.setattr(command, "picture", lambda quantities, path: None)
-    resume = ["--resume"] if (folder / "points.json").exists() else []
-    monkeypatch.setattr("sys.argv", ["convergence", "S-720", "--out", str(folder), *resume])
-    command.main()
+    command.main(["S-720"], out=folder, resume=(folder / "points.json").exists())
 
 
 def a_history():
@@ -292,7 +289,12 @@ CODE = {
         "validation/verification/cost_accuracy/shots.py",
         "validation/verification/cost_accuracy/scenes.toml",
     ),
-    "validation.verification.stability.study": (*SHELL, *SOLID, "validation/verification/stability/bars.py"),
+    "validation.verification.stability.study": (
+        *SHELL,
+        *SOLID,
+        "validation/verification/stability/unit_cell.py",
+        "validation/verification/stability/maps.toml",
+    ),
     "weavecell.analysis.uncertainty.sobol": (
         *SHELL,
         "weavecell/analysis/uncertainty/inputs.toml",

@@ -11,15 +11,14 @@ critical velocity. What is done is kept in the folder, from which an interrupted
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from fabrics.errors import run_program
 from validation.claims import claims as data
 from validation.claims import runner, variants
 from validation.claims.claims import Claim
 from validation.claims.judge import Record
+from validation.program import program
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
@@ -70,24 +69,21 @@ def _short(record):
     return text if len(text) <= 160 else text[:157] + "..."
 
 
-def main() -> None:
+def main(
+    *, page: Path | None = None, out: Path = Path("results/claims-sliding"), most_limits: int = MOST_LIMITS
+) -> None:
     """Run it."""
-    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[2])
-    arguments.add_argument("--page", type=Path)
-    arguments.add_argument("--out", type=Path, default=Path("results/claims-sliding"))
-    arguments.add_argument("--most-limits", type=int, default=MOST_LIMITS)
-    given = arguments.parse_args()
     claims = data.load()
-    of = chosen(claims, given.most_limits)
-    rows = judged(of, given.out)
+    of = chosen(claims, most_limits)
+    rows = judged(of, out)
     others = sum(variants.applies(claim) for claim in claims) - len(of)
-    limits = "" if given.most_limits == MOST_LIMITS else f" --most-limits {given.most_limits}"
-    command = f"python -m validation.claims.sliding --page {given.page}{limits}"
+    limits = "" if most_limits == MOST_LIMITS else f" --most-limits {most_limits}"
+    command = f"python -m validation.claims.sliding --page {page}{limits}"
     text = table(rows, others, command)
     print(text)
-    if given.page:
-        put(given.page, BEGIN, END, text)
+    if page:
+        put(page, BEGIN, END, text)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, most_limits="searches of a critical velocity in a claim")

@@ -10,17 +10,15 @@ ends of the assumed laws are compared with those of the published compression an
 
 from __future__ import annotations
 
-import argparse
-import csv
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
-from fabrics.errors import run_program
 from fabrics.fabric import Fabric
-from fabrics.files import write_whole
+from validation.program import program, publish, write_csv
 from weavecell.analysis.assumed_range import AssumedRange
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
@@ -142,27 +140,17 @@ def combinations(found: list[Comparison]) -> Rows:
     return rows
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.assumed_laws", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("fabrics", nargs="*", default=list(FABRICS), metavar="FABRIC")
-    parser.add_argument("--out", type=Path, default=OUT)
-    parser.add_argument("--page", type=Path, help="put the tables into this page, between its marks")
-    options = parser.parse_args()
+def main(fabrics: Sequence[str] = FABRICS, *, out: Path = OUT, page: Path | None = None) -> None:
     made = provenance.stamp()  # before a page of the checkout is written to
-    found = [compare(name) for name in options.fabrics]
+    found = [compare(name) for name in fabrics]
     for table in (laws, velocities, combinations):
         rows, name = table(found), table.__name__
-        with write_whole(options.out / f"{name}.csv") as file:
-            csv.writer(file, lineterminator="\n").writerows(rows)
-        print(markdown(rows))
-        if options.page is not None:
-            put(options.page, *marks(name), f"\n\n{markdown(rows)}\n")
-    if options.page is not None:
+        write_csv(out / f"{name}.csv", rows)
+        publish(markdown(rows), page, marks(name))
+    if page is not None:
         line = f"Computed by `python -m validation.published.assumed_laws`, commit {made['commit']}, {made['date']}."
-        put(options.page, *marks("stamp"), f"\n\n{line}\n\n")
+        put(page, *marks("stamp"), f"\n\n{line}\n\n")
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

@@ -10,20 +10,17 @@ with --page the table goes into that page, between its marks.
 
 from __future__ import annotations
 
-import argparse
-import csv
 import json
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from fabrics import catalogue, run_cache
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, WeavecellError
-from fabrics.files import write_whole
+from fabrics.errors import InputError
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from unitcell3d.identify.chain import combine
+from validation.program import program, write_csv
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
@@ -103,38 +100,31 @@ def _law_intervals(fitted, ends):
         yield f"{1e3 * low:.4f} .. {1e3 * high:.4f}"
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.calibration_chain", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("chain", type=Path, metavar="CHAIN")
-    parser.add_argument("--fabric", default="S-720")
-    parser.add_argument("--velocity", type=float, default=155.0, help="strike velocity of the residual velocity [m/s]")
-    parser.add_argument("--out", type=Path, default=Path("results/chain-shots"))
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--page", type=Path, help="put the table into this page")
-    options = parser.parse_args()
+def main(
+    chain: Path,
+    *,
+    fabric: str = "S-720",
+    velocity: float = 155.0,
+    out: Path = Path("results/chain-shots"),
+    jobs: int = 1,
+    page: Path | None = None,
+) -> None:
     stamp = provenance.stamp()  # before a page of the checkout is written to
-    named, ends = laws(options.chain, options.fabric)
+    named, ends = laws(chain, fabric)
     pairs = list(dict.fromkeys([*named.values(), *(end for pair in ends for end in pair if end is not None)]))
-    cases = [(Case(options.fabric, a, b, options.velocity),) for a, b in pairs]
-    found = run_cache.results(shoot, cases, folder=options.out / "runs", jobs=options.jobs)
+    cases = [(Case(fabric, a, b, velocity),) for a, b in pairs]
+    found = run_cache.results(shoot, cases, folder=out / "runs", jobs=jobs)
     rows = table(named, ends, dict(zip(pairs, found)))
-    with write_whole(options.out / "shell.csv") as file:
-        csv.writer(file).writerows(rows)
+    write_csv(out / "shell.csv", rows)
     made = markdown(rows)
     print(made)
-    if options.page is not None:
+    if page is not None:
         text = (
-            f"{options.fabric}, residual velocity at {options.velocity:g} m/s; made by `python -m "
+            f"{fabric}, residual velocity at {velocity:g} m/s; made by `python -m "
             f"validation.published.calibration_chain`, commit {stamp['commit']}, {stamp['date']}."
         )
-        put(options.page, *MARKS, f"\n\n{text}\n\n{made}\n")
+        put(page, *MARKS, f"\n\n{text}\n\n{made}\n")
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    program(main, velocity="strike velocity of the residual velocity [m/s]")

@@ -12,7 +12,6 @@ Figures 2-8 to 2-10; the captions of packs are those of section 5.2.2.
 
 from __future__ import annotations
 
-import argparse
 import csv
 import time
 from collections.abc import Callable
@@ -22,13 +21,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics import catalogue
-from fabrics.errors import run_program
-from fabrics.files import write_whole
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
+from validation.program import program, publish, write_records
 from validation.published.packs import study as packs
-from weavecell.report.marked_page import markdown, put
+from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -243,31 +241,17 @@ def read(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def write(rows: list[dict[str, str]], path: Path) -> None:
-    """A table, one row a line."""
-    with write_whole(path) as file:
-        table = csv.DictWriter(file, rows[0], lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m validation.published.shots", description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path("results/published-shots"))
-    parser.add_argument("--page", type=Path, help="put the tables into this page")
-    options = parser.parse_args()
-    results = packs.Results(options.out / "shots")
+def main(*, out: Path = Path("results/published-shots"), page: Path | None = None) -> None:
+    results = packs.Results(out / "shots")
     content = [*single_shots(results), *pack_shots(results)], critical_velocities(results)
     made = tables(*content)
     for rows, name in zip(content, FILES):
-        write(rows, options.out / name)
-        if options.page is not None:
-            write(rows, options.page.parent / "data" / f"published-{name}")
-    print("\n".join(made))
-    if options.page is not None:
-        for marks, table in zip(MARKS, made):
-            put(options.page, *marks, f"\n\n{table}\n")
+        write_records(out / name, rows)
+        if page is not None:
+            write_records(page.parent / "data" / f"published-{name}", rows)
+    for marks, table in zip(MARKS, made):
+        publish(table, page, marks)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

@@ -12,7 +12,6 @@ writes single-yarn.svg and single-yarn.json.
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +27,7 @@ from unitcell3d.cases import single_yarn as cases_single_yarn
 from unitcell3d.cases.single_yarn import YarnModel
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import Load
+from validation.program import program
 
 ZERO = 1e-9  # of the largest eigenvalue
 POINTS = {"one point": solid_law.ONE_POINT, "2 x 2 x 2 points": solid_law.FULL}
@@ -93,10 +93,10 @@ def picture(found: Any, path: Path) -> None:
         pyplot.close(figure)
 
 
-def main(name: str = "S-720", size: str = "coarse", folder: str = "results/single-yarn") -> None:
+def main(name: str = "S-720", size: str = "coarse", folder: Path = Path("results/single-yarn")) -> None:
     """Measure, write and print."""
-    found, out = measure(name, size), Path(folder)
-    picture(found, out / "single-yarn.svg")
+    found = measure(name, size)
+    picture(found, folder / "single-yarn.svg")
     numbers = {}
     for (label, bars), values in found["spectra"].items():
         numbers[f"{label}, {'without' if bars == 0 else 'slack'} bars"] = {
@@ -112,11 +112,11 @@ def main(name: str = "S-720", size: str = "coarse", folder: str = "results/singl
             "straight at the strain": -start / slope,
             "crimp": yarn.crimp,
         }
-    with write_whole(out / "single-yarn.json") as file:
+    with write_whole(folder / "single-yarn.json") as file:
         json.dump(numbers, file, indent=2)
         file.write("\n")
     print(json.dumps(numbers, indent=2))
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    program(main, name="fabric", size="of the mesh")

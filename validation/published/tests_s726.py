@@ -11,21 +11,18 @@ numbers, before any run. Writes tests-s726.csv; with --page the tables go into t
 
 from __future__ import annotations
 
-import argparse
-import csv
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fabrics import catalogue
-from fabrics.errors import InputError, WeavecellError
-from fabrics.files import write_whole
+from fabrics.errors import InputError
 from fabrics.yarn import WeavingDamage
 from shellfabric.impact.ballistic_limit import critical_velocity, shoot
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.projectile import Projectile
+from validation.program import program, write_records
 from weavecell.report.marked_page import markdown, put
 
 FABRIC, TESTS = "S-726", {96.0: "stops", 110.0: "perforates"}  # [m/s]: outcome of the test
@@ -122,29 +119,16 @@ def table(rows: list[dict[str, str]]) -> str:
     return markdown(found)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.tests_s726", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("--out", type=Path, default=Path("results/tests-s726"))
-    parser.add_argument("--page", type=Path, help="put the tables into this page")
-    options = parser.parse_args()
+def main(*, out: Path = Path("results/tests-s726"), page: Path | None = None) -> None:
     rows = []
     for elements in MESHES:
         for case in cases():
             rows.append(compute(case, elements))
             print(" | ".join(rows[-1].values()), flush=True)
-    with write_whole(options.out / "tests-s726.csv") as file:
-        written = csv.DictWriter(file, rows[0], lineterminator="\n")
-        written.writeheader()
-        written.writerows(rows)
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{table(rows)}\n")
+    write_records(out / "tests-s726.csv", rows)
+    if page is not None:
+        put(page, *MARKS, f"\n\n{table(rows)}\n")
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    program(main)

@@ -9,7 +9,6 @@ result. Runs are kept in the folder and not made twice.
 
 from __future__ import annotations
 
-import argparse
 import time
 from dataclasses import dataclass, replace
 from math import inf
@@ -19,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.errors import run_program
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
+from validation.program import program, publish
 from validation.verification.fidelity import scenes
 from weavecell.analysis import discretisation
 from weavecell.analysis.fidelity.ladder import Tables, simplest
-from weavecell.report.marked_page import markdown, put
+from weavecell.report.marked_page import markdown
 
 COUNT, SEED = 40, 808
 MARKS = "<!-- table of validation.verification.discretisation -->", "<!-- end of discretisation -->"
@@ -119,22 +118,14 @@ def tables(rows: list[Row]) -> str:
     return "\n".join(markdown(part) for part in (summary, results, missed) if len(part) > 1)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.verification.discretisation", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("--out", type=Path, default=Path("results/discretisation"))
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--count", type=int, default=COUNT, help="number of scenes")
-    parser.add_argument("--page", type=Path, help="put the tables into this page")
-    options = parser.parse_args()
-    places = [(number,) for number in range(options.count)]
-    rows = run_cache.results(row, places, folder=options.out, jobs=options.jobs)
+def main(
+    *, out: Path = Path("results/discretisation"), jobs: int = 1, count: int = COUNT, page: Path | None = None
+) -> None:
+    places = [(number,) for number in range(count)]
+    rows = run_cache.results(row, places, folder=out, jobs=jobs)
     made = tables(rows)
-    print(made)
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{made}\n")
+    publish(made, page, MARKS)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, count="number of scenes")

@@ -12,7 +12,6 @@ folder.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from fabrics import catalogue, run_cache
-from fabrics.errors import run_program
 from shellfabric.impact.simulation import ImpactSetup
+from validation.program import program
 from weavecell.analysis.uncertainty import inputs, probit, v50
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
@@ -98,32 +97,22 @@ def rows_of(name: str, shots: Sequence[Shot]) -> list[list[str]]:
     return rows
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.verification.graded_v50", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("--shots", type=int, default=200, help="of each fabric")
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--out", type=Path, default=Path("results/graded-v50"))
-    parser.add_argument("--page", type=Path, help="put the table into this page")
-    options = parser.parse_args()
+def main(*, shots: int = 200, jobs: int = 1, out: Path = Path("results/graded-v50"), page: Path | None = None) -> None:
     table = [["fabric", "sides [crossovers]", "elements", "other outcome than uniform", "V50, m/s (95 %)",
               "residual velocity, rms difference, m/s", "largest, m/s", "CPU time over uniform"]]  # fmt: skip
-    runs: dict[str, Any] = {"folder": options.out, "jobs": options.jobs}
+    runs: dict[str, Any] = {"folder": out, "jobs": jobs}
     for name in FABRICS:
         setup = ImpactSetup(catalogue.load(name).with_effective_density(), 1.0, opening=OPENING)
         (bracket,) = run_cache.results(v50.deterministic, [(setup, TOLERANCE)], **runs)
-        velocities = 0.5 * sum(bracket) * np.linspace(*RANGE, options.shots)
+        velocities = 0.5 * sum(bracket) * np.linspace(*RANGE, shots)
         places = [(name, k, round(float(V), 4), gradings(name)[1]) for k, V in enumerate(velocities)]
         table += rows_of(name, run_cache.results(shot, places, **runs))
         print(markdown(table), flush=True)
-    if options.page is not None:
+    if page is not None:
         stamp = provenance.stamp()
-        made = (
-            f"Made by `python -m validation.verification.graded_v50 --shots {options.shots}`, commit {stamp['commit']}."
-        )
-        put(options.page, *MARKS, f"\n\n{markdown(table)}\n{made}\n\n")
+        made = f"Made by `python -m validation.verification.graded_v50 --shots {shots}`, commit {stamp['commit']}."
+        put(page, *MARKS, f"\n\n{markdown(table)}\n{made}\n\n")
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, shots="of each fabric")

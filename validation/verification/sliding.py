@@ -7,7 +7,7 @@ Runs are kept in the folder and not made twice. Without --page the tables are pr
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from math import inf
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from fabrics import catalogue, run_cache
-from fabrics.errors import UndecidedError, UnstableError, run_program
+from fabrics.errors import UndecidedError, UnstableError
 from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE, RED, plots
 from shellfabric.cell.model import CellModel
@@ -28,6 +28,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding import cell_scaling
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
 from shellfabric.sliding.solver import solver_of
+from validation.program import program
 from validation.verification import sliding_pull_out as pulls
 from validation.verification.study import known
 from weavecell.report.marked_page import markdown, put
@@ -198,17 +199,10 @@ def _progress(name, done, total):
     print(f"{name}: {done} of {total}", flush=True)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.verification.sliding", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("--out", type=Path, default=Path("results/sliding"))
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--page", type=Path, help="put the tables into this page")
-    parser.add_argument(
-        "--only", nargs="+", help="of scaling, stability, cost, pulled, under_load, limit; all of them by default"
-    )
-    options, commit = parser.parse_args(), provenance.stamp()["commit"]  # before the pictures are written
+def main(
+    *, out: Path = Path("results/sliding"), jobs: int = 1, page: Path | None = None, only: Sequence[str] | None = None
+) -> None:
+    commit = provenance.stamp()["commit"]  # before the pictures are written
     cases: dict[str, tuple[Any, list[tuple]]] = {
         "scaling": (scaling, [(name,) for name in FABRICS]),
         "stability": (stability, [(threshold, cfl) for threshold in THRESHOLDS for cfl in CFL]),
@@ -221,23 +215,21 @@ def main() -> None:
         "limit": (limit, [(name, mu) for name in FABRICS for mu in (None, *MU)]),
     }
     results = {}
-    for name in options.only or cases:
+    for name in only or cases:
         known("--only", name, tuple(cases))
         function, places = cases[name]
         progress = partial(_progress, name)
-        results[name] = run_cache.results(
-            function, places, folder=options.out, jobs=options.jobs, batches=False, report=progress
-        )
+        results[name] = run_cache.results(function, places, folder=out, jobs=jobs, batches=False, report=progress)
     made = text(results)
     print(made)
-    if options.page is not None:
+    if page is not None:
         if "limit" in results:
-            chart(results["limit"], options.page.parent / "figures" / "sliding-limits.png")
+            chart(results["limit"], page.parent / "figures" / "sliding-limits.png")
         if "under_load" in results:
-            pulls.chart(results["under_load"], options.page.parent / "figures" / "sliding-pull-out.png")
-        name = f"python -m validation.verification.sliding --page {options.page}"
-        put(options.page, *MARKS, f"\n\nMade by `{name}`, commit {commit}.\n\n{made}\n")
+            pulls.chart(results["under_load"], page.parent / "figures" / "sliding-pull-out.png")
+        name = f"python -m validation.verification.sliding --page {page}"
+        put(page, *MARKS, f"\n\nMade by `{name}`, commit {commit}.\n\n{made}\n")
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, only="of scaling, stability, cost, pulled, under_load, limit; all of them by default")

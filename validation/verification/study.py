@@ -40,10 +40,4 @@ def write_page(
     for paragraphs, made in sections:
         parts += [*paragraphs, f"Run: {made}"]
     with write_whole(path) as file:
-        file.write("\n\n".join(parts) + "\n")
-
-
-def markdown(columns: Sequence[str], rows: Iterable[Sequence]) -> str:
-    """A Markdown table; the first column flush left, the others flush right."""
-    lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
-    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+        file.write("\n\n".join(part.rstrip("\n") for part in parts) + "\n")

@@ -9,9 +9,11 @@ from fabrics.errors import InputError
 from fabrics.files import write_whole
 
 
-def markdown(rows: Sequence[Sequence[str]]) -> str:
-    """Rows, the first of which is the head, as a table in Markdown."""
-    return "\n".join("| " + " | ".join(row) + " |" for row in [rows[0], ["---"] * len(rows[0]), *rows[1:]]) + "\n"
+def markdown(rows: Sequence[Sequence[object]], *, numbers: bool = False) -> str:
+    """Rows, the first of which is the head, as a table in Markdown; with `numbers` all columns but the first are flush
+    right."""
+    rule = ["---", *(["---:" if numbers else "---"] * (len(rows[0]) - 1))]
+    return "".join("| " + " | ".join(map(str, row)) + " |\n" for row in [rows[0], rule, *rows[1:]])
 
 
 def split(page: Path, begin: str, end: str) -> tuple[str, str]:

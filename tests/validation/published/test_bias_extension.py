@@ -1,7 +1,5 @@
 """The bias extension test: its cloths, its command and picture on a small coupon; at full size the claims."""
 
-import sys
-
 import numpy as np
 import pytest
 
@@ -32,8 +30,7 @@ def test_the_command_writes_table_and_picture(tmp_path, monkeypatch, capsys):
     given = np.array([0.01]), np.radians([[89.0, 84.0, 80.0]]), np.array([1.2])
     pulled = dynamic.Pull(None, None, *given, None)
     monkeypatch.setattr(dynamic, "pull", lambda name, element: pulled)
-    monkeypatch.setattr(sys, "argv", ["bias_extension", "--out", str(tmp_path), "--dynamic"])
-    command.main()
+    command.main(out=tmp_path, dynamic=True)
     lines = (tmp_path / "zones.csv").read_text().splitlines()
     assert lines[0].split(",")[:2] == ["cloth", "elongation mm"]
     assert {line.split(",")[0] for line in lines[1:]} == set(cases.CLOTHS)

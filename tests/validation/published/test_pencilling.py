@@ -43,9 +43,8 @@ def test_a_command_without_a_shot_says_why(monkeypatch, tmp_path):
         raise UnstableError("plies come through each other", where="4 plies", when="after 71 us")
 
     monkeypatch.setattr(command, "shoot", breaks)
-    monkeypatch.setattr("sys.argv", ["pencilling", "5", "--no-bare", "--out", str(tmp_path)])
     with pytest.raises(UnstableError, match="come through"):
-        command.main()
+        command.main([5], no_bare=True, out=tmp_path)
     assert not any(tmp_path.iterdir())
 
 

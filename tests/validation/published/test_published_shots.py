@@ -94,8 +94,7 @@ def test_what_differs_from_the_thesis_is_set_bold(tmp_path, monkeypatch):
     monkeypatch.setattr(study.packs, "Results", Results)
     page = tmp_path / "page.md"
     page.write_text("\n".join(f"{begin}old{end}" for begin, end in study.MARKS))
-    monkeypatch.setattr("sys.argv", ["published_shots", "--out", str(tmp_path / "out"), "--page", str(page)])
-    study.main()
+    study.main(out=tmp_path / "out", page=page)
     assert "old" not in page.read_text()
     captions, bars, tests, packs = (between(page, *marks).splitlines() for marks in study.MARKS)
     assert captions[-1] == "| as the caption says |  |  | 12 of 12 | 12 of 12 | 12 of 12 |"

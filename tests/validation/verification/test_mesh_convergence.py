@@ -1,7 +1,6 @@
 """The convergence study: extrapolation in closed form, and the machinery on a small panel."""
 
 import csv
-import sys
 
 import numpy as np
 import pytest
@@ -175,8 +174,7 @@ def test_study_and_its_command(tmp_path, monkeypatch, capsys):
     page.parent.mkdir()
     page.write_text("\n".join(f"before\n{begin}\nold\n{end}" for begin, end in (command.MARKS, command.CHECKED)))
     monkeypatch.setattr(command, "study", lambda *_, **__: (found, pair))
-    monkeypatch.setattr(sys, "argv", ["", "S-720", "--out", str(tmp_path), "--page", str(page)])
-    command.main()
+    command.main(["S-720"], out=tmp_path, page=page)
     rows = list(csv.DictReader((tmp_path / "convergence.csv").open(encoding="utf-8")))
     assert [row["quantity"] for row in rows] == names
     assert float(rows[0]["limit"]) == pytest.approx(found[0].extrapolation.limit, abs=1e-4)
@@ -192,13 +190,11 @@ def test_study_and_its_command(tmp_path, monkeypatch, capsys):
     assert "critical velocity" in capsys.readouterr().out
     page.write_text("no marks")
     with pytest.raises(InputError, match="marks"):
-        command.main()
-    monkeypatch.setattr(sys, "argv", ["", "S-720", "--out", str(tmp_path / "new"), "--resume"])
+        command.main(["S-720"], out=tmp_path, page=page)
     with pytest.raises(InputError, match="no points to resume from"):
-        command.main()
-    monkeypatch.setattr(sys, "argv", ["", "S-999"])
+        command.main(["S-720"], out=tmp_path / "new", resume=True)
     with pytest.raises(InputError, match="S-999"):
-        command.main()
+        command.main(["S-999"])
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from fabrics.errors import UnstableError
-from validation.verification.stability import core, edge_radius, penalty, plies, shots, study, time_step, viscosity
+from validation.verification.stability import core, shots, study
 from validation.verification.stability.core import ABOVE, BELOW, FAILED, STABLE, WRONG, Axis, Map, Outcome
 
 
@@ -78,113 +78,125 @@ def failed(outcome, text):
 
 
 def test_time_step():
-    assert time_step.point(0.9, "S-720, default").kind == STABLE
-    outcome = time_step.point(2.0, "S-720, default")
+    assert study.solve("time-step", 0.9, "S-720, default").kind == STABLE
+    outcome = study.solve("time-step", 2.0, "S-720, default")
     assert failed(outcome, "a node moves at") or failed(outcome, "the energy balance is off by")
     with pytest.raises(UnstableError) as caught:
-        time_step.shot(2.0, "straight yarns")
+        shots.step(cfl=2.0, straight=True, failure=False)
     assert caught.value.exit_code == 3
 
 
-@pytest.mark.parametrize("cloth", time_step.CLOTHS)
+@pytest.mark.parametrize("cloth", study.load("time-step").y.values)
 def test_the_default_step_has_a_margin_on_every_cloth(cloth):
     """One and a half of the default is stable: of the equilibrium form, of taut cloth and of one that rings too."""
-    assert time_step.point(core.MARGIN_TARGET * time_step.Numerics.cfl, cloth).kind == STABLE
+    assert study.solve("time-step", core.MARGIN_TARGET * shots.Numerics.cfl, cloth).kind == STABLE
 
 
 def test_the_step_leaves_the_contact_as_it_is():
     """Half the step has the same contact: peaks stay within 1 %, where one four times as stiff moves them by more."""
-    usual, half = time_step.shot(0.9, "S-720, default"), time_step.shot(0.45, "S-720, default")
+    usual, half = (shots.step(cfl=cfl, failure=False) for cfl in (0.9, 0.45))
     assert half.off(usual) < 0.01
     assert shots.fire(failure=False, cfl=0.45).off(shots.fire(failure=False)) > 0.01
 
 
 def test_viscosity():
-    assert viscosity.point(0.1, 92.5).kind == STABLE
-    assert viscosity.point(0.0, 92.5).kind == WRONG  # it rings, which nothing but a comparison shows
+    assert study.solve("viscosity", 0.1, 92.5).kind == STABLE
+    assert study.solve("viscosity", 0.0, 92.5).kind == WRONG  # it rings, which nothing but a comparison shows
 
 
 def test_penalty_of_the_nose():
     """Beyond the bound the contact gives energy: without the guard the run ends quietly, its peaks 65 % too high."""
-    assert penalty.point(0.6, 0.5).kind == STABLE
-    assert failed(penalty.point(4.0, 0.5), "the contact has given")
+    assert study.solve("penalty", 0.6, 0.5).kind == STABLE
+    assert failed(study.solve("penalty", 4.0, 0.5), "the contact has given")
 
 
 def test_contact_between_plies():
-    assert plies.point(0.2, "smooth").kind == STABLE
-    assert plies.point(1.4, "smooth").kind != STABLE
-    assert plies.point(0.2, "nodes").kind == WRONG
+    assert study.solve("plies", 0.2, "smooth").kind == STABLE
+    assert study.solve("plies", 1.4, "smooth").kind != STABLE
+    assert study.solve("plies", 0.2, "nodes").kind == WRONG
 
 
 def test_edge_radius():
-    assert edge_radius.point(0.3e-3, "1 a crossover").kind == STABLE
-    coarse = edge_radius.point(0.3e-3, "1/4 a crossover")
+    assert study.solve("edge-radius", 0.3e-3, "1 a crossover").kind == STABLE
+    coarse = study.solve("edge-radius", 0.3e-3, "1/4 a crossover")
     assert coarse.kind == WRONG
     assert "failed segments, 0 on the finest mesh" in coarse.message
 
 
 def test_hourglass():
     pytest.importorskip("gmsh")
-    from validation.verification.stability import hourglass
-
-    assert hourglass.point(1.0, 0.8).kind == STABLE
-    assert hourglass.point(0.0, 0.8).kind == WRONG
-    assert failed(hourglass.point(1.0, 4.0), "")
+    assert study.solve("hourglass", 1.0, 0.8).kind == STABLE
+    assert study.solve("hourglass", 0.0, 0.8).kind == WRONG
+    assert failed(study.solve("hourglass", 1.0, 4.0), "")
 
 
 def test_newton_on_two_heights_and_the_bracket():
-    from validation.verification.stability import bracket, newton
-
-    assert newton.point(16e-6, 16e-6).kind == STABLE
-    assert newton.point(-10e-6, -10e-6).kind == WRONG  # a root of negative force
-    assert newton.point(0.0, 0.0).kind == FAILED  # it divides by nothing
+    assert study.solve("newton", 16e-6, 16e-6).kind == STABLE
+    assert study.solve("newton", -10e-6, -10e-6).kind == WRONG  # a root of negative force
+    assert study.solve("newton", 0.0, 0.0).kind == FAILED  # it divides by nothing
     for place in ((16e-6, 16e-6), (-10e-6, -10e-6), (0.0, 0.0), (10e-6, -10e-6), (-4e-6, 8e-6)):
-        outcome = bracket.point(*place)
+        outcome = study.solve("bracket", *place)
         assert outcome.kind == STABLE
         assert outcome.value < 30
 
 
 def test_printed_law():
-    from validation.verification.stability import printed_law
-
-    outcome = printed_law.point(0.0, 0.0)
+    outcome = study.solve("printed-law", 0.0, 0.0)
     assert outcome.kind == WRONG
     assert "where there is none" in outcome.message
-    assert printed_law.point(20e-6, 20e-6).kind == STABLE
+    assert study.solve("printed-law", 20e-6, 20e-6).kind == STABLE
 
 
 def test_load_step():
     pytest.importorskip("dolfinx")
-    from validation.verification.stability import load_step
-
-    assert load_step.point(0.1, "warp only").kind == STABLE
-    assert failed(load_step.point(1.0, "warp only"), "the crossover found no equilibrium: no convergence")
+    assert study.solve("load-step", 0.1, "warp only").kind == STABLE
+    assert failed(study.solve("load-step", 1.0, "warp only"), "the crossover found no equilibrium: no convergence")
 
 
 def test_bars():
     pytest.importorskip("dolfinx")
-    from validation.verification.stability import bars
-
-    assert bars.point(44, "2 x 2 x 2 points").kind == STABLE
+    assert study.solve("bars", 44, "2 x 2 x 2 points").kind == STABLE
 
 
 def test_bias():
-    from validation.verification.stability import bias
-
-    assert bias.point(1.0, bias.LAWS[0]).kind == STABLE
-    assert failed(bias.point(0.0, bias.LAWS[0]), "the shear has run into bands")
+    assert study.solve("bias", 1.0, "locking at 7°, as published").kind == STABLE
+    assert failed(study.solve("bias", 0.0, "locking at 7°, as published"), "the shear has run into bands")
 
 
-def test_every_map_has_its_default_on_it():
-    for key in study.NAMES:
-        if key in ("load-step", "bars"):
-            pytest.importorskip("dolfinx")
-        chart = study.load(key)
+@pytest.mark.parametrize("key", study.NAMES)
+def test_every_map_has_its_default_on_it(key):
+    if key in ("load-step", "bars"):
+        pytest.importorskip("dolfinx")
+    for quick in (False, True):
+        chart = study.load(key, quick)
         assert chart.key == key
         if chart.default is not None:
             assert chart.default in chart.points
             assert chart.default[0] in chart.x.values
         assert not chart.sides or chart.default is not None
+
+
+def test_defaults_in_the_file_of_maps_are_those_of_the_code():
+    from shellfabric.panel.model import Numerics
+    from shellfabric.plies.model import PlyContact
+    from shellfabric.solid.numerics import PatchNumerics
+
+    contact = [Numerics.penalty, Numerics.contact_damping]
+    assert study.MAPS["time-step"]["default"][0] == Numerics.cfl
+    assert study.MAPS["viscosity"]["default"] == [Numerics.stretch_viscosity, shots.VELOCITY]
+    assert study.MAPS["viscosity"]["reference"] == {"x": Numerics.stretch_viscosity}
+    assert study.MAPS["penalty"]["default"] == contact
+    assert study.MAPS["penalty"]["reference"] == {"x": contact[0], "y": contact[1]}
+    assert study.MAPS["hourglass"]["default"] == [PatchNumerics.hourglass, PatchNumerics.cfl]
+    assert study.MAPS["plies"]["default"] == [PlyContact.courant, PlyContact.form]
+    assert study.MAPS["plies"]["reference"] == {"x": PlyContact.courant, "y": PlyContact.form}
+
+
+def test_the_default_of_the_load_step_is_that_of_the_code():
+    pytest.importorskip("dolfinx")
+    from unitcell3d.solver.load_stepping import Steps
+
+    assert study.MAPS["load-step"]["default"][0] == Steps().largest
 
 
 def test_a_map_from_end_to_end_and_resumed(tmp_path, monkeypatch):

@@ -6,16 +6,13 @@ explicit, with our element and with the thesis's.
 
 from __future__ import annotations
 
-import argparse
-import csv
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fabrics.errors import run_program
-from fabrics.files import write_whole
+from validation.program import program, write_csv
 from validation.published.bias_extension import dynamic
 from validation.published.bias_extension.cases import CLOTHS, Case, asymmetry, run
 from validation.published.bias_extension.pictures import picture
@@ -48,20 +45,12 @@ def pulled() -> Iterator[list[Any]]:
             )
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m validation.published.bias_extension", description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("results/bias_extension"))
-    parser.add_argument("--steps", type=int, default=20)
-    parser.add_argument("--elements", type=int, default=1, help="a crossover, along each side")
-    parser.add_argument("--dynamic", action="store_true", help="explicit as well, with two elements")
-    options = parser.parse_args()
-    cases = [run(name, steps=options.steps, elements_per_crossover=options.elements) for name in CLOTHS]
-    with write_whole(options.out / "zones.csv") as file:
-        table = csv.writer(file)
-        table.writerow(COLUMNS)
-        for case in cases:
-            table.writerows(rows(case))
-    picture(cases, options.out / "coupons.png")
+def main(
+    *, out: Path = Path("results/bias_extension"), steps: int = 20, elements: int = 1, dynamic: bool = False
+) -> None:
+    cases = [run(name, steps=steps, elements_per_crossover=elements) for name in CLOTHS]
+    write_csv(out / "zones.csv", [COLUMNS, *(row for case in cases for row in rows(case))])
+    picture(cases, out / "coupons.png")
     for case in cases:
         if case.problem is not None:
             print(f"{CLOTHS[case.name]}: {case.problem}")
@@ -75,12 +64,10 @@ def main() -> None:
                 f"concentration {case.concentration(k):.2f}"
             )
         print(f"{'':27} asymmetry {asymmetry(case.result):.1e} of the width")
-    if options.dynamic:
-        with write_whole(options.out / "dynamic.csv") as file:
-            table = csv.writer(file)
-            table.writerow(["element", "cloth", *COLUMNS[1:2], *COLUMNS[3:6], *COLUMNS[7:9]])
-            table.writerows(pulled())
+    if dynamic:
+        head = ["element", "cloth", *COLUMNS[1:2], *COLUMNS[3:6], *COLUMNS[7:9]]
+        write_csv(out / "dynamic.csv", [head, *pulled()])
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, elements="a crossover, along each side", dynamic="explicit as well, with two elements")

@@ -11,16 +11,15 @@ The angles of the three zones at each elongation answer whether slip explains th
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isinf, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
-from fabrics.errors import run_program
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.coupon.model import Coupon
@@ -31,6 +30,7 @@ from shellfabric.sliding.contact_force import bending_bounds
 from shellfabric.sliding.flow_kernels import PULLED_OUT
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
 from shellfabric.sliding.solver import SlidingSolver
+from validation.program import program
 from validation.published.bias_extension.cases import cloth
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
@@ -201,26 +201,27 @@ def table(runs: Sequence[Pulled], command: str) -> str:
     return made + markdown(cells) + "\nAt the end: " + ";\n".join(lines) + ".\n"
 
 
-def main() -> None:
+def main(
+    *,
+    page: Path | None = None,
+    length: float = SIZE[0],
+    width: float = SIZE[1],
+    elongation: float = SIZE[2],
+    mu: Sequence[float] = COEFFICIENTS,
+) -> None:
     """Run it."""
-    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[2])
-    arguments.add_argument("--page", type=Path)
-    for name, default in zip(("length", "width", "elongation"), SIZE):
-        arguments.add_argument(f"--{name}", type=float, default=default, help="[mm]")
-    arguments.add_argument("--mu", type=float, nargs="*", default=list(COEFFICIENTS))
-    given = arguments.parse_args()
-    size = {key: 1e-3 * getattr(given, key) for key in ("length", "width", "elongation")}
+    size: dict[str, Any] = {"length": 1e-3 * length, "width": 1e-3 * width, "elongation": 1e-3 * elongation}
     runs = []
-    for mu, stiff in [(mu, stiff) for stiff in (False, True) for mu in given.mu if not (stiff and isinf(mu))]:
-        runs.append(pull(mu, stiff=stiff, **size))
+    for friction, stiff in [(each, stiff) for stiff in (False, True) for each in mu if not (stiff and isinf(each))]:
+        runs.append(pull(friction, stiff=stiff, **size))
         print(
             runs[-1].title, np.degrees(runs[-1].angles[-1]), runs[-1].load, runs[-1].passed, runs[-1].left, flush=True
         )
-    text = table(runs, f"python -m validation.published.bias_extension.sliding --page {given.page}")
+    text = table(runs, f"python -m validation.published.bias_extension.sliding --page {page}")
     print(text)
-    if given.page:
-        put(given.page, BEGIN, END, text)
+    if page:
+        put(page, BEGIN, END, text)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, length="[mm]", width="[mm]", elongation="[mm]", mu="coefficients of friction")

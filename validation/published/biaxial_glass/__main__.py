@@ -6,30 +6,29 @@ Curves as CSV and PNG. With --options also what each option of the cell changes,
 from __future__ import annotations
 
 import argparse
-import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics import catalogue
 from fabrics.errors import run_program
-from fabrics.files import write_whole
+from validation.program import write_csv
 from validation.published.biaxial_glass import options as studied
 from validation.published.biaxial_glass import pictures
 from weavecell.analysis.biaxial_test.curves import curves
 from weavecell.analysis.biaxial_test.options import add_options
+from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
 
-def write_csv(results: Any, path: Path) -> None:
+def write_curves(results: Any, path: Path) -> None:
     """One row a sample: test, strains, tensions."""
-    with write_whole(path) as file:
-        rows = csv.writer(file)
-        rows.writerow(["test", "warp strain", "weft strain", "warp tension N", "weft tension N"])
-        for curve in results:
-            for strain, tension in zip(curve.strain, curve.tension):
-                rows.writerow([curve.label, *(f"{value:.6g}" for value in (*strain, *tension))])
+    rows = [["test", "warp strain", "weft strain", "warp tension N", "weft tension N"]]
+    for curve in results:
+        for strain, tension in zip(curve.strain, curve.tension):
+            rows.append([curve.label, *(f"{value:.6g}" for value in (*strain, *tension))])
+    write_csv(path, rows)
 
 
 def main() -> None:
@@ -45,7 +44,7 @@ def main() -> None:
     for name in options.fabrics:
         fabric = catalogue.load(name)
         results = curves(fabric, profile=options.profile, toe=options.toe)
-        write_csv(results, options.out / f"{fabric.name}.csv")
+        write_curves(results, options.out / f"{fabric.name}.csv")
         pictures.picture(fabric, results, options.out / f"{fabric.name}.png")
         for curve in results:
             warp, weft = curve.tension[-1]
@@ -62,21 +61,21 @@ def study(fabric: Fabric, toe: float, out: Path) -> None:
     wrong, wrong_law, wrong_residual = studied.mistaken(fabric, toe)
     rows = {"same": studied.differences(fabric, same), "fitted to k = 1": studied.differences(fabric, anew),
             "of a weave with a toe, fitted to its k = 1": studied.differences(fabric, wrong, "the weave")}  # fmt: skip
-    with write_whole(out / f"{fabric.name}-options.csv") as file:
-        table = csv.writer(file)
-        table.writerow(["constants", "variant", "test", "yarn", "rms N", "largest N", "rms over strength"])
-        for constants, found in rows.items():
-            for row in found:
-                values = (f"{value:.5g}" for value in (row.rms, row.largest, row.share))
-                table.writerow([constants, row.variant, row.test, row.yarn, *values])
+    table = [["constants", "variant", "test", "yarn", "rms N", "largest N", "rms over strength"]]
+    for constants, found in rows.items():
+        for row in found:
+            values = (f"{value:.5g}" for value in (row.rms, row.largest, row.share))
+            table.append([constants, row.variant, row.test, row.yarn, *values])
+    write_csv(out / f"{fabric.name}-options.csv", table)
     pictures.options(fabric, same, out / f"{fabric.name}-options.png")
     for constants, found in rows.items():
         print(f"\n{fabric.name}, constants: {constants}; rms N (of the strength), largest N\n")
-        print("\n".join(studied.table(found)))
-    print("\n| variant | a, mm | b, mm uN^(1/3) | rms at k = 1 over the strength |\n|---|---|---|---|")
+        print(studied.table(found))
     laws, residuals = laws | {studied.TAKEN: wrong_law}, residuals | {studied.TAKEN: wrong_residual}
+    fits = [["variant", "a, mm", "b, mm uN^(1/3)", "rms at k = 1 over the strength"]]
     for name, law in laws.items():
-        print(f"| {name} | {1e3 * law.a:.4f} | {1e5 * law.b:.2f} | {100 * residuals[name]:.2f} % |")
+        fits.append([name, f"{1e3 * law.a:.4f}", f"{1e5 * law.b:.2f}", f"{100 * residuals[name]:.2f} %"])
+    print(markdown(fits))
 
 
 if __name__ == "__main__":

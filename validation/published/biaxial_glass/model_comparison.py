@@ -15,23 +15,22 @@ Needs dolfinx. Writes a table (CSV) and a picture a weave, and prints the differ
 
 from __future__ import annotations
 
-import argparse
-import csv
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from fabrics import catalogue
 from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
-from fabrics.errors import run_program
-from fabrics.files import write_whole
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
+from validation.program import program, write_csv
 from validation.published.biaxial_glass import pictures
 from validation.published.biaxial_glass.specimen import ARM, CENTRE, MIDDLE
 from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
+from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -124,38 +123,34 @@ def differences(models: dict[str, Any], strength: float) -> dict[str, Any]:
     return found
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.biaxial_glass.model_comparison", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("fabrics", nargs="*", default=["glass-balanced", "glass-unbalanced"], metavar="FABRIC")
-    parser.add_argument("--size", choices=["coarse", "medium", "fine"], default="coarse", help="of the 3D mesh")
-    parser.add_argument("--out", type=Path, default=Path("results/biaxial"))
-    options = parser.parse_args()
-    for name in options.fabrics:
+def main(
+    fabrics: Sequence[str] = ("glass-balanced", "glass-unbalanced"),
+    *,
+    size: Literal["coarse", "medium", "fine"] = "coarse",
+    out: Path = Path("results/biaxial"),
+) -> None:
+    for name in fabrics:
         fabric = catalogue.load(name)
-        tests, law = compare(fabric, options.size)
-        with write_whole(options.out / f"{name}-sides.csv") as file:
-            rows = csv.writer(file)
-            rows.writerow(["test", "model", "strain", "tension N"])
-            for title, (_, models) in tests.items():
-                for model, (strain, tension) in models.items():
-                    rows.writerows([title, model, f"{e:.6g}", f"{T:.6g}"] for e, T in zip(strain, tension))
-        pictures.sides(fabric, tests, options.out / f"{name}-sides.png")
+        tests, law = compare(fabric, size)
+        rows = [["test", "model", "strain", "tension N"]]
+        for title, (_, models) in tests.items():
+            for model, (strain, tension) in models.items():
+                rows += [[title, model, f"{e:.6g}", f"{T:.6g}"] for e, T in zip(strain, tension)]
+        write_csv(out / f"{name}-sides.csv", rows)
+        pictures.sides(fabric, tests, out / f"{name}-sides.png")
         print(f"\n{name}; law of the 3D crossover: a = {1e3 * law.a:.4f} mm, b = {1e5 * law.b:.2f} mm uN^(1/3)\n")
-        print("| test | " + " | ".join(MODELS[1:]) + " |\n" + "|---" * len(MODELS) + "|")
-        within = []
+        compared, within = [["test", *MODELS[1:]]], []
         for title, (yarn, models) in tests.items():
             found = differences(models, fabric.weave.yarns[YARNS.index(yarn)].strength)
             entries = [found.get(model) for model in MODELS[1:]]
-            cells = (f"{rms:.1f} ({100 * share:.1f} %), {most:+.1f}" for rms, share, most in filter(None, entries))
-            texts = iter(cells)
+            cells = [f"{one[0]:.1f} ({100 * one[1]:.1f} %), {one[2]:+.1f}" if one else "" for one in entries]
+            compared.append([title, *cells])
             if MODELS[4] in models:
                 own = differences({name: models[name] for name in (MODELS[4], MODELS[3])}, 1.0)[MODELS[3]]
                 within.append(f"{title}: {own[0]:.1f} N rms, {own[2]:+.1f} N at most")
-            print(f"| {title} | " + " | ".join(next(texts) if one else "" for one in entries) + " |")
-        print("\n3D crossover from the cell with its own law: " + "; ".join(within))
+        print(markdown(compared))
+        print("3D crossover from the cell with its own law: " + "; ".join(within))
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, size="of the 3D mesh")

@@ -24,6 +24,7 @@ from shellfabric.cell.model import CellModel
 from weavecell.analysis.biaxial_test import fit
 from weavecell.analysis.biaxial_test.curves import RATIOS, Curve, at_ratio, curves
 from weavecell.analysis.biaxial_test.measured import Test
+from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -112,10 +113,10 @@ def differences(fabric: Fabric, found: dict[str, list[Curve]], base_name: str = 
     return rows
 
 
-def table(rows: Any) -> list[str]:
-    """The differences as lines of markdown, one a test and yarn, a column a variant: rms and largest [N], rms in %."""
+def table(rows: Any) -> str:
+    """The differences in Markdown, a row a test and yarn, a column a variant: rms and largest [N], rms in %."""
     names = list(dict.fromkeys(row.variant for row in rows))
-    lines = ["| test | yarn | " + " | ".join(names) + " |", "|---" * (2 + len(names)) + "|"]
+    lines = [["test", "yarn", *names]]
     for test, yarn in dict.fromkeys((row.test, row.yarn) for row in rows):
         cells = [
             f"{row.rms:.1f} ({100 * row.share:.1f} %), {row.largest:+.1f}"
@@ -123,5 +124,5 @@ def table(rows: Any) -> list[str]:
             for row in rows
             if (row.test, row.yarn, row.variant) == (test, yarn, name)
         ]
-        lines.append(f"| {test} | {yarn} | " + " | ".join(cells) + " |")
-    return lines
+        lines.append([test, yarn, *cells])
+    return markdown(lines)

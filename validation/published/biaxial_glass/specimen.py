@@ -8,8 +8,6 @@ What differs is what the test itself adds: load that the arms carry past the mid
 
 from __future__ import annotations
 
-import argparse
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,10 +17,9 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.checks import FloatArray
-from fabrics.errors import run_program
-from fabrics.files import write_whole
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
+from validation.program import program, write_csv
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -76,26 +73,22 @@ def pull_specimen(fabric: Fabric, label: str, drawn: bool = True, steps: int = 1
                     np.stack([source["T1"], source["T2"]], axis=1))  # fmt: skip
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m validation.published.biaxial_glass.specimen", description=__doc__)
-    parser.add_argument("--out", type=Path, default=Path("results/biaxial"))
-    options = parser.parse_args()
+def main(*, out: Path = Path("results/biaxial")) -> None:
     for name in ("glass-balanced", "glass-unbalanced"):
         fabric = catalogue.load(name)
         strength = [yarn.strength for yarn in fabric.weave.yarns]
-        with write_whole(options.out / f"{name}-specimen.csv") as file:
-            table = csv.writer(file)
-            table.writerow(COLUMNS)
-            for label in STRAINS:
-                for drawn in (True, False):
-                    arms = "drawn out" if drawn else "left in"
-                    done = pull_specimen(fabric, label, drawn)
-                    for row in np.hstack([done.strain, done.load, done.cell]):
-                        table.writerow([label, arms, *(f"{value:.6g}" for value in row)])
-                    print(f"{name:17} {label:8} cross yarns {arms:10} load differs from the crossover's by at most "
-                          f"{100 * done.difference(done.cell, strength):.2g} %, from the thesis's form of it by "
-                          f"{100 * done.difference(done.tension, strength):.2g} %")  # fmt: skip
+        table = [COLUMNS]
+        for label in STRAINS:
+            for drawn in (True, False):
+                arms = "drawn out" if drawn else "left in"
+                done = pull_specimen(fabric, label, drawn)
+                for row in np.hstack([done.strain, done.load, done.cell]):
+                    table.append([label, arms, *(f"{value:.6g}" for value in row)])
+                print(f"{name:17} {label:8} cross yarns {arms:10} load differs from the crossover's by at most "
+                      f"{100 * done.difference(done.cell, strength):.2g} %, from the thesis's form of it by "
+                      f"{100 * done.difference(done.tension, strength):.2g} %")  # fmt: skip
+        write_csv(out / f"{name}-specimen.csv", table)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

@@ -6,15 +6,12 @@ edges.csv, led.png, gripped.png. With --page the tables go into that page, betwe
 
 from __future__ import annotations
 
-import argparse
-import csv
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fabrics.errors import run_program
-from fabrics.files import write_whole
+from validation.program import program, write_tables
 from validation.published.edge_slip import pictures
 from validation.published.edge_slip.study import VELOCITY, ZONE_I, Shot, departs, gripped, led, limits, slow
 from weavecell.report.marked_page import markdown, put
@@ -63,32 +60,23 @@ def write_page(tables: dict[str, Any], page: Path) -> None:
     put(page, *MARKS, f"\n\n{content}\n")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.edge_slip", description=__doc__.split("\n\n")[1]
-    )
-    parser.add_argument("--out", type=Path, default=Path("results/edges_study"))
-    parser.add_argument("--page", type=Path, help="put tables and pictures into this page")
-    parser.add_argument("--no-limits", action="store_true", help="leave the critical velocities out")
-    options = parser.parse_args()
+def main(*, out: Path = Path("results/edges_study"), page: Path | None = None, no_limits: bool = False) -> None:
     fast, late, held = led(), slow(), gripped(VELOCITY)
-    velocities = {} if options.no_limits else limits()
+    velocities = {} if no_limits else limits()
     tables = {
         "**Led, 100 m/s.**": led_rows(fast),
         "**Led, 36 m/s.**": led_rows(late),
         "**Gripped, 100 m/s.**": gripped_rows(held, velocities),
     }
-    with write_whole(options.out / "edges.csv") as file:
-        for title, rows in tables.items():
-            csv.writer(file).writerows([(title.strip("*."),), *rows, ()])
-    folders = [options.out] + ([options.page.parent / "figures"] if options.page else [])
+    write_tables(out / "edges.csv", tables)
+    folders = [out] + ([page.parent / "figures"] if page else [])
     for folder in folders:
-        prefix = "" if folder == options.out else "edges-"
+        prefix = "" if folder == out else "edges-"
         pictures.led(fast, late, folder / f"{prefix}led.png")
         pictures.gripped(held, folder / f"{prefix}gripped.png")
-    if options.page is not None:
-        write_page(tables, options.page)
+    if page is not None:
+        write_page(tables, page)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, no_limits="leave the critical velocities out")

@@ -7,13 +7,11 @@ go into that page, between its marks, and the pictures beside it.
 
 from __future__ import annotations
 
-import argparse
-import csv
 from pathlib import Path
 from typing import Any
 
-from fabrics.errors import run_program
 from fabrics.files import write_whole
+from validation.program import program, publish, write_csv
 from validation.published.one_ply import pictures, study, tables
 from validation.published.shots import CAPTIONS
 from weavecell.report.marked_page import markdown, put
@@ -28,11 +26,7 @@ def marks(name: str) -> tuple[str, str]:
     return f"<!-- {name} of validation.published.one_ply -->", f"<!-- end of {name} -->"
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m validation.published.one_ply", description=__doc__.splitlines()[2])
-    parser.add_argument("--out", type=Path, default=OUT)
-    parser.add_argument("--page", type=Path, help="put tables and pictures into this page")
-    options = parser.parse_args()
+def main(*, out: Path = OUT, page: Path | None = None) -> None:
     made_by = provenance.stamp()  # before a page of the checkout is written to
     curves = [study.curve(fabric) for fabric in CAPTIONS]
     shots = study.captions()
@@ -41,12 +35,9 @@ def main() -> None:
         "waves": tables.waves(shots),
     }  # fmt: skip
     for name, rows in made.items():
-        with write_whole(options.out / f"{name}.csv") as file:
-            csv.writer(file, lineterminator="\n").writerows(rows)
-        print(markdown(rows))
-        if options.page is not None:
-            put(options.page, *marks(name), f"\n\n{markdown(rows)}\n")
-    folders = [options.out] + ([options.page.parent / "figures"] if options.page else [])
+        write_csv(out / f"{name}.csv", rows)
+        publish(markdown(rows), page, marks(name))
+    folders = [out] + ([page.parent / "figures"] if page else [])
     drawn: list[Any] = [(draw, curves) for draw in (pictures.residual, pictures.limits)]
     of_shots = (
         pictures.velocities, pictures.energies, pictures.profiles, pictures.fronts, pictures.reactions,
@@ -55,13 +46,13 @@ def main() -> None:
     for draw, content in drawn:
         image = render(draw, content, kind="png")
         for folder in folders:
-            prefix = "" if folder == options.out else "validation-"
+            prefix = "" if folder == out else "validation-"
             with write_whole(folder / f"{prefix}{draw.__name__}.png", "wb") as file:
                 file.write(image)
-    if options.page is not None:
+    if page is not None:
         line = f"Computed by `python -m validation.published.one_ply`, commit {made_by['commit']}, {made_by['date']}."
-        put(options.page, *marks("stamp"), f"\n\n{line}\n\n")
+        put(page, *marks("stamp"), f"\n\n{line}\n\n")
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

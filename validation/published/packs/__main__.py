@@ -6,14 +6,13 @@ it was. With --page the page is written, and its pictures into figures/ beside i
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 from typing import Any
 
-from fabrics.errors import run_program
 from fabrics.files import write_whole
+from validation.program import program
 from validation.published.packs import pictures, study
-from validation.published.packs.page import page
+from validation.published.packs.page import page as text_of
 from validation.published.packs.study import Results
 
 
@@ -40,18 +39,14 @@ def draw(found: dict[str, Any], folder: Path) -> None:
     pictures.velocities(found["stackings"], folder / "packs-stacking.png")
 
 
-def main() -> None:
-    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--out", type=Path, default=Path("results/packs"))
-    arguments.add_argument("--page", type=Path)
-    chosen = arguments.parse_args()
-    found = gather(study.Results(chosen.out / "shots"))
-    draw(found, chosen.out)
-    if chosen.page:
-        draw(found, chosen.page.parent / "figures")
-        with write_whole(chosen.page) as file:
-            file.write(page(found))
+def main(*, out: Path = Path("results/packs"), page: Path | None = None) -> None:
+    found = gather(study.Results(out / "shots"))
+    draw(found, out)
+    if page:
+        draw(found, page.parent / "figures")
+        with write_whole(page) as file:
+            file.write(text_of(found))
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

@@ -9,6 +9,7 @@ import numpy as np
 
 from validation.published.packs.passages import AT_ONCE
 from validation.published.packs.study import FORMS, GAPS, HALVED, STACKED, STIFFER, TOLERANCE
+from weavecell.report.marked_page import markdown
 
 ALLOWED = 0.05  # of an onset, when something numerical is halved
 _FORMS = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
@@ -33,7 +34,7 @@ def outcomes(rows: Iterable[Any]) -> str:
             plies, fabric, f"{velocity:g}", published, outcome_text(one), f"{1e6 * one['time']:.0f}",
             by_ply(one["failed"]), f"{max(one['peaks']):.2f}", f"{one['deepest']:.2f}", f"{100 * one['balance']:.2f}",
         ])  # fmt: skip
-    return table(lines)
+    return markdown(lines)
 
 
 def passages(rows: Iterable[dict[str, Any]]) -> str:
@@ -47,7 +48,7 @@ def passages(rows: Iterable[dict[str, Any]]) -> str:
             f"{one['held']:g}", f"{100 * one['taken']:.2f}", f"{one['missed']:g}",
             f"{len(one['back'])}", f"**{len(one['passages'])}**",
         ])  # fmt: skip
-    return table(lines)
+    return markdown(lines)
 
 
 def outcome_text(one: dict[str, Any]) -> str:
@@ -74,7 +75,7 @@ def formulations(found: dict[str, Any]) -> str:
     lines = [["4 plies of", *(_FORMS[form] for form in FORMS)]]
     for fabric, row in found.items():
         lines.append([fabric, *(f"{row[form]:.0f}" if form in row else "not run" for form in FORMS)])
-    return table(lines)
+    return markdown(lines)
 
 
 def convergence(found: dict[str, Any]) -> str:
@@ -88,7 +89,7 @@ def convergence(found: dict[str, Any]) -> str:
             text = f"{value:.0f} ({100 * change:+.1f} %)"
             cells.append(text if abs(change) <= ALLOWED else f"**{text}**")
         lines.append([fabric, *cells])
-    return table(lines)
+    return markdown(lines)
 
 
 def stiffer(found: dict[str, Any]) -> str:
@@ -96,7 +97,7 @@ def stiffer(found: dict[str, Any]) -> str:
     lines = [["onset, m/s", *found]]
     for name in STIFFER:
         lines.append([name, *(f"{row[name]:.0f}" if name in row else "not run" for row in found.values())])
-    return table(lines)
+    return markdown(lines)
 
 
 def gaps(found: dict[float, dict[str, Any]]) -> str:
@@ -112,7 +113,7 @@ def gaps(found: dict[float, dict[str, Any]]) -> str:
             f"{1e3 * gap:.2f}", outcome_text(one), f"{1e6 * one['time']:.0f}", f"{1e3 * one['deflection']:.1f}",
             f"{1e-3 * force.max():.1f}", f"{1e-3 * jumps:.2f}", by_ply(one["failed"]),
         ])  # fmt: skip
-    return table(lines)
+    return markdown(lines)
 
 
 def smoothed(one: dict[str, Any], width: float) -> np.ndarray:
@@ -135,13 +136,7 @@ def stacking(found: dict[str, Any]) -> str:
         ])  # fmt: skip
     more = 100 * (absorbed["alternating"] / absorbed["aligned"] - 1)
     lines.append(["alternating against aligned", "", "", *(f"{value:+.1f} %" for value in more)])
-    return table(lines)
-
-
-def table(lines: Sequence[Sequence[Any]]) -> str:
-    """A Markdown table from rows of texts, the first being its head."""
-    rows = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
-    return "\n".join("| " + " | ".join(str(cell) for cell in row) + " |" for row in rows) + "\n"
+    return markdown(lines)
 
 
 _HEAD = """# Packs: many plies

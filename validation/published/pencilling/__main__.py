@@ -7,18 +7,16 @@ table goes into that page, between the marks of its edges, the pictures beside i
 
 from __future__ import annotations
 
-import argparse
-import csv
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.errors import InputError, UnstableError, run_program
-from fabrics.files import write_whole
+from fabrics.errors import InputError, UnstableError
+from validation.program import program, write_csv
 from validation.published.pencilling import pictures
 from validation.published.pencilling.study import CASES, Case, bare, shoot
 from weavecell.report.marked_page import markdown, put
@@ -35,9 +33,9 @@ def name_of(number: int) -> str:
     return f"{number}: {plies}, {96 * case.modulus:.0f} GPa, {1e3 * case.mass:.0f} g/m2"
 
 
-def key_of(case: Any, options: argparse.Namespace) -> str:
+def key_of(case: Any, edge: str, elements: int) -> str:
     """Key of a shot; `case` None is the bare block, whose shot does not depend on the options."""
-    inputs = "bare" if case is None else (case, options.edge, options.elements)
+    inputs = "bare" if case is None else (case, edge, elements)
     return run_cache.key(inputs, "validation.published.pencilling.study")
 
 
@@ -62,38 +60,36 @@ def write_page(rows: Sequence[Sequence[str]], page: Path, edge: str) -> None:
     put(page, f"<!-- table of validation.published.pencilling, {edge} edges -->", END, f"\n\n{markdown(rows)}\n")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.pencilling", description=__doc__.split("\n\n")[1]
-    )
-    parser.add_argument("cases", nargs="*", type=int, default=[4, 5, 2, 1, 3], metavar="CASE")
-    parser.add_argument("--edge", choices=("clamped", "free"), default="clamped")
-    parser.add_argument("--elements", type=int, default=2, help="along each side of a crossover")
-    parser.add_argument("--no-bare", action="store_true", help="leave the bare block out")
-    parser.add_argument("--text", action="store_true", help="also four plies of 924 g/m2, as the text has it")
-    parser.add_argument("--resume", action="store_true", help="take shots of this code that are done from the folder")
-    parser.add_argument("--out", type=Path, default=Path("results/pencilling"))
-    parser.add_argument("--page", type=Path)
-    options = parser.parse_args()
-    if unknown := [number for number in options.cases if number not in CASES]:
+def main(
+    cases: Sequence[int] = (4, 5, 2, 1, 3),
+    *,
+    edge: Literal["clamped", "free"] = "clamped",
+    elements: int = 2,
+    no_bare: bool = False,
+    text: bool = False,
+    resume: bool = False,
+    out: Path = Path("results/pencilling"),
+    page: Path | None = None,
+) -> None:
+    if unknown := [number for number in cases if number not in CASES]:
         raise InputError(key="CASE", value=unknown[0], allowed=f"one of {', '.join(map(str, CASES))}")
-    kept = run_cache.RunCache(options.out / SHOTS)
-    if not options.resume:
+    kept = run_cache.RunCache(out / SHOTS)
+    if not resume:
         kept.clear()
-    wanted = {name_of(n): CASES[n] for n in options.cases}
-    if options.text:
+    wanted = {name_of(n): CASES[n] for n in cases}
+    if text:
         wanted[TEXT] = Case(4, 1.0, 0.924)
-    if not options.no_bare:
+    if not no_bare:
         wanted[BARE] = None
     shots, problem = {}, None
     for name, case in wanted.items():
-        key = key_of(case, options)
+        key = key_of(case, edge, elements)
         if key in kept:
             shots[name] = kept[key]
             continue
         begun = time.perf_counter()
         try:
-            shots[name] = bare() if case is None else shoot(case, edge=options.edge, elements=options.elements)
+            shots[name] = bare() if case is None else shoot(case, edge=edge, elements=elements)
         except UnstableError as found:
             problem = found
             print(f"{name}: {found}", flush=True)
@@ -109,17 +105,22 @@ def main() -> None:
         raise problem
     shots = {name: shots[name] for name in sorted(shots)}
     rows = table(shots)
-    with write_whole(options.out / "pencilling.csv") as file:
-        csv.writer(file).writerows(rows)
-    for folder in [options.out] + ([options.page.parent / "figures"] if options.page else []):
-        prefix = "" if folder == options.out else {"clamped": "pencilling-", "free": "pencilling-free-"}[options.edge]
+    write_csv(out / "pencilling.csv", rows)
+    for folder in [out] + ([page.parent / "figures"] if page else []):
+        prefix = "" if folder == out else {"clamped": "pencilling-", "free": "pencilling-free-"}[edge]
         pictures.depths(shots, folder / f"{prefix}depths.png")
         pictures.craters(shots, folder / f"{prefix}craters.png")
-    if options.page is not None:
-        write_page(rows, options.page, options.edge)
+    if page is not None:
+        write_page(rows, page, edge)
     if problem is not None:
         raise problem
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(
+        main,
+        elements="along each side of a crossover",
+        no_bare="leave the bare block out",
+        text="also four plies of 924 g/m2, as the text has it",
+        resume="take shots of this code that are done from the folder",
+    )

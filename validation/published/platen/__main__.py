@@ -6,9 +6,6 @@ section 3.4.3.2). Writes platen.csv and platen.png. With --page the tables go in
 
 from __future__ import annotations
 
-import argparse
-import csv
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,8 +14,7 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.checks import FloatArray
-from fabrics.errors import WeavecellError
-from fabrics.files import write_whole
+from validation.program import program, write_tables
 from validation.published.platen import pictures, study
 from validation.published.platen.study import Outcome
 from weavecell.report.marked_page import markdown, put
@@ -50,32 +46,21 @@ def range_rows(ranges: Sequence[tuple[float, ...]]) -> list[Any]:
     return rows + [(f"{1e-6 * P:.3f}", f"{1e6 * closure:.1f}", f"{100 * ratio:.0f}") for P, closure, ratio in ranges]
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m validation.published.platen", description=__doc__.split("\n\n")[1])
-    parser.add_argument("--out", type=Path, default=Path("results/platen"))
-    parser.add_argument("--page", type=Path, help="put tables and picture into this page")
-    parser.add_argument("--jobs", type=int, default=1)
-    options = parser.parse_args()
-    found = list(study.outcomes(jobs=options.jobs))
+def main(*, out: Path = Path("results/platen"), page: Path | None = None, jobs: int = 1) -> None:
+    found = list(study.outcomes(jobs=jobs))
     law = study.curve(catalogue.load(study.FABRIC)).at(found[0].pressure)
     tables = {
         "**One factor at a time.**": factor_rows(found, law),
         "**Published constants, range of the comparison.**": range_rows(study.ranges()),
     }
-    with write_whole(options.out / "platen.csv") as file:
-        for title, rows in tables.items():
-            csv.writer(file).writerows([(title.strip("*."),), *rows, ()])
-    pictures.draw(found[0].pressure, law, found, options.out / "platen.png")
-    if options.page is not None:
-        pictures.draw(found[0].pressure, law, found, options.page.parent / "figures" / "platen-factors.png")
+    write_tables(out / "platen.csv", tables)
+    pictures.draw(found[0].pressure, law, found, out / "platen.png")
+    if page is not None:
+        pictures.draw(found[0].pressure, law, found, page.parent / "figures" / "platen-factors.png")
         parts = [f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()]
         picture = "![platen pressure over closure, one factor changed at a time](figures/platen-factors.png)\n"
-        put(options.page, *MARKS, "\n\n" + "\n".join([*parts, picture]) + "\n")
+        put(page, *MARKS, "\n\n" + "\n".join([*parts, picture]) + "\n")
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    program(main)

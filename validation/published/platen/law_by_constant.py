@@ -9,7 +9,6 @@ fitted to each. The closures at given contact forces say where the law changes.
 
 from __future__ import annotations
 
-import argparse
 import json
 from itertools import combinations
 from pathlib import Path
@@ -18,13 +17,14 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, run_program
+from fabrics.errors import InputError
 from fabrics.executors import open_executor
 from fabrics.variants import with_solids
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.solid_record import NAMES
-from weavecell.report.marked_page import markdown, put
+from validation.program import program, publish
+from weavecell.report.marked_page import markdown
 
 RATIOS = ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))  # of the displacements of warp and weft: the calibration paths
 SHARES = 25  # points of each path, at equal shares of its displacement
@@ -89,24 +89,14 @@ def table(fabric: str, found: dict) -> list[list[str]]:
     return rows
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.platen.law_by_constant", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("chain", type=Path, metavar="CHAIN")
-    parser.add_argument("--fabric", default="S-720")
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--page", type=Path, help="put the table into this page")
-    options = parser.parse_args()
-    values = fitted(options.chain, options.fabric)
+def main(chain: Path, *, fabric: str = "S-720", jobs: int = 1, page: Path | None = None) -> None:
+    values = fitted(chain, fabric)
     constants = [{name: values[name] for name in choice} for choice in choices()]
-    with open_executor("local", options.jobs) as pool:
-        found = list(pool.map(law, [options.fabric] * len(constants), constants))
-    made = markdown(table(options.fabric, dict(zip(choices(), found, strict=True))))
-    print(made)
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{made}\n")
+    with open_executor("local", jobs) as pool:
+        found = list(pool.map(law, [fabric] * len(constants), constants))
+    made = markdown(table(fabric, dict(zip(choices(), found, strict=True))))
+    publish(made, page, MARKS)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

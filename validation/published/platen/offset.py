@@ -10,7 +10,6 @@ without it (both curves begin at the first pressure), and with it from higher fi
 
 from __future__ import annotations
 
-import argparse
 import json
 from pathlib import Path
 from typing import NamedTuple
@@ -20,9 +19,10 @@ from scipy.interpolate import PchipInterpolator
 
 from fabrics import catalogue
 from fabrics.checks import FloatArray
-from fabrics.errors import InputError, run_program
+from fabrics.errors import InputError
 from unitcell3d.identify.platen_misfit import misfit_of_points
-from weavecell.report.marked_page import markdown, put
+from validation.program import program, publish
+from weavecell.report.marked_page import markdown
 
 FROM = (1e5, 3e5)  # [Pa] higher first pressures
 MARKS = "<!-- offset of the platen curves -->", "<!-- end of the offsets -->"
@@ -99,19 +99,11 @@ def _rms(values):
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.platen.offset", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("chain", type=Path, metavar="CHAIN")
-    parser.add_argument("--page", type=Path, help="put the table into this page")
-    options = parser.parse_args()
+def main(chain: Path, *, page: Path | None = None) -> None:
     names = [name for name in catalogue.list_names() if catalogue.load(name).areal_density_measured is not None]
-    made = markdown(table({name: read(options.chain, name) for name in names}))
-    print(made)
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{made}\n")
+    made = markdown(table({name: read(chain, name) for name in names}))
+    publish(made, page, MARKS)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

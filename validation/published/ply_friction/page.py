@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from validation.published.packs.page import table
 from validation.published.ply_friction.study import FRICTIONS, PLIES, SHARES, STRIDE, Found
+from weavecell.report.marked_page import markdown
 
 LITERATURE = 0.10  # of V50
 BEGIN, END = "<!-- cost of benchmarks/pack.py -->\n", "<!-- end of cost -->"
@@ -50,7 +50,7 @@ def rows(found: Mapping[str, Sequence[Found]]) -> str:
                 change(one.limit, of[0].limit), f"{one.perforation:.1f}", f"{one.stop:.1f}", f"{100 * one.rubbed:.2f}",
                 f"{100 * one.balance:.2f}", f"{one.unstable}",
             ])  # fmt: skip
-    return table(lines)
+    return markdown(lines)
 
 
 def change(value: float, first: float) -> str:

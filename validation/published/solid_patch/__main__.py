@@ -6,14 +6,14 @@ summary.txt, histories.png, patch.png and end.vtu; a checkpoint every 2 us, from
 
 from __future__ import annotations
 
-import argparse
 import time
 from pathlib import Path
 from typing import Any
 
-from fabrics.errors import UnstableError, run_program
+from fabrics.errors import UnstableError
 from fabrics.files import write_whole
 from shellfabric.output import checkpoint
+from validation.program import program
 from validation.published.solid_patch import pictures
 from validation.published.solid_patch.study import SOURCE_PROCESSORS, SOURCE_SECONDS, march, shell, summary, write
 
@@ -29,45 +29,48 @@ def progress(run: Any) -> None:
         )
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.solid_patch", description=__doc__.split("\n\n")[1]
-    )
-    parser.add_argument("--fabric", default="S-720")
-    parser.add_argument("--count", type=int, default=20, help="warp and weft yarns, even")
-    parser.add_argument("--size", type=int, nargs=3, default=(5, 5, 2), metavar=("NX", "NY", "NZ"))
-    parser.add_argument("--velocity", type=float, default=60.0, help="m/s")
-    parser.add_argument("--end-time", type=float, default=42.0, help="us")
-    parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=Path("results/solid_patch"))
-    parser.add_argument("--resume", action="store_true", help="go on from a checkpoint of this code")
-    options = parser.parse_args()
-    run = march(
-        options.fabric, options.count, options.size, options.velocity, 1e-6 * options.end_time, threads=options.threads
-    )
+def main(
+    *,
+    fabric: str = "S-720",
+    count: int = 20,
+    size: tuple[int, int, int] = (5, 5, 2),
+    velocity: float = 60.0,
+    end_time: float = 42.0,
+    threads: int = 2,
+    out: Path = Path("results/solid_patch"),
+    resume: bool = False,
+) -> None:
+    run = march(fabric, count, size, velocity, 1e-6 * end_time, threads=threads)
     beside = shell(run)  # a second; it also refuses a patch that is too small for the shot
-    saved = options.out / "checkpoint.h5"
-    if options.resume:
+    saved = out / "checkpoint.h5"
+    if resume:
         checkpoint.read(run, saved)
     problem, start = None, time.process_time()
     try:
         run.run([progress, checkpoint.Checkpoints(saved, 8 * run.interval)])
     except UnstableError as found:
         problem = found
-    processor = None if options.resume else time.process_time() - start
+    processor = None if resume else time.process_time() - start
     lines = summary(run, beside, processor)
     source = f"{SOURCE_SECONDS} s on {SOURCE_PROCESSORS} processors (thesis Table 4-3, 160000 bricks, 42 us)"
     text = "\n".join(f"{name:24}{value}" for name, value in [*lines, ("source", source)])
     print(text)
-    write(run, beside, options.out / "solid_patch.h5")
-    with write_whole(options.out / "summary.txt") as file:
+    write(run, beside, out / "solid_patch.h5")
+    with write_whole(out / "summary.txt") as file:
         file.write(text + "\n")
-    pictures.histories(run, beside, options.out / "histories.png")
-    pictures.scene(run, options.out / "patch.png")
-    pictures.paraview(run, options.out / "end.vtu")
+    pictures.histories(run, beside, out / "histories.png")
+    pictures.scene(run, out / "patch.png")
+    pictures.paraview(run, out / "end.vtu")
     if problem is not None:
         raise problem
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(
+        main,
+        count="warp and weft yarns, even",
+        size="bricks of a quarter crossover: NX NY NZ",
+        velocity="m/s",
+        end_time="us",
+        resume="go on from a checkpoint of this code",
+    )

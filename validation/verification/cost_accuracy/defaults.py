@@ -8,17 +8,15 @@ is known to. With --page the table goes into that page, between its marks, and t
 
 from __future__ import annotations
 
-import argparse
 import csv
 from collections.abc import Iterable, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from fabrics.errors import run_program
-from fabrics.files import write_whole
+from validation.program import program, publish, write_csv
 from validation.verification.cost_accuracy import study, tables
-from weavecell.report.marked_page import markdown, put
+from weavecell.report.marked_page import markdown
 
 SHOTS = {"ply-stopped": "one ply, stopped", "ply-perforated": "one ply, perforated", "four-ply-pack": "four plies"}
 MARKS = "<!-- table of validation.verification.cost_accuracy.defaults -->", "<!-- end of the table -->"
@@ -51,22 +49,13 @@ def table(rows: Iterable[Sequence[str]]) -> str:
     return markdown([list(HEAD), *map(list, rows)])
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.verification.cost_accuracy.defaults", description=__doc__.splitlines()[0]
-    )
-    parser.add_argument("--out", type=Path, default=Path("results/defaults"))
-    parser.add_argument("--page", type=Path, help="put the table into this page")
-    options = parser.parse_args()
+def main(*, out: Path = Path("results/defaults"), page: Path | None = None) -> None:
     rows = [row for key in SHOTS for row in errors(key)]
-    folders = [options.out] if options.page is None else [options.out, options.page.parent / "docs" / "data"]
+    folders = [out] if page is None else [out, page.parent / "docs" / "data"]
     for folder in folders:
-        with write_whole(folder / FILE) as file:
-            csv.writer(file, lineterminator="\n").writerows([HEAD, *rows])
-    print(table(rows))
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{table(rows)}\n")
+        write_csv(folder / FILE, [HEAD, *rows])
+    publish(table(rows), page, MARKS)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from validation.verification.cost_accuracy import tables
-from validation.verification.study import markdown, write_page
+from validation.verification.study import write_page
+from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from validation.verification.cost_accuracy.core import Chart
@@ -68,9 +69,8 @@ def summary(charts: list[Chart]) -> str:
                 _as_text(good[0], quantities) if good else "none", _as_text(front[-1], quantities),
                 f"{100 * chart.unsure(group):.2g}",
             ])  # fmt: skip
-    return markdown(
-        ["scene", "quantities", "the default", "cheapest within 5 %", "lowest error", "reference known to ± [%]"], rows
-    )
+    head = ["scene", "quantities", "the default", "cheapest within 5 %", "lowest error", "reference known to ± [%]"]
+    return markdown([head, *rows], numbers=True)
 
 
 def costs(charts: Sequence[Chart]) -> str:
@@ -90,7 +90,7 @@ def costs(charts: Sequence[Chart]) -> str:
             texts = ("not reached" if entry is None else _as_text(entry, quantities) for entry in cheapest)
             rows.append([chart.scene.title, group, *texts, "; ".join(better) or "none"])
     heads = (f"error of {100 * error:g} %" for error in WITHIN)
-    return markdown(["scene", "quantities", *heads, "the default is dominated by"], rows)
+    return markdown([["scene", "quantities", *heads, "the default is dominated by"], *rows], numbers=True)
 
 
 def _as_text(entry, quantities, name=True):

@@ -8,8 +8,8 @@ from pathlib import Path
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from validation.verification.cost_accuracy.core import Chart, Entry, Quantity, Reference, Sample, Scene, fronts
-from validation.verification.study import markdown
 from weavecell.analysis.richardson import Extrapolation
+from weavecell.report.marked_page import markdown
 
 SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "-": (1e2, "%"), "deg": (1.0, "°")}
 
@@ -130,7 +130,7 @@ def reference_table(chart: Chart) -> str:
         else:
             basis_text = f"{found.basis.basis}: {found.basis.remark}"
         rows.append([heading(quantity), shown(quantity, found.value), f"{100 * found.share:.2f}", basis_text])
-    return markdown(["quantity", "reference", "± [%]", "from"], rows)
+    return markdown([["quantity", "reference", "± [%]", "from"], *rows], numbers=True)
 
 
 def method_table(chart: Chart) -> str:
@@ -145,4 +145,4 @@ def method_table(chart: Chart) -> str:
     if not any(row[-1] for row in rows):
         rows = [row[:-1] for row in rows]
     columns = ["method", "CPU [s]", *(f"{q.name} [%]" for q in quantities)]
-    return markdown(columns + ["failed"] * (len(rows[0]) > len(columns)), rows)
+    return markdown([columns + ["failed"] * (len(rows[0]) > len(columns)), *rows], numbers=True)

@@ -9,6 +9,7 @@ from fabrics.files import write_whole
 from validation.verification.crossover_convergence import tables
 from validation.verification.crossover_convergence.axes import METHOD
 from validation.verification.crossover_convergence.study import MEASURED, Study, measured, name
+from weavecell.report.marked_page import markdown
 
 LEADS = {
     "mesh": "All three directions refined together; the section, the bars and the contact surfaces get finer with it.",
@@ -71,7 +72,7 @@ def write(study: Study, path: Path, stamp: str, command: str, drawn: Sequence[st
             *(_axis(study, axis) for axis in models),
         ]
     with write_whole(path) as file:
-        file.write("\n\n".join(parts) + "\n")
+        file.write("\n\n".join(part.rstrip("\n") for part in parts) + "\n")
 
 
 def _scene(study):
@@ -102,7 +103,7 @@ def _reference(study):
         f"{', '.join(used)}. Its half width adds up the scatter of each extrapolation and a quarter of its step beyond "
         "the last value. The chart of the 3D crossover in [charts.md](charts.md) extrapolates its meshes alone: the "
         "two references differ by up to the sum of their uncertainties.\n\n"
-        + tables.table(["quantity", "reference", "+-", "+- [%]"], rows)
+        + markdown([["quantity", "reference", "+-", "+- [%]"], *rows], numbers=True)
     )
 
 
@@ -123,13 +124,13 @@ def _axis(study, axis):
     text = f"### {axis.name[0].upper()}{axis.name[1:]}\n\n"
     if axis.name in LEADS:
         text += f"{LEADS[axis.name]}\n\n"
-    text += tables.table(tables.columns(study, axis.name), tables.rows(study, axis.name))
+    text += markdown([tables.columns(study, axis.name), *tables.rows(study, axis.name)], numbers=True)
     failed = [
         f"{entry.label}, {path}: {why}" for entry in study.of(axis.name) for path, why in entry.result["failed"].items()
     ]
     if failed:
-        text += "\n\nFailed: " + "; ".join(failed) + "."
+        text += "\nFailed: " + "; ".join(failed) + ".\n"
     orders = list(tables.order_rows(study, axis.name))
     if orders:
-        text += f"\n\nTo the limit ({axis.unit} to zero):\n\n" + tables.table(tables.ORDERS, orders)
+        text += f"\nTo the limit ({axis.unit} to zero):\n\n{markdown([tables.ORDERS, *orders], numbers=True)}"
     return text

@@ -9,7 +9,6 @@ between its marks, the picture into figures/ and convergence.csv into data/ besi
 
 from __future__ import annotations
 
-import argparse
 import csv
 import json
 from collections.abc import Sequence
@@ -18,8 +17,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fabrics import catalogue, run_cache
-from fabrics.errors import InputError, run_program
+from fabrics.errors import InputError
 from fabrics.files import write_whole
+from validation.program import program
 from validation.verification.mesh_convergence.pictures import picture
 from validation.verification.mesh_convergence.study import LEVELS, TOLERANCE, Point, study, velocities
 from validation.verification.mesh_convergence.tables import comparison, counts, describe, table
@@ -86,55 +86,58 @@ def write_page(quantities: Sequence[Quantity], pairs: Sequence[Sequence[Point]],
         put(page, *CHECKED, f"\n\n{comparison(pairs)}\n")
 
 
-def main() -> None:
+def main(
+    fabrics: Sequence[str] = (),
+    *,
+    elements: Sequence[int] = LEVELS,
+    tolerance: float = TOLERANCE,
+    no_check: bool = False,
+    jobs: int = 1,
+    executor: str = "local",
+    out: Path = Path("results/convergence"),
+    resume: bool = False,
+    page: Path | None = None,
+) -> None:
     speeds = velocities()
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.verification.mesh_convergence",
-        description="Convergence of impact results with the mesh.",
-    )
-    parser.add_argument("fabrics", nargs="*", default=list(speeds), metavar="FABRIC")
-    parser.add_argument("--elements", nargs="+", type=int, default=list(LEVELS), metavar="N")
-    parser.add_argument("--tolerance", type=float, default=TOLERANCE, help="of the critical velocity, m/s")
-    parser.add_argument("--no-check", action="store_true", help="no uniform mesh to compare with")
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--executor", default="local", help="local, mpi, parsl, dask or MODULE:FUNCTION")
-    parser.add_argument("--out", type=Path, default=Path("results/convergence"))
-    parser.add_argument("--resume", action="store_true", help="do not run again what points.json holds of this code")
-    parser.add_argument("--page", type=Path, help="put table and picture into this page")
-    options = parser.parse_args()
-    unknown = [name for name in options.fabrics if name not in speeds]
+    unknown = [name for name in fabrics if name not in speeds]
     if unknown:
         raise InputError(key="FABRIC", value=unknown[0], allowed=f"one of {', '.join(speeds)}")
-    kept = options.out / "points.json"
+    kept = out / "points.json"
     quantities: list[Quantity] = []
     pairs: list[Sequence[Point]] = []
-    points = read_points(kept) if options.resume else {}
-    check = None if options.no_check else CHECK
-    wanted = [(n, False) for n in options.elements] + [(n, True) for n in (check,) if n is not None]
-    for name in options.fabrics:
+    points = read_points(kept) if resume else {}
+    check = None if no_check else CHECK
+    wanted = [(n, False) for n in elements] + [(n, True) for n in (check,) if n is not None]
+    for name in fabrics or speeds:
         fabric = catalogue.load(name).with_effective_density()
-        keys = {one: key_of(fabric, speeds[name], *one, options.tolerance) for one in wanted}
+        keys = {one: key_of(fabric, speeds[name], *one, tolerance) for one in wanted}
 
         def keep(point, keys=keys):
             points[keys[point.elements, point.uniform]] = point
             write_points(points, kept)  # after each mesh: the fine ones take minutes
 
         found, pair = study(
-            fabric, speeds[name], elements=options.elements, keep=keep, tolerance=options.tolerance, check=check,
-            known=[points[key] for key in keys.values() if key in points], jobs=options.jobs,
-            executor=options.executor,
+            fabric, speeds[name], elements=elements, keep=keep, tolerance=tolerance, check=check,
+            known=[points[key] for key in keys.values() if key in points], jobs=jobs,
+            executor=executor,
         )  # fmt: skip
         quantities += found
         pairs += [pair] if pair else []
         for entry in found:
             print(describe(entry), flush=True)
-        write_csv(quantities, options.out / "convergence.csv")
-    picture(quantities, options.out / "convergence.png")
-    if options.page is not None:
-        picture(quantities, options.page.parent / "figures" / "convergence.png")
-        write_csv(quantities, options.page.parent / "data" / "convergence.csv")
-        write_page(quantities, pairs, options.page)
+        write_csv(quantities, out / "convergence.csv")
+    picture(quantities, out / "convergence.png")
+    if page is not None:
+        picture(quantities, page.parent / "figures" / "convergence.png")
+        write_csv(quantities, page.parent / "data" / "convergence.csv")
+        write_page(quantities, pairs, page)
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(
+        main,
+        fabrics="all by default",
+        tolerance="of the critical velocity, m/s",
+        no_check="no uniform mesh to compare with",
+        resume="do not run again what points.json holds of this code",
+    )

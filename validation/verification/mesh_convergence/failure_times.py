@@ -10,20 +10,19 @@ EARLY is bisected. Runs are kept in the folder. With --page the tables go into t
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics import catalogue, run_cache
-from fabrics.errors import run_program
 from shellfabric.impact.ballistic_limit import UNDECIDED
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.solver import PanelSolver
+from validation.program import program, publish
 from validation.verification.mesh_convergence.study import mesh
-from weavecell.report.marked_page import markdown, put
+from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 if TYPE_CHECKING:
@@ -78,20 +77,14 @@ def tables(shots: Sequence[tuple[float, float, float]], brackets: Sequence[tuple
     return f"{markdown(rows)}\n{markdown(steps)}"
 
 
-def main() -> None:
+def main(*, out: Path = Path("results/failure-times"), jobs: int = 1, page: Path | None = None) -> None:
     name = "python -m validation.verification.mesh_convergence.failure_times"
-    parser = argparse.ArgumentParser(prog=name, description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path("results/failure-times"))
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--page", type=Path, help="put the tables into this page")
-    options = parser.parse_args()
-    runs: dict[str, Any] = {"folder": options.out, "jobs": options.jobs}
+    commit = provenance.stamp()["commit"]
+    runs: dict[str, Any] = {"folder": out, "jobs": jobs}
     shots = run_cache.results(shot, [(n, V, UNDECIDED) for n in MESHES for V in STRIKES], **runs)
     text = tables(shots, run_cache.results(early, [(n,) for n in BISECTED], **runs))
-    print(text)
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{text}\nMade by `{name}`, commit {provenance.stamp()['commit']}.\n\n")
+    publish(text, page, MARKS, f"Made by `{name}`, commit {commit}.\n\n")
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main)

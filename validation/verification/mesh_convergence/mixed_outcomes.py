@@ -10,9 +10,6 @@ failed. Writes outcomes.csv; with --page the tables go into that page, between t
 
 from __future__ import annotations
 
-import argparse
-import csv
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,14 +18,13 @@ from typing import Any
 import numpy as np
 
 from fabrics import catalogue
-from fabrics.errors import WeavecellError
-from fabrics.files import write_whole
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.ballistic_limit import UNDECIDED
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Panel
 from shellfabric.panel.solver import PanelSolver
-from weavecell.report.marked_page import markdown, put
+from validation.program import program, publish, write_records
+from weavecell.report.marked_page import markdown
 
 FABRIC = "S-745"
 MESHES = (1, 2, 3)  # elements per crossover, along each side
@@ -182,26 +178,11 @@ def mechanism_table(shots: Sequence[dict[str, Any]], waves: Sequence[dict[str, A
     return markdown(rows)
 
 
-def main() -> None:
-    name = "python -m validation.verification.mesh_convergence.mixed_outcomes"
-    parser = argparse.ArgumentParser(prog=name, description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path("results/mixed-outcomes"))
-    parser.add_argument("--page", type=Path, help="put the tables into this page")
-    options = parser.parse_args()
+def main(*, out: Path = Path("results/mixed-outcomes"), page: Path | None = None) -> None:
     shots, waves = study()
-    with write_whole(options.out / "outcomes.csv") as file:
-        table = csv.DictWriter(file, shots[0], lineterminator="\n")
-        table.writeheader()
-        table.writerows(shots)
-    text = f"{outcome_table(shots)}\n{mechanism_table(shots, waves)}"
-    print(text)
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{text}\n")
+    write_records(out / "outcomes.csv", shots)
+    publish(f"{outcome_table(shots)}\n{mechanism_table(shots, waves)}", page, MARKS)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    program(main)

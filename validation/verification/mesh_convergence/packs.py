@@ -19,7 +19,6 @@ cost of each case.
 
 from __future__ import annotations
 
-import argparse
 import time
 import tomllib
 from collections.abc import Sequence
@@ -33,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from fabrics import catalogue, run_cache
-from fabrics.errors import InputError, run_program
+from fabrics.errors import InputError
 from fabrics.ply_law import PlyLaw
 from fabrics.units import si
 from shellfabric.impact import simulation
@@ -43,9 +42,10 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.numerics import PlyContact
+from validation.program import program, publish
 from validation.verification.mesh_convergence.packs_page import pages
+from validation.verification.study import known
 from weavecell.analysis.uncertainty import draws, inputs
-from weavecell.report.marked_page import put
 from weavecell.results import provenance
 
 LEAST = 10  # [crossovers] of the first zone
@@ -272,22 +272,36 @@ class Study:
         return shots * weight(case) * (float(np.median(self.rates)) if self.rates else RATE)
 
 
-def main() -> None:
-    options = _options()
-    known = [name for name in plan()["variations"] if name != "plies"]
-    names = known if options.variations is None else options.variations
-    for given, allowed, key in ((options.fabrics, plan()["fabrics"], "--fabrics"), (names, known, "--variations")):
-        for one in given:
-            if one not in allowed:
-                raise InputError(key=key, value=one, allowed=f"one of {', '.join(allowed)}")
-    todo = cases(options.fabrics, options.plies, options.levels, names)
-    ends = time.perf_counter() + 3600 * options.budget
-    study = Study(options.out, options.jobs, ends)
+def main(
+    *,
+    fabrics: Sequence[str] | None = None,
+    plies: Sequence[int] | None = None,
+    levels: Sequence[int] | None = None,
+    variations: Sequence[str] | None = None,
+    budget: float = inf,
+    draws: int = 0,
+    list: bool = False,
+    jobs: int = 1,
+    out: Path = Path("results/convergence-packs"),
+    page: Path | None = None,
+) -> None:
+    if not (budget > 0 and (isfinite(budget) or budget == inf)):
+        raise InputError(key="--budget", value=budget, allowed="above 0")
+    given = plan()
+    there = tuple(name for name in given["variations"] if name != "plies")
+    names = there if variations is None else variations
+    for fabric in fabrics or ():
+        known("--fabrics", fabric, given["fabrics"])
+    for name in names:
+        known("--variations", name, there)
+    todo = cases(fabrics or given["fabrics"], plies or given["plies"], levels or given["levels"], names)
+    ends = time.perf_counter() + 3600 * budget
+    study = Study(out, jobs, ends)
     total = 0.0
-    for case in todo if options.list else ():
+    for case in todo if list else ():
         total += study.cost(case)
         print(f"{_words(case):60} {weight(case):9.0f} {study.cost(case) / 60:8.1f} min")
-    if options.list:
+    if list:
         print(f"{len(todo)} cases, about {total / 3600:.1f} h on one core")
         return
     found: dict[Case, Found] = {}
@@ -298,42 +312,25 @@ def main() -> None:
             continue
         limit = None if known_limit is None else 0.5 * (known_limit.low + known_limit.high)
         try:
-            found[case] = study.run(case, limit, options.draws)
+            found[case] = study.run(case, limit, draws)
         except TimeoutError:
             print(f"{_words(case)}: left, the budget is spent")
             continue
         done = found[case]
         print(f"{_words(case)}: {done.low:.1f} to {done.high:.1f} m/s{' mixed' if done.mixed else ''}", flush=True)
     text = pages(found, plan())
-    print(text)
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{text}\nMade by `{NAME}`, commit {provenance.stamp()['commit']}.\n\n")
+    publish(text, page, MARKS, f"Made by `{NAME}`, commit {provenance.stamp()['commit']}.\n\n")
 
 
 def _words(case):
     return f"{case.plies} x {case.fabric}, level {case.level}{', ' + case.variation if case.variation else ''}"
 
 
-def _options():
-    given = plan()
-    parser = argparse.ArgumentParser(prog=NAME, description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--fabrics", nargs="+", default=given["fabrics"], metavar="FABRIC")
-    parser.add_argument("--plies", nargs="+", type=int, default=given["plies"], metavar="N")
-    parser.add_argument("--levels", nargs="+", type=int, default=given["levels"], metavar="N")
-    parser.add_argument(
-        "--variations", nargs="*", metavar="NAME", help="of packs.toml; all if not given, none if empty"
-    )
-    parser.add_argument("--budget", type=float, default=inf, metavar="HOURS", help="begin no shot after this time")
-    parser.add_argument("--draws", type=int, default=0, metavar="N", help="repeat the fast shot at N drawn packs")
-    parser.add_argument("--list", action="store_true", help="run nothing: print the cases and their estimated cost")
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--out", type=Path, default=Path("results/convergence-packs"))
-    parser.add_argument("--page", type=Path, help="put the tables into this page")
-    options = parser.parse_args()
-    if not (options.budget > 0 and (isfinite(options.budget) or options.budget == inf)):
-        raise InputError(key="--budget", value=options.budget, allowed="above 0")
-    return options
-
-
 if __name__ == "__main__":
-    run_program(main)
+    program(
+        main,
+        variations="of packs.toml; all if not given, none if empty",
+        budget="hours after which no shot is begun",
+        draws="repeat the fast shot at so many drawn packs",
+        list="run nothing: print the cases and their estimated cost",
+    )

@@ -8,7 +8,6 @@ draws it from the table of an earlier study.
 from __future__ import annotations
 
 import csv
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,6 +17,7 @@ import numpy as np
 
 from fabrics.files import replace_whole
 from meshing.pictures_style import COLOURS, FAINT, plots
+from validation.program import program
 from validation.verification.mesh_convergence.study import FACTORS, TARGETS
 
 if TYPE_CHECKING:
@@ -118,5 +118,9 @@ def read(path: Path) -> list[Any]:
     return found
 
 
+def main(table: Path, figure: Path) -> None:
+    picture(read(table), figure)
+
+
 if __name__ == "__main__":
-    picture(read(Path(sys.argv[1])), Path(sys.argv[2]))
+    program(main, table="convergence.csv of a study", figure="to write, a PNG")

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from shellfabric.cloth import spline_kernels
+from validation.program import program
 
 THETA = np.radians(39.0)  # of S-745 at its peak
 RADIUS = 0.3  # [mm] of the thesis's nose
@@ -106,4 +107,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    program(main)

@@ -8,7 +8,7 @@ sample: with one line a yarn, as in the thesis, it is the line's own.
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from fabrics import catalogue
 from shellfabric.cloth.failure_kernels import WEFT, yarn_tension
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.solver import PanelSolver
+from validation.program import program
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -71,22 +72,16 @@ def across(fabric: Fabric, velocity: float, time: float, number: int, n: int, **
     )  # fmt: skip
 
 
-def main() -> None:
+def main(*, elements: Sequence[int] = (1, 2, 3), page: Path = Path("docs/convergence.md")) -> None:
     from validation.verification.mesh_convergence.pictures import yarns
 
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.verification.mesh_convergence.yarn", description=__doc__.splitlines()[2]
-    )
-    parser.add_argument("--elements", nargs="+", type=int, default=[1, 2, 3], metavar="N")
-    parser.add_argument("--page", type=Path, default=Path("docs/convergence.md"), help="beside which the picture goes")
-    options = parser.parse_args()
     found = []
     for name, shot in SHOTS.items():
-        for n in options.elements:
+        for n in elements:
             found.append(across(catalogue.load(name).with_effective_density(), *shot, n))
             print(f"{name} {n}: line {found[-1].middle:.1f} N, yarn {found[-1].yarn:.1f} N", flush=True)
-    yarns(found, options.page.parent / "figures" / "convergence-yarn.png")
+    yarns(found, page.parent / "figures" / "convergence-yarn.png")
 
 
 if __name__ == "__main__":
-    main()
+    program(main, elements="along a crossover", page="beside which the picture goes")

@@ -7,28 +7,31 @@ mesh and the platens are computed, and put between their marks into the page.
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics import run_cache
-from fabrics.errors import run_program
 from fabrics.files import write_whole
+from validation.program import program
 from validation.verification.pull_out import pictures, study
-from validation.verification.pull_out.page import BEGIN, END, page, section
+from validation.verification.pull_out.page import BEGIN, END, section
+from validation.verification.pull_out.page import page as text_of
+from validation.verification.study import known
 from weavecell.report.marked_page import put
 from weavecell.results import provenance
 
 
-def main() -> None:
-    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--out", type=Path, default=Path("results/pull-out"))
-    arguments.add_argument("--page", type=Path)
-    arguments.add_argument("--without", nargs="*", default=(), choices=tuple(study.VARIANTS), metavar="CHOICE")
-    arguments.add_argument("--further", action="store_true")
-    chosen = arguments.parse_args()
-    for name in chosen.without:
+def main(
+    *,
+    out: Path = Path("results/pull-out"),
+    page: Path | None = None,
+    without: Sequence[str] = (),
+    further: bool = False,
+) -> None:
+    for name in without:
+        known("--without", name, tuple(study.VARIANTS))
         del study.VARIANTS[name]
-    kept = run_cache.RunCache(chosen.out / "runs", run_cache.JSON)
+    kept = run_cache.RunCache(out / "runs", run_cache.JSON)
 
     def runs(case):
         name = run_cache.key(case, study.__name__)
@@ -37,22 +40,24 @@ def main() -> None:
             print(case, kept[name]["T_f"], f"{kept[name]['seconds']:.0f} s", flush=True)
         return kept[name]
 
-    if chosen.further:
+    if further:
         commit = provenance.stamp()["commit"]
         text = section({name: runs(case) for name, case in study.FURTHER.items()}, commit)
         print(text)
-        if chosen.page:
-            put(chosen.page, BEGIN, END, text)
+        if page:
+            put(page, BEGIN, END, text)
         return
     found = study.gather(runs)
-    folder = chosen.page.parent / "figures" if chosen.page else chosen.out
+    folder = page.parent / "figures" if page else out
     pictures.chart(found, folder / "pull-out.png")
-    if chosen.page:
-        before = chosen.page.read_text("utf-8") if chosen.page.exists() else ""
+    if page:
+        before = page.read_text("utf-8") if page.exists() else ""
         kept_section = before.partition(BEGIN)[2].partition(END)[0]
-        with write_whole(chosen.page) as file:
-            file.write(page(found, chosen.without, kept_section))
+        with write_whole(page) as file:
+            file.write(text_of(found, without, kept_section))
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(
+        main, without="choices of the table of dependences to leave out", further="only the finer mesh and the platens"
+    )

@@ -10,7 +10,7 @@ import numpy as np
 from fabrics.friction.pull_out import FRICTION, FRICTION_RANGE, FRICTION_SOURCE, FRICTION_STATUS
 from unitcell3d.cases.pull_out import SLIDING
 from validation.verification.pull_out.study import LAW, PLATENS, WEFT, law
-from validation.verification.study import markdown
+from weavecell.report.marked_page import markdown
 
 BEGIN, END = "<!-- further runs -->\n", "<!-- end of further runs -->"
 
@@ -24,10 +24,10 @@ def page(found: dict[str, Any], without: Sequence[str] = (), further: str = "") 
     without : choices that were left out
     further : text between the marks of the section that `--further` makes
     """
-    left_out = f"\n\nNot run: {', '.join(without)}." if without else ""
+    left_out = f"\nNot run: {', '.join(without)}.\n" if without else ""
     dependences = variants(found["variants"]) + left_out
     return "\n".join([
-        _HEAD, thresholds(found), "", summary(found), _FIGURE, _VARIANTS, dependences, "", cost(found),
+        _HEAD, thresholds(found), summary(found), _FIGURE, _VARIANTS, dependences, cost(found),
         f"\n## Finer mesh, and platens\n\n{BEGIN}{further}{END}", _LIMITS,
     ])  # fmt: skip
 
@@ -47,7 +47,8 @@ def section(found: dict[str, dict[str, Any]], commit: str) -> str:
         "(before the pull 1, 2 and 4 MPa on the area of the cell). Change: of T_f / F_c, against the first row.\n"
         f"`python -m validation.verification.pull_out --further --page docs/pull-out.md`, commit {commit}.\n\n"
     )
-    text += markdown(["", "F_c, N", "T_f, N", "T_f / F_c", "change", "largest P of normal pressures, N"], rows)
+    head = ["", "F_c, N", "T_f, N", "T_f / F_c", "change", "largest P of normal pressures, N"]
+    text += markdown([head, *rows], numbers=True).rstrip("\n")
     of = found["between platens"]
     if len(of["F_c"]) > 1:
         fitted = law(PLATENS, of)
@@ -73,9 +74,8 @@ def thresholds(found: dict[str, Any]) -> str:
         for F_c, T_f, normal in zip(of["F_c"], of["T_f"], of["geometric"]):
             off = T_f - float(fitted.threshold(F_c))
             rows.append([name, f"{F_c:.2f}", f"{T_f:.3f}", f"{T_f / F_c:.4f}", f"{normal:.3f}", f"{1e3 * off:+.1f}"])
-    return markdown(
-        ["pulled", "F_c, N", "T_f, N", "T_f / F_c", "largest P of normal pressures, N", "T_f less the fit, mN"], rows
-    )
+    head = ["pulled", "F_c, N", "T_f, N", "T_f / F_c", "largest P of normal pressures, N", "T_f less the fit, mN"]
+    return markdown([head, *rows], numbers=True)
 
 
 def summary(found: dict[str, Any]) -> str:
@@ -112,9 +112,8 @@ def variants(found: dict[str, dict[str, Any]]) -> str:
             name, f"{of['F_c'][0]:.2f}", f"{of['T_f'][0]:.3f}", f"{ratio:.4f}", f"{100 * (ratio / first - 1):+.2f} %",
             f"{of['mobilised'][0]:.3f}", f"{of['iterations'] / of['states']:.1f}",
         ])  # fmt: skip
-    return markdown(
-        ["", "F_c, N", "T_f, N", "T_f / F_c", "change", "largest share of Coulomb's limit", "tangents a state"], rows
-    )
+    head = ["", "F_c, N", "T_f, N", "T_f / F_c", "change", "largest share of Coulomb's limit", "tangents a state"]
+    return markdown([head, *rows], numbers=True)
 
 
 def cost(found: dict[str, Any]) -> str:

@@ -23,21 +23,18 @@ HALVINGS = 5  # of the ratio between a stable and an unstable value
 
 @dataclass(frozen=True)
 class Axis:
-    """One direction of a map: its name, the values that are run (numbers, or texts), and what to call the numbers.
+    """One direction of a map: its name, and the values that are run (numbers, or texts).
 
     unit : that the name tells, in the values' own: 1e-3 where values are [m] and the name says [mm]
     """
 
     name: str
     values: tuple
-    labels: tuple | None = None
     unit: float = 1.0
 
     def label(self, value: float) -> str:
         """What a reader calls a value."""
-        if self.labels is not None and value in self.values:
-            return self.labels[self.values.index(value)]
-        return value if isinstance(value, str) else f"{value:g}"
+        return value if isinstance(value, str) else f"{value / self.unit:g}"
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from validation.verification.stability.core import FAILED, MARGIN_TARGET, STABLE, WRONG
 from validation.verification.stability.pictures import number, pictured
-from validation.verification.study import markdown, write_page
+from validation.verification.study import write_page
+from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from validation.verification.stability.core import Found
@@ -45,7 +46,8 @@ def margins(maps: Sequence[Found]) -> str:
                 f"{'' if edge.met else 'at least '}{edge.margin:.3g}", "yes" if edge.enough else "**no**",
                 "" if edge.beyond is None else _beyond(edge.beyond),
             ])  # fmt: skip
-    return markdown(["number", "default", "side", "edge", "margin", f"at least {MARGIN_TARGET:g}", "beyond it"], rows)
+    head = ["number", "default", "side", "edge", "margin", f"at least {MARGIN_TARGET:g}", "beyond it"]
+    return markdown([head, *rows], numbers=True)
 
 
 def _edge(edge, unit):
@@ -80,8 +82,8 @@ def _content(found):
     if found.count(STABLE) == len(found.outcomes):
         return f"All {len(found.outcomes)} points are stable."
     head = [f"{chart.y.name} / {chart.x.name}", *(chart.x.label(x) for x in chart.x.values)]
-    table = markdown(head, [[chart.y.label(y), *(_cell(found, x, y) for x in chart.x.values)] for y in chart.y.values])
-    return f"{table}\n\nNumbers: {chart.number}."
+    rows = [[chart.y.label(y), *(_cell(found, x, y) for x in chart.x.values)] for y in chart.y.values]
+    return f"{markdown([head, *rows], numbers=True)}\nNumbers: {chart.number}."
 
 
 def _cell(found, x, y):

@@ -2,70 +2,79 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from fabrics import run_cache
 from fabrics.executors import open_executor
-from validation.verification.stability.core import Found, Map, Outcome, explore
+from validation.verification.stability.core import Axis, Found, Map, Outcome, explore, guarded
 from validation.verification.study import known
 
-NAMES = (
-    "time-step",
-    "viscosity",
-    "hourglass",
-    "penalty",
-    "edge-radius",
-    "newton",
-    "bracket",
-    "printed-law",
-    "bars",
-    "load-step",
-    "plies",
-    "bias",
-)  # of the command line
+MAPS: dict[str, dict[str, Any]] = tomllib.loads(
+    resources.files("validation.verification.stability").joinpath("maps.toml").read_text("utf-8")
+)
+NAMES = tuple(MAPS)  # of the command line
 
 
 def load(key: str, quick: bool = False) -> Map:
-    """A map by its name.
+    """A map by its name, from maps.toml.
 
     Raises
     ------
     InputError : there is none of this name
     """
     known("--map", key, NAMES)
-    return _module(key).chart(quick)
+    entry = dict(MAPS[key])
+    x, y = entry.pop("x"), entry.pop("y")
+    run, scene, settings = _method(entry.pop("method")), entry.pop("scene", {}), entry.pop("settings")
+    reference = entry.pop("reference", None)
+
+    def scene_at(at_x, at_y):
+        return {**scene, **_arguments(x, at_x), **_arguments(y, at_y)}
+
+    def point(at_x, at_y):
+        compared = {}
+        if reference is not None:
+            compared["reference"] = scene_at(reference.get("x", at_x), reference.get("y", at_y))
+        return guarded(lambda: run(**settings, **compared, **scene_at(at_x, at_y)))
+
+    axes = _axis(x, quick), _axis(y, quick)
+    rows = axes[1].values if entry.pop("every_row", False) else ()
+    lists: dict[str, Any] = {name: tuple(entry.pop(name)) for name in ("default", "sides") if name in entry}
+    return Map(key, x=axes[0], y=axes[1], point=point, rows=rows, **lists, **entry)
 
 
-def _module(key):
-    """The file of a map, imported when it is needed: the libraries of some may not be installed."""
-    match key:
-        case "time-step":
-            from validation.verification.stability import time_step as module
-        case "viscosity":
-            from validation.verification.stability import viscosity as module
-        case "hourglass":
-            from validation.verification.stability import hourglass as module
-        case "penalty":
-            from validation.verification.stability import penalty as module
-        case "edge-radius":
-            from validation.verification.stability import edge_radius as module
-        case "newton":
-            from validation.verification.stability import newton as module
-        case "bracket":
-            from validation.verification.stability import bracket as module
-        case "printed-law":
-            from validation.verification.stability import printed_law as module
-        case "bars":
-            from validation.verification.stability import bars as module
-        case "load-step":
-            from validation.verification.stability import load_step as module
-        case "plies":
-            from validation.verification.stability import plies as module
+def _method(name):
+    """Function of a point, (**arguments) -> Outcome, imported when it is needed: some need further libraries."""
+    match name:
+        case "shot" | "time_step":
+            from validation.verification.stability import shots as module
+        case "pack":
+            from validation.verification.stability import packs as module
+        case "newton" | "bracket" | "printed_law":
+            from validation.verification.stability import cell as module
         case "bias":
-            from validation.verification.stability import bias as module
-    return module
+            from validation.verification.stability import coupons as module
+        case "hourglass":
+            from validation.verification.stability import solid_patch as module
+        case "bars" | "load_step":
+            from validation.verification.stability import unit_cell as module
+    return getattr(module, name)
+
+
+def _axis(entry, quick):
+    values = entry["quick"] if quick and "quick" in entry else entry.get("values") or entry["choices"]
+    return Axis(entry["name"], tuple(values), entry.get("unit", 1.0))
+
+
+def _arguments(entry, value):
+    """{argument: value} of a method at a place of an axis; a place of a reference may say its own."""
+    if isinstance(value, dict):
+        return value
+    return entry["choices"][value] if "choices" in entry else {entry["key"]: value}
 
 
 def solve(key: str, x: Any, y: Any) -> Outcome:

@@ -1,0 +1,101 @@
+"""What the studies share as programs: their command line, their tables as CSV, and their place in a page.
+
+The options of `python -m validation...` are the parameters of its main function, by their annotations:
+
+    def main(fabrics: Sequence[str] = ("S-720",), *, page: Path | None = None, jobs: int = 1, resume: bool = False):
+        ...
+
+    if __name__ == "__main__":
+        program(main, resume="take shots that are done from the folder")
+
+Positional parameters are arguments, the others options: a bool is a flag, a Sequence takes any number of values, a
+tuple as many as it has, a Literal one of its values.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from inspect import Parameter, signature
+from pathlib import Path
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin
+
+from fabrics.errors import run_program
+from fabrics.files import write_whole
+from weavecell.report.marked_page import put
+
+NOTES = {
+    "chain": "folder of `weavecell calibrate --all --fit-solid`",
+    "executor": "local, mpi, parsl, dask or MODULE:FUNCTION",
+    "jobs": "cases beside each other",
+    "out": "folder of what is written, and of kept results",
+    "page": "put tables and pictures into this page",
+}
+
+
+def program(main: Callable[..., object], **notes: str) -> None:
+    """Run the main function of a module with the options of the command line; an error of ours is one line.
+
+    Parameters
+    ----------
+    main : of the module that is run
+    notes : what --help says of a parameter, where NOTES does not
+    """
+    run_program(lambda: main(**options(main, NOTES | notes)))
+
+
+def options(main: Callable[..., object], notes: Mapping[str, str], arguments: Sequence[str] | None = None) -> Any:
+    """{parameter: value} from the arguments of the command line; those of the process by default."""
+    module = main.__globals__  # type: ignore[attr-defined]
+    name = module["__spec__"].name.removesuffix(".__main__")
+    text = next(part for part in module["__doc__"].split("\n\n") if "python -m" not in part)
+    parser = argparse.ArgumentParser(prog=f"python -m {name}", description=text)
+    for parameter in signature(main, eval_str=True).parameters.values():
+        given = {"help": notes.get(parameter.name, "").replace("%", "%%"), **_values(parameter)}
+        if parameter.kind is Parameter.KEYWORD_ONLY:
+            parser.add_argument(f"--{parameter.name.replace('_', '-')}", default=parameter.default, **given)
+        elif parameter.default is Parameter.empty:
+            parser.add_argument(parameter.name, **given)
+        else:
+            parser.add_argument(parameter.name, default=parameter.default, **{"nargs": "?", **given})
+    return vars(parser.parse_args(arguments))
+
+
+def _values(parameter):
+    """How a parser reads the values of a parameter."""
+    kind = parameter.annotation
+    if NoneType in get_args(kind):
+        [kind] = (one for one in get_args(kind) if one is not NoneType)
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is Literal:
+        return {"choices": parts}
+    if origin is tuple:
+        return {"nargs": len(parts), "type": parts[0]}
+    if origin is Sequence:
+        return {"nargs": "*", "type": parts[0]}
+    return {"action": "store_true"} if kind is bool else {"type": kind}
+
+
+def write_csv(path: Path, rows: Iterable[Iterable[object]]) -> None:
+    """Write rows, the first of which is the head, as a file."""
+    with write_whole(path) as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+def write_tables(path: Path, tables: Mapping[str, Iterable[Iterable[object]]]) -> None:
+    """Write {title: rows} as a file, one table below the other."""
+    write_csv(path, (row for title, rows in tables.items() for row in [[title.strip("*.")], *rows, []]))
+
+
+def write_records(path: Path, records: Sequence[Mapping[str, object]]) -> None:
+    """Write {column: value} a row as a file."""
+    write_csv(path, [records[0], *(record.values() for record in records)])
+
+
+def publish(text: str, page: Path | None, marks: tuple[str, str], remark: str = "") -> None:
+    """Print a text, and put it between two marks of a page, if one is given, with a remark behind it."""
+    print(text)
+    if page is not None:
+        put(page, *marks, f"\n\n{text}\n{remark}")

@@ -1,0 +1,53 @@
+"""Hourglass coefficient of the brick of the solid patch (`shellfabric.solid.hex8`), against its time step.
+
+The brick has one integration point and so four modes without energy; a stiffness of their own holds them, 1 being what
+the full rule would give at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from fabrics import catalogue
+from meshing import patch
+from shellfabric.panel import quality
+from shellfabric.solid.model import SolidPatch
+from shellfabric.solid.numerics import PatchNumerics
+from shellfabric.solid.solver import SolidSolver
+from validation.verification.stability.core import STABLE, WRONG, Outcome
+
+FABRIC, VELOCITY, END = "S-720", 60.0, 6e-6
+
+
+@dataclass(frozen=True)
+class Beyond(PatchNumerics):
+    """Numerics that nobody checks."""
+
+    def __post_init__(self):
+        pass
+
+
+@cache
+def mesh() -> patch.Patch:
+    """A small coarse patch."""
+    return patch.build(catalogue.load(FABRIC), (4, 4), size=(2, 2, 1))
+
+
+def hourglass(*, hourglass: float, cfl: float, folded: float, share: float) -> Outcome:
+    """STABLE where no brick is folded by its hourglass modes, and these hold little energy.
+
+    Parameters
+    ----------
+    hourglass, cfl : as of `PatchNumerics`
+    folded : [-] largest amplitude over a brick's size
+    share : [-] largest hourglass energy over that of the solids
+    """
+    numerics = Beyond(hourglass=hourglass, cfl=cfl)
+    march = SolidSolver(SolidPatch(mesh(), catalogue.load(FABRIC), numerics=numerics), VELOCITY, END, threads=1)
+    march.run()
+    off = quality.hourglass_amplitude(march.patch.mesh, march.state.x)
+    held = float(march.sample("hourglass")[-1] / march.sample("solids")[-1])
+    message = f"hourglass energy {100 * held:.2g} % of the solids'" if held > share else ""
+    kind = STABLE if off <= folded and held <= share else WRONG
+    return Outcome(kind, 100 * off, message, quality.of_patch(march))
