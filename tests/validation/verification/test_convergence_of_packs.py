@@ -38,7 +38,7 @@ def test_tables_hold_limits_failure_times_and_changes():
 
 
 def test_levels_of_a_pack_share_the_outer_mesh():
-    one, two = (packs.setup(packs.Case("S-728", 2, level)).ply for level in (1, 2))
+    one, two = (packs.setup(packs.Case("S-728", 2, level)) for level in (1, 2))
     first = two.grading[0][0]
     one, two = (replace(ply, table_size=11).panel() for ply in (one, two))
     assert one.lines_per_crossover == 1
@@ -53,7 +53,7 @@ def test_cases_come_from_the_cheapest_with_the_references_first():
     weights = [packs.weight(case) for case in found[2:]]
     assert weights == sorted(weights)
     changed = {case.variation: case for case in found if case.variation}
-    assert packs.setup(changed["gap + 0.05 mm"]).gap == pytest.approx(packs.setup(found[1]).gap + 5e-5)
+    assert packs.setup(changed["gap + 0.05 mm"]).ply_gap == pytest.approx(packs.setup(found[1]).ply_gap + 5e-5)
     base, half = (packs.setup(case) for case in (found[1], changed["time step x 1/2"]))
     assert half.contact.courant == base.contact.courant / 2
     assert half.ply.numerics.cfl == base.ply.numerics.cfl / 2
