@@ -56,7 +56,7 @@ def test_cases_come_from_the_cheapest_with_the_references_first():
     assert packs.setup(changed["gap + 0.05 mm"]).ply_gap == pytest.approx(packs.setup(found[1]).ply_gap + 5e-5)
     base, half = (packs.setup(case) for case in (found[1], changed["time step x 1/2"]))
     assert half.contact.courant == base.contact.courant / 2
-    assert half.ply.numerics.cfl == base.ply.numerics.cfl / 2
+    assert half.numerics.cfl == base.numerics.cfl / 2
     assert len(found) == 2 * 3 + 2
 
 
