@@ -62,6 +62,7 @@ class Keywords(TypedDict, total=False):
     symmetry: Literal["quarter", "half", "whole"]
     weave_angle: Quantity
     plies: int
+    ply: list[Mapping[str, Any]] | tuple[Mapping[str, Any], ...]
     stacking: Literal["aligned", "alternating"]
     ply_gap: Quantity | None
     ply_contact: PlyLaw | FilePath | None

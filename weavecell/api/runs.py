@@ -114,9 +114,10 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
     options : the keys of the input file (docs/keys.md), numbers in SI units or texts with a unit. Those of [fabric],
         [panel] and [run] are keywords: law, cell_model, cell_formulation, cell_profile, crossover_gap, surface,
-        bending, weaving_damage; opening (default 203 mm), boundary, symmetry, weave_angle, plies, stacking, ply_gap,
-        ply_contact, ply_friction, yarn_failure, grading, crossovers, crossover_friction, crossover_cohesion; end_time
-        (default 800 us), elements_per_crossover, snapshot_interval (default: only the shape at the end). The tables
+        bending, weaving_damage; opening (default 203 mm), boundary, symmetry, weave_angle, plies, stacking, ply (a list
+        of dicts, as [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]), ply_gap, ply_contact,
+        ply_friction, yarn_failure, grading, crossovers, crossover_friction, crossover_cohesion; end_time (default
+        800 us), elements_per_crossover, snapshot_interval (default: only the shape at the end). The tables
         [projectile], [history], [numerics] and [backing] are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm",
         "edge_radius": "0.3 mm"}, whose three keys are required as in the file; projectile="FSP 1.10 g" or {"name":
         "FSP 1.10 g", ...} is one of `projectiles`; without it the projectile is the flat cylinder of 3 g and 5.5 mm
@@ -135,19 +136,27 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     """
     from weavecell.scenes import build
 
-    cloth = assumed.with_shear(as_fabric(fabric))
-    scene = keywords.scene(cloth.name, velocity, options)
-    law, table = options.get("law"), scene.fabric
+    own = as_fabric(fabric)
+    scene = keywords.scene(own.name, velocity, options)
     surface = options.get("surface")
-    try:
-        cloth = build.damaged(cloth, table)
+
+    def made(table):
+        """Fabric, surface and laws of a table [fabric], with the objects among the keywords in place of their names."""
+        named = table.file or (table.name if table.name != own.name else None)
+        law = options.get("law") if table.law == scene.fabric.law and named is None else table.law
+        if isinstance(law, InlineLaw) or isinstance(table.law, InlineLaw):
+            law = CompressionLaw(table.law.a, table.law.b, table.law.form)
+        cloth = build.damaged(assumed.with_shear(own if named is None else as_fabric(named)), table)
         if scene.panel.plies > 1:
             cloth = build.with_ply_contact(cloth, options.get("ply_contact"), law)
         cell = build.surface_of(table, cloth, None, surface if isinstance(surface, ResponseSurface) else None)
-        if isinstance(table.law, InlineLaw):
-            law = CompressionLaw(table.law.a, table.law.b, table.law.form)
         laws = quantities.laws(cloth, law) if cell is None and table.cell_model == "compressible" else None
-        ply = build.setup(build.Case("", cloth, laws, "", scene, cell), None)  # type: ignore[arg-type]
+        return cloth, cell, laws, ""
+
+    try:
+        cloths, plies = build.lay_up(scene, made)
+        cloth, cell, laws, _ = cloths[0]
+        ply = build.setup(build.Case("", cloth, laws, "", scene, cell, plies), None)
     except InputError as problem:
         raise keywords.named(problem) from None
     if options.get("snapshot_interval") is None:

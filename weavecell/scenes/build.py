@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -135,21 +136,12 @@ def build(scene: Any, file: Path, name: str) -> Case:
     ------
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
-    plies = getattr(getattr(scene, "panel", None), "ply", ())
-    lay_up, known = [], {}
-    for table in plies:
-        given = {key: getattr(table, key) for key in ("name", "file") if getattr(table, key) is not None}
-        own = {"name": None, "file": None, "law": "published", **given} if given else {}
-        own |= {} if table.law is None else {"law": table.law}
-        if (key := repr(own)) not in known:
-            known[key] = _cloth(scene.fabric.model_copy(update=own), scene, file)
-        gap = scene.panel.ply_gap if table.gap is None else table.gap
-        lay_up += _plies(known[key], table, gap)
-    fabric, surface, laws, law_name = next(iter(known.values())) if known else _cloth(scene.fabric, scene, file)
+    cloths, plies = lay_up(scene, lambda table: _cloth(table, scene, file))
+    fabric, surface, laws, law_name = cloths[0]
     shot = getattr(scene, "projectile", None)
     if shot is not None and shot.name is not None:
         print(f"projectile: {shot_in_words(shot)}")
-    return Case(name, fabric, laws, law_name, scene, surface, tuple(lay_up))
+    return Case(name, fabric, laws, law_name, scene, surface, plies)
 
 
 def _cloth(table, scene, file):
@@ -162,12 +154,31 @@ def _cloth(table, scene, file):
     return fabric, None, *_laws(table, fabric, file)
 
 
-def _plies(cloth, table, gap):
-    """The plies of a table [[panel.ply]]."""
+def lay_up(scene: Any, make: Callable[[FabricTable], Any]) -> tuple[list[Any], tuple[Ply, ...]]:
+    """What the plies of a scene are made of, that of the first ply first, and every ply of its tables [[panel.ply]].
+
+    Parameters
+    ----------
+    scene : whose [fabric] is that of plies that name none
+    make : called once for each table [fabric] that differs, gives (fabric, surface, laws, where they come from)
+    """
+    tables = getattr(getattr(scene, "panel", None), "ply", ())
+    if not tables:
+        return [make(scene.fabric)], ()
     from shellfabric.impact.simulation import Ply
 
-    fabric, _, laws, _ = cloth
-    return [Ply(fabric, laws, table.angle, gap)] * table.count
+    known: dict[str, Any] = {}
+    plies: list[Ply] = []
+    for table in tables:
+        named = {key: getattr(table, key) for key in ("name", "file") if getattr(table, key) is not None}
+        own = {"name": None, "file": None, "law": "published", **named} if named else {}
+        own |= {} if table.law is None else {"law": table.law}
+        if (key := repr(own)) not in known:
+            known[key] = make(scene.fabric.model_copy(update=own))
+        fabric, _, laws, _ = known[key]
+        gap = scene.panel.ply_gap if table.gap is None else table.gap
+        plies += [Ply(fabric, laws, table.angle, gap)] * table.count
+    return list(known.values()), tuple(plies)
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
