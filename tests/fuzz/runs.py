@@ -71,7 +71,7 @@ def compile_kernels():
     missing, index = {"ply", "pack"}, 0
     while missing:
         scene = scenes.scene("compile", index)
-        kind = "pack" if "plies" in scene.scene["panel"] else "ply"
+        kind = "pack" if {"plies", "ply"} & set(scene.scene["panel"]) else "ply"
         if kind in missing:
             outcome_of(scene, limit=float("inf"))
             missing.remove(kind)
@@ -108,6 +108,8 @@ def flat(scene) -> dict:
         for key, value in table.items():
             if isinstance(value, dict):
                 visit(value, (*path, key))
+            elif isinstance(value, list) and value and isinstance(value[0], dict):
+                found[".".join((*path, key))] = len(value)
             else:
                 found[".".join((*path, key))] = value
 

@@ -1,4 +1,4 @@
-"""Random impact scenes: fabric, projectile, panel and run, as the two TOML files that `weavecell impact` reads.
+"""Random impact scenes: fabric, projectile, panel and run, as the TOML files that `weavecell impact` reads.
 
 The space
     fabric      20 to 350 tex, 50 to 270 GPa, crimp of each yarn 0.05 to 15 % (log-uniform), counts 0.5 to 1.0 times
@@ -6,8 +6,8 @@ The space
                 of the yarn's thickness, trellis shear law up to the locking modulus, gap at the crossovers
     projectile  five noses with all their parameters, 0.2 to 20 g, 3 to 15 mm, 20 to 700 m/s, friction, straight or
                 oblique with yaw and roll
-    panel       1 to 4 plies, aligned or alternating, clamped, free or one pair of sides each, 12 to 40 crossovers from
-                the centre to an edge, weave along the sides or oblique
+    panel       1 to 4 plies, aligned, alternating or a lay-up of two fabrics at right angles, clamped, free or one pair
+                of sides each, 12 to 40 crossovers from the centre to an edge, weave along the sides or oblique
     run         until the projectile has flown some millimetres, within a budget of element updates
 
 All numbers come from the `random()` of one generator. With `random.Random` a scene depends on (seed, index) alone,
@@ -49,17 +49,21 @@ class RandomScene:
     ----------
     name : of the files that `write` makes
     fabric, scene : tables as tomllib reads them from the two files
+    other : table of the second fabric of a lay-up
     """
 
     name: str
     fabric: dict
     scene: dict
+    other: dict
 
     def write(self, folder) -> Path:
-        """Write NAME.toml and NAME-fabric.toml into the folder; the path of the scene."""
+        """Write NAME.toml, NAME-fabric.toml and, of a lay-up, NAME-other.toml; the path of the scene."""
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         (folder / f"{self.name}-fabric.toml").write_text(toml(self.fabric), encoding="utf-8")
+        if "ply" in self.scene["panel"]:
+            (folder / f"{self.name}-other.toml").write_text(toml(self.other), encoding="utf-8")
         path = folder / f"{self.name}.toml"
         path.write_text(toml(self.scene), encoding="utf-8")
         return path
@@ -90,7 +94,12 @@ def sample(generator, name="fuzz") -> RandomScene:
     run = sample_run(draw, fabric, cells, half, shot, panel)
     if "plies" in panel and draw.chance(0.4):  # last, so that scenes without it are what they were
         panel["ply_friction"] = round(draw.uniform(0, 0.6), 3)
-    return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run})
+    other = {}
+    if "plies" in panel and "weave_angle" not in panel and draw.chance(0.3):
+        other = sample_other(draw, fabric, name)
+        panel["ply"] = sample_plies(draw, panel.pop("plies"), f"{name}-other.toml", thickness)
+        panel.pop("stacking", None)
+    return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other)
 
 
 class Draw:
@@ -230,6 +239,29 @@ def sample_panel(draw, shot, thickness) -> dict:
     return found
 
 
+def sample_other(draw, fabric, name) -> dict:
+    """The table of a fabric with other counts and modulus than the first."""
+    found = {key: dict(value) if isinstance(value, dict) else value for key, value in fabric.items()}
+    counts, modulus = draw.uniform(0.8, 1.25), draw.uniform(0.6, 1.5)
+    for family in ("warp", "weft"):
+        found[family]["count"] = _text(counts * _number(fabric[family]["count"]), "/cm")
+        found[family]["modulus"] = _text(modulus * _number(fabric[family]["modulus"]), "GPa")
+    return found | {"name": f"{name}-other"}
+
+
+def sample_plies(draw, count, other, thickness) -> list:
+    """The tables [[panel.ply]]: each of either fabric, at 0 or 90 degrees; some gaps of their own."""
+    found = []
+    for _ in range(count):
+        ply = {"angle": draw.choice(("0 deg", "90 deg"))}
+        if draw.chance(0.5):
+            ply["file"] = other
+        if draw.chance(0.3):
+            ply["gap"] = _text(thickness * draw.uniform(0, 0.8), "mm")
+        found.append(ply)
+    return found
+
+
 def sample_run(draw, fabric, cells, half, shot, panel) -> dict:
     """The table [run], and the panel's opening, within the budget of element updates."""
     E, rho = _number(fabric["warp"]["modulus"]), _number(fabric["warp"]["fibre_density"])
@@ -272,11 +304,19 @@ def _number(text):
 
 
 def toml(table, path="") -> str:
-    """A table of texts, numbers, lists and tables as TOML."""
-    plain = {key: value for key, value in table.items() if not isinstance(value, dict)}
+    """A table of texts, numbers, lists, tables and lists of plain tables as TOML."""
+    tables = {key: value for key, value in table.items() if isinstance(value, dict) or _holds_tables(value)}
+    plain = {key: value for key, value in table.items() if key not in tables}
     lines = [f"[{path}]"] if path and plain else []
     lines += [f"{key} = {json.dumps(value)}" for key, value in plain.items()]
-    for key, value in table.items():
+    for key, value in tables.items():
+        name = f"{path}.{key}" if path else key
         if isinstance(value, dict):
-            lines += ["", toml(value, f"{path}.{key}" if path else key).strip("\n")]
+            lines += ["", toml(value, name).strip("\n")]
+        for each in value if isinstance(value, list) else ():
+            lines += ["", f"[[{name}]]", *(f"{inner} = {json.dumps(text)}" for inner, text in each.items())]
     return "\n".join(lines) + "\n"
+
+
+def _holds_tables(value):
+    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
