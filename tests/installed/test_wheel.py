@@ -170,6 +170,7 @@ SCENES = {
     "accuracy.toml": PLY + '\n[accuracy]\ndeflection = "10 %"\n',
     "coupon.toml": '[fabric]\nname = "glass-balanced"\n\n[biaxial]\nstrain = ["0.4 %", "0.2 %"]\ncentre = 4\narm = 3\n'
     "\n[run]\nsteps = 2\n",
+    "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
 }
 # every command that needs no PETSc, on the smallest scenes
 COMMANDS = (
@@ -185,6 +186,7 @@ COMMANDS = (
     "coupon coupon.toml --out coupon",
     "biaxial S-720 --out biaxial",
     "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
+    "compare tests.csv ply.toml --tolerance 20m/s --jobs 1 --out compare",
     "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
     "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
     "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",

@@ -92,6 +92,7 @@ app.command(epilog=mesh_calibrate_surface.SURFACE)(mesh_calibrate_surface.surfac
 app.command(epilog=shell.IMPACT)(shell.impact)
 app.command(epilog=shell.BIAXIAL)(shell.biaxial)
 app.command(epilog=shell.COUPON)(shell.coupon)
+app.command(epilog=shell.COMPARE)(shell.compare)
 app.command("critical-velocity", epilog=shell.CRITICAL_VELOCITY)(shell.critical_velocity)
 
 

@@ -28,6 +28,7 @@ from weavecell.cli.options import (
 IMPACT = "Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]"
 BIAXIAL = "Example: [bold]weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse[/bold]"
 COUPON = "Example: [bold]weavecell coupon examples/coupons/S-728-bias.toml[/bold]"
+COMPARE = "Example: [bold]weavecell compare tests.csv examples/S-728-pack.toml[/bold]"
 CRITICAL_VELOCITY = "Example: [bold]weavecell critical-velocity S-720 --tolerance '1 m/s'[/bold]"
 
 
@@ -161,6 +162,38 @@ def coupon(
     from weavecell.commands import coupon as module
 
     module.coupon(scene, out or RESULTS / scene.stem, resume=resume, strict=strict)
+
+
+def compare(
+    tests: Annotated[Path, typer.Argument(metavar="TESTS", help="Table of tests (*.csv): a row a shot.")],
+    target: TargetArgument,
+    tolerance: Annotated[
+        str, typer.Option(help="Highest stop and lowest perforation differ by this at most.", metavar="VELOCITY")
+    ] = "1 m/s",
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+    out: OutOption = None,
+) -> None:
+    r"""Put the shots of a laboratory beside the computed ones: V50 and residual velocities, with intervals.
+
+    TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated) and, where it was
+    measured, residual velocity, each speed with its unit in the heading: "velocity \[m/s]". The shots are fired at the
+    target at these velocities, and its critical velocity is found, on the mesh of the scene.
+
+    Of a scene these keys are ignored: title, projectile.strike_velocity, run.end_time, run.snapshot_interval,
+    run.checkpoint_interval, run.outputs. \[history] and \[accuracy] are rejected.
+
+    The folder then holds comparison.json, shots.csv, comparison.svg and scene.toml.
+    """
+    from fabrics.units import si
+    from weavecell.commands import compare as command
+
+    width = si(tolerance, "m/s", key="--tolerance")
+    if not width > 0:
+        raise InputError(key="--tolerance", value=tolerance, allowed="above 0")
+    command.compare(
+        tests, target, out or RESULTS / f"compare-{Path(target).stem}", tolerance=width, jobs=jobs, executor=executor
+    )
 
 
 def critical_velocity(

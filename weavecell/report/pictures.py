@@ -20,6 +20,7 @@ from meshing.pictures_style import (  # fmt: skip
     PURPLE,
     RED,
     SKY,
+    STEEL,
     WARP,
     WEFT,
     plots,
@@ -228,6 +229,45 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
         zone, alpha = limit.mixed_zone, 0.25
         name = f"mixed outcomes\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
     axes.axvspan(*zone, color=ORANGE, alpha=alpha, lw=1, label=name)
+    axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
+    axes.set_ylim(-0.02 * high, high)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+    return figure
+
+
+def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
+    """Residual against strike velocity of tests and of the computed shots, V50 and the critical velocity.
+
+    Parameters
+    ----------
+    found : weavecell.analysis.fired_tests.Comparison
+    """
+    figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
+    tests, strike = found.tests, found.tests.velocity
+    velocities = [*strike, found.limit.low] + ([] if found.curve is None else [found.curve.V50])
+    low, high = 0.94 * min(velocities), 1.02 * max(*velocities, found.limit.high)
+    axes.plot([low, high], [low, high], color=FAINT, lw=1, ls=":", label="no loss of velocity")
+    if found.curve is not None:
+        start, end = (max(low, min(high, v)) for v in found.curve.intervals["V50"])
+        axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
+        axes.axvline(
+            found.curve.V50,
+            color=STEEL,
+            lw=1.5,
+            label=f"V50 of the tests\n{found.curve.V50:.1f} m/s\n(grey: 95 % interval)",
+        )
+    words = f"computed critical\nvelocity {found.limit.velocity:.1f} m/s"
+    axes.axvline(found.limit.velocity, color=ORANGE, lw=1.5, label=words)
+    fits = ((found.tested, STEEL, "tests, Lambert-Jonas"), (found.computed, BLUE, "computed, Lambert-Jonas"))
+    for fit, color, words in fits:
+        if fit is not None:
+            at = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
+            axes.plot(at, fit.residual_velocity(at), color=color, lw=1.2, label=words)
+    known = np.isfinite(tests.residual)
+    for through, fill, words in ((True, STEEL, "test, perforated"), (False, "white", "test, stopped")):
+        some = known & (tests.perforated == through)
+        axes.plot(strike[some], tests.residual[some], "s", ms=7, mfc=fill, mec=STEEL, label=words)
+    axes.plot(strike, found.computed_residual, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
     axes.set_ylim(-0.02 * high, high)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)

@@ -68,13 +68,14 @@ def _tables(entry, schema):
     """The definitions that an entry refers to."""
     if "$ref" in entry:
         yield schema["$defs"][entry["$ref"].rpartition("/")[2]]
-    for part in (*entry.get("anyOf", ()), *entry.get("oneOf", ()), *entry.get("prefixItems", ())):
+    items = [entry["items"]] if isinstance(entry.get("items"), dict) else []
+    for part in (*entry.get("anyOf", ()), *entry.get("oneOf", ()), *entry.get("prefixItems", ()), *items):
         yield from _tables(part, schema)
 
 
 def _as_text(entry):
-    """Numbers of a quantity become texts, which hold the unit; a number of the schema's default is left out."""
-    if entry.get("type") == "number":
+    """Numbers of a quantity, or what is made of an angle, become texts with a unit; defaults are left out."""
+    if entry.get("type") in ("number", "boolean"):
         entry["type"] = "string"
         for limit in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"):
             entry.pop(limit, None)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fabrics.errors import InputError
-from weavecell.commands import coupon, critical_velocity, fidelity, sweep, uncertainty
+from weavecell.commands import compare, coupon, critical_velocity, fidelity, sweep, uncertainty
 from weavecell.commands import impact as commands_impact
 from weavecell.scenes import build, supported
 from weavecell.scenes import coupon as scenes_coupon
@@ -19,6 +19,7 @@ SUPPORTS = {
     "explain": fidelity.EXPLAIN,
     "draws": uncertainty.DRAWS,
     "critical-velocity": critical_velocity.SUPPORT,
+    "compare": compare.SUPPORT,
     "v50": uncertainty.OF_V50,
     "sensitivity": uncertainty.OF_SOBOL,
     "sweep": sweep.OF_SWEEP,
@@ -305,6 +306,7 @@ def test_what_is_ignored_is_named_in_the_help(command):
     for words, support in (
         ("impact", fidelity.EXPLAIN),
         ("impact", uncertainty.DRAWS),
+        ("compare", compare.SUPPORT),
         ("critical-velocity", critical_velocity.SUPPORT),
         ("v50", uncertainty.OF_V50),
         ("sensitivity", uncertainty.OF_SOBOL),
@@ -312,4 +314,4 @@ def test_what_is_ignored_is_named_in_the_help(command):
         told = command(words, "--help")[1]
         assert [key for key in support.ignored if key not in told] == []
     ignoring = {name for name, support in SUPPORTS.items() if support.ignored}
-    assert ignoring == {"explain", "draws", "critical-velocity", "v50", "sensitivity", "sweep"}
+    assert ignoring == {"explain", "draws", "compare", "critical-velocity", "v50", "sensitivity", "sweep"}

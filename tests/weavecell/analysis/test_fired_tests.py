@@ -1,0 +1,90 @@
+"""Tests of a laboratory: read from a table, and held against computed shots."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from fabrics.errors import InputError
+from shellfabric.impact.ballistic_limit import Limit, Shot
+from weavecell.analysis import fired_tests
+from weavecell.analysis.fired_tests import FiredTests
+
+TABLE = """# a pack, made up
+outcome, velocity [km/h], residual velocity [m/s]
+PP, 360,
+CP, 432, 40
+complete, 468, 70
+stopped, 396, 0
+perforated, 504,
+"""
+
+
+def read(folder, text):
+    (folder / "tests.csv").write_text(text)
+    return FiredTests.read(folder / "tests.csv")
+
+
+def shot(velocity, residual):
+    through = residual > 0
+    return Shot(velocity, residual, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
+
+
+def test_a_table_is_read_in_any_unit_and_order(tmp_path):
+    found = read(tmp_path, TABLE)
+    np.testing.assert_allclose(found.velocity, [100, 120, 130, 110, 140])
+    assert found.perforated.tolist() == [False, True, True, False, True]
+    np.testing.assert_array_equal(found.residual, [0, 40, 70, 0, np.nan])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("velocity [km/h]", "velocity", "heading = 'velocity': must be velocity"),
+        ("velocity [km/h]", "velocity [kg]", "velocity = "),
+        ("outcome,", "result,", "heading = 'result': must be velocity"),
+        ("PP, 360", "maybe, 360", "line 3, outcome = 'maybe': must be pp or partial or stopped or cp"),
+        ("PP, 360", "PP, fast", "line 3, velocity = 'fast': must be a number"),
+        ("PP, 360", "PP, -1", "line 3, velocity = '-1': must be above 0"),
+        ("PP, 360,", "PP, 360, 20", "line 3, residual velocity = '20': must be left out of a stop, or 0"),
+        ("CP, 432, 40", "CP, 432", "line 4 = 'CP, 432': must be 3 values"),
+    ],
+)
+def test_a_wrong_table_is_told_in_one_line(tmp_path, old, new, told):
+    with pytest.raises(InputError) as problem:
+        read(tmp_path, TABLE.replace(old, new))
+    assert told in str(problem.value)
+    assert "tests.csv" in str(problem.value)
+
+
+def test_a_table_without_shots_is_refused(tmp_path):
+    with pytest.raises(InputError, match="has no shot"):
+        read(tmp_path, "velocity [m/s], outcome\n")
+    with pytest.raises(InputError, match="cannot be read"):
+        FiredTests.read(tmp_path / "none.csv")
+
+
+def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
+    """Differences of known shots, their interval by Student's t as scipy has it, and V50 of the tests."""
+    tests = read(tmp_path, TABLE)
+    shots = [shot(v, r) for v, r in zip(tests.velocity, (0.0, 44.0, 70.0, 15.0, 90.0))]
+    found = fired_tests.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
+    assert found.agree == 4
+    off = found.difference()
+    assert (off["shots"], off["mean"], off["rms"]) == (2, 2.0, pytest.approx(np.sqrt(8)))
+    interval = stats.ttest_1samp([4.0, 0.0], 0.0).confidence_interval(0.95)
+    assert (off["low"], off["high"]) == pytest.approx((interval.low, interval.high))
+    summary = found.summary()
+    assert summary["tested_V50_m_s"] == pytest.approx(115.0)  # between 110, stopped, and 120, perforated
+    assert summary["critical_velocity_over_V50"] == pytest.approx(105 / 115)
+    low, high = summary["tested_V50_interval_m_s"]
+    assert low < 115 < high
+    assert found.tested is None  # two residual velocities determine no curve
+    assert found.computed.limit == 105.0
+
+
+def test_of_one_outcome_there_is_no_v50(tmp_path):
+    tests = read(tmp_path, "velocity [m/s], outcome\n100, CP\n110, CP\n")
+    found = fired_tests.compare(tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ()))
+    assert found.curve is None
+    assert found.summary()["tested_V50_m_s"] is None
+    assert found.difference()["mean"] is None

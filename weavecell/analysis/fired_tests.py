@@ -1,0 +1,202 @@
+"""Shots of a laboratory, and how a computed limit and computed residual velocities compare with them."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import asdict, dataclass
+from math import nan, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import t as student
+
+from fabrics.checks import BoolArray, FilePath, FloatArray
+from fabrics.errors import InputError
+from fabrics.units import si
+from shellfabric.impact import lambert_jonas
+from shellfabric.impact.ballistic_limit import Limit, Shot
+from shellfabric.impact.lambert_jonas import LambertJonas
+from weavecell.analysis.uncertainty import probit
+from weavecell.analysis.uncertainty.probit import Curve
+
+VELOCITY, OUTCOME, RESIDUAL = "velocity", "outcome", "residual velocity"
+OUTCOMES = {  # whether the projectile went through
+    "pp": False, "partial": False, "stopped": False, "cp": True, "complete": True, "perforated": True,
+}  # fmt: skip
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class FiredTests:
+    """Shots of a laboratory.
+
+    Parameters
+    ----------
+    velocity : (n,) [m/s] of the strike
+    perforated : (n,) bool
+    residual : (n,) [m/s], 0 of a stopped projectile, NaN where it was not measured
+    """
+
+    velocity: FloatArray
+    perforated: BoolArray
+    residual: FloatArray
+
+    @classmethod
+    def read(cls, path: FilePath) -> FiredTests:
+        """Read a CSV file: a heading, then a row a shot.
+
+        The columns are "velocity [m/s]", "outcome" (PP, partial or stopped; CP, complete or perforated) and, where it
+        was measured, "residual velocity [m/s]", in any order and any unit of speed. Lines that begin with # are left
+        out.
+
+        Raises
+        ------
+        InputError : one line naming the file, the line, the value and what is allowed
+        """
+        path = Path(path)
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as problem:
+            why = getattr(problem, "strerror", None) or "not text"
+            raise InputError("cannot be read", file=path, allowed=f"a table of tests, CSV ({why})") from None
+        lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
+        if len(lines) < 2:
+            raise InputError("has no shot", file=path, allowed="a heading and a row a shot")
+        heading = [cell.strip() for cell in next(csv.reader([lines[0][1]]))]
+        units = _units(heading, path)
+        rows = [_row(n, line, list(units), units, path) for n, line in lines[1:]]
+        return cls(*(np.array(column) for column in zip(*rows)))
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Tests beside what was computed.
+
+    Parameters
+    ----------
+    tests : FiredTests
+    shots : (n,) the computed Shot at the velocity of each
+    limit : the computed Limit
+    curve : probability of perforation fitted to the tests; None where all stopped or all perforated
+    tested : Lambert-Jonas fit to the tested residual velocities, computed : to the computed ones; None of too few
+    """
+
+    tests: FiredTests
+    shots: tuple[Shot, ...]
+    limit: Limit
+    curve: Curve | None
+    tested: LambertJonas | None
+    computed: LambertJonas | None
+
+    @property
+    def computed_residual(self) -> FloatArray:
+        """(n,) [m/s]"""
+        return np.array([shot.residual_velocity for shot in self.shots])
+
+    @property
+    def agree(self) -> int:
+        """Number of tests whose outcome was computed."""
+        return sum(shot.perforated == bool(hit) for shot, hit in zip(self.shots, self.tests.perforated))
+
+    def difference(self) -> dict[str, Any]:
+        """Computed less tested residual velocity [m/s] of the tests that perforated and have one.
+
+        Returns
+        -------
+        dict with their number, and where there are two at least mean, its interval of `CONFIDENCE` by Student's t,
+        and rms
+        """
+        known = self.tests.perforated & np.isfinite(self.tests.residual)
+        off = (self.computed_residual - self.tests.residual)[known]
+        if off.size < 2:
+            return {"shots": int(off.size), "mean": None, "low": None, "high": None, "rms": None}
+        half = student.ppf(0.5 + CONFIDENCE / 2, off.size - 1) * float(off.std(ddof=1)) / sqrt(off.size)
+        mean = float(off.mean())
+        return {
+            "shots": int(off.size), "mean": mean, "low": mean - half, "high": mean + half,
+            "rms": float(np.sqrt(np.mean(off**2))),
+        }  # fmt: skip
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as plain numbers, keys with their units."""
+        found: dict[str, Any] = {
+            "tests": len(self.shots), "outcomes_that_agree": self.agree, "confidence": CONFIDENCE,
+            "critical_velocity_m_s": self.limit.velocity, "bracket_m_s": [self.limit.low, self.limit.high],
+            "tested_V50_m_s": None, "tested_V50_interval_m_s": None, "critical_velocity_over_V50": None,
+        }  # fmt: skip
+        if self.curve is not None:
+            found["tested_V50_m_s"] = float(self.curve.V50)
+            found["tested_V50_interval_m_s"] = [float(v) for v in self.curve.intervals["V50"]]
+            found["critical_velocity_over_V50"] = float(self.limit.velocity / self.curve.V50)
+        found |= {f"residual_velocity_{name}_m_s": v for name, v in self.difference().items() if name != "shots"}
+        for name in ("tested", "computed"):
+            fit = getattr(self, name)
+            found[f"lambert_jonas_{name}"] = None if fit is None else asdict(fit)
+        return found
+
+
+def compare(tests: FiredTests, shots: tuple[Shot, ...], limit: Limit) -> Comparison:
+    """The Comparison of tests with the computed shots at their velocities and the computed limit."""
+    hit = tests.perforated
+    curve = probit.fit(tests.velocity, hit, confidence=CONFIDENCE) if 0 < hit.sum() < hit.size else None
+    known = np.isfinite(tests.residual)
+    through = [shot for shot in shots if shot.perforated]
+    strike, residual = ([getattr(shot, f"{name}_velocity") for shot in through] for name in ("strike", "residual"))
+    return Comparison(
+        tests, shots, limit, curve, _fit(tests.velocity[known & hit], tests.residual[known & hit], None),
+        _fit(strike, residual, limit.velocity if limit.single else None),
+    )  # fmt: skip
+
+
+def _fit(strike, residual, limit):
+    """Lambert-Jonas fit; None of shots that are no more than its parameters."""
+    if len(strike) <= (3 if limit is None else 2):
+        return None
+    try:
+        return lambert_jonas.fit(strike, residual, limit=limit)
+    except InputError:
+        return None
+
+
+def _units(heading, path):
+    """{column: its scale to m/s; None of outcomes} in the order of the file."""
+    found: dict[str, float | None] = {}
+    for cell in heading:
+        name, _, unit = cell.partition("[")
+        name, unit = name.strip(), unit.rstrip("] ")
+        if name not in (VELOCITY, OUTCOME, RESIDUAL) or name in found or (name == OUTCOME) == bool(unit):
+            allowed = f"{VELOCITY} [m/s], {OUTCOME} and {RESIDUAL} [m/s], each once"
+            raise InputError(file=path, key="heading", value=cell, allowed=allowed)
+        found[name] = si(f"1 {unit}", "m/s", file=path, key=name) if unit else None
+    for name in (VELOCITY, OUTCOME):
+        if name not in found:
+            raise InputError(file=path, key="heading", value=", ".join(heading), allowed=f"with a column {name}")
+    return found
+
+
+def _row(number, line, names, units, path):
+    """(velocity [m/s], whether it perforated, residual velocity [m/s]) of a line."""
+    cells = dict(zip(names, (cell.strip() for cell in next(csv.reader([line])))))
+    key = f"line {number}"
+    if len(cells) != len(names):
+        raise InputError(file=path, key=key, value=line.strip(), allowed=f"{len(names)} values")
+    word = cells[OUTCOME].lower()
+    if word not in OUTCOMES:
+        raise InputError(file=path, key=f"{key}, {OUTCOME}", value=cells[OUTCOME], allowed=" or ".join(OUTCOMES))
+    speeds = {}
+    for name in (VELOCITY, RESIDUAL):
+        text = cells.get(name, "")
+        if not text and name == RESIDUAL:
+            speeds[name] = nan
+            continue
+        try:
+            speeds[name] = float(text) * units[name]
+        except ValueError:
+            raise InputError(file=path, key=f"{key}, {name}", value=text, allowed="a number") from None
+        if not (speeds[name] > 0 or (name == RESIDUAL and speeds[name] == 0)):
+            raise InputError(file=path, key=f"{key}, {name}", value=text, allowed="above 0")
+    through = OUTCOMES[word]
+    if not through and speeds[RESIDUAL] > 0:
+        raise InputError(file=path, key=f"{key}, {RESIDUAL}", value=cells[RESIDUAL], allowed="left out of a stop, or 0")
+    return speeds[VELOCITY], through, speeds[RESIDUAL] if through else 0.0
