@@ -27,7 +27,9 @@ _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectil
 ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES, "error")
 OBSERVED = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft")
 SAMPLES = (*OBSERVED, *ENERGIES)
-PLY_SAMPLES = ("failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy")
+PLY_SAMPLES = (
+    "failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy", "peak_warp", "peak_weft"
+)  # fmt: skip
 
 
 class ClothSolver(ExplicitSolver):
@@ -40,9 +42,9 @@ class ClothSolver(ExplicitSolver):
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
-    ply_samples : list of (plies, 6), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+    ply_samples : list of (plies, 8), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` the largest of its cloth (`ply_audit.deflection`), `energy` what it moves with,
-        stores and has lost
+        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`)
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
         of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     measure, histories : what a histories.Recorder records, where there is one, and its rows
@@ -164,7 +166,7 @@ class ClothSolver(ExplicitSolver):
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def _observe_plies(self, energies, pushes):
-        """(plies, 6) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
+        """(plies, 8) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
         rows = []
         self._held = [held(state, const) if state.counter[kernels.FAILURES] else None for _, const, state in self.parts]
         for (panel, const, state), ends, energy, push, cloth in zip(
@@ -173,7 +175,8 @@ class ClothSolver(ExplicitSolver):
             failed = ply_audit.failed_segments(panel, const, state) / self.share
             reactions = ply_audit.edge_reactions(panel, const, state, ends)
             deflection = ply_audit.deflection(const, state, cloth)
-            rows.append([failed, *reactions, -push / self.share, deflection, energy / self.share])
+            own = failed, *reactions, -push / self.share, deflection, energy / self.share
+            rows.append([*own, *state.peak_tension])
         return np.array(rows)
 
     def _drop_sample(self):

@@ -226,6 +226,8 @@ PLY_HISTORIES = keys(
     ("push", "N", "force of the nose on the ply"),
     ("deflection", "m", "largest displacement along the normal, of cloth connected to the edges"),
     ("energy", "J", "energy that the ply moves with, stores and has lost"),
+    ("peak_warp", "N", "highest tension of its warp so far, mean over a segment between crossovers"),
+    ("peak_weft", "N", "the same of its weft"),
 )
 PLIES = keys(
     ("z_rest", "m", "middle surface of each ply at rest"),

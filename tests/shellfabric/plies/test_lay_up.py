@@ -49,6 +49,12 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
         assert result.failed_segments[-1] > 0
         total = sum(result.energies[name][-1] for name in result.energies if name not in ("error", "ply_contact"))
         assert total == pytest.approx(result.strike_energy - result.energies["ply_contact"][-1], rel=2e-3)
+        plies = result.plies["energy"].sum(axis=1) + result.energies["ply_contact"] + result.energies["ply_friction"]
+        np.testing.assert_allclose(
+            plies + result.energies["kinetic_projectile"] - result.energies["error"], result.strike_energy, rtol=1e-12
+        )
+        assert result.plies["peak_warp"][-1].tolist() == result.ply_tensions[:, 0].tolist()
+        assert np.all(np.diff(result.plies["peak_weft"], axis=0) >= 0)
     first, second = results
     assert first.setup.title == "2 x S-728 + 1 x S-726 at 90 deg"
     assert [panel.fabric.name.split(",")[0] for panel in first.panels] == ["S-728", "S-728", "S-726"]

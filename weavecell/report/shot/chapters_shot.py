@@ -195,6 +195,8 @@ def _rear(record):
 def _of_plies(record):
     """Figures of what each ply of a pack bears."""
     plies = record.plies
+    both = zip((plies["peak_warp"], plies["peak_weft"]), record.strength.T)
+    tension = np.max([column / strength for column, strength in both], axis=0)
     return [
         Figure(
             pictures.render(
@@ -205,9 +207,9 @@ def _of_plies(record):
             "plies",
         ),
         Figure(
-            pictures.render(pictures_pack.pushes, record.time, plies["push"], plies["deflection"]), "svg",
-            "Left: contact force of the projectile on the plies that it touches, at single time steps. Right: "
-            "deflection of each ply from its own plane.", "pushes",
+            pictures.render(pictures_pack.pushes, record.time, plies["push"], plies["deflection"], tension), "svg",
+            "Contact force of the projectile on the plies that it touches, at single steps; deflection of each ply "
+            "from its own plane; highest tension of its warp or weft so far, over the strength.", "pushes",
         ),
     ]  # fmt: skip
 

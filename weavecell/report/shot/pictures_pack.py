@@ -47,25 +47,27 @@ def shares(pyplot: Any, peaks: np.ndarray, failed: np.ndarray, energy: np.ndarra
     return figure
 
 
-def pushes(pyplot: Any, t: np.ndarray, push: np.ndarray, deflection: np.ndarray) -> Any:
-    """Force of the nose on each ply it touches, and deflections of the plies.
+def pushes(pyplot: Any, t: np.ndarray, push: np.ndarray, deflection: np.ndarray, tension: np.ndarray) -> Any:
+    """Force of the nose on each ply it touches, deflections of the plies, and their highest tensions.
 
     Parameters
     ----------
     t : (n,) [s]
-    push, deflection : (n, plies) [N, m]
+    push, deflection, tension : (n, plies) [N, m, -], of the tension the share of the strength
     """
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 3.9))
+    figure, (left, right, third) = pyplot.subplots(1, 3, figsize=(10.4, 3.7))
     colours = shades(push.shape[1])
     for ply, colour in enumerate(colours):
         label = f"ply {ply + 1}" if ply in (0, push.shape[1] - 1) else None
         if np.any(push[:, ply]):
             left.plot(US * t, 1e-3 * push[:, ply], color=colour, lw=1.6, label=f"ply {ply + 1}")
         right.plot(US * t, MM * deflection[:, ply], color=colour, lw=1.6, label=label)
-    left.set(title="force of the projectile on a ply [kN]", xlabel="time after strike [µs]")
-    right.set(title="deflection of the plies [mm]", xlabel="time after strike [µs]")
+        third.plot(US * t, 100 * tension[:, ply], color=colour, lw=1.6)
+    left.set(title="projectile on a ply [kN]", xlabel="time after strike [µs]")
+    right.set(title="deflection [mm]", xlabel="time after strike [µs]")
+    third.set(title="peak tension / strength [%]", xlabel="time after strike [µs]")
     left.legend(loc="upper right", ncols=2)
     right.legend(loc="upper left")
-    for axes in (left, right):
+    for axes in (left, right, third):
         axes.set_xlim(0, US * float(t[-1]))
     return figure
