@@ -48,7 +48,7 @@ def test_a_scene_is_named_by_seed_and_index(tmp_path):
     assert one == again
     assert one.fabric != other.fabric
     asked, setup = runs.setup_of(one.write(tmp_path))
-    assert asked.title == setup.fabric.name.removesuffix("-fabric") == "fuzz-7-3"
+    assert asked.title == setup.fabric.name.rpartition("-")[0] == "fuzz-7-3"
 
 
 @given(scenes.scenes(), st.lists(PLACE, min_size=4, max_size=4))
@@ -101,13 +101,17 @@ def test_table_and_panel(scene):
 
 @given(scenes.scenes(), st.lists(st.tuples(*[st.floats(-3, 3)] * 3), min_size=6, max_size=6))
 def test_distance_of_a_projectile(scene, points):
-    """Signed, with a gradient of length 1, and changing by no more than the step; the body starts at the panel."""
+    """Signed, with a gradient of length 1, and changing by no more than the step; the body starts at the panel.
+
+    Inside, on the axis, where the nearest side may be any, the gradient may be 0.
+    """
     shot = setup_of(scene).projectile
     places = shot.radius * np.array(points)
     found = [shot.distance(place) for place in places]
-    for distance, gradient in found:
+    for place, (distance, gradient) in zip(places, found):
         assert np.isfinite(distance)
-        assert np.linalg.norm(gradient) == pytest.approx(1, abs=1e-9)
+        of_the_axis = distance < 0 and np.linalg.norm(np.cross(place, shot.frame[2])) < 1e-12
+        assert np.linalg.norm(gradient) == pytest.approx(1, abs=1e-9) or of_the_axis
     for a in range(len(places)):
         step = np.linalg.norm(places[a] - places[a - 1])
         assert abs(found[a][0] - found[a - 1][0]) <= step + 1e-12

@@ -12,8 +12,8 @@ CODE = """
     from shellfabric.plies.solver import PackSolver
     from shellfabric.plies import surface_kernels as ply_surface_kernels
 
-    ply = ImpactSetup(catalogue.load("S-728"), 91.0, opening=0.05)
-    march = PackSolver(replace(ply, plies=2, ply_gap=1e-4).target(), 91.0, 50e-6)
+    pack = ImpactSetup(catalogue.load("S-728"), 91.0, opening=0.05, plies=2, ply_gap=1e-4)
+    march = PackSolver(pack.target(), 91.0, 50e-6)
     state, const = march.states[1], march.pack.plies[1].constants()
     for place in ((np.nan, np.nan), (np.nan, 3.0), (3.0, np.nan), (-0.5, -0.5), (float(const.ni), float(const.nj))):
         assert ply_surface_kernels.intact_about(state, const, *place)

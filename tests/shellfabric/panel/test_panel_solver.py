@@ -223,10 +223,12 @@ def test_resumed_run_is_the_same_bit_for_bit(quick, tmp_path):
     resumed = quick(260.0, resume=path, snapshot_interval=10e-6)
     assert resumed.steps == whole.steps
     assert resumed.failed_segments[-1] > 0
-    for name in ("t", "v", "nose_position", "failed_segments", "step_history", "nodes", "tension", "failed"):
+    for name in ("t", "v", "nose_position", "failed_segments", "step_history"):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name), err_msg=name)
     for name, values in whole.energies.items():
         np.testing.assert_array_equal(resumed.energies[name], values, err_msg=name)
+    for name in ("nodes", "tension", "failed"):
+        np.testing.assert_array_equal(getattr(resumed.last[0], name), getattr(whole.last[0], name))
     assert [shot.t for (shot,) in resumed.snapshots] == [shot.t for (shot,) in whole.snapshots]
     np.testing.assert_array_equal(resumed.snapshots[0][0].nodes, whole.snapshots[0][0].nodes)
 
