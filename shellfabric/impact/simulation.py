@@ -56,7 +56,7 @@ class Ply:
     fabric : Fabric, as of ImpactSetup
     laws : (warp, weft) CompressionLaw; None takes the fabric's published ones
     turned : whether it is turned by a right angle
-    gap : [m] to the next ply at rest; None takes the mean of both fabrics' (`plies.gap.ply_gap`)
+    gap : [m] to the next ply at rest; None takes that of `plies.gap.gap_between`
     """
 
     fabric: Fabric
@@ -151,11 +151,26 @@ class ImpactSetup:
     @property
     def title(self) -> str:
         """The fabric with the number of its plies, or what the lay-up is made of."""
+        return f"{self.plies} x {self.name}" if self.plies > 1 and not self.lay_up else self.name
+
+    @property
+    def name(self) -> str:
+        """The name of the fabric, or what the lay-up is made of."""
         if not self.lay_up:
-            return f"{self.plies} x {self.fabric.name}" if self.plies > 1 else self.fabric.name
+            return self.fabric.name
         same = groupby((ply.fabric.name, ply.turned) for ply in self.lay_up)
         parts = [(len(list(plies)), f"{name}{' at 90 deg' if turned else ''}") for (name, turned), plies in same]
         return " + ".join(f"{count} x {name}" for count, name in parts)
+
+    @property
+    def fabrics(self) -> tuple[Fabric, ...]:
+        """The fabrics of the plies, each once."""
+        return tuple({one.name: one for one in map(self.fabric_of, range(self.plies))}.values())
+
+    @property
+    def areal_density(self) -> float:
+        """[kg/m2] of all plies."""
+        return sum(self.fabric_of(p).weave.areal_density for p in range(self.plies))
 
     def fabric_of(self, ply: int) -> Fabric:
         """The fabric of a ply, the first is 0."""
@@ -287,7 +302,7 @@ class ImpactSetup:
                 replace(one, grading=used.grading, elements_per_crossover=used.elements_per_crossover)
                 for one in self.kinds
             ]
-            panels = [panel, *(one.panel(one.table(kept=True)) for one in kinds[1:])]
+            panels = [panel, *(one.panel() for one in kinds[1:])]
             numbers = [kinds.index(replace(kinds[0], fabric=ply.fabric, laws=ply.laws)) for ply in self.lay_up]
             return laid_up(
                 [(panels[number], ply.turned) for number, ply in zip(numbers, self.lay_up)],

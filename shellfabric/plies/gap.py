@@ -57,6 +57,14 @@ def ply_gap(fabric: Fabric, law: PlyLaw | None = None) -> PlyGap:
     return replace(found, value=value, low=low, high=high, source=source)
 
 
+def gap_between(front: Fabric, rear: Fabric) -> PlyGap:
+    """The gap between plies of two fabrics with their own contact laws: the mean of both."""
+    one, other = (ply_gap(fabric, PlyLaw.of(fabric)) for fabric in (front, rear))
+    value, low, high = (0.5 * (getattr(one, key) + getattr(other, key)) for key in ("value", "low", "high"))
+    source = one.source if one.source == other.source else f"mean of two fabrics: {one.source}; {other.source}"
+    return PlyGap(value, low, high, source)
+
+
 def _closure(fabric):
     """PlyGap of a contact without travel."""
     one = entries()["ply_gap"]

@@ -34,7 +34,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.plies import friction, step_kernels
 from shellfabric.plies.arrays import Pair, Stack, TornContact, torn_contact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
-from shellfabric.plies.gap import ply_gap
+from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.grading import area_factors
 from shellfabric.plies.numerics import FORMS, PlyContact, law_table
 from shellfabric.projectile import dynamics
@@ -134,7 +134,7 @@ class Pack:
         Parameters
         ----------
         plies : of each ply its panel as it lies in the warp's direction, and whether it is turned by a right angle
-        gaps : [m] between each two; None takes the mean of both fabrics' (`gap.ply_gap`)
+        gaps : [m] between each two; None takes that of `gap.gap_between`
         contact, friction : as of a Pack
 
         Raises
@@ -145,10 +145,9 @@ class Pack:
         for panel, is_turned in plies:
             if (id(panel), is_turned) not in made:
                 made[id(panel), is_turned] = turned(panel) if is_turned else panel
-        own = {id(panel): ply_gap(panel.fabric, PlyLaw.of(panel.fabric)).value for panel, _ in plies}
         chosen = tuple(
-            0.5 * (own[id(a)] + own[id(b)]) if gap is None else gap
-            for gap, (a, _), (b, _) in zip(gaps, plies, plies[1:])
+            gap_between(front.fabric, rear.fabric).value if gap is None else gap
+            for gap, (front, _), (rear, _) in zip(gaps, plies, plies[1:])
         )
         return cls(
             tuple(made[id(panel), is_turned] for panel, is_turned in plies), chosen, contact or PlyContact(), friction

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.impact.ballistic_limit import Limit
     from shellfabric.impact.lambert_jonas import LambertJonas
+    from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.panel.quality import Indicator
     from weavecell.analysis.assumed_range import AssumedRange
     from weavecell.analysis.uncertainty.draws import Draws
@@ -83,8 +84,8 @@ class ShotResult(Result):
         return self.record.contact_force
 
     def summary(self) -> dict[str, Any]:
-        """The entries of summary.json (docs/keys.md), the checks in words, the areal density of a ply, and what is
-        assumed."""
+        """The entries of summary.json (docs/keys.md), the checks in words, the areal density of the first ply, and
+        what is assumed."""
         found = self.record.summary() | {"checks": self.checks_text}
         if self.fabric is not None:
             found["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
@@ -254,7 +255,7 @@ class CriticalVelocityResult(Result):
     fit : Lambert-Jonas fit to the perforations, or None where they are too few
     assumed : lines that name the laws that are assumed
     range : AssumedRange of the critical velocity over the assumed laws, or None
-    plies : their number
+    setup : `shellfabric.impact.simulation.ImpactSetup` of what was shot at; None of one ply of the fabric
     """
 
     fabric: Fabric
@@ -262,7 +263,7 @@ class CriticalVelocityResult(Result):
     fit: LambertJonas | None = None
     assumed: tuple[str, ...] = ()
     range: AssumedRange | None = None
-    plies: int = 1
+    setup: ImpactSetup | None = None
 
     @property
     def velocity(self) -> float | None:
@@ -294,7 +295,7 @@ class CriticalVelocityResult(Result):
         return found if bracket == "ok" else f"{found}: the limit rests on a {bracket}; of all shots"
 
     def _title(self):
-        return f"{self.plies} x {self.fabric.name}" if self.plies > 1 else self.fabric.name
+        return self.fabric.name if self.setup is None else self.setup.title
 
     @property
     def mixed_zone(self) -> tuple[float, float] | None:
@@ -304,7 +305,9 @@ class CriticalVelocityResult(Result):
     def summary(self) -> dict[str, Any]:
         """Velocity, bracket, number of shots; doubtful shots that the limit rests on, and the worst checks of all."""
         low, high = self.bracket
-        found: dict[str, Any] = {"fabric": self.fabric.name, "plies": self.plies}
+        found: dict[str, Any] = {"fabric": self.fabric.name, "plies": 1}
+        if self.setup is not None:
+            found |= {"fabric": self.setup.name, "plies": self.setup.plies}
         found |= {"critical_velocity_m_s": self.velocity, "stop_m_s": low}
         found |= {"perforation_m_s": high, "shots": len(self.limit.shots)}
         found |= {"bracket_checks": self.bracket_checks, "checks": self.checks_text}

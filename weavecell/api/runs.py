@@ -275,11 +275,16 @@ def _fire(given):
     from weavecell.results.impact_shapes import Shape
 
     result, problem = simulation.fired(given)
-    title = f"{given.fabric.name}, {given.strike_velocity:g} m/s"
+    title = f"{given.name}, {given.strike_velocity:g} m/s"
     laws = given.laws[0].provenance if given.laws else given.cell_model
     record = ImpactRecord.of(result, title, "3D response surface" if given.surface is not None else laws, problem)
     shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
-    return ShotResult(record, shapes, given.fabric, tuple(assumed.lines(given.fabric))), problem
+    return ShotResult(record, shapes, given.fabric, _assumed(given)), problem
+
+
+def _assumed(given):
+    """Lines that name what is assumed of the fabrics of a set-up."""
+    return tuple(line for fabric in given.fabrics for line in assumed.lines(fabric))
 
 
 def critical_velocity(
@@ -301,7 +306,7 @@ def critical_velocity(
     tolerance : [m/s] at most between a stop and a perforation
     residual_shots : shots above the limit, for the Lambert-Jonas fit
     scan : whether the velocities about the bracket are scanned for mixed outcomes (`limit_scan`)
-    assumed_range : whether the range over assumed laws is computed: up to eight more searches
+    assumed_range : whether the range over assumed laws is computed, up to eight more searches; not of a lay-up
     jobs, executor : as of `shellfabric.impact.ballistic_limit.critical_velocity`
 
     Returns
@@ -322,11 +327,7 @@ def critical_velocity(
         given, tolerance=_above_zero(tolerance, "m/s", "tolerance"), residual_shots=residual_shots,
         scan=ScanRange() if scan else None, with_range=assumed_range, jobs=jobs, executor=executor,
     )  # fmt: skip
-    cloth = given.fabric
-    plies = getattr(given, "plies", 1)
-    result = CriticalVelocityResult(
-        cloth, found.limit, found.fit, tuple(assumed.lines(cloth)), found.range, plies=plies
-    )
+    result = CriticalVelocityResult(given.fabric, found.limit, found.fit, _assumed(given), found.range, setup=given)
     result.warn()
     return result
 

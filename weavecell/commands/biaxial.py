@@ -56,7 +56,7 @@ def biaxial_command(
     model, began = CellModel(fabric, form=form, **options), time.perf_counter()
     found = {text: to_strength(model, ratio, STATES) for text, ratio in wanted.items()}
     solved = {} if size is None else _crossovers(fabric, found, size, out)
-    stamp = provenance.stamp(fabric=fabric)
+    stamp = provenance.stamp("", fabric)
     ends = {text: _end(path) | _misses(model, solved.get(text)) for text, path in found.items()}
     with write_whole(out / "biaxial.csv") as file:
         rows = csv.writer(file)

@@ -61,7 +61,7 @@ def page(fabric: Fabric, done: Calibration, solid: SolidFit | None, around: Any,
     laws = {"fitted": done.law}
     if done.published is not None:
         laws["published"] = done.published
-    stamp = provenance.stamp(fabric=fabric)
+    stamp = provenance.stamp("", fabric)
     json_file.write(out / "provenance.json", stamp)
     sections = (
         fit_chapter(done, laws),

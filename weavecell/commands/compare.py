@@ -90,7 +90,7 @@ def _write(out, this, found):
                 [f"{velocity:.4f}", words[int(hit)], shot.outcome, tested, computed, checks.status(shot.checks)]
             )
     summary = {"format": "weavecell comparison 1", "fabric": this.title, "projectile": this.projectile}
-    summary |= found.summary() | {"provenance": provenance.stamp(this.text, this.case.fabric)}
+    summary |= found.summary() | {"provenance": provenance.stamp(this.text, *this.setup.fabrics)}
     json_file.write(out / "comparison.json", summary)
     with write_whole(out / "comparison.svg", "wb") as file:
         file.write(pictures.render(pictures.tested_and_computed, this.title, found))

@@ -139,7 +139,7 @@ def _write(out, this, search, shots, indicators, scan, wall_time):
     found, fit = search.limit, search.fit
     summary = {
         "format": "weavecell critical velocity 3",
-        "fabric": this.case.fabric.name,
+        "fabric": this.setup.name,
         "plies": this.case.scene.panel.plies,
         "projectile": this.projectile,
         "law_name": this.case.law_name,
@@ -156,7 +156,7 @@ def _write(out, this, search, shots, indicators, scan, wall_time):
         **checks.summary(indicators),
         **chapters_assumed.summary(search.range),
         "wall_time_s": wall_time,
-        "provenance": provenance.stamp(this.text, this.case.fabric),
+        "provenance": provenance.stamp(this.text, *this.setup.fabrics),
     }
     json_file.write(out / "critical-velocity.json", summary)
     with write_whole(out / "residual-velocity.svg", "wb") as file:

@@ -62,7 +62,7 @@ def command(
     content = {
         "fabric": fabric.name, "case": record.case, "domain": domain, "size": size, "rows": len(record["path"]),
         "failed": record.failed, "facts": record.facts, "found": found, **checks.summary(indicators),
-        "provenance": provenance.stamp(fabric=fabric),
+        "provenance": provenance.stamp("", fabric),
     }  # fmt: skip
     json_file.write(out / "case.json", content)
     with write_whole(out / "pictures" / "curve.svg", "wb") as file:

@@ -176,7 +176,7 @@ def write(
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
-    stamp = provenance.stamp(text, this.fabric)
+    stamp = provenance.stamp(text, *setup.fabrics)
     more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
     more |= chapters_discretisation.summary(pair) | {"projectile": shot_in_words(this.scene.projectile)}
     run_folder.write(out, text, record, more, stamp)

@@ -84,7 +84,9 @@ def write(built: Any, out: Path, formats: Sequence[str] = ("msh", "vtu"), fabric
         advance(0.6, "drawing")
         draw.picture(built, out / f"{stem}.png")
         pictures_quality.picture(built, out / "quality.png")
-        json_file.write(out / "mesh.json", facts(built) | {"provenance": provenance.stamp(fabric=fabric)})
+        json_file.write(
+            out / "mesh.json", facts(built) | {"provenance": provenance.stamp("", *([fabric] if fabric else []))}
+        )
 
 
 def facts(built: Any) -> dict[str, Any]:

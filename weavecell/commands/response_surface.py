@@ -34,7 +34,7 @@ def surface_command(
 
     fabric = with_3d_data(name)
     spans = [_span(text, key) for text, key in ((d1, "--d1"), (d2, "--d2"))]
-    stamp = provenance.stamp(fabric=fabric)
+    stamp = provenance.stamp("", fabric)
     partial = out / "partial.h5"
     with progress.bar(f"Response surface of {fabric.name}") as advance:
         found = identify_response_surface.sample(

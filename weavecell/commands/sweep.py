@@ -57,10 +57,9 @@ def sweep(
         with redirect_stdout(io.StringIO()) if number else nullcontext():  # what is assumed is told once
             targets.append(target.read(name, out, check, changes=changes, own_mesh=own))
     rows = _rows(targets, wanted, out / RUNS, jobs, executor, resume)
-    plies = [one.case.scene.panel.plies for one in targets]
     table = [
-        changes | {"areal_density_kg_m2": n * one.case.fabric.weave.areal_density} | row
-        for changes, one, n, row in zip(combinations, targets, plies, rows)
+        changes | {"areal_density_kg_m2": one.setup.areal_density} | row
+        for changes, one, row in zip(combinations, targets, rows)
     ]
     _write(out, targets, [key for key, _ in keys], table, wanted)
 
@@ -120,7 +119,7 @@ def _write(out, targets, keys, table, wanted):
         file.write(targets[0].text)
     with write_whole(out / "sweep.csv") as file:
         csv.writer(file).writerows([columns, *([row.get(name, "") for name in columns] for row in table)])
-    stamp = provenance.stamp(targets[0].text, targets[0].case.fabric)
+    stamp = provenance.stamp(targets[0].text, *targets[0].setup.fabrics)
     json_file.write(out / "sweep.json", {"quantity": wanted.quantity, "rows": table, "provenance": stamp})
     try:
         import pandas

@@ -91,7 +91,7 @@ def sensitivity(
     command = f"weavecell sensitivity {name} --samples {samples} --seed {seed}"
     title = f"{this.title}: Sobol indices, {count} rows"
     content = {"indices": [_plain(one) for one in found], "inputs": [asdict(one) for one in entries.values()]}
-    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, this.case.fabric,
+    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, this.setup.fabrics,
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
@@ -132,7 +132,7 @@ def probabilistic(
     }  # fmt: skip
     head, rows = _curves_table(study)
     remarks = _v50_remarks(study, scatter, batch, seed, zones)
-    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, this.case.fabric,
+    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, this.setup.fabrics,
             lambda path: pictures_uncertainty.save(pictures_uncertainty.perforation, path, study, title))  # fmt: skip
 
 
@@ -224,7 +224,7 @@ def draws(
     head, rows, remarks = draws_table(study)
     title = f"{title}: {count} draws of yarn strength"
     done = f"weavecell impact {path.name} --draws {count} --seed {seed}"
-    _finish(out, None, "summary", title, head, rows, remarks, done, study.summary(), began, this.fabric,
+    _finish(out, None, "summary", title, head, rows, remarks, done, study.summary(), began, setup.fabrics,
            lambda file: pictures_uncertainty.draws(study, file, title))  # fmt: skip
     unstable = len(study.draws) - len(study.counted)
     if unstable:
@@ -295,7 +295,7 @@ def _begin(name, out, page, mark, resume, support, **panel):
 
 def _finish(
     out: Path, page: Path | None, name: str, title: str, head: Sequence[str], rows: Sequence[Sequence[str]],
-    remarks: Sequence[str], command: str, content: dict[str, Any], began: float, cloth: Fabric,
+    remarks: Sequence[str], command: str, content: dict[str, Any], began: float, fabrics: Sequence[Fabric],
     draw: Callable[[Path], object],
 ) -> None:  # fmt: skip
     """Write table, record, picture and page of a study, and print its remarks.
@@ -307,7 +307,7 @@ def _finish(
     command : that made it; content : of the record; began : perf_counter() at the start
     draw : called with the path of the picture
     """
-    stamp = provenance.stamp(fabric=cloth)
+    stamp = provenance.stamp("", *fabrics)
     with write_whole(out / f"{name}.csv") as file:
         csv.writer(file).writerows([head, *rows])
     record = {**_finite(content), "wall_time": time.perf_counter() - began, "provenance": stamp}

@@ -13,7 +13,7 @@ Nodes count from the middle surface of the first ply at rest. Every dataset has 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -154,7 +154,7 @@ class ImpactRecord:
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
         return cls(
-            title=title, fabric=setup.title if setup.lay_up else setup.fabric.name, law_name=law_name,
+            title=title, fabric=setup.name, law_name=law_name,
             strike_velocity=setup.strike_velocity,
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
             failure_message=message, rigid_check=str(result.rigidity or ""), mirror_x=mirror_x, mirror_y=mirror_y,
@@ -324,12 +324,10 @@ class ImpactRecord:
 
 def _stacked(setup, pack):
     """{key of keys.PACK: value} what is stacked."""
-    from shellfabric.plies.gap import PlyGap, ply_gap
+    from shellfabric.plies.gap import PlyGap, gap_between
 
     law, given = pack.laws[0], setup.lay_up[0].gap if setup.lay_up else setup.ply_gap
-    gap = ply_gap(setup.fabric, law) if given is None else PlyGap(given, given, given, "given")
-    if given is None and setup.fabric_of(1) != setup.fabric:
-        gap = replace(gap, value=pack.gaps[0], source=f"mean of both fabrics; of the first: {gap.source}")
+    gap = PlyGap(given, given, given, "given") if given is not None else gap_between(*map(setup.fabric_of, (0, 1)))
     plies = range(setup.plies)
     return {
         "stacking": "lay-up" if setup.lay_up else setup.stacking,

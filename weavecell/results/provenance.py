@@ -23,10 +23,10 @@ PACKAGES = (
 )  # fmt: skip
 
 
-def stamp(scene_text: str = "", fabric: Fabric | None = None) -> dict[str, str]:
-    """What a reader needs to repeat a run, as a flat dict of texts; of a fabric, which of its tables were assumed."""
-    assumed_values = {} if fabric is None or not fabric.assumed else {"assumed": "; ".join(assumed.lines(fabric))}
-    return assumed_values | {
+def stamp(scene_text: str = "", *fabrics: Fabric) -> dict[str, str]:
+    """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, which of their tables were assumed."""
+    lines = [line for fabric in fabrics if fabric.assumed for line in assumed.lines(fabric)]
+    return ({"assumed": "; ".join(lines)} if lines else {}) | {
         "weavecell": weavecell.__version__,
         "commit": commit(),
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),

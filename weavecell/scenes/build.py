@@ -121,13 +121,6 @@ class Case:
     surface: ResponseSurface | None = None
     lay_up: tuple[Ply, ...] = ()
 
-    @property
-    def fabrics(self) -> tuple[Fabric, ...]:
-        """The fabrics of all plies, each once."""
-        found = [self.fabric]
-        found += [ply.fabric for ply in self.lay_up if ply.fabric not in found]
-        return tuple({each.name: each for each in found}.values())
-
 
 def build(scene: Any, file: Path, name: str) -> Case:
     """Look up everything that a scene names.

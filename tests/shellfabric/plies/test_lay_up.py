@@ -9,6 +9,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, Ply, run
 from shellfabric.panel.model import Numerics
+from shellfabric.plies.gap import gap_between
 
 SETUP = ImpactSetup(
     catalogue.load("S-728"), 260.0, opening=0.04, end_time=20e-6, table_size=61, plies=3, numerics=Numerics(threads=1)
@@ -83,3 +84,28 @@ def test_the_mesh_is_fine_as_far_as_any_ply_needs():
 def test_a_lay_up_that_does_not_fit_is_refused():
     with pytest.raises(InputError, match="plies = 2: must be 3"):
         replace(SETUP, plies=2, lay_up=(Ply(SETUP.fabric),) * 3)
+
+
+def test_a_lay_up_is_told_as_a_whole():
+    """Name, areal density, fabrics and gap are those of all plies, not of the first."""
+    one, other = Ply(SETUP.fabric), Ply(catalogue.load("S-726"))
+    mixed = laid(one, other, other)
+    densities = [ply.fabric.weave.areal_density for ply in mixed.lay_up]
+    assert mixed.areal_density == pytest.approx(sum(densities), rel=1e-12)
+    assert densities[0] != densities[1]
+    assert mixed.fabrics == (one.fabric, other.fabric)
+    assert mixed.name == mixed.title == "1 x S-728 + 2 x S-726"
+    plain = replace(SETUP, plies=4)
+    assert (plain.name, plain.title) == ("S-728", "4 x S-728")
+    assert plain.areal_density == pytest.approx(4 * densities[0], rel=1e-12)
+    both = gap_between(one.fabric, other.fabric)
+    assert both.low <= both.value == mixed.target().gaps[0] <= both.high
+
+
+def test_tables_of_a_lay_up_are_not_put_into_the_cache_of_the_user(monkeypatch, tmp_path):
+    """A draw changes modulus and crimp: its tables serve it alone."""
+    monkeypatch.setenv("WEAVECELL_CACHE_DIR", str(tmp_path))
+    laid(Ply(SETUP.fabric), Ply(catalogue.load("S-726"))).target()
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    SETUP.table(kept=True)
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] != []

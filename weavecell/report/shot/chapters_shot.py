@@ -223,13 +223,14 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> 
     lines : that name the laws that are assumed (`fabrics.assumed.lines`)
     body : whether a rigid projectile is justified, in words
     """
-    strength = " / ".join(f"{yarn.strength:.0f}" for yarn in setup.fabric.weave.yarns)
+    each = [(one.name, " / ".join(f"{yarn.strength:.0f}" for yarn in one.weave.yarns)) for one in setup.fabrics]
+    strength = ", ".join(f"{words} N ({name}, warp / weft)" for name, words in each)
     if setup.crossovers is None:
         pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
         pinned += " The computed limit of loose weaves is too high."
     else:
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
-    fails = f"A yarn fails at its strength, {strength} N (warp / weft), the same for all yarns and at any strain rate."
+    fails = f"A yarn fails at its strength, {strength}, the same for all yarns and at any strain rate."
     shot, between = setup.projectile, setup.ply_friction
     rows = [
         ("crossovers", pinned),

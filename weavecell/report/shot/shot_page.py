@@ -47,7 +47,7 @@ def sections(
     return [
         *found,
         chapters_shot.assumptions(
-            used, tuple(line for fabric in this.fabrics for line in assumed.lines(fabric)), body=record.rigid_check
+            used, tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric)), body=record.rigid_check
         ),
     ]
 
@@ -78,11 +78,11 @@ def page(
         record.title,
         f"{plies}, {words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
         f"{words.shot_in_words(shot)}.{more}",
-        ((chapters_shot.card(record), *map(chapters.fabric_card, this.fabrics), *laws),),
+        ((chapters_shot.card(record), *map(chapters.fabric_card, setup.fabrics), *laws),),
         (
             *found,
             checks.section(record.checks),
-            chapters.sources(*this.fabrics),
+            chapters.sources(*setup.fabrics),
             chapters.making(stamp, {"time integration": record.wall_time}, tables_shot.cost([record], setup.meshed)),
         ),
         f"weavecell {weavecell.__version__}, {stamp['date']}",
