@@ -123,3 +123,14 @@ def test_fabric_without_transverse_modulus_is_refused(fabric):
 
 def test_json_is_of_plain_texts(fabric):
     assert json.loads(json.dumps(fabric.ply_contact.table()))["closure"][1] == "7.94167 um"
+
+
+def test_between_two_fabrics_acts_half_of_each_law():
+    """At any pressure the closure is half of each: plies of two fabrics press like a half ply of either, in series."""
+    soft = PlyLaw(np.array([0.0, 4e-5, 6e-5]), np.array([0.0, 1e6, 5e6]), 1e12)
+    stiff = PlyLaw(np.array([0.0, 1e-5]), np.array([0.0, 2e6]), 4e12)
+    both = soft.between(stiff)
+    for pressure in (0.0, 5e5, 1e6, 2e6, 4e6, 5e6, 8e7):
+        halves = 0.5 * soft.closure_at(pressure) + 0.5 * stiff.closure_at(pressure)
+        assert both.closure_at(pressure) == pytest.approx(halves, rel=1e-12, abs=1e-18)
+    assert soft.between(PlyLaw(soft.closure.copy(), soft.pressure.copy(), soft.stiffness)) is soft
