@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
+from scipy.stats import t as student
 
 from fabrics.checks import FloatArray
 
@@ -59,3 +60,19 @@ def solve(
     )  # fmt: skip
     residual, jacobian = at(found.x)
     return Found(origin + found.x, residual, jacobian, found.status > 0)
+
+
+def identify(jacobian: FloatArray, noise: float, freedom: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """95 % half width of each parameter, their correlation, and the singular values and directions of J.
+
+    Parameters
+    ----------
+    jacobian : (n, p) of the weighted misfit
+    noise : standard deviation of one weighted misfit
+    freedom : degrees of freedom of the misfit
+    """
+    _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
+    covariance = noise**2 * (directions.T / np.maximum(singular, 1e-12) ** 2) @ directions
+    deviation = np.sqrt(np.diag(covariance))
+    half = student.ppf(0.975, freedom) * deviation
+    return half, covariance / np.outer(deviation, deviation), singular, directions

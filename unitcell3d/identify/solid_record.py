@@ -13,14 +13,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import t as student
 
 from fabrics.checks import FilePath, FloatArray
 from fabrics.fabric import Fabric
 from fabrics.files import write_whole
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import with_solids
-from unitcell3d.identify.least_squares import Found
+from unitcell3d.identify.least_squares import Found, identify
 from unitcell3d.identify.platen_misfit import PlatenMisfit, misfit_of_points
 
 NAMES = ("E_c", "V_c", "K_r")
@@ -149,22 +148,6 @@ def with_solid_laws(fabric: Fabric, x: ArrayLike, densest: float) -> Fabric:
     return with_solids(fabric, E_c=E_c, V_c=float(densest + room), K_r=K_r)
 
 
-def identify(jacobian: FloatArray, noise: float, n: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """95 % half width of each ln parameter, their correlation, and the singular values and directions of J.
-
-    Parameters
-    ----------
-    jacobian : (n, p) of the weighted misfit
-    noise : standard deviation of one weighted misfit
-    n : points, one of which the free zero of the curve uses up
-    """
-    _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
-    covariance = noise**2 * (directions.T / np.maximum(singular, 1e-12) ** 2) @ directions
-    deviation = np.sqrt(np.diag(covariance))
-    half = student.ppf(0.975, n - jacobian.shape[1] - 1) * deviation
-    return half, covariance / np.outer(deviation, deviation), singular, directions
-
-
 def record(
     fit: Any, found: Found, before: FloatArray, computed: FloatArray, checked: FloatArray | None, limits: list,
     sizes: tuple[str, str], failed: str = "",
@@ -183,7 +166,7 @@ def record(
     """
     fabric, curve = fit.fabric, fit.curve
     noise = max(float(np.sqrt(np.sum(found.residual**2) / fit.freedom)), fit.floor)
-    half, correlation, singular, directions = identify(found.jacobian, noise, len(fit.pressure))
+    half, correlation, singular, directions = identify(found.jacobian, noise, fit.freedom)
     loose = np.sqrt(max(half[0] ** 2 + half[2] ** 2 + 2 * correlation[0, 2] * half[0] * half[2], 0.0))
     half, loose = np.minimum(half, 50), min(float(loose), 50.0)  # e^50 is as good as unknown
     low, high = np.exp(found.x - half), np.exp(found.x + half)
