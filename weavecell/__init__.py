@@ -46,6 +46,7 @@ __all__ = [
     "export",
     "fabric",
     "fabrics",
+    "fit",
     "projectile",
     "projectiles",
     "setup",
@@ -56,7 +57,7 @@ __all__ = [
 
 # For callers alone: no module of ours takes these names from here, so that kept results do not depend on them.
 _MODULES = {
-    "weavecell.api.exports": ("export",),
+    "weavecell.api.exports": ("export", "fit"),
     "weavecell.api.quasi_static": ("calibrate", "coupon"),
     "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
     "weavecell.api.result": ("Result",),
@@ -66,6 +67,7 @@ _MODULES = {
         "draws",
         "fabric",
         "fabrics",
+    "fit",
         "projectile",
         "projectiles",
         "setup",

@@ -171,6 +171,7 @@ SCENES = {
     "coupon.toml": '[fabric]\nname = "glass-balanced"\n\n[biaxial]\nstrain = ["0.4 %", "0.2 %"]\ncentre = 4\narm = 3\n'
     "\n[run]\nsteps = 2\n",
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
+    "radar.csv": "time [us], velocity [m/s]\n2, 92\n10, 90\n18, 87\n",
 }
 # every command that needs no PETSc, on the smallest scenes
 COMMANDS = (
@@ -187,6 +188,7 @@ COMMANDS = (
     "biaxial S-720 --out biaxial",
     "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
     "compare tests.csv ply.toml --tolerance 20m/s --jobs 1 --out compare",
+    "fit ply.toml radar.csv --free modulus --jobs 1 --out fit",
     "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
     "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
     "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",

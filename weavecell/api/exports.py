@@ -1,7 +1,8 @@
-"""Decks for other codes, of the Python interface."""
+"""Decks for other codes and fits to measured curves, of the Python interface."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -9,8 +10,9 @@ from fabrics.checks import FilePath
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
+    from weavecell.analysis.fit import Fit
 
-__all__ = ["export"]
+__all__ = ["export", "fit"]
 
 
 def export(
@@ -49,3 +51,33 @@ def export(
     )  # fmt: skip
     command.write(made, Path(out), to, setup.fabric.name, match, "", setup.fabric)
     return made.cards[0].mismatch.numbers()
+
+
+def fit(
+    target: FilePath, data: FilePath, free: Sequence[str], out: FilePath, *, jobs: int = 1, executor: str = "local",
+    resume: bool = False,
+) -> Fit | None:  # fmt: skip
+    """Fit numbers of a fabric or an input file to a measured curve; the files of `weavecell fit` are written to `out`.
+
+    Parameters
+    ----------
+    target : input file of a shot or a coupon, or a fabric's name or file
+    data : CSV file with units in its heading, as of `weavecell fit`
+    free : texts NAME or NAME=LOW..HIGH: factors on the fabric, such as "modulus", or keys of the input file that hold a
+        number; none for a curve of platens
+    out : folder of the results
+    jobs, executor : as of `sweep`
+    resume : whether to take the runs that `out` holds
+
+    Returns
+    -------
+    Fit: parameters, values, intervals, determined, correlation; of a curve of platens None, and solid.json
+
+    Raises
+    ------
+    InputError : a wrong file, table or parameter; nothing has been written
+    UnstableError : the model cannot be computed where the fit begins
+    """
+    from weavecell.commands import fit as command
+
+    return command.fit(str(target), Path(data), Path(out), list(free), jobs=jobs, executor=executor, resume=resume)

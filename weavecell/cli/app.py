@@ -18,6 +18,7 @@ from fabrics.errors import InputError, WeavecellError, marked
 from weavecell.cli import (
     crossover,
     export,
+    fit,
     mesh_calibrate_surface,
     new_fabric,
     shell,
@@ -104,6 +105,7 @@ app.command(epilog=uncertainty.SENSITIVITY)(uncertainty.sensitivity)
 app.command(epilog=uncertainty.V50)(uncertainty.v50)
 app.command(epilog=uncertainty.SWEEP)(uncertainty.sweep)
 app.command(epilog=export.EPILOG)(export.export)
+app.command(epilog=fit.EPILOG)(fit.fit)
 
 
 @app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")

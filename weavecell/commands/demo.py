@@ -20,6 +20,8 @@ from contextlib import contextmanager, suppress
 from importlib import resources
 from pathlib import Path
 
+import tomlkit
+
 import weavecell
 from fabrics import assumed, catalogue
 from fabrics.errors import WeavecellError
@@ -31,7 +33,7 @@ from weavecell.report import chapters
 from weavecell.report import page as report_page
 from weavecell.report.shot import chapters_mesh, chapters_shot, tables_shot
 from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import build, toml_writer
+from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 
 
@@ -111,7 +113,7 @@ def _set_up(plan, case, law, out):
     table["run"]["outputs"] = ["paraview"]
     file = folder / "scene.toml"
     this = build.build(scenes_impact.check(table, file, impact.SUPPORT), file, folder.name)
-    return folder, title, toml_writer.dumps(table), this, build.setup(this, file)
+    return folder, title, tomlkit.dumps(table), this, build.setup(this, file)
 
 
 def _shoot(plan, case, law, out):

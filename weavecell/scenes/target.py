@@ -13,9 +13,11 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import tomlkit
+
 from fabrics import catalogue
 from fabrics.errors import InputError
-from weavecell.scenes import build, toml_writer, words
+from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes
 from weavecell.scenes.supported import Support
 
@@ -103,7 +105,7 @@ def read(
         if _OF_A_SCENE & set(found):
             for key, value in given.items():
                 raise InputError(key=f"--{key}", value=value, allowed=f"left out: panel.{key} of {name} has it")
-            return _target(scenes.check(_changed(found, changes), name, check), name, stem, text, from_file=True)
+            return _target(scenes.check(changed(found, changes), name, check), name, stem, text, from_file=True)
         catalogue.read(name)
         fabric = {"file": os.path.relpath(name, out)}
     else:
@@ -114,12 +116,17 @@ def read(
     table = {**standard, "fabric": own, "panel": standard["panel"] | given}
     if own_mesh or "grading" in given:
         table["run"] = {key: value for key, value in standard["run"].items() if key != "elements_per_crossover"}
-    text = toml_writer.dumps(table)
-    return _target(scenes.check(_changed(table, changes), out / "scene.toml", check), name, stem, text)
+    text = tomlkit.dumps(table)
+    return _target(scenes.check(changed(table, changes), out / "scene.toml", check), name, stem, text)
 
 
-def _changed(table, changes):
-    """The table of a scene with the values of dotted keys in place of its own."""
+def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[str, Any]:
+    """The table of a scene with the values of dotted keys in place of its own.
+
+    Raises
+    ------
+    InputError : a key within what is no table
+    """
     for key, value in (changes or {}).items():
         *parts, last = key.split(".")
         inner = table

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import h5py
 import pytest
+import tomlkit
 
 from fabrics.errors import InputError
 from weavecell.cli import app
 from weavecell.results import json_file, keys
 from weavecell.results.impact import ImpactRecord
-from weavecell.scenes import toml_writer
 
 DATA = Path(__file__).parent / "data"
 BASE = {
@@ -34,7 +34,7 @@ COUPON = FRAME | {"run": {"steps": 2, "outputs": []}}
 
 def run(folder, verb, scene):
     """The folder of results of a scene."""
-    (folder / "scene.toml").write_text(toml_writer.dumps(scene))
+    (folder / "scene.toml").write_text(tomlkit.dumps(scene))
     with pytest.raises(SystemExit) as leaving:
         app.main([verb, str(folder / "scene.toml"), "--out", str(folder / "r")])
     assert leaving.value.code == 0

@@ -2,14 +2,13 @@
 
 import dataclasses
 import math
-import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fabrics.compression import CompressionLaw
-from weavecell.scenes import build, toml_writer, words
+from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes_impact
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
@@ -97,12 +96,6 @@ def test_examples_are_good_scenes(path):
     got, text = scenes_impact.load(path)
     build.build(got, path, path.stem)
     assert "weavecell impact examples/" + path.name in text
-
-
-def test_scene_as_text_reads_back():
-    table = {"title": 'a "quoted" µ', **TABLE}
-    table["run"] = TABLE["run"] | {"outputs": ["report"], "elements_per_crossover": 2}
-    assert tomllib.loads(toml_writer.dumps(table)) == table
 
 
 def test_numerical_knobs_are_those_of_the_shell():

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fabrics.errors import InputError
-from weavecell.commands import compare, coupon, critical_velocity, fidelity, sweep, uncertainty
+from weavecell.commands import compare, coupon, critical_velocity, fidelity, fit_model, sweep, uncertainty
 from weavecell.commands import impact as commands_impact
 from weavecell.scenes import build, supported
 from weavecell.scenes import coupon as scenes_coupon
@@ -20,6 +20,9 @@ SUPPORTS = {
     "draws": uncertainty.DRAWS,
     "critical-velocity": critical_velocity.SUPPORT,
     "compare": compare.SUPPORT,
+    "fit": fit_model.SHOTS,
+    "fit of tests": fit_model.TESTS,
+    "fit of a coupon": fit_model.COUPONS,
     "v50": uncertainty.OF_V50,
     "sensitivity": uncertainty.OF_SOBOL,
     "sweep": sweep.OF_SWEEP,
@@ -307,6 +310,7 @@ def test_what_is_ignored_is_named_in_the_help(command):
         ("impact", fidelity.EXPLAIN),
         ("impact", uncertainty.DRAWS),
         ("compare", compare.SUPPORT),
+        *(("fit", one) for one in (fit_model.SHOTS, fit_model.TESTS, fit_model.COUPONS)),
         ("critical-velocity", critical_velocity.SUPPORT),
         ("v50", uncertainty.OF_V50),
         ("sensitivity", uncertainty.OF_SOBOL),
@@ -314,4 +318,7 @@ def test_what_is_ignored_is_named_in_the_help(command):
         told = command(words, "--help")[1]
         assert [key for key in support.ignored if key not in told] == []
     ignoring = {name for name, support in SUPPORTS.items() if support.ignored}
-    assert ignoring == {"explain", "draws", "compare", "critical-velocity", "v50", "sensitivity", "sweep"}
+    assert ignoring == {
+        "explain", "draws", "compare", "critical-velocity", "v50", "sensitivity", "sweep",
+        "fit", "fit of tests", "fit of a coupon",
+    }  # fmt: skip

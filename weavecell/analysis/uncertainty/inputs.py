@@ -12,6 +12,7 @@ from importlib import resources
 from math import inf
 
 from fabrics import variants
+from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.units import si
@@ -100,6 +101,21 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
     return variants.scale_shear(fabric, f["trellis_stiffness"], f["trellis_angles"])
 
 
+def changed_with_laws(
+    fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None, **factors: float
+) -> tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]:
+    """(fabric, laws) changed by `changed`; laws, which may be others than the fabric's own, are changed alike.
+
+    Raises
+    ------
+    InputError : an unknown name
+    """
+    if laws:
+        scales = (factors.get(f"compression_{name}", 1.0) for name in "ab")
+        laws = variants.scale_laws(replace(fabric, laws=laws), *scales).laws
+    return changed(fabric, **factors), laws
+
+
 def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
     """A set-up whose plies are of a fabric changed by `changed`, with the laws that it names changed alike.
 
@@ -108,12 +124,8 @@ def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
     InputError : an unknown name
     """
 
-    def one(fabric, laws):
-        """Fabric and laws, changed."""
-        if laws:
-            scales = (factors.get(f"compression_{name}", 1.0) for name in "ab")
-            laws = variants.scale_laws(replace(fabric, laws=laws), *scales).laws
-        return {"fabric": changed(fabric, **factors), "laws": laws}
+    def one(held):
+        fabric, laws = changed_with_laws(held.fabric, held.laws, **factors)
+        return replace(held, fabric=fabric, laws=laws)
 
-    lay_up = tuple(replace(ply, **one(ply.fabric, ply.laws)) for ply in setup.lay_up)
-    return replace(setup, lay_up=lay_up, **one(setup.fabric, setup.laws))
+    return one(replace(setup, lay_up=tuple(map(one, setup.lay_up))))

@@ -1,0 +1,134 @@
+"""`weavecell fit`: numbers of a fabric and of an input file from measured curves."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import weavecell as wc
+from fabrics import catalogue
+from shellfabric.impact import simulation
+from tests.scene_text import impact_scene
+from weavecell.analysis.uncertainty import inputs
+
+STRIP = """
+[fabric]
+name = "S-720"
+[uniaxial]
+direction = "warp"
+length = "20 mm"
+width = "8 mm"
+strain = "2 %"
+failure = false
+[run]
+steps = 6
+"""
+CURVE = "strain of the strip [%], load [N]\n0.5, 20\n1.0, 60\n1.5, 160\n2.0, 330\n"
+SHOT = impact_scene("90 m/s", "50 mm", "100 us", head="# of the laboratory")
+
+
+def radar(changes):
+    """Text of a curve of the shot of SHOT with another fabric."""
+    setup = wc.setup("S-720", "90 m/s", opening="50 mm", end_time="100 us")
+    result = simulation.run(inputs.changed_setup(setup, **changes))
+    rows = [(t, np.interp(t, result.t, result.v)) for t in np.linspace(2e-6, 98e-6, 40)]
+    return "time [us], velocity [m/s]\n" + "".join(f"{1e6 * t:.3f}, {v:.5f}\n" for t, v in rows)
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "shot.toml").write_text(SHOT)
+    (tmp_path / "strip.toml").write_text(STRIP)
+    (tmp_path / "curve.csv").write_text(CURVE)
+    (tmp_path / "radar.csv").write_text("time [us], velocity [m/s]\n10, 89\n50, 82\n90, 71\n")
+    return tmp_path
+
+
+def test_the_modulus_of_a_shot_is_found_and_the_written_files_give_its_curve(command, files):
+    (files / "radar.csv").write_text(radar({"modulus": 0.9}))
+    code, out, err = command("fit", "shot.toml", "radar.csv", "--free", "modulus", "--jobs", 1, "--out", "r")
+    assert code == 0, err
+    told = json.loads((files / "r" / "fit.json").read_text())
+    assert told["parameters"]["modulus"]["value"] == pytest.approx(0.9, rel=0.01)
+    assert told["rms"] < 1e-3 < told["rms_before"]
+    assert f"modulus                     x {told['parameters']['modulus']['value']:.4g} (" in out
+    fitted, plain = catalogue.read(files / "r" / "fabric.toml"), catalogue.load("S-720")
+    assert fitted.weave.warp.E == pytest.approx(told["parameters"]["modulus"]["value"] * plain.weave.warp.E, rel=1e-5)
+    assert fitted.sources["warp.modulus"]["status"] == "fitted"
+    assert fitted.weave.warp.crimp == plain.weave.warp.crimp
+    assert "# of the laboratory" in (files / "r" / "fitted.toml").read_text()
+    shot = wc.shoot(files / "r" / "fabric.toml", "90 m/s", opening="50 mm", end_time="100 us")
+    rows = np.loadtxt(files / "r" / "fit.csv", delimiter=",", skiprows=1, usecols=(0, 2, 3, 4))
+    again = np.interp(rows[:, 0], *shot.to_dataframe()[["time_s", "velocity_m_s"]].to_numpy().T)
+    assert again == pytest.approx(rows[:, 3], rel=2e-4)
+    code, again, _ = command(
+        "fit", "shot.toml", "radar.csv", "--free", "modulus", "--jobs", 1, "--out", "r", "--resume"
+    )
+    assert code == 0
+    assert again == out
+
+
+def test_a_key_of_a_shot_is_fitted_to_residual_velocities(command, files):
+    (files / "tests.csv").write_text("velocity [m/s], outcome, residual velocity [m/s]\n90, CP, 71\n120, CP, 108\n")
+    words = ("fit", "shot.toml", "tests.csv", "--free", "projectile.mass", "--jobs", 1, "--out", "r")
+    code, _out, err = command(*words)
+    assert code == 0, err
+    table = tomllib.loads((files / "r" / "fitted.toml").read_text())
+    told = json.loads((files / "r" / "fit.json").read_text())["parameters"]["projectile.mass"]
+    assert float(table["projectile"]["mass"].split()[0]) == pytest.approx(told["value"])
+    assert table["fabric"] == {"name": "S-720"}
+    assert not (files / "r" / "fabric.toml").exists()
+
+
+def test_the_crimp_of_a_strip_is_found(command, files):
+    fabric = inputs.changed(wc.fabric("S-720"), crimp_warp=0.9)
+    size = {"length": 0.02, "width": 0.008, "strain": 0.02, "failure": False, "steps": 6}
+    record = wc.coupon(fabric, "uniaxial", direction="warp", **size).record
+    rows = zip(record.prescribed, record.measures["load"][1])
+    (files / "curve.csv").write_text(
+        "strain of the strip [%], load [N]\n" + "".join(f"{100 * x}, {y}\n" for x, y in rows)
+    )
+    code, _, err = command("fit", "strip.toml", "curve.csv", "--free", "crimp_warp", "--jobs", 1, "--out", "r")
+    assert code == 0, err
+    told = json.loads((files / "r" / "fit.json").read_text())
+    assert told["parameters"]["crimp_warp"]["value"] == pytest.approx(0.9, rel=0.01)
+    assert told["rms"] < 2e-3 < told["rms_before"]
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("shot.toml", "radar.csv"), "--free = 'none': must be given, each once: modulus"),
+        (("shot.toml", "radar.csv", "--free", "density"), "--free = 'density': must be modulus, failure_strain"),
+        (("shot.toml", "radar.csv", "--free", "panel.boundary"), "--free = 'panel.boundary': must be modulus"),
+        (("shot.toml", "radar.csv", "--free", "modulus=1"), "--free = 'modulus=1': must be NAME or NAME=LOW..HIGH"),
+        (
+            ("shot.toml", "radar.csv", "--free", "modulus=a..b"),
+            "--free = 'modulus=a..b': must be modulus=LOW..HIGH, two",
+        ),
+        (("shot.toml", "radar.csv", "--free", "modulus=2..3"), "modulus = '2..3': must be a range about 1"),
+        (
+            ("shot.toml", "radar.csv", "--free", "panel.ply_friction"),
+            "must be panel.ply_friction=LOW..HIGH: shot.toml has",
+        ),
+        (("shot.toml", "curve.csv", "--free", "modulus"), "curve.csv: heading = 'strain of the strip [%]': must be"),
+        (
+            ("strip.toml", "radar.csv", "--free", "modulus"),
+            "radar.csv: heading = 'time [us]': must be strain of the strip",
+        ),
+        (("shot.toml", "none.csv", "--free", "modulus"), "none.csv: cannot be read"),
+        (
+            ("S-720", "platens.csv", "--free", "modulus"),
+            "--free = 'modulus': must be left out: a platen curve gives E_c",
+        ),
+        (("shot.toml", "late.csv", "--free", "modulus"), "time = '0.0002 s': must be at most 0.0001 s, run.end_time"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused_and_leaves_nothing(command, files, words, line):
+    (files / "platens.csv").write_text("pressure [MPa], thickness [mm]\n0.1, 0.3\n1, 0.25\n")
+    (files / "late.csv").write_text("time [us], velocity [m/s]\n10, 90\n200, 80\n")
+    code, _, err = command("fit", *words, "--out", "r")
+    assert code == 2
+    assert line in err
+    assert not (files / "r").exists()
