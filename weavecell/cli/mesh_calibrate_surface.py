@@ -45,6 +45,14 @@ class Overlap(StrEnum):
     refuse = "refuse"
 
 
+TexGenOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Compare sections and paths with those of the TexGen file that the fabric is from.", metavar="FILE.tg3"
+    ),
+]
+
+
 def mesh(
     fabric: FabricArgument,
     size: FinenessOption = "medium",
@@ -59,7 +67,7 @@ def mesh(
     gap: GapOption = "0 mm",
     width: Annotated[
         str | None,
-        typer.Option(help="Width of both yarns, or of warp and weft, in place of a gap.", metavar="LENGTH[,LENGTH]"),
+        typer.Option(help="Width of both yarns, or of warp and weft; else the fabric's.", metavar="LENGTH[,LENGTH]"),
     ] = None,
     crimp: Annotated[
         str,
@@ -78,6 +86,7 @@ def mesh(
     end_shells: Annotated[
         str | None, typer.Option(help="Close the yarn ends with shells of this thickness.", metavar="LENGTH")
     ] = None,
+    texgen: TexGenOption = None,
     format: Annotated[
         str, typer.Option(help="Files to write, separated by commas.", metavar="msh|vtu|k|inp|rad,...")
     ] = "msh,vtu",
@@ -103,6 +112,7 @@ def mesh(
         section=section and section.value,
         tip_thickness_ratio=tip_thickness_ratio,
         overlap=overlap.value,
+        texgen=texgen,
     )
 
 
