@@ -45,6 +45,10 @@ class Overlap(StrEnum):
     refuse = "refuse"
 
 
+TipOption = Annotated[
+    float,
+    typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
+]
 TexGenOption = Annotated[
     Path | None,
     typer.Option(
@@ -76,10 +80,7 @@ def mesh(
             metavar="hand|micrograph|CRIMP[,CRIMP]",
         ),
     ] = "hand",
-    tip_thickness_ratio: Annotated[
-        float,
-        typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
-    ] = 0.075,
+    tip_thickness_ratio: TipOption = 0.075,
     overlap: Annotated[
         Overlap, typer.Option(help="Treatment of sections that overlap by more than a shift removes.")
     ] = Overlap.solve,
