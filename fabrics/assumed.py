@@ -45,7 +45,7 @@ def with_solid_laws(fabric: Fabric) -> Fabric:
     if fabric.solid_laws is not None:
         return fabric
     family = _family(fabric, "solid")
-    return _completed(fabric, family, "solid", solid_laws=family.solid_laws())
+    return _completed(fabric, family, "solid", solid_laws=_solid_laws(fabric, family))
 
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
@@ -61,7 +61,7 @@ def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
     if "solid" not in fabric.assumed:
         return {}
     family = _family(fabric, "solid")
-    return {end: replace(fabric, solid_laws=family.solid_laws(end)) for end in ("soft", "stiff")}
+    return {end: replace(fabric, solid_laws=_solid_laws(fabric, family, end)) for end in ("soft", "stiff")}
 
 
 def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None) -> Fabric:
@@ -163,8 +163,21 @@ def _range(pair, factor):
     return f"{factor * pair[0]:g} to {factor * pair[1]:g}"
 
 
+def _solid_laws(fabric, family, end="nominal"):
+    """Solid laws of a family; the fibre volume fraction is that of a yarn's section where its area is known."""
+    return tuple(
+        law if area is None else replace(law, Vf0=yarn.A_s / area)
+        for law, yarn, area in zip(family.solid_laws(end), fabric.weave.yarns, fabric.yarn_area)
+    )
+
+
 def _completed(fabric, family, table, **law):
     sources = {**fabric.sources, **family.sources(table)}
+    if table == "solid":
+        sources |= {
+            f"solid.Vf0.{name}": {"value": f"{made.Vf0:.4f}", "source": "section_area", "status": "derived"}
+            for name, made, area in zip(FAMILIES, law["solid_laws"], fabric.yarn_area) if area is not None
+        }  # fmt: skip
     if table == "shear":
         sources |= _derived(law["shear"], family)
     names = (*(name for name in fabric.assumed if name != table), table)

@@ -39,6 +39,7 @@ class Fabric:
     assumed : of "crimp", "shear" and "solid" what the data file does not give (see `fabrics.assumed`)
     yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
     thickness : [m] of the data sheet, or None
+    yarn_area : (warp, weft) [m2] areas of the yarns' sections, gaps between fibres included, each None where not known
     notes : lines about numbers of the data file that disagree
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     """
@@ -56,6 +57,7 @@ class Fabric:
     sources: Mapping = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
     yarn_width: tuple[float | None, float | None] = (None, None)
+    yarn_area: tuple[float | None, float | None] = (None, None)
     thickness: float | None = None
     notes: tuple[str, ...] = ()
     ply_contact: PlyLaw | None = None

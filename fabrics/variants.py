@@ -159,8 +159,8 @@ def rotated_90(fabric: Fabric) -> Fabric:
     """The cloth rotated by a right angle: warp and weft exchanged, with their counts and compression laws."""
     weave = fabric.weave
     weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
-    widths = fabric.yarn_width[1], fabric.yarn_width[0]
-    return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1], yarn_width=widths)
+    laws, widths, areas = fabric.laws and fabric.laws[::-1], fabric.yarn_width[::-1], fabric.yarn_area[::-1]
+    return replace(fabric, weave=weave, laws=laws, yarn_width=widths, yarn_area=areas)
 
 
 def homogenised(fabric: Fabric, n: float) -> Fabric:

@@ -6,11 +6,12 @@ Equations (thesis): T = E A_s strain (eq. 4-7), strength T_u = failure_strain E 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import sqrt
+from math import pi, sqrt
 
 from fabrics.checks import fraction, positive
 from fabrics.errors import InputError
 
+CLOSEST_PACKING = pi / (2 * sqrt(3))  # fibre volume fraction of round fibres
 STATUSES = ("measured", "assumed")  # of weaving damage
 
 

@@ -10,7 +10,6 @@ from typing import Any, TypeAlias, TypedDict
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import with_yarns
-from fabrics.weave import Weave
 from meshing.section import YarnSection
 
 YARNS = ("warp", "weft")
@@ -151,12 +150,14 @@ def thickness(key: str, value: float | None) -> None:
         raise InputError(key=key, value=value, allowed="a positive thickness in m, or none")
 
 
-def widths(weave: Weave, gap: float, width: Sequence[float] | None) -> list[float]:
+def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[float]:
     """(warp, weft) [m] widths of the lenses; the spacing of one family is the cell length of the other.
+
+    Without gap and width they are those of the fabric's yarns where known, else the spacings.
 
     Parameters
     ----------
-    weave : Weave
+    fabric : Fabric
     gap : [m] between parallel yarns, from 0 to below half a spacing
     width : (warp, weft) [m] instead of a gap, at most the spacings; or None
 
@@ -164,12 +165,13 @@ def widths(weave: Weave, gap: float, width: Sequence[float] | None) -> list[floa
     ------
     InputError : a value is outside its range, or both are given
     """
-    spacing = [2 * w for w in weave.w][::-1]
+    spacing = [2 * w for w in fabric.weave.w][::-1]
     if width is None:
         high = min(spacing) / 2
         if not (_number(gap) and 0 <= gap < high):
             raise InputError(key="gap", value=gap, allowed=f"from 0 to below half a spacing, {high:.4g} m")
-        return [s - gap for s in spacing]
+        known = fabric.yarn_width if gap == 0 else (None, None)
+        return [s - gap if known is None else min(s, known) for s, known in zip(spacing, known)]
     if gap:
         raise InputError(key="gap", value=gap, allowed="0 where the widths are given")
     warp, weft = _two("width", width, "two lengths, of warp and weft")

@@ -68,10 +68,11 @@ class Plan:
         """
         inputs.one_of("overlap", overlap, ("solve", "refuse"))
         inputs.thickness("end_shells", end_shells)
-        weave = inputs.crimped(fabric, crimp).weave
+        fabric = inputs.crimped(fabric, crimp)
+        weave = fabric.weave
         section_fit = fit_sections(
             fabric.section if section is None else section,
-            inputs.widths(weave, gap, width),
+            inputs.widths(fabric, gap, width),
             inputs.fractions(fabric),
             weave,
             tip_thickness_ratio,

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, pi, sqrt
+from math import ceil, pi
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -37,12 +37,12 @@ from fabrics.data_sheet import crimps
 from fabrics.errors import InputError
 from fabrics.fabric import SECTIONS
 from fabrics.weave import Weave, arc_length
+from fabrics.yarn import CLOSEST_PACKING
 from meshing.conforming import KIND as CONFORMING
 from meshing.conforming import conform
 from meshing.section import Section, YarnSection
 
 SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
-CLOSEST_PACKING = pi / (2 * sqrt(3))
 NARROWEST = 0.4  # of the width requested: the search for the best width ends here
 HIGHEST = 8.0  # times the heights of the yarns: the search for the least crimp ends here
 SAMPLES = 4000

@@ -33,6 +33,7 @@ UPWARDS = {"weavecell/cli/validation.py": "validation"}  # the one file that may
 ONLY_IN = {
     "gmsh": ("meshing/",),
     "meshio": ("meshing/",),
+    "pytexgen": ("meshing/texgen/worker.py",),
     "dolfinx": ("unitcell3d/",),
     "petsc4py": ("unitcell3d/",),
     "numba": ("shellfabric/", "unitcell3d/", "fabrics/kernel_cache.py"),

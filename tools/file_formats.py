@@ -34,6 +34,7 @@ MEANINGS = {
     "crimp": "length of the yarn over length of the fabric, minus one; optional where thickness is given",
     "count": "yarns per width of fabric",
     "width": "optional: width of the yarn in the fabric",
+    "section_area": "optional: area of the yarn's section; gives the fibre volume fraction where [solid] is assumed",
     "a": "compression law, thesis eq. 4-12",
     "b": "compression law, thesis eq. 4-12",
     "G1": "trellis law: tangent shear modulus before parallel yarns touch (eq. 4-35)",

@@ -32,7 +32,7 @@ from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.units import example, in_one_of
 from fabrics.weave import Weave
-from fabrics.yarn import Yarn
+from fabrics.yarn import CLOSEST_PACKING, Yarn
 
 _FOLDER = Path(__file__).parent
 
@@ -42,6 +42,7 @@ _TENACITY = "N/(kg/m)"
 _YARN = {
     "crimp": "", "count": "1/m", "fibre_density": "kg/m^3", "modulus": "Pa or N/(kg/m)", "failure_strain": "",
     "strength": "N or Pa", "tenacity": "N/(kg/m)", "width": "m",
+    "section_area": "m^2",
 }  # fmt: skip
 _MASS = ("linear_density", "effective_linear_density")
 _LAW = {"a": "m", "b": "m * N**(1/3)"}
@@ -122,6 +123,7 @@ class _Reader:
             self.notes += self._try(mass_note, weave.areal_density, areal_density) or [] if areal_density else []
         effective = [self._number(f"{f}.effective_linear_density", "kg/m", True) for f in FAMILIES]
         warp_width, weft_width = (self._number(f"{f}.width", "m", True) for f in FAMILIES)
+        warp_area, weft_area = (self._area(f, weave) for f in FAMILIES)
         values = {
             "name": self._text("name", self.path.stem),
             "laws": self._pair("compression", self._law),
@@ -135,6 +137,7 @@ class _Reader:
             "sources": self.sources,
             "assumed": ("crimp",) if made_crimp else (),
             "yarn_width": (warp_width, weft_width),
+            "yarn_area": (warp_area, weft_area),
             "thickness": thickness,
             "notes": tuple(self.notes),
         }
@@ -207,6 +210,16 @@ class _Reader:
             written = self.sources[f"{family}.{given[0]}"]["value"]
             self.strengths.setdefault(strength_note(yarn, strain, written), []).append(family)
         return yarn
+
+    def _area(self, family, weave):
+        """[m2] of a yarn's section, which has room for its fibres, or None."""
+        key = f"{family}.section_area"
+        area = self._number(key, "m^2", True)
+        least = 0.0 if weave is None else getattr(weave, family).A_s / CLOSEST_PACKING
+        if area is not None and area < least:
+            allowed = f"at least {1e6 * least:.4g} mm^2, which the fibres of linear_density take when closest packed"
+            self.problems.append(InputError(file=self.path, key=key, value=self.sources[key]["value"], allowed=allowed))
+        return area
 
     def _try(self, function, *args):
         """What a function returns, or None where it raises an InputError, which is kept with the file's name."""

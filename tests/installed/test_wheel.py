@@ -173,11 +173,13 @@ SCENES = {
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
     "radar.csv": "time [us], velocity [m/s]\n2, 92\n10, 90\n18, 87\n",
 }
+EXAMPLE = ROOT / "examples" / "fabrics" / "plain-weave"
 # every command that needs no PETSc, on the smallest scenes
 COMMANDS = (
     "--version",
     "fabrics list --out list.csv",
     "fabrics show S-728 --out own",
+    f"fabrics new texgen.toml --texgen {EXAMPLE}.tg3 --from {EXAMPLE}.csv",
     "projectiles list",
     "impact ply.toml --out ply",
     "impact pack.toml --out pack",

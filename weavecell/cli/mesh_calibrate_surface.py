@@ -45,6 +45,18 @@ class Overlap(StrEnum):
     refuse = "refuse"
 
 
+TipOption = Annotated[
+    float,
+    typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
+]
+TexGenOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Compare sections and paths with those of the TexGen file that the fabric is from.", metavar="FILE.tg3"
+    ),
+]
+
+
 def mesh(
     fabric: FabricArgument,
     size: FinenessOption = "medium",
@@ -59,7 +71,7 @@ def mesh(
     gap: GapOption = "0 mm",
     width: Annotated[
         str | None,
-        typer.Option(help="Width of both yarns, or of warp and weft, in place of a gap.", metavar="LENGTH[,LENGTH]"),
+        typer.Option(help="Width of both yarns, or of warp and weft; else the fabric's.", metavar="LENGTH[,LENGTH]"),
     ] = None,
     crimp: Annotated[
         str,
@@ -68,16 +80,14 @@ def mesh(
             metavar="hand|micrograph|CRIMP[,CRIMP]",
         ),
     ] = "hand",
-    tip_thickness_ratio: Annotated[
-        float,
-        typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
-    ] = 0.075,
+    tip_thickness_ratio: TipOption = 0.075,
     overlap: Annotated[
         Overlap, typer.Option(help="Treatment of sections that overlap by more than a shift removes.")
     ] = Overlap.solve,
     end_shells: Annotated[
         str | None, typer.Option(help="Close the yarn ends with shells of this thickness.", metavar="LENGTH")
     ] = None,
+    texgen: TexGenOption = None,
     format: Annotated[
         str, typer.Option(help="Files to write, separated by commas.", metavar="msh|vtu|k|inp|rad,...")
     ] = "msh,vtu",
@@ -103,6 +113,7 @@ def mesh(
         section=section and section.value,
         tip_thickness_ratio=tip_thickness_ratio,
         overlap=overlap.value,
+        texgen=texgen,
     )
 
 

@@ -18,6 +18,12 @@ FromOption = Annotated[
     Path | None,
     typer.Option("--from", help="Values: columns key, warp, weft, source, status; else prompts.", metavar="VALUES.csv"),
 ]
+TexGenOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--texgen", help="Counts, crimp, width, area and thickness of a plain weave of TexGen.", metavar="FILE.tg3"
+    ),
+]
 YarnOption = Annotated[
     Path | None,
     typer.Option(
@@ -43,6 +49,7 @@ SideOption = Annotated[
 def new(
     path: PathArgument,
     values: FromOption = None,
+    texgen: TexGenOption = None,
     yarn_curve: YarnOption = None,
     picture_frame: FrameOption = None,
     frame_side: SideOption = None,
@@ -50,7 +57,8 @@ def new(
     """Write a fabric file from data-sheet values, each with its source and status.
 
     What no data sheet states is assumed by fibre family when the file is used; the command prints what that will be. A
-    platen curve is fitted by `weavecell calibrate FILE --platen-curve CURVE.csv`.
+    platen curve is fitted by `weavecell calibrate FILE --platen-curve CURVE.csv`. Values of --from, or typed in, add to
+    those of a TexGen file and replace them.
     """
     from fabrics.units import si
     from weavecell.scenes import fabric_file
@@ -60,8 +68,13 @@ def new(
     if path.exists():
         raise InputError("exists already", file=path)
     side = None if frame_side is None else si(frame_side, "m", key="--frame-side")
-    found = fabric_file.read_values(values) if values is not None else _prompt(fabric_file)
-    draft = fabric_file.Draft(path.stem, found)
+    known = {}
+    if texgen is not None:
+        from meshing.texgen.geometry import WeaveGeometry
+
+        known = fabric_file.from_texgen(WeaveGeometry.read(texgen))
+    found = fabric_file.read_values(values, known) if values is not None else _prompt(fabric_file, known)
+    draft = fabric_file.Draft(path.stem, known | found)
     draft, fitted = fabric_file.with_curves(draft, yarn=yarn_curve, frame=picture_frame, side=side)
     fabric = draft.write(path)
     for line in (*fitted, *fabric_file.left_open(fabric)):
@@ -69,11 +82,16 @@ def new(
     typer.echo(f"written to {path}")
 
 
-def _prompt(fabric_file):
-    """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be open left empty."""
+def _prompt(fabric_file, known):
+    """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be open left empty.
+
+    Keys of `known` are not asked for.
+    """
     source = typer.prompt("source of the values", default="data sheet")
     found = {}
     for key, (_, example, meaning) in fabric_file.KEYS.items():
+        if key in known:
+            continue
         others = fabric_file.INSTEAD.get(key, ())
         skip = f" (Enter: from the {others[-1]})" if others else ""
         warp = _value(
