@@ -80,12 +80,12 @@ def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
 
 
 @contextmanager
-def read_hdf5(path: FilePath, format: str, *, what: str = "HDF5 file") -> Iterator[Any]:
+def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterator[Any]:
     """Open an HDF5 file for reading; needs h5py.
 
     Parameters
     ----------
-    format : kind and version of the file, as of `write_hdf5`
+    formats : kind and version of the file, as of `write_hdf5`; one of these
     what : the file in words, for the message
 
     Raises
@@ -97,8 +97,8 @@ def read_hdf5(path: FilePath, format: str, *, what: str = "HDF5 file") -> Iterat
     try:
         with h5py.File(path, "r") as file:
             found = file.attrs.get("format")
-            if found != format:
-                raise InputError(file=path, key="format", value=found, allowed=repr(format))
+            if found not in formats:
+                raise InputError(file=path, key="format", value=found, allowed=" or ".join(map(repr, formats)))
             yield file
     except (OSError, KeyError) as problem:
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem

@@ -40,6 +40,7 @@ __all__ = [
     "V50Result",
     "__version__",
     "calibrate",
+    "convert",
     "coupon",
     "critical_velocity",
     "draws",
@@ -57,7 +58,7 @@ __all__ = [
 
 # For callers alone: no module of ours takes these names from here, so that kept results do not depend on them.
 _MODULES = {
-    "weavecell.api.exports": ("export", "fit"),
+    "weavecell.api.exports": ("convert", "export", "fit"),
     "weavecell.api.quasi_static": ("calibrate", "coupon"),
     "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
     "weavecell.api.result": ("Result",),

@@ -1,7 +1,7 @@
 # Types of the public names, which __init__.py loads when they are first used.
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
-from weavecell.api.exports import export, fit
+from weavecell.api.exports import convert, export, fit
 from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
@@ -34,6 +34,7 @@ __all__ = [
     "V50Result",
     "__version__",
     "calibrate",
+    "convert",
     "coupon",
     "critical_velocity",
     "draws",

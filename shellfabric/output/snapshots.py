@@ -1,13 +1,15 @@
-"""What is read off a panel: its shape, its tensions, its failed yarns, the pyramid of its back face."""
+"""What is read off a panel: its shape, tensions, failed yarns, contact pressures, and the pyramid of its back face."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics.checks import BoolArray, FloatArray, IntArray
+from shellfabric.sliding.model import grid
 
 if TYPE_CHECKING:
     from shellfabric.panel.arrays import State
@@ -26,6 +28,13 @@ class Snapshot:
     nodes : (ni+1, nj+1, 3) [m]
     tension : (ni, nj, 2) [N] of warp and weft
     failed : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
+    pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`: from the projectile
+        (k = 1); in a pack or before a block (k = 3) also from the ply in front and from the ply or block behind, all
+        positive where pressed; in a pack (k = 4) also from the constraint of torn cloth, positive along the flight
+    area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
+    failed_segments : (ni+1, nj+1, 2) failed segments of warp and weft that begin at the node, of the modelled part
+    slip : (ni+1, nj+1, 2) [m] length of warp and weft that has passed through the node; (ni+1, nj+1, 0) of pinned
+        crossovers
     """
 
     t: float
@@ -34,27 +43,49 @@ class Snapshot:
     nodes: np.ndarray
     tension: np.ndarray
     failed: np.ndarray
+    pressure: np.ndarray
+    area: np.ndarray
+    failed_segments: np.ndarray
+    slip: np.ndarray
 
 
-def snapshot(panel: Panel, state: State, t: float) -> Snapshot:
-    """Take a snapshot of a panel's state at the time `t` [s]."""
-    ni, nj = panel.counts
-    grid = (ni + 1, nj + 1)
+def snapshot(
+    panel: Panel, state: State, t: float, pressing: Sequence[FloatArray] = (), passed: Sequence[FloatArray] = ()
+) -> Snapshot:
+    """Take a snapshot of a panel's state at the time `t` [s].
+
+    Parameters
+    ----------
+    pressing : of `panel.solver.ClothSolver.normal_contact_forces`
+    passed : of `panel.solver.ClothSolver.passed_lengths`
+    """
     X, Y = panel.coordinates()
-    nodes = np.moveaxis(np.array(state.u)[:, : grid[0] * grid[1]].reshape(3, *grid), 0, 2).copy()
+    nodes = np.stack([grid(u, panel) for u in state.u], axis=2)
     nodes[..., 0] += X
     nodes[..., 1] += Y
     c = panel.constants()
     broken = failures(c, state)
     z = float(state.projectile_position[2] + panel.projectile.top)
-    return Snapshot(t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken)
+    lost = [grid(flag, panel) * n for flag, n in zip(state.failed, panel.segments)]
+    return Snapshot(
+        t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken,
+        (_stacked(panel, pressing) / panel.areas[..., None]).astype(np.float32), panel.areas,
+        np.stack(lost, axis=2).astype(np.float32),
+        _stacked(panel, passed),
+    )  # fmt: skip
+
+
+def _stacked(panel, arrays):
+    """(ni+1, nj+1, k) of k arrays of slots."""
+    return np.stack([grid(array, panel) for array in arrays], axis=2) if arrays else np.empty((*panel.areas.shape, 0))
 
 
 def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     """(plies,) snapshots of the plies of a ClothSolver, counted from the plane of the first ply at rest."""
     found, nose = [], solver.state.projectile_position
-    for (panel, _, state), z in zip(solver.parts, solver.places):
-        one = snapshot(panel, state, solver.time)
+    for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
+        touched = solver.normal_contact_forces(ply), solver.passed_lengths(ply)
+        one = snapshot(panel, state, solver.time, *touched)
         one.nodes[..., 2] += z
         found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy()))
     return tuple(found)

@@ -321,6 +321,11 @@ class Panel:
             found.append(n)
         return found
 
+    @cached_property
+    def areas(self) -> FloatArray:
+        """(ni+1, nj+1) [m2] of the nodes at rest, of the modelled part."""
+        return self.masses() / self.weave.areal_density
+
     def masses(self) -> FloatArray:
         """(ni+1, nj+1) [kg] of the nodes."""
         (ni, nj), (dx, dy) = self.counts, self.spacing

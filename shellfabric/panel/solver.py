@@ -116,6 +116,18 @@ class ClothSolver(ExplicitSolver):
         """[forces [N] on the nodes of a ply, by component] of what touches it besides the nose."""
         return []
 
+    def normal_contact_forces(self, ply: int) -> list[FloatArray]:
+        """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile;
+        before a block also of what is in front, and of what is behind.
+        """
+        state = self.parts[ply][2]
+        found = [state.f_contact[2]]
+        return found if self.backing is None else [*found, 0 * state.f_contact[2], -state.f_block_cloth[2]]
+
+    def passed_lengths(self, ply: int) -> tuple[FloatArray, ...]:
+        """((slots,), (slots,)) [m] of warp and weft that has passed through the nodes; () of pinned crossovers."""
+        return ()
+
     def _loaded_state(self, ply):
         """State of a ply, its contact forces those of all that touches it."""
         state, neighbours = self.parts[ply][2], self.neighbour_forces(ply)

@@ -140,6 +140,13 @@ class PackSolver(ClothSolver):
         found += [near[ply].f_front, back[ply].f_rear] if ply < len(self.states) - 1 else []
         return [*found, self.stops.f[ply]]
 
+    def normal_contact_forces(self, ply: int) -> list[FloatArray]:
+        """See ClothSolver: of the projectile, of the plies in front and behind, and of torn cloth along the flight."""
+        pressing, forces = super().normal_contact_forces(ply), [force[2] for force in self.neighbour_forces(ply)]
+        nothing, split = np.zeros_like(pressing[0]), 2 if ply > 0 else 0
+        nose, front, rear = pressing if self.backing else (*pressing, nothing, nothing)
+        return [nose, sum(forces[:split], front), rear - sum(forces[split:-1], nothing), forces[-1][: nothing.size]]
+
     def guard_model(self) -> None:
         """Stop a run in which whole cloth has come through whole cloth."""
         super().guard_model()

@@ -107,6 +107,10 @@ class SlidingSolver(ClothSolver):
         energies = [ply[0], *projectile, *ply[1:], *np.zeros(len(ENERGIES) - len(ply) - 4), *self.slip.work]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
+    def passed_lengths(self, ply: int) -> tuple[FloatArray, ...]:
+        """See ClothSolver."""
+        return tuple(self.slip.passed)
+
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
         """See ClothSolver."""
         return (SlipSummary.of(self.panel, self.state, self.slip, self.share),)

@@ -119,6 +119,10 @@ class SlidingPackSolver(PackSolver):
         energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *work]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
+    def passed_lengths(self, ply: int) -> tuple[FloatArray, ...]:
+        """See ClothSolver."""
+        return tuple(self.slips[ply].passed)
+
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
         """See ClothSolver."""
         plies = zip(self.pack.plies, self.states, self.slips)

@@ -186,6 +186,7 @@ COMMANDS = (
     "impact accuracy.toml --explain",
     "impact accuracy.toml --out accuracy",
     "view ply --screenshot ply.png",
+    "convert ply --to vtkhdf",
     "coupon coupon.toml --out coupon",
     "biaxial S-720 --out biaxial",
     "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
@@ -201,7 +202,11 @@ COMMANDS = (
     "mesh S-720 --mesh coarse --format msh,vtu,k,inp,rad --out mesh",
     "view mesh --screenshot mesh.png",
 )
-VIEWED = {"view ply": "impact ply.toml --out ply", "view mesh": "mesh S-720 --mesh coarse --format vtu --out mesh"}
+VIEWED = {
+    "view ply": "impact ply.toml --out ply",
+    "convert ply": "impact ply.toml --out ply",
+    "view mesh": "mesh S-720 --mesh coarse --format vtu --out mesh",
+}
 NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}
 
 

@@ -105,6 +105,7 @@ app.command(epilog=uncertainty.SENSITIVITY)(uncertainty.sensitivity)
 app.command(epilog=uncertainty.V50)(uncertainty.v50)
 app.command(epilog=uncertainty.SWEEP)(uncertainty.sweep)
 app.command(epilog=export.EPILOG)(export.export)
+app.command(epilog=export.CONVERT)(export.convert)
 app.command(epilog=fit.EPILOG)(fit.fit)
 
 

@@ -1,4 +1,4 @@
-"""`weavecell export`: its options, as texts for `weavecell.commands.export`."""
+"""`weavecell export` and `weavecell convert`: their options, as texts for the commands."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import typer
 from weavecell.cli.options import RESULTS, OutOption, TargetArgument
 
 EPILOG = "Example: [bold]weavecell export examples/S-720-stops.toml --to lsdyna --units g-mm-ms[/bold]"
+CONVERT = "Example: [bold]weavecell convert results/S-720-stops --to vtkhdf[/bold]"
 
 
 class Code(StrEnum):
@@ -26,6 +27,13 @@ class Unit(StrEnum):
 
     si = "kg-m-s"
     small = "g-mm-ms"
+
+
+class Format(StrEnum):
+    """Formats of results."""
+
+    vtkhdf = "vtkhdf"
+    parquet = "parquet"
 
 
 class Match(StrEnum):
@@ -62,3 +70,23 @@ def export(
 
     folder = out or RESULTS / f"export-{Path(target).stem}-{to}"
     command.export(target, folder, to=str(to), law=law, units=str(units), match=str(match))
+
+
+def convert(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished impact, or of a coupon.")],
+    to: Annotated[Format, typer.Option(help="Format that is written.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", help="File to write; by default panel.vtkhdf or histories.parquet in FOLDER.", metavar="FILE"
+        ),
+    ] = None,
+) -> None:
+    """Results of a finished run in a standard format.
+
+    vtkhdf: all snapshots of an impact in one file for ParaView, with the fields of panel.pvd, which the run must have
+    written. parquet: the histories of an impact or a coupon, a row a sample, with units in the schema; needs pyarrow.
+    """
+    from weavecell.commands import convert as command
+
+    print(f"written to {command.convert(folder, str(to), out)}")

@@ -172,7 +172,7 @@ def sweep(
     run.end_time; \\[history] and \\[accuracy] are rejected.
 
     The folder then holds sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies), scene.toml, and
-    sweep.parquet where pandas and pyarrow are installed.
+    sweep.parquet where pyarrow is installed.
     """
     from fabrics.units import si
     from weavecell.analysis.sweep import Wanted

@@ -1,6 +1,6 @@
 """An input file over values of its keys: `weavecell sweep`, a row for each combination.
 
-The folder: sweep.csv, sweep.json, sweep.png, scene.toml, sweep.parquet where pandas and pyarrow are installed, and
+The folder: sweep.csv, sweep.json, sweep.png, scene.toml, sweep.parquet where pyarrow is installed, and
 runs/, a file for each finished run. A sweep that was interrupted goes on from them when it is called with --resume.
 """
 
@@ -10,19 +10,20 @@ import csv
 import io
 import itertools
 import tomllib
-from contextlib import nullcontext, redirect_stdout
+from contextlib import nullcontext, redirect_stdout, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from fabrics import run_cache
 from fabrics.errors import InputError
-from fabrics.files import replace_whole, write_whole
+from fabrics.files import write_whole
 from weavecell.analysis import sweep as analysis
 from weavecell.analysis.sweep import QUANTITIES, Wanted
 from weavecell.commands.uncertainty import OF_SHOTS, OF_V50, RUNS
 from weavecell.report import pictures_uncertainty
-from weavecell.results import json_file, progress, provenance
+from weavecell.results import json_file, parquet, progress, provenance
+from weavecell.results.parquet import Column
 from weavecell.scenes import impact as scenes
 from weavecell.scenes import supported, target
 
@@ -121,14 +122,8 @@ def _write(out, targets, keys, table, wanted):
         csv.writer(file).writerows([columns, *([row.get(name, "") for name in columns] for row in table)])
     stamp = provenance.stamp(targets[0].text, *targets[0].setup.fabrics)
     json_file.write(out / "sweep.json", {"quantity": wanted.quantity, "rows": table, "provenance": stamp})
-    try:
-        import pandas
-        import pyarrow  # noqa: F401
-    except ModuleNotFoundError:
-        pass
-    else:
-        with replace_whole(out / "sweep.parquet") as beside:
-            pandas.DataFrame(table).to_parquet(beside)
+    with suppress(ImportError):
+        parquet.write(out / "sweep.parquet", {name: Column([row.get(name) for row in table]) for name in columns})
     column, ends, label = QUANTITIES[wanted.quantity]
     x, words = _abscissa(targets, keys[0], table)
     pictures_uncertainty.save(

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from shellfabric.coupon.dynamic_relaxation import State
     from shellfabric.coupon.solver import Result
 
-_FORMAT = "weavecell coupon 2"
+FORMAT = "weavecell coupon 2"
 _CHECKPOINT = "weavecell coupon checkpoint 3"
 # attribute of the record: attribute of the file, and key of summary.json
 _SCALARS = {
@@ -126,7 +126,7 @@ class CouponRecord:
 
     def write(self, path: FilePath) -> None:
         """Write the record, whole or not at all."""
-        with write_hdf5(path, _FORMAT) as file:
+        with write_hdf5(path, FORMAT) as file:
             for name, key in _SCALARS.items():
                 file.attrs[key] = getattr(self, name)
             put(file, f"histories/{self.prescribed_name}", self.prescribed, self.prescribed_unit)

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+
 
 def put(file: Any, name: str, values: ArrayLike, unit: str, **packing: Any) -> None:
     """Write an array to an open HDF5 file, with its unit."""

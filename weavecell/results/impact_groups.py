@@ -6,13 +6,12 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from weavecell.results import keys
-from weavecell.results.hdf5_file import plain, put
+from weavecell.results.hdf5_file import PACKED, plain, put
 
 if TYPE_CHECKING:
     from shellfabric.output.histories import Histories
 
 _YARN = tuple(keys.units(keys.YARN_DATA))
-_PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 # datasets whose attribute in the object that holds them has another name
 _FIELDS = {"time": "t", "position": "place", "eroded": "gone"}
 
@@ -22,7 +21,7 @@ def write_group(group: Any, source: object, table: Iterable[keys.Key], scalars: 
     for name in scalars:
         group.attrs[name] = getattr(source, name)
     for name, unit in keys.units(table).items():
-        put(group, name, getattr(source, _FIELDS.get(name, name)), unit, **_PACKED)
+        put(group, name, getattr(source, _FIELDS.get(name, name)), unit, **PACKED)
 
 
 def read_group(file: Any, name: str) -> Any:
@@ -52,8 +51,8 @@ def write_measured(group: Any, measured: Histories) -> None:
         for name in _YARN:
             inner.attrs[name] = getattr(yarn, name)
         for name, unit in keys.units(keys.YARN).items():
-            put(inner, name, getattr(yarn, _FIELDS.get(name, name)), unit, **_PACKED)
-        put(inner, "strain", yarn.strain, "1", **_PACKED)
+            put(inner, name, getattr(yarn, _FIELDS.get(name, name)), unit, **PACKED)
+        put(inner, "strain", yarn.strain, "1", **PACKED)
     for name, forces in measured.edges.items():
         put(group, f"edges/{name}", forces, "N")
     for front in fronts(measured):

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weavecell.results import keys
-from weavecell.results.hdf5_file import plain, put
+from weavecell.results.hdf5_file import PACKED, plain, put
 
 if TYPE_CHECKING:
     from shellfabric.output.snapshots import Snapshot
 
 # datasets whose attribute in the object that holds them has another name
 _SHAPE_FIELDS = {"time": "t"}
+_GRIDS = ("nodes", "tension", "failed", "pressure", "area", "failed_segments", "slip")  # of nodes or elements
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Shape:
     nodes : (k, 3) [m]
     tension : (m, 2) [N] of warp and weft
     failed : (m, 3) bool: warp failed, weft failed, element eroded
+    pressure, area, failed_segments, slip : of the nodes, (k, ...), as of a Snapshot
     """
 
     t: float
@@ -37,13 +39,18 @@ class Shape:
     nodes: np.ndarray
     tension: np.ndarray
     failed: np.ndarray
+    pressure: np.ndarray
+    area: np.ndarray
+    failed_segments: np.ndarray
+    slip: np.ndarray
 
     @classmethod
     def of(cls, shot: Snapshot) -> Shape:
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
+        grids = {name: getattr(shot, name) for name in _GRIDS}
         return cls(
-            float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3),
-            shot.tension.reshape(-1, 2), shot.failed.reshape(-1, 3),
+            float(shot.t), float(shot.nose_position), shot.projectile_position,
+            **{name: grid.reshape(grid.shape[0] * grid.shape[1], *grid.shape[2:]) for name, grid in grids.items()},
         )  # fmt: skip
 
 
@@ -94,7 +101,8 @@ class Peak:
 def write_shape(file: Any, group: str, shape: Shape) -> None:
     """Write a Shape to a group of an open file."""
     for name, unit in keys.units(keys.SHAPE).items():
-        put(file, f"{group}/{name}", getattr(shape, _SHAPE_FIELDS.get(name, name)), unit)
+        values = getattr(shape, _SHAPE_FIELDS.get(name, name))
+        put(file, f"{group}/{name}", values, unit, **(PACKED if name in _GRIDS else {}))
 
 
 def read_shape(group: Any) -> Shape:

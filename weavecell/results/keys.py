@@ -193,7 +193,12 @@ SHAPE = keys(
     ("nodes", "m", "positions of the nodes"),
     ("tension", "N", "tension of each element's warp and weft"),
     ("failed", "1", "warp failed, weft failed, element eroded"),
-)
+    ("pressure", "Pa", "contact pressure on each node: from the projectile; in a pack or before a block also from "
+     "the ply in front and from the ply or block behind; in a pack also from the constraint of torn cloth"),
+    ("area", "m^2", "area of each node at rest"),
+    ("failed_segments", "1", "failed segments of warp and weft that begin at each node, of the modelled part"),
+    ("slip", "m", "sliding crossovers: length of warp and weft that has passed through each node"),
+)  # fmt: skip
 HISTORIES = keys(
     ("time", "s", "times of the energy audits"),
     ("velocity", "m/s", "velocity of the projectile along the normal"),

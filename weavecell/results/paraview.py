@@ -1,4 +1,8 @@
-"""A panel in motion as a ParaView series: one .vtu a snapshot, and a .pvd that lists them with their times."""
+"""A panel in motion as a ParaView series: one .vtu a snapshot, and a .pvd that lists them with their times.
+
+Pressures times areas, and failed segments, add up to what histories.h5 has of each ply at that time, over the part of
+the panel that is modelled.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fabrics.checks import FilePath
+from fabrics.errors import InputError
 from fabrics.files import write_whole
 
 if TYPE_CHECKING:
@@ -17,7 +22,9 @@ if TYPE_CHECKING:
 
 
 _QUAD = 9  # VTK's number of a quadrilateral
-_KINDS = {"f8": "Float64", "i8": "Int64", "i1": "Int8", "u1": "UInt8"}
+_KINDS = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i1": "Int8", "u1": "UInt8"}
+PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa", "torn_pressure_Pa")
+_OF_NODES = ("nodes", "pressure", "area", "failed_segments", "slip")
 
 
 def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[np.ndarray]) -> None:
@@ -34,12 +41,13 @@ def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[
         if not times:
             first = np.cumsum([0, *(len(shape.nodes) for shape in shapes)])
             cells = topology(np.concatenate([each + start for each, start in zip(quads, first)]))
-        nodes, tension, failed = (
-            np.concatenate([getattr(shape, name) for shape in shapes]) for name in ("nodes", "tension", "failed")
+        nodes, pressure, area, segments, slip, tension, failed = (
+            np.concatenate([getattr(shape, name) for shape in shapes]) for name in (*_OF_NODES, "tension", "failed")
         )
         name = f"panel/panel-{number:04d}.vtu"
         values = cell_values(tension, failed) | {"ply": plies}
-        write_grid(out / name, nodes, cells, values, shapes[0].nose_position)
+        at_nodes = node_values(pressure, area, segments, slip)
+        write_grid(out / name, nodes, cells, values, at_nodes, shapes[0].nose_position)
         times[name] = shapes[0].t
     write_series(out / "panel.pvd", times)
 
@@ -49,8 +57,22 @@ def cell_values(tension: np.ndarray, failed: np.ndarray) -> dict[str, np.ndarray
     return {
         "tension_warp_N": tension[:, 0].astype(float),
         "tension_weft_N": tension[:, 1].astype(float),
+        "failed_warp": failed[:, 0].astype(np.int8),
+        "failed_weft": failed[:, 1].astype(np.int8),
         "failed_yarns": failed_yarns(failed),
     }
+
+
+def node_values(
+    pressure: np.ndarray, area: np.ndarray, segments: np.ndarray, slip: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Point data of a panel from the arrays (k, ...) of `results.impact_shapes.Shape`."""
+    return (
+        dict(zip(PRESSURES, pressure.T))
+        | {"area_m2": area}
+        | dict(zip(("failed_segments_warp", "failed_segments_weft"), segments.T))
+        | dict(zip(("slip_warp_m", "slip_weft_m"), slip.T))
+    )
 
 
 def topology(quads: np.ndarray) -> dict[str, tuple[str, bytes]]:
@@ -76,6 +98,7 @@ def write_grid(
     nodes: np.ndarray,
     cells: Mapping[str, tuple[str, bytes]],
     values: Mapping[str, np.ndarray],
+    at_nodes: Mapping[str, np.ndarray] | None = None,
     projectile_z: float | None = None,
 ) -> None:
     """Write an unstructured grid as .vtu, its arrays behind the XML (format of VTK 1.0, appended, zlib).
@@ -85,6 +108,7 @@ def write_grid(
     nodes : (n, 3) [m]
     cells : of `topology`
     values : {name: (m,)} cell data
+    at_nodes : {name: (n,)} point data, or None
     projectile_z : [m], field data; None for none
     """
     count = len(next(iter(values.values())))
@@ -105,13 +129,15 @@ def write_grid(
         field = f"<FieldData>{place}</FieldData>\n"
     points = entry("Points", _block(np.asarray(nodes, float)), ' NumberOfComponents="3"')
     elements = "".join(entry(name, block) for name, block in cells.items())
-    data = "".join(entry(name, _block(array)) for name, array in values.items())
+    data, point_data = (
+        "".join(entry(name, _block(array)) for name, array in arrays.items()) for arrays in (values, at_nodes or {})
+    )
     text = (
         '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
         'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
         f"{field}"
         f'<Piece NumberOfPoints="{len(nodes)}" NumberOfCells="{count}">\n'
-        f"<CellData>{data}</CellData>\n<Points>{points}</Points>\n<Cells>{elements}</Cells>\n"
+        f"<PointData>{point_data}</PointData>\n<CellData>{data}</CellData>\n<Points>{points}</Points>\n<Cells>{elements}</Cells>\n"
         '</Piece>\n</UnstructuredGrid>\n<AppendedData encoding="raw">_'
     )
     with write_whole(path, "wb") as file:
@@ -146,11 +172,19 @@ def write_series(path: FilePath, times: Mapping[str, float]) -> None:
 
 
 def read_series(path: FilePath) -> list[tuple[Path, float]]:
-    """The files of a .pvd with their times, as [(path, time [s])]."""
+    """The files of a .pvd with their times, as [(path, time [s])].
+
+    Raises
+    ------
+    InputError : no such file, or not a series
+    """
     from xml.etree import ElementTree
 
     path = Path(path)
-    return [
-        (path.parent / entry.attrib["file"], float(entry.attrib["timestep"]))
-        for entry in ElementTree.parse(path).iter("DataSet")
-    ]
+    try:
+        return [
+            (path.parent / entry.attrib["file"], float(entry.attrib["timestep"]))
+            for entry in ElementTree.parse(path).iter("DataSet")
+        ]
+    except (OSError, ElementTree.ParseError, KeyError, ValueError) as problem:
+        raise InputError(f"is not a readable ParaView series ({problem})", file=path) from None

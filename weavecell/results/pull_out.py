@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from shellfabric.panel.quality import Indicator
     from shellfabric.sliding.pull_out_curve import PullOutCurve
 
-_FORMAT = "weavecell pull-out 1"
+FORMAT = "weavecell pull-out 1"
 _TEXTS = ("title", "fabric", "law_name", "test", "outcome", "failure_message")
 # column of the curve: name in files, unit
 COLUMNS = {
@@ -103,7 +103,7 @@ class PullOutRecord:
 
     def write(self, path: FilePath) -> None:
         """Write the record, whole or not at all."""
-        with write_hdf5(path, _FORMAT) as file:
+        with write_hdf5(path, FORMAT) as file:
             for name in _TEXTS:
                 file.attrs[name] = getattr(self, name)
             file.attrs["wall_time_s"] = self.wall_time

@@ -9,6 +9,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import entry
+from shellfabric.output import snapshots
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.step_kernels import FAILURES
 from shellfabric.plies import torn_contact_kernels as kernels
@@ -91,6 +92,8 @@ def test_a_point_that_would_come_through_a_facet_stops_at_the_gap(ply):
     assert force[0, 2, stack.corners] == pytest.approx(-0.25 * force[1, 2].sum())
     assert abs(force.sum(axis=(0, 2))).max() < 1e-12 * abs(force).max()
     assert stack.march.held_apart.tolist() == [1.0, 0.0]
+    for one, own in zip(snapshots.of_plies(stack.march), force):
+        assert (one.area * one.pressure[..., 3]).ravel() == pytest.approx(own[2], rel=1e-6)
 
 
 def test_from_either_side_and_aslant(ply):

@@ -35,7 +35,11 @@ def small_record(**changes):
     nodes = np.stack([*(axis.ravel() for axis in np.meshgrid(x, x, indexing="ij")), np.zeros(9)], axis=1)
     quads = np.array([[0, 3, 4, 1], [3, 6, 7, 4], [1, 4, 5, 2], [4, 7, 8, 5]])
     broken = np.array([[1, 1, 1], [1, 0, 0], [0, 0, 0], [0, 0, 0]], bool)
-    shape = Shape(1e-4, 0.0075, np.array([0.0, 0.0, 0.0075]), nodes, np.full((4, 2), 100.0), broken)
+    shape = Shape(
+        1e-4, 0.0075, np.array([0.0, 0.0, 0.0075]), nodes, np.full((4, 2), 100.0), broken,
+        pressure=np.full((9, 1), 1e6, np.float32), area=np.full(9, 2.5e-5),
+        failed_segments=np.zeros((9, 2), np.float32), slip=np.empty((9, 0)),
+    )  # fmt: skip
     record = ImpactRecord(
         title="100 m/s, fitted law", fabric="S-720", law_name="fitted", strike_velocity=100.0, outcome="perforated",
         residual_velocity=50.0, mass=3e-3, failure_message="", mirror_x=True, mirror_y=True,
