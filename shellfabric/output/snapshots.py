@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.checks import BoolArray, FloatArray, IntArray
-from shellfabric.sliding.model import grid
 
 if TYPE_CHECKING:
     from shellfabric.panel.arrays import State
@@ -60,24 +59,26 @@ def snapshot(
     passed : of `panel.solver.ClothSolver.passed_lengths`
     """
     X, Y = panel.coordinates()
-    nodes = np.stack([grid(u, panel) for u in state.u], axis=2)
+    nodes = _stacked(panel, state.u)
     nodes[..., 0] += X
     nodes[..., 1] += Y
     c = panel.constants()
     broken = failures(c, state)
     z = float(state.projectile_position[2] + panel.projectile.top)
-    lost = [grid(flag, panel) * n for flag, n in zip(state.failed, panel.segments)]
+    lost = _stacked(panel, state.failed) * np.stack(panel.segments, axis=2)
+    pressure = _stacked(panel, pressing) / panel.areas[..., None]
     return Snapshot(
-        t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken,
-        (_stacked(panel, pressing) / panel.areas[..., None]).astype(np.float32), panel.areas,
-        np.stack(lost, axis=2).astype(np.float32),
-        _stacked(panel, passed),
+        t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken, pressure.astype(np.float32),
+        panel.areas, lost.astype(np.float32), _stacked(panel, passed),
     )  # fmt: skip
 
 
 def _stacked(panel, arrays):
     """(ni+1, nj+1, k) of k arrays of slots."""
-    return np.stack([grid(array, panel) for array in arrays], axis=2) if arrays else np.empty((*panel.areas.shape, 0))
+    found = np.empty((*panel.areas.shape, len(arrays)))
+    for number, array in enumerate(arrays):
+        found[..., number] = array[: panel.areas.size].reshape(panel.areas.shape)
+    return found
 
 
 def of_plies(solver: Any) -> tuple[Snapshot, ...]:

@@ -5,6 +5,7 @@ import pytest
 
 from shellfabric.backing.block import Backing
 from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.output.histories import PULL, HistoryRequest
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction
 
@@ -60,6 +61,20 @@ def test_pressures_and_failed_segments_add_up_to_the_histories(fabric, case):
             assert torn.sum() == pytest.approx(0.0, abs=ROUNDING * peak)
     assert np.all(np.max(pressed, axis=0)[:3] > 100.0)  # [N] the projectile and, in a pack, both neighbours
     assert result.plies["failed_yarns"][-1].sum() > 0
+
+
+@pytest.mark.parametrize("changes", [{}, {"elements_per_crossover": 2}, {"plies": 2}], ids=str)
+def test_tensions_add_up_to_the_reaction_of_an_edge(fabric, changes):
+    """Within 3 %: the history has trellis shear, viscosity and the forces of crossing yarns besides."""
+    result = shot(fabric, 150.0, history=HistoryRequest(1e-6), **changes)
+    for shots in (*result.snapshots[1:], result.last):  # waves have come to the edge
+        for one, panel, known in zip(shots, result.panels, result.histories):
+            (sample,) = np.flatnonzero(known.t == one.t)
+            yarns = panel.weave.warp_count * np.diff(panel.lines()[1])  # of an element
+            along = np.diff(one.nodes[-2:], axis=0)[0]
+            cosine = along[:, 0] / np.linalg.norm(along, axis=1)
+            pull = one.tension[-1, :, 0] * yarns @ (0.5 * (cosine[1:] + cosine[:-1]))
+            assert 2 * pull == pytest.approx(known.edges["warp_high"][sample, PULL], rel=0.03)  # both halves
 
 
 @pytest.mark.parametrize("plies", [1, 2])

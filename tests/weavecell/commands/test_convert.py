@@ -122,7 +122,7 @@ def test_elements_and_areas_are_stored_once(folder, tmp_path):
 
 @pytest.mark.parametrize("name", ["ply", "pack"])
 def test_parquet_has_the_histories_with_unit_and_meaning(folder, tmp_path, name):
-    parquet = pytest.importorskip("pyarrow.parquet", exc_type=ImportError)
+    parquet = pytest.importorskip("pyarrow.parquet")
     record = ImpactRecord.read(folder(name) / "histories.h5")
     table = parquet.read_table(wc.convert(folder(name), "parquet", tmp_path / "a.parquet"))
     assert table.column_names[0] == "time_s"
