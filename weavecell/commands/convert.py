@@ -11,7 +11,6 @@ from pathlib import Path
 
 from fabrics.errors import InputError
 from weavecell.results import parquet, vtkhdf
-from weavecell.results.paraview import read_series
 
 NAMES = {"vtkhdf": "panel.vtkhdf", "parquet": "histories.parquet"}  # what is written to the folder by default
 
@@ -39,7 +38,7 @@ def convert(folder: Path, to: str, out: Path | None = None) -> Path:
     if path.suffix != f".{to}":
         raise InputError(key="--out", value=str(path), allowed=f"a file named *.{to}")
     if to == "vtkhdf":
-        vtkhdf.write(path, read_series(folder / "panel.pvd"))
+        vtkhdf.write(path, folder / "panel.pvd")
     else:
         try:
             parquet.write_histories(path, folder / "histories.h5")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape
 
 
-_QUAD = 9  # VTK's number of a quadrilateral
+QUAD = 9  # VTK's number of a quadrilateral
 _KINDS = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i1": "Int8", "u1": "UInt8"}
 PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa", "torn_pressure_Pa")
 _OF_NODES = ("nodes", "pressure", "area", "failed_segments", "slip")
@@ -81,7 +81,7 @@ def topology(quads: np.ndarray) -> dict[str, tuple[str, bytes]]:
     return {
         "connectivity": _block(quads),
         "offsets": _block(np.arange(4, 4 * len(quads) + 1, 4, dtype=np.int64)),
-        "types": _block(np.full(len(quads), _QUAD, np.uint8)),
+        "types": _block(np.full(len(quads), QUAD, np.uint8)),
     }
 
 
@@ -137,7 +137,8 @@ def write_grid(
         'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
         f"{field}"
         f'<Piece NumberOfPoints="{len(nodes)}" NumberOfCells="{count}">\n'
-        f"<PointData>{point_data}</PointData>\n<CellData>{data}</CellData>\n<Points>{points}</Points>\n<Cells>{elements}</Cells>\n"
+        f"<PointData>{point_data}</PointData>\n<CellData>{data}</CellData>\n"
+        f"<Points>{points}</Points>\n<Cells>{elements}</Cells>\n"
         '</Piece>\n</UnstructuredGrid>\n<AppendedData encoding="raw">_'
     )
     with write_whole(path, "wb") as file:

@@ -6,8 +6,6 @@ An array that an instant has in common with the one before, such as the areas of
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,25 +14,29 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import write_hdf5
 from weavecell.results.hdf5_file import PACKED
+from weavecell.results.paraview import QUAD, read_series
 
 FORMAT = "weavecell vtkhdf 1"  # and version of what the files hold
 _CHUNK = 1 << 16  # rows
 
 
-def write(path: FilePath, series: Iterable[tuple[Path, float]]) -> None:
+def write(path: FilePath, source: FilePath) -> None:
     """Write the grids of a series, whole or not at all.
 
     Parameters
     ----------
     path : of the file, *.vtkhdf
-    series : (path of a .vtu, time [s]) of every instant, such as of `paraview.read_series`
+    source : panel.pvd, as of `paraview.write_panel`
 
     Raises
     ------
-    InputError : a file that is missing, or has other elements than the first
+    InputError : no series, a file of it that is missing, no quadrilaterals, or other elements than in the first file
     """
     import pyvista
 
+    series = read_series(source)
+    if not series:
+        raise InputError("lists no files", file=source)
     with write_hdf5(path, FORMAT) as file:
         root = file.create_group("VTKHDF")
         root.attrs["Version"], root.attrs["Type"] = (2, 0), np.bytes_("UnstructuredGrid")
@@ -44,6 +46,8 @@ def write(path: FilePath, series: Iterable[tuple[Path, float]]) -> None:
                 raise InputError("is missing, which the series lists", file=name)
             grid: Any = pyvista.read(name)
             if first is None:
+                if not grid.n_cells or np.any(grid.celltypes != QUAD):
+                    raise InputError("holds no quadrilaterals, of which a panel is", file=name)
                 first = grid
                 _write_cells(root, grid)
             elif not np.array_equal(grid.cells, first.cells):

@@ -12,8 +12,11 @@ import pytest
 from test_impact import names
 
 import weavecell as wc
+from fabrics.files import write_hdf5
 from tests.scene_text import every, impact_scene
 from weavecell.cli import app
+from weavecell.results import coupon
+from weavecell.results.hdf5_file import put
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.paraview import PRESSURES, read_series
 
@@ -139,6 +142,17 @@ def test_parquet_has_the_histories_with_unit_and_meaning(folder, tmp_path, name)
     assert table.schema.metadata[b"title"].decode() == record.title
 
 
+def test_parquet_of_a_coupon_has_a_row_a_load_step(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    with write_hdf5(tmp_path / "histories.h5", coupon.FORMAT, title="a coupon") as file:
+        put(file, "histories/shear angle", [0.0, 0.1], "rad")
+        put(file, "histories/energy of the yarns", [0.0, 2.0], "J")
+    table = parquet.read_table(wc.convert(tmp_path, "parquet"))
+    assert table.to_pydict() == {"energy_of_the_yarns_J": [0.0, 2.0], "shear_angle_rad": [0.0, 0.1]}
+    assert table.schema.field("shear_angle_rad").metadata[b"unit"] == b"rad"
+    assert table.schema.field("energy_of_the_yarns_J").metadata[b"meaning"].startswith(b"strain energy")
+
+
 def test_one_line_and_nothing_written_where_it_cannot_be(command, folder, tmp_path, monkeypatch):
     empty = tmp_path / "empty"
     empty.mkdir()
@@ -155,6 +169,9 @@ def test_one_line_and_nothing_written_where_it_cannot_be(command, folder, tmp_pa
     code, _, err = command("convert", empty, "--to", "vtkhdf")
     assert (code, err.count("\n")) == (2, 1)
     assert f"{empty / 'panel.pvd'}: is not a readable ParaView series" in err
+    (empty / "panel.pvd").write_text("<VTKFile/>")
+    code, _, err = command("convert", empty, "--to", "vtkhdf")
+    assert (code, err) == (2, f"error: {empty / 'panel.pvd'}: lists no files\n")
     (empty / "panel.pvd").unlink()
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     code, _, err = command("convert", folder("ply"), "--to", "parquet", "--out", tmp_path / "a.parquet")
