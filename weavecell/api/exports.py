@@ -32,7 +32,7 @@ def convert(folder: FilePath, to: Literal["vtkhdf", "parquet"], out: FilePath | 
     ------
     InputError : an unknown format, a folder without what is to be converted, or no pyarrow; nothing has been written
     """
-    from weavecell.commands import convert as command
+    from weavecell.results import convert as command
 
     return command.convert(Path(folder), to, None if out is None else Path(out))
 

@@ -87,6 +87,6 @@ def convert(
     vtkhdf: all snapshots of an impact in one file for ParaView, with the fields of panel.pvd, which the run must have
     written. parquet: the histories of an impact or a coupon, a row a sample, with units in the schema; needs pyarrow.
     """
-    from weavecell.commands import convert as command
+    from weavecell.results import convert as command
 
     print(f"written to {command.convert(folder, str(to), out)}")
