@@ -68,7 +68,6 @@ _MODULES = {
         "draws",
         "fabric",
         "fabrics",
-    "fit",
         "projectile",
         "projectiles",
         "setup",
