@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from validation.program import program, publish
 from weavecell.analysis import discretisation
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth
 from weavecell.analysis.material_card.laws import CrimpExchange, Law, UncoupledCurves
-from weavecell.commands.export import CODES
 from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
@@ -35,7 +34,8 @@ SHOTS = {  # title: fabric, velocity [m/s], cell; those of the catalogue at thre
     "bench": ("S-720", 100.0, "decoupled"), "S-720": ("S-720", 110.0, "compressible"),
     "S-726": ("S-726", 90.0, "compressible"), "S-728": ("S-728", 105.0, "compressible"),
 }  # fmt: skip
-LAWS = {"curves (FORM 14, *FABRIC)": UncoupledCurves, "LAW58": CrimpExchange}
+LAWS: dict[str, Any] = {"curves (FORM 14, *FABRIC)": UncoupledCurves, "LAW58": CrimpExchange}
+CODES: tuple[Literal["lsdyna"], Literal["radioss"], Literal["abaqus"]] = "lsdyna", "radioss", "abaqus"
 MARKS = "<!-- table of validation.verification.bench_decks -->", "<!-- end of bench_decks -->"
 
 
@@ -48,8 +48,8 @@ def setup_of(name: str) -> ImpactSetup:
 
 def card_table(setup: ImpactSetup, law: Law) -> CellTable:
     """A card's law in place of the cell: its nominal stresses over the range of the cell, none below 0."""
-    model = setup.cell()
-    x, y = (coefficients.grid(*pair, TABLE) for pair in model.range())
+    model: Any = setup.cell()
+    x, y = (coefficients.grid(low, high, TABLE) for low, high in model.range())
     N = np.maximum(law.stress(*np.meshgrid(x, y, indexing="ij")), 0.0) / Cloth(model).smear[:, None, None]
     per = [2 * w * (axis[1] - axis[0]) for w, axis in zip(model.fabric.weave.w, (x, y))]
     floor = np.array([FLOOR * p * yarn.strength for p, yarn in zip(per, model.fabric.weave.yarns)])
@@ -75,7 +75,8 @@ def rows_of(name: str) -> list[list[str]]:
     setup = setup_of(name)
     table = setup.table()
     found = [simulation.run(setup, table=table), simulation.run(discretisation.finer(setup, table), table=table)]
-    cloth = Cloth(setup.cell())
+    model: Any = setup.cell()
+    cloth = Cloth(model)
     for law in LAWS.values():
         found += [simulation.run(setup, table=card_table(setup, law.of(cloth, match))) for match in MATCHES]
     fabric, velocity, cell = SHOTS[name]
