@@ -1,7 +1,10 @@
 """`weavecell fit`: numbers of a fabric and of an input file from measured curves."""
 
 import json
+import shutil
 import tomllib
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from shellfabric.impact import simulation
 from tests.scene_text import impact_scene
 from weavecell.analysis.uncertainty import inputs
 
+OWN = Path(__file__).parents[1] / "own_fabrics" / "twaron-930.toml"
 STRIP = """
 [fabric]
 name = "S-720"
@@ -132,3 +136,27 @@ def test_what_cannot_be_fitted_is_refused_and_leaves_nothing(command, files, wor
     assert code == 2
     assert line in err
     assert not (files / "r").exists()
+
+
+def test_platens_give_a_fabric_file_with_the_fitted_solids(command, files, monkeypatch):
+    """The fit itself is that of `weavecell calibrate --platen-curve`; here it is another fabric."""
+    from fabrics import variants
+    from weavecell.commands import calibrate_solid
+
+    def fitted(fabric, curve, out, *, resume):
+        return SimpleNamespace(fabric=variants.with_solids(fabric, E_c=3e7, V_c=1.1, K_r=0.03))
+
+    page = SimpleNamespace(figures=[SimpleNamespace(content=b"<svg/>")])
+    monkeypatch.setattr(calibrate_solid, "fit", fitted)
+    monkeypatch.setattr(calibrate_solid, "chapter", lambda found, around: page)
+    rows = "".join(f"{p}, {t}\n" for p, t in ((0.1, 0.3), (0.5, 0.28), (1, 0.27), (5, 0.25), (10, 0.24)))
+    (files / "platens.csv").write_text("pressure [MPa], thickness [mm]\n" + rows)
+    for name in ("S-728", files / "twaron.toml"):
+        shutil.copy(OWN, files / "twaron.toml")
+        code, _, err = command("fit", name, "platens.csv", "--out", "r")
+        assert code == 0, err
+        made = catalogue.read(files / "r" / "fabric.toml")
+        assert [law.E_c for law in made.solid_laws] == [3e7, 3e7]
+        assert made.solid_laws[0].V_c == pytest.approx(1.1)
+        assert made.sources["solid.warp.E_c"]["status"] == "fitted"
+    assert made.sources["solid.warp.E_a"]["status"] == "assumed"
