@@ -178,6 +178,7 @@ COMMANDS = (
     "fabrics list --out list.csv",
     "fabrics show S-728 --out own",
     "projectiles list",
+    "backings list",
     "impact ply.toml --out ply",
     "impact pack.toml --out pack",
     "impact accuracy.toml --explain",

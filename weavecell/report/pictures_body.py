@@ -9,6 +9,7 @@ import numpy as np
 from meshing.pictures_style import BLUE, FAINT, INK, RED
 
 if TYPE_CHECKING:
+    from shellfabric.backing.coupling import BackingResult
     from shellfabric.projectile.dynamics import BarHistory
 
 US, MM = 1e6, 1e3
@@ -73,5 +74,29 @@ def crater(pyplot: Any, blocks: Any) -> Any:
     figure.supylabel("depth [mm]", fontsize=12)
     bar_ = figure.colorbar(faces, ax=grid, shrink=0.8, pad=0.01)
     bar_.set_label("effective plastic strain")
+    bar_.outline.set_visible(False)
+    return figure
+
+
+def depth_map(pyplot: Any, block: BackingResult) -> Any:
+    """Depth of the face of a block, mirrored, seen along the flight.
+
+    Parameters
+    ----------
+    block : shellfabric.backing.coupling.BackingResult
+    """
+    x, y, depth = MM * np.moveaxis(block.depth_map, -1, 0)
+    reach = max(MM * _AT, 3.0 * MM * block.half_width)
+    most = max(MM * block.back_face_signature, 1e-6)
+    figure, axes = pyplot.subplots(figsize=(6.4, 5.2), layout="constrained")
+    for a in (1, -1):
+        for b in (1, -1):
+            map_ = axes.pcolormesh(a * x, b * y, depth, cmap="YlOrBr", vmin=0, vmax=most, shading="gouraud")
+            axes.contour(a * x, b * y, depth, levels=most * np.arange(1, 5) / 5, colors=INK, linewidths=0.7)
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xlabel="along the warp [mm]")
+    axes.set_ylabel("along the weft [mm]")
+    axes.grid(False)
+    bar_ = figure.colorbar(map_, ax=axes, shrink=0.9)
+    bar_.set_label("depth [mm]")
     bar_.outline.set_visible(False)
     return figure

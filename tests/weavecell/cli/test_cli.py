@@ -29,6 +29,9 @@ COMMANDS = (
     "projectiles",
     "projectiles list",
     "projectiles show",
+    "backings",
+    "backings list",
+    "backings show",
 )
 
 
