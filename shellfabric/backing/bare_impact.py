@@ -32,7 +32,7 @@ def strike(
     backing: Backing, projectile: Projectile, velocity: float, end_time: float, *, dt: float | None = None,
     every: int = 20, after: float = 0.0,
 ) -> Strike:  # fmt: skip
-    """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back and `after` [s] more.
+    """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back.
 
     Parameters
     ----------
@@ -40,6 +40,7 @@ def strike(
     end_time : [s] at the latest
     dt : [s]; None: the projectile crosses at most a twentieth of the finest brick, at half of what the block allows
     every : steps between records
+    after : [s] for which it goes on after the projectile has turned back
 
     Raises
     ------

@@ -360,8 +360,7 @@ class Block:
 
     def depth_map(self) -> FloatArray:
         """(nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face, as in `crater`."""
-        nx, ny, nz = self.shape
-        gone = self.gone.reshape(self.shape)
+        gone, nz = self.gone.reshape(self.shape), self.shape[2]
         layers = np.where(gone.any(axis=2), nz - np.argmax(gone[:, :, ::-1], axis=2), 0)
         wide = np.pad(layers, 1, mode="edge")
         beside = np.minimum(np.minimum(wide[1:, 1:], wide[:-1, 1:]), np.minimum(wide[1:, :-1], wide[:-1, :-1]))

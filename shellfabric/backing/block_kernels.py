@@ -7,10 +7,10 @@ a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal 
     P = tau F^-T,     q = (3/2)^(1/2) |dev tau| <= (sigma_y + H alpha) (1 + rate of alpha / reference)^m
 
 (J2, radial return, associative; e.g. Simo and Hughes, Computational Inelasticity, chapters 2 and 9). m = 0 is without
-rate. The return is exact along the trial; the rate is that of the step, implicit and so without a bound on it. A brick whose
-effective plastic strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had stored
-goes to a term of its own. Hourglass control is that of `solid_kernels`: a potential, blind to rotation. A linear bulk
-viscosity, xi rho c L d(ln J)/dt, damps the highest mode.
+rate. The return is exact along the trial; the rate is that of the step, implicit and so without a bound on it. A brick
+whose effective plastic strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had
+stored goes to a term of its own. Hourglass control is that of `solid_kernels`: a potential, blind to rotation. A linear
+bulk viscosity, xi rho c L d(ln J)/dt, damps the highest mode.
 
 Plastic and viscous work of a step are those of the mean of the stresses before and after it, which is what its forces
 do: a brick that begins to flow in it was below its strength before.

@@ -1,9 +1,9 @@
 """Keywords of an impact in the Python interface: the keys of the input file, checked by its schema.
 
 The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables [projectile], [history],
-[numerics] and [backing] are dicts; a projectile or a backing may be just its name. A number stands for a quantity in SI units;
-everything else is written as in the file. `Keywords` names them for editors and type checkers; a test holds it against
-the schema.
+[numerics] and [backing] are dicts; a projectile or a backing may be just its name. A number stands for a quantity in
+SI units; everything else is written as in the file. `Keywords` names them for editors and type checkers; a test holds
+it against the schema.
 """
 
 from __future__ import annotations

@@ -49,9 +49,7 @@ fabrics_app = typer.Typer(no_args_is_help=True, help="The fabrics of the catalog
 app.add_typer(fabrics_app, name="fabrics", epilog="Example: [bold]weavecell fabrics list[/bold]")
 projectiles_app = typer.Typer(no_args_is_help=True, help="The projectiles by name.", rich_markup_mode="rich")
 app.add_typer(projectiles_app, name="projectiles", epilog="Example: [bold]weavecell projectiles list[/bold]")
-backings_app = typer.Typer(
-    no_args_is_help=True, help="The backings by name: clay and gelatine.", rich_markup_mode="rich"
-)
+backings_app = typer.Typer(no_args_is_help=True, help="The backings by name.", rich_markup_mode="rich")
 app.add_typer(backings_app, name="backings", epilog="Example: [bold]weavecell backings list[/bold]")
 
 INTERRUPTED = 130
