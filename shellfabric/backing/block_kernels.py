@@ -92,14 +92,14 @@ def push_forward(F, C, b):
 def flow_increment(q, G, hard, law, dt):
     """Increment d of the effective plastic strain [-] in a step of dt [s] from a trial stress q [Pa] above `hard` [Pa]:
 
-    q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c), from the
-    increment without rate, which is the most there can be.
+    q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c), from above:
+    from the increment without rate, or from the rate at which q itself is the flow stress.
     """
     H, m, c = law[3], law[5], dt * law[6]
     most = (q - hard) / (3.0 * G + H)
     if m == 0.0 or c == 0.0:
         return most
-    s = math.log1p(most / c)
+    s = min(math.log1p(most / c), math.log(q / hard) / m)
     for _ in range(60):
         grown, factor = math.exp(s), math.exp(m * s)
         d = c * (grown - 1.0)

@@ -3,8 +3,8 @@
 python -m validation.published.backing [--out results/backing] [--page docs/how-to/backing.md]
 
 The drop test (NIJ 0101.04 and later, as quoted by the National Research Council, Testing of Body Armor Materials, Phase
-III, 2012): a steel sphere of 63.5 mm and about 1 kg falls 2.0 m on a block of clay of 610 x 610 x 140 mm; the dent of
-each drop must be 19 +- 3 mm deep. It strikes at (2 g h)^(1/2) = 6.26 m/s; its weight during the dent, 1 % of its energy,
+III, 2012): a steel sphere of 63.5 mm and about 1 kg falls 2.0 m on a block of clay, here of 610 x 610 x 140 mm; the dent
+of each drop must be 19 +- 3 mm deep. It strikes at (2 g h)^(1/2) = 6.26 m/s; its weight during the dent, 1 % of its energy,
 is left out, and so is friction. The window is compared with and nothing is fitted to it.
 """
 
@@ -40,7 +40,7 @@ HEADS = (
 
 
 def drop(name: str, min_size: float) -> Strike:
-    """The ball falls on the block, until 3 ms after it has turned back.
+    """The ball falls on the block, until 2 ms after it has turned back.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def drop(name: str, min_size: float) -> Strike:
     block = Backing(
         material=backings.load(name), size=(0.61, 0.61, 0.14), min_size=min_size, refined_depth=0.045, growth=1.4
     )
-    return strike(block, BALL, SPEED, 0.03, after=3e-3)
+    return strike(block, BALL, SPEED, 0.03, after=2e-3)
 
 
 def row(name: str, min_size: float, found: Strike) -> tuple[str, ...]:
@@ -84,13 +84,13 @@ def main(
     *, out: Path = Path("results/backing"), page: Path | None = None, meshes: Sequence[float] = (12.0, 8.0, 6.0),
     no_packs: bool = False,
 ) -> None:  # fmt: skip
-    cases = [(CLAY, size) for size in meshes] + [(name, meshes[-1]) for name in backings.list_names() if name != CLAY]
+    cases = [(CLAY, size) for size in meshes] + [(name, meshes[0]) for name in backings.list_names() if name != CLAY]
     rows, last = [HEADS], {}
     for name, size in cases:
         found = drop(name, 1e-3 * size)
         rows.append(row(name, 1e-3 * size, found))
         print(*rows[-1], flush=True)
-        last[f"{name}, {size:g} mm"] = found.block
+        last |= {f"{name}, {size:g} mm": found.block} if size in (meshes[0], meshes[-1]) else {}
     write_csv(out / "drop-test.csv", rows)
     folder = page.parent.parent / "figures" if page else out
     with replace_whole(folder / "drop-test.png") as beside:
