@@ -90,10 +90,10 @@ def push_forward(F, C, b):
 
 @kernel()
 def flow_increment(q, G, hard, law, dt):
-    """Increment d of the effective plastic strain [-] in a step of dt [s] from a trial stress q [Pa] above `hard` [Pa]:
+    """Increment d [-] of the effective plastic strain in a step of dt [s] from a trial stress q [Pa] above `hard` [Pa]:
 
-    q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c), from above:
-    from the increment without rate, or from the rate at which q itself is the flow stress.
+    q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c) from
+    above: from the increment without rate, or from the rate at which q itself is the flow stress.
     """
     H, m, c = law[3], law[5], dt * law[6]
     most = (q - hard) / (3.0 * G + H)
