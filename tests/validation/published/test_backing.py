@@ -10,7 +10,7 @@ PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "backing.md"
 
 
 def test_a_coarse_drop_test_writes_its_table_and_picture(tmp_path):
-    study.main(out=tmp_path, meshes=(20.0,), no_packs=True)
+    study.main(out=tmp_path, meshes=(20.0,), plies=())
     with open(tmp_path / "drop-test.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["backing"] for row in rows] == list(backings.list_names())
