@@ -12,8 +12,9 @@ A solver calls, in each step:
     push = block.strike(position, speed)                     # force on a rigid projectile [N]
     block.advance()
 
-Bricks that are flattened bear shorter steps. Where they need them the block makes several of its own in each step, all
-under the contact forces of its beginning.
+Bricks that are flattened bear shorter steps. Where they need them the block makes several of its own in each step. The
+contact forces act as one impulse at its beginning (Verlet-I / r-RESPA), which makes no energy; held over the step they
+would.
 """
 
 from __future__ import annotations
@@ -288,9 +289,14 @@ class Block:
         self._substeps[:] = count, since + 1
         if count > MAX_SUBSTEPS:
             raise self._unstable(f"a brick is flattened: the block needs {count} steps in one of the run")
+        step = self.dt / count
+        if self._kick not in (0.0, step) or count > 1:  # the impulse of a whole step of the run, in the first of these
+            whole = (self.dt if self._kick else 0.5 * self.dt) / (0.5 * (self._kick + step))
+            self._outer *= whole
+            self._drags *= whole
         for _ in range(count):
-            self._step(self.dt / count)
-        self._outer[:] = self._drags[:] = 0.0
+            self._step(step)
+            self._outer[:] = self._drags[:] = 0.0
         self.time += self.dt
 
     def _step(self, dt):
