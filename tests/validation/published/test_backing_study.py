@@ -10,14 +10,15 @@ PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "backing.md"
 
 
 def test_a_coarse_drop_test_writes_its_table_and_picture(tmp_path):
-    study.main(out=tmp_path, meshes=(20.0,), plies=())
+    study.main(out=tmp_path, meshes=(15.0,), plies=())
     with open(tmp_path / "drop-test.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["backing"] for row in rows] == list(backings.list_names())
     for row in rows:
         assert 5 < float(row["deepest, mm"]) < 60
         assert float(row["left, mm"]) <= float(row["deepest, mm"])
-        assert float(row["energy error, %"]) < 0.5
+        # 0.5 % where nothing is eroded; gelatine loses bricks, and here they are half as wide as the ball's radius
+        assert float(row["energy error, %"]) < (0.5 if row["backing"] == study.CLAY else 1.0)
     assert (tmp_path / "drop-test.png").read_bytes().startswith(b"\x89PNG")
 
 
