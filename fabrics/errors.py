@@ -8,6 +8,7 @@ DoubtfulError (3): a run has ended with a quality indicator beyond its limit, an
 
 from __future__ import annotations
 
+import difflib
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -51,6 +52,15 @@ class InputError(WeavecellError):
             allowed_text.append(f"must be {allowed}")
         parts.append("; ".join(allowed_text))
         super().__init__(" ".join(" ".join(parts).split()))
+
+
+def unknown_name(
+    kind: str, name: str, known: Sequence[str], *, file: object = None, key: str | None = None
+) -> InputError:
+    """The InputError of a `name` that no `kind` has, with the nearest of the `known` names and all of them."""
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f', did you mean "{near[0]}"?' if near else ";"
+    return InputError(f"unknown {kind}{hint} allowed: {', '.join(known)}", file=file, key=key, value=name)
 
 
 class InputErrors(InputError):

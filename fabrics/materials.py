@@ -1,24 +1,33 @@
-"""Isotropic elastic-plastic materials: the projectile's steel and the backing block (thesis Tables 4-2, 6-1)."""
+"""Isotropic elastic-plastic materials: the projectile's steel and the default block (thesis Tables 4-2, 6-1).
+
+Clay and gelatine by name are in `fabrics.backings`.
+"""
 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, sqrt
 from pathlib import Path
 
-from fabrics.checks import positive
+from fabrics.checks import FilePath, positive
 from fabrics.errors import InputError
 from fabrics.units import si
 
 _FILE = Path(__file__).with_name("materials.toml")
-_UNITS = {"density": "kg/m^3", "modulus": "Pa", "poisson": "", "yield_stress": "Pa", "hardening": "Pa"}
+_UNITS = {
+    "density": "kg/m^3", "modulus": "Pa", "poisson": "", "yield_stress": "Pa", "hardening": "Pa",
+    "rate_exponent": "", "reference_rate": "1/s",
+}  # fmt: skip
 _ROUND = {"diameter": "m", "length": "m", "mass": "kg", "bore": "m"}
 
 
 @dataclass(frozen=True)
 class Isotropic:
-    """Linear elasticity, and J2 plasticity with linear hardening.
+    """Linear elasticity, and J2 plasticity with linear hardening and a power of the rate.
+
+    q = (yield_stress + hardening alpha) (1 + d(alpha)/dt / reference_rate)^rate_exponent while it flows.
 
     Parameters
     ----------
@@ -28,10 +37,12 @@ class Isotropic:
     yield_stress : [Pa] in tension; infinite for an elastic material
     hardening : [Pa] plastic modulus, d(yield stress) / d(effective plastic strain)
     erosion_strain : [-] effective plastic strain at which an element is taken out; infinite for never
+    rate_exponent : [-] of the flow stress; 0 for none (which is all that a projectile of steel has)
+    reference_rate : [1/s] from which the rate counts
 
     Raises
     ------
-    InputError : a value is not positive, or Poisson's ratio is not between 0 and 0.5
+    InputError : a value out of its range
     """
 
     density: float
@@ -40,13 +51,17 @@ class Isotropic:
     yield_stress: float = inf
     hardening: float = 0.0
     erosion_strain: float = inf
+    rate_exponent: float = 0.0
+    reference_rate: float = 1.0
 
     def __post_init__(self):
-        positive(self, "density", "modulus")
+        positive(self, "density", "modulus", "reference_rate")
         if not 0 <= self.poisson < 0.5:
             raise InputError(key="poisson", value=self.poisson, allowed="from 0 to below 0.5")
         if not self.hardening >= 0:
             raise InputError(key="hardening", value=self.hardening, allowed="at least 0")
+        if not 0 <= self.rate_exponent <= 1:
+            raise InputError(key="rate_exponent", value=self.rate_exponent, allowed="from 0 to 1")
         for key in ("yield_stress", "erosion_strain"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
@@ -85,13 +100,18 @@ def load(name: str) -> Isotropic:
     """
     if name not in ("steel", "backing"):
         raise InputError(key="material", value=name, allowed="steel or backing")
-    found = _table(name)
-    values = {key: si(_plain(found[key]["value"]), unit, file=_FILE, key=key) for key, unit in _UNITS.items()}
-    erosion = found["erosion_strain"]["value"]
-    return Isotropic(**values, erosion_strain=inf if erosion == "inf" else float(erosion))
+    return of_table(_table(name), _FILE)
 
 
-def _plain(text):
+def of_table(table: Mapping[str, Mapping[str, str]], file: FilePath) -> Isotropic:
+    """The material of {key: {"value": its text, ...}}, as data files have it; keys left out have their defaults."""
+    read = {
+        key: si(plain(table[key]["value"]), unit, file=file, key=key) for key, unit in _UNITS.items() if key in table
+    }
+    return Isotropic(**read, erosion_strain=float(table["erosion_strain"]["value"]))
+
+
+def plain(text: str) -> float | str:
     """A number where the text is one: ratios carry no unit."""
     try:
         return float(text)

@@ -6,7 +6,6 @@ source and status, and the tolerance of the mass where one is known.
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Mapping
 from functools import cache
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.errors import unknown_name
 from fabrics.units import si
 
 _FILE = Path(__file__).with_name("projectiles.toml")
@@ -49,9 +48,7 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
     """
     known = list_names()
     if name not in known:
-        near = difflib.get_close_matches(name, known, n=1)
-        hint = f', did you mean "{near[0]}"?' if near else ";"
-        raise InputError(f"unknown projectile{hint} allowed: {', '.join(known)}", file=file, key=key, value=name)
+        raise unknown_name("projectile", name, known, file=file, key=key)
     data = dict(_data()["projectile"][name])
     return data.pop("shape"), data
 

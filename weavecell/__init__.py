@@ -39,6 +39,7 @@ __all__ = [
     "UnstableError",
     "V50Result",
     "__version__",
+    "backings",
     "calibrate",
     "convert",
     "coupon",
@@ -64,6 +65,7 @@ _MODULES = {
     "weavecell.api.result": ("Result",),
     "weavecell.api.results": ("CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult", "V50Result"),
     "weavecell.api.runs": (
+        "backings",
         "critical_velocity",
         "draws",
         "fabric",

@@ -7,6 +7,7 @@ from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
 from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
 from weavecell.api.runs import (
+    backings,
     critical_velocity,
     draws,
     fabric,
@@ -33,6 +34,7 @@ __all__ = [
     "UnstableError",
     "V50Result",
     "__version__",
+    "backings",
     "calibrate",
     "convert",
     "coupon",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shellfabric.backing.coupling import BackingResult, result_of
 from shellfabric.projectile.projectile import Projectile
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Strike:
     """What a projectile without fabric does to a block: t, v, z [s, m/s, m] of its nose, energies {name: (n,)} [J] of
-    the whole, and the crater at the end (k, 2) [m]."""
+    the whole, the crater at the end (k, 2) [m], and the block at the end."""
 
     t: np.ndarray
     v: np.ndarray
@@ -24,11 +25,12 @@ class Strike:
     energies: dict
     crater: np.ndarray
     eroded: int
+    block: BackingResult
 
 
 def strike(
     backing: Backing, projectile: Projectile, velocity: float, end_time: float, *, dt: float | None = None,
-    every: int = 20,
+    every: int = 20, after: float = 0.0,
 ) -> Strike:  # fmt: skip
     """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back.
 
@@ -38,6 +40,7 @@ def strike(
     end_time : [s] at the latest
     dt : [s]; None: the projectile crosses at most a twentieth of the finest brick, at half of what the block allows
     every : steps between records
+    after : [s] for which it goes on after the projectile has turned back
 
     Raises
     ------
@@ -47,14 +50,16 @@ def strike(
         dt = min(0.05 * backing.min_size / velocity, 0.5 * backing.longest_step)
     block, quarter = backing.block(dt), 0.25 * projectile.mass
     position, speed = np.array([0.0, 0.0, backing.standoff]), np.array([0.0, 0.0, float(velocity)])
-    rows, energies = [], []
+    rows, energies, last = [], [], np.inf
     for n in range(int(np.ceil(end_time / dt))):
         push = block.strike(position, speed, projectile)
         block.advance()
         kick = 0.5 * dt if n == 0 else dt
         before, speed[2] = speed[2], speed[2] + kick * push[2] / quarter
         mean = 0.5 * (before + speed[2])
-        stop = speed[2] <= 0
+        if speed[2] <= 0 and last == np.inf:
+            last = n + int(np.ceil(after / dt))
+        stop = n >= last
         if n % every == 0 or stop:
             own = block.energies()
             own["projectile"] = 0.5 * quarter * mean**2
@@ -66,4 +71,4 @@ def strike(
             break
     t, v, z = np.array(rows).T
     named = {name: np.array(energies)[:, k] for k, name in enumerate(own)}
-    return Strike(t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)))
+    return Strike(t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)), result_of(block))

@@ -4,12 +4,13 @@ Elasticity is Hencky's, so that what is stored is a function of the state at any
 a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal logarithmic strains,
 
     b = F C F^T = sum exp(2 e_i) n_i n_i^T,     tau_i = K tr e + 2 G dev e_i,     W = K/2 (tr e)^2 + G |dev e|^2
-    P = tau F^-T,     q = (3/2)^(1/2) |dev tau| <= sigma_y + H alpha     (J2, radial return, associative)
+    P = tau F^-T,     q = (3/2)^(1/2) |dev tau| <= (sigma_y + H alpha) (1 + rate of alpha / reference)^m
 
-(e.g. Simo and Hughes, Computational Inelasticity, chapter 9). The return is exact along the trial. A brick whose
-effective plastic strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had stored
-goes to a term of its own. Hourglass control is that of `solid_kernels`: a potential, blind to rotation. A linear bulk
-viscosity, xi rho c L d(ln J)/dt, damps the highest mode.
+(J2, radial return, associative; e.g. Simo and Hughes, Computational Inelasticity, chapters 2 and 9). m = 0 is without
+rate. The return is exact along the trial; the rate is that of the step, implicit and so without a bound on it. A brick
+whose effective plastic strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had
+stored goes to a term of its own. Hourglass control is that of `solid_kernels`: a potential, blind to rotation. A linear
+bulk viscosity, xi rho c L d(ln J)/dt, damps the highest mode.
 
 Plastic and viscous work of a step are those of the mean of the stresses before and after it, which is what its forces
 do: a brick that begins to flow in it was below its strength before.
@@ -88,7 +89,30 @@ def push_forward(F, C, b):
 
 
 @kernel()
-def hencky(F, C, alpha, law, viscous, P):
+def flow_increment(q, G, hard, law, dt):
+    """Increment d [-] of the effective plastic strain in a step of dt [s] from a trial stress q [Pa] above `hard` [Pa]:
+
+    q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c) from
+    above: from the increment without rate, or from the rate at which q itself is the flow stress.
+    """
+    H, m, c = law[3], law[5], dt * law[6]
+    most = (q - hard) / (3.0 * G + H)
+    if m == 0.0 or c == 0.0:
+        return most
+    s = min(math.log1p(most / c), math.log(q / hard) / m)
+    for _ in range(60):
+        grown, factor = math.exp(s), math.exp(m * s)
+        d = c * (grown - 1.0)
+        over = q - 3.0 * G * d - (hard + H * d) * factor
+        change = over / (3.0 * G * c * grown + (m * (hard + H * d) + H * c * grown) * factor)
+        s = max(s + change, 0.0)
+        if abs(change) < 1e-12:
+            break
+    return c * math.expm1(s)
+
+
+@kernel()
+def hencky(F, C, alpha, law, viscous, dt, P):
     """First Piola-Kirchhoff stress, with plastic flow where the trial is outside the yield surface.
 
     Parameters
@@ -96,8 +120,9 @@ def hencky(F, C, alpha, law, viscous, P):
     F : (3, 3)
     C : (3, 3) inverse plastic metric, overwritten
     alpha : effective plastic strain before
-    law : (5,) K, G, sigma_y, H [Pa], erosion strain
+    law : (7,) K, G, sigma_y, H [Pa], erosion strain, rate exponent, reference rate [1/s]
     viscous : [Pa] pressure to be added to the Kirchhoff stress, positive in tension
+    dt : [s] since C and alpha were found
     P : (3, 3) [Pa] filled
 
     Returns
@@ -117,8 +142,8 @@ def hencky(F, C, alpha, law, viscous, P):
     work = 0.0
     inverse(F, Fi)
     if q > yields + H * alpha:
-        step = (q - yields - H * alpha) / (3.0 * G + H)
-        work = (yields + H * (alpha + 0.5 * step)) * step
+        step = flow_increment(q, G, yields + H * alpha, law, dt)
+        work = (yields + H * (alpha + 0.5 * step)) * step if law[5] == 0.0 else (q - 3.0 * G * step) * step
         alpha += step
         keep = 1.0 - 3.0 * G * step / q
         d0, d1, d2, size = keep * d0, keep * d1, keep * d2, keep * size
@@ -173,7 +198,7 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
             swell = math.log(J)
             rate = (swell - last[m]) * per_time
             before = alpha[m]
-            stored, work, alpha[m] = hencky(F, metric[m], before, law, damping[m] * rate, P)
+            stored, work, alpha[m] = hencky(F, metric[m], before, law, damping[m] * rate, dt, P)
             # the distortion's share of what is stored gives the stress: q^2 / 6 G
             mises = math.sqrt(6.0 * law[1] * max(stored - 0.5 * law[0] * swell * swell, 0.0))
             if alpha[m] > before:
@@ -208,7 +233,7 @@ def forces(counts, x, rest, law, dt, history, own, energy):
     x : (n, 3) [m]
     rest : gradient, volume, twist, control of the bricks at rest, as `hex8.Bricks` has them; damping : (m,) [Pa s] bulk
         viscosity
-    law : (5,) as for `hencky`
+    law : (7,) as for `hencky`
     dt : [s] since the last call
     history : metric, alpha, last, past, gone, overwritten
         metric, alpha, last, gone : (m, 3, 3), (m,), (m,) ln J, (m,) bool

@@ -19,7 +19,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
-from shellfabric.backing.block import ENERGIES, Backing
+from shellfabric.backing.block import ENERGIES, Backing, Block
 from shellfabric.cloth.membrane_kernels import ERODED
 
 NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a run
@@ -34,6 +34,7 @@ class BackingResult:
     face : [m] where the face stood
     crater : (k, 2) [m] radius and depth of the remaining face, along the warp
     crater_weft : (k, 2) [m] the same along the weft
+    depth_map : (nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face
     nodes, bricks : (n, 3) [m], (m, 8) in VTK's order
     plastic : (m,) effective plastic strain
     gone : (m,) bool, eroded
@@ -42,6 +43,7 @@ class BackingResult:
     face: float
     crater: np.ndarray
     crater_weft: np.ndarray
+    depth_map: np.ndarray
     nodes: np.ndarray
     bricks: np.ndarray
     plastic: np.ndarray
@@ -51,6 +53,16 @@ class BackingResult:
     def depth(self) -> float:
         """[m] of the crater."""
         return float(self.crater[:, 1].max())
+
+    @property
+    def back_face_signature(self) -> float:
+        """[m] depth of the deepest point of the face, wherever it is; what is measured in clay after a shot."""
+        return max(float(self.depth_map[..., 2].max()), 0.0)
+
+    @property
+    def volume(self) -> float:
+        """[m3] of the whole dent, below where the face was: 4 times that of the quarter; see `dent_volume`."""
+        return 4 * dent_volume(self.depth_map)
 
     @property
     def steepness(self) -> float:
@@ -63,6 +75,14 @@ class BackingResult:
         return 0.5 * (radius_at(self.crater, 0.5) + radius_at(self.crater_weft, 0.5))
 
 
+def result_of(block: Block) -> BackingResult:
+    """A block as it is."""
+    return BackingResult(
+        block.backing.standoff, block.crater(0), block.crater(1), block.depth_map(), block.x.copy(), block.bricks,
+        block.alpha.copy(), block.gone.copy(),
+    )  # fmt: skip
+
+
 def radius_at(crater: FloatArray, share: float) -> float:
     """[m] outermost radius at which a crater (k, 2) is as deep as a share of its depth."""
     r, z = crater[np.argsort(crater[:, 0])].T
@@ -71,6 +91,18 @@ def radius_at(crater: FloatArray, share: float) -> float:
     if k == r.size - 1:
         return float(r[-1])
     return float(np.interp(-level, [-z[k], -z[k + 1]], [r[k], r[k + 1]]))
+
+
+def dent_volume(face: FloatArray) -> float:
+    """[m3] between the plane of depth 0 and a face (nx, ny, 3) [m] of nodes x, y, depth, where it is below the plane.
+
+    The sum over facets of their area seen along z times the mean depth of their corners, what rises above counting 0.
+    """
+    depth = np.maximum(face[..., 2], 0.0)
+    across, along = face[1:, 1:, :2] - face[:-1, :-1, :2], face[:-1, 1:, :2] - face[1:, :-1, :2]
+    area = 0.5 * (across[..., 0] * along[..., 1] - across[..., 1] * along[..., 0])
+    mean = 0.25 * (depth[1:, 1:] + depth[:-1, :-1] + depth[:-1, 1:] + depth[1:, :-1])
+    return float(np.sum(area * mean))
 
 
 def wall_angle(crater: FloatArray) -> float:
@@ -178,8 +210,4 @@ class BackingCoupling:
 
     def result(self) -> BackingResult:
         """The block as it is."""
-        block = self.block
-        return BackingResult(
-            block.backing.standoff, block.crater(0), block.crater(1), block.x.copy(), block.bricks, block.alpha.copy(),
-            block.gone.copy(),
-        )  # fmt: skip
+        return result_of(self.block)

@@ -181,6 +181,7 @@ COMMANDS = (
     "fabrics show S-728 --out own",
     f"fabrics new texgen.toml --texgen {EXAMPLE}.tg3 --from {EXAMPLE}.csv",
     "projectiles list",
+    "backings list",
     "impact ply.toml --out ply",
     "impact pack.toml --out pack",
     "impact accuracy.toml --explain",

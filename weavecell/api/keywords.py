@@ -1,9 +1,9 @@
 """Keywords of an impact in the Python interface: the keys of the input file, checked by its schema.
 
 The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables [projectile], [history],
-[numerics] and [backing] are dicts; a projectile may be just its name. A number stands for a quantity in SI units;
-everything else is written as in the file. `Keywords` names them for editors and type checkers; a test holds it against
-the schema.
+[numerics] and [backing] are dicts; a projectile or a backing may be just its name. A number stands for a quantity in
+SI units; everything else is written as in the file. `Keywords` names them for editors and type checkers; a test holds
+it against the schema.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Keywords(TypedDict, total=False):
     snapshot_interval: Quantity | None
     history: Mapping[str, Any] | None
     numerics: Mapping[str, Number | str] | None
-    backing: Mapping[str, Any] | None
+    backing: Mapping[str, Any] | str | None
 
 
 def tables() -> dict[str, str]:
@@ -124,6 +124,8 @@ def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
         table[name] |= {key: _stand_in(table[name][key]) for key in keys if key in table[name]}
     if isinstance(table["projectile"], str):
         table["projectile"] = {"name": table["projectile"]}
+    if isinstance(table.get("backing"), str):
+        table["backing"] = {"material": table["backing"]}
     if not isinstance(table["projectile"], Mapping) or "strike_velocity" in table["projectile"]:
         raise InputError(
             key="projectile", value=table["projectile"], allowed="a name, or a dict of its keys without strike_velocity"

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import assumed, catalogue
+from fabrics import backings as backing_data
 from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
 
 __all__ = [
+    "backings",
     "critical_velocity",
     "draws",
     "fabric",
@@ -74,6 +76,17 @@ def fabric(name: FilePath, *, linear_density: Literal["effective", "nominal"] = 
     return with_linear_density(catalogue.load(name), linear_density)
 
 
+def backings() -> tuple[str, ...]:
+    """Names of the backings: modelling clay and ballistic gelatine, for `backing` of `setup`.
+
+    Examples
+    --------
+    >>> backings()[0]
+    'Roma Plastilina No. 1'
+    """
+    return backing_data.list_names()
+
+
 def projectiles() -> tuple[str, ...]:
     """Names of the projectiles: fragment simulators, right circular cylinders, spheres.
 
@@ -121,7 +134,8 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
         [projectile], [history], [numerics] and [backing] are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm",
         "edge_radius": "0.3 mm"}, whose three keys are required as in the file; projectile="FSP 1.10 g" or {"name":
         "FSP 1.10 g", ...} is one of `projectiles`; without it the projectile is the flat cylinder of 3 g and 5.5 mm
-        with an edge radius of 0.3 mm. law is a CompressionLaw of both families, a pair
+        with an edge radius of 0.3 mm. backing="gelatine 10 %" or {"material": "gelatine 10 %", ...} is one of
+        `backings`. law is a CompressionLaw of both families, a pair
         (warp, weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult; without it that of
         the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
 

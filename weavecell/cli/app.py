@@ -50,6 +50,8 @@ fabrics_app = typer.Typer(no_args_is_help=True, help="The fabrics of the catalog
 app.add_typer(fabrics_app, name="fabrics", epilog="Example: [bold]weavecell fabrics list[/bold]")
 projectiles_app = typer.Typer(no_args_is_help=True, help="The projectiles by name.", rich_markup_mode="rich")
 app.add_typer(projectiles_app, name="projectiles", epilog="Example: [bold]weavecell projectiles list[/bold]")
+backings_app = typer.Typer(no_args_is_help=True, help="The backings by name.", rich_markup_mode="rich")
+app.add_typer(backings_app, name="backings", epilog="Example: [bold]weavecell backings list[/bold]")
 
 INTERRUPTED = 130
 # objects from one collection of cyclic garbage to the next (Python: 700): modules, kernels and pictures are hundreds of
@@ -178,6 +180,26 @@ def projectiles_show(
     from weavecell.commands import projectiles as commands_projectiles
 
     commands_projectiles.show(projectile)
+
+
+@backings_app.command("list", epilog="Example: [bold]weavecell backings list[/bold]")
+def backings_list(
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Also write it as CSV.", metavar="FILE.csv")] = None,
+) -> None:
+    """Clay and gelatine that an input file may name behind a panel, one line each."""
+    from weavecell.commands import backings as commands_backings
+
+    commands_backings.show_all(out)
+
+
+@backings_app.command("show", epilog='Example: [bold]weavecell backings show "gelatine 10 %"[/bold]')
+def backings_show(
+    backing: Annotated[str, typer.Argument(metavar="BACKING", help="A name of the list.")],
+) -> None:
+    """One backing: where each number comes from."""
+    from weavecell.commands import backings as commands_backings
+
+    commands_backings.show(backing)
 
 
 def main(arguments: Iterable[str] | None = None) -> NoReturn:

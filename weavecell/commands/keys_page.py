@@ -104,7 +104,7 @@ def _solver_defaults():
     from shellfabric.panel.model import Numerics
 
     known = {f"numerics.{entry.name}": entry.default for entry in fields(Numerics)}
-    known |= {f"backing.{entry.name}": entry.default for entry in fields(Backing)}
+    known |= {f"backing.{entry.name}": entry.default for entry in fields(Backing) if entry.name != "material"}
     material = load("backing")
     known |= {f"backing.{entry.name}": getattr(material, entry.name) for entry in fields(Isotropic)}
     names = {f"{key.partition('.')[0]}.{field}": key for key, field in build.FIELDS.items()}

@@ -66,14 +66,20 @@ def body(record: ImpactRecord) -> list[Section]:
         found.append(Section("bar", "The projectile as a bar", lead, (Figure(picture, "svg", caption, "bar"),)))
     if record.backing is not None:
         block = record.backing
+        moving = 100 * record.energies["backing_kinetic"][-1] / record.strike_energy
         lead = (
+            f"Back-face signature: {1e3 * block.back_face_signature:.1f} mm, volume of the dent "
+            f"{1e6 * block.volume:.3g} cm³; the block still moves with {moving:.2g} % of the strike energy. "
             f"The crater is {1e3 * block.depth:.1f} mm deep and {2e3 * block.half_width:.1f} mm wide at half of that; "
             f"its wall stands at {np.degrees(block.steepness):.0f}° to the face. {int(block.gone.sum())} bricks of the "
             "quarter are eroded."
         )
         picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
         caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
-        found.append(Section("backing", "The block behind", lead, (Figure(picture, "png", caption, "crater"),)))
+        deep = pictures.render(pictures_body.depth_map, block, kind="png")
+        seen = "Depth of the face of the block at the end of the run, seen along the flight; lines every fifth of it."
+        figures = (Figure(picture, "png", caption, "crater"), Figure(deep, "png", seen, "depth-map"))
+        found.append(Section("backing", "The block behind", lead, figures))
     if record.slips:
         found.append(_slips(record))
     return found

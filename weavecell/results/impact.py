@@ -250,7 +250,13 @@ class ImpactRecord:
         if self.bar is not None:
             found |= {"plastic_shortening_m": self.bar.shortening, "bar_period_s": self.bar.period}
         if self.backing is not None:
-            found |= {"crater_depth_m": self.backing.depth, "crater_wall_angle_rad": self.backing.steepness}
+            block = self.backing
+            found |= {
+                "crater_depth_m": block.depth,
+                "back_face_signature_mm": 1e3 * block.back_face_signature,
+                "dent_volume_m3": block.volume,
+                "crater_wall_angle_rad": block.steepness,
+            }
         if self.slips:
             found |= {
                 "pulled_out_length_m": max(slip.pulled_out_length for slip in self.slips),

@@ -108,6 +108,8 @@ IMPACT = keys(
     ("plastic_shortening_m", "m", "elastic projectile: shortening by plastic strain"),
     ("bar_period_s", "s", "elastic projectile: period of the first axial mode"),
     ("crater_depth_m", "m", "backing: depth of the crater"),
+    ("back_face_signature_mm", "mm", "backing: depth of the deepest point of its face at the end"),
+    ("dent_volume_m3", "m3", "backing: volume of the dent below the face at rest, at the end"),
     ("crater_wall_angle_rad", "rad", "backing: angle of the crater's wall to the face"),
     ("pulled_out_length_m", "m", "sliding crossovers: longest length of yarn that has passed through a crossover"),
     ("largest_window_m", "m", "sliding crossovers: widest distance between neighbouring yarns of a ply at the end"),
@@ -219,6 +221,7 @@ BAR = keys(
 BACKING = keys(
     ("crater", "m", "radius and depth of the crater along the warp"),
     ("crater_weft", "m", "the same along the weft"),
+    ("depth_map", "m", "x, y and depth of the nodes of its face, by rows along x: the shape of the dent"),
     ("nodes", "m", "nodes of the quarter that is modelled"),
     ("bricks", "1", "node numbers of its bricks"),
     ("plastic", "1", "effective plastic strain"),

@@ -43,8 +43,8 @@ CROSSOVERS = of("panel", "crossovers crossover_friction crossover_cohesion")
 NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping contact_points precision threads")
 BACKING = of(
     "backing",
-    "size standoff modulus density poisson yield_stress hardening erosion_strain outer_boundary min_size refined_depth "
-    "growth",
+    "material size standoff modulus density poisson yield_stress hardening erosion_strain rate_exponent reference_rate "
+    "outer_boundary min_size refined_depth growth",
 )
 _OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")
 _LAY_UP = of("panel", "ply.name ply.file ply.law ply.law.a ply.law.b ply.law.form ply.angle ply.gap ply.count")
@@ -250,7 +250,7 @@ def _backing(table):
         return None
     from shellfabric.backing.block import Backing
 
-    given = _given(table, "backing")
+    given = _given(table, "backing", but=("material",))
     of_material = {field.name for field in fields(Isotropic)}
     material = replace(load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material})
     return Backing(material=material, **given)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
-from fabrics import projectiles
+from fabrics import backings, projectiles
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.units import si
@@ -216,8 +216,9 @@ _Outer = Literal["fixed", "absorbing", "free"] | None
 
 
 class BackingTable(Table):
-    """A block behind the panel (thesis section 6.5); defaults: Table 6-1, or `shellfabric.backing.block`."""
+    """A block behind the panel: a material by name or by its data (defaults: thesis Table 6-1), and its mesh."""
 
+    material: Annotated[str | None, Field(description="the name of a backing")] = None
     size: quantities("m", "a list of three lengths", '["300 mm", "300 mm", "180 mm"]') = None
     standoff: quantity("m", "a length of at least 0", "0.5 mm", at_least=0.0) = 0.0
     modulus: quantity("Pa", "a stress above 0", "100 MPa", above=0.0) = None
@@ -226,6 +227,8 @@ class BackingTable(Table):
     yield_stress: quantity("Pa", "a stress above 0", "20 MPa", above=0.0) = None
     hardening: quantity("Pa", "a stress of at least 0", "0 Pa", at_least=0.0) = None
     erosion_strain: number("a number above 0", gt=0.0) = None
+    rate_exponent: number("a number from 0 to 1", ge=0.0, le=1.0) = None
+    reference_rate: quantity("1/s", "a rate above 0", "1 / s", above=0.0) = None
     outer_boundary: Annotated[_Outer, Field(description="fixed, absorbing or free")] = None
     min_size: quantity("m", "a length above 0", "1 mm", above=0.0) = None
     refined_depth: quantity("m", "a length above 0", "8 mm", above=0.0) = None
@@ -327,7 +330,7 @@ def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
 def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> Scene:
     """Turn a scene's table into a checked Scene; `file`, where there is one, is named in errors and anchors relative
     paths."""
-    table = _with_named_projectile(table, file)
+    table = _with_named_backing(_with_named_projectile(table, file), file)
     scene = _with_counted_plies(validated(Scene, table, file), file)
     _check_relations(scene, table, file)
     if support is not None:
@@ -341,6 +344,14 @@ def _with_named_projectile(table, file):
     if not isinstance(given, dict) or not isinstance(given.get("name"), str):
         return table
     return table | {"projectile": projectiles.table(given["name"], given, file=file, key="projectile.name")}
+
+
+def _with_named_backing(table, file):
+    """The table with the data of the backing that [backing] names, as if they were written there."""
+    given = table.get("backing")
+    if not isinstance(given, dict) or not isinstance(given.get("material"), str):
+        return table
+    return table | {"backing": backings.table(given["material"], given, file=file, key="backing.material")}
 
 
 def _with_counted_plies(scene, file):

@@ -28,7 +28,10 @@ def rotation(axis, angle):
 
 
 def law_of(material):
-    return np.array([material.bulk, material.shear, material.yield_stress, material.hardening, material.erosion_strain])
+    return np.array([
+        material.bulk, material.shear, material.yield_stress, material.hardening, material.erosion_strain,
+        material.rate_exponent, material.reference_rate,
+    ])  # fmt: skip
 
 
 def nodal(block, dt=0.0):
@@ -75,7 +78,7 @@ def test_law_equals_its_plain_twin(material):
         twin = C.copy(), alpha
         for _ in range(3):
             F = rotation(random.normal(size=3), 2.0) @ (np.eye(3) + 0.25 * random.uniform(-1, 1, (3, 3)))
-            _, _, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, P)
+            _, _, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, 0.0, P)
             expected, *twin = plain_hencky(F, *twin, material)
             assert P == pytest.approx(expected, rel=1e-8, abs=1.0)
             assert alpha == pytest.approx(twin[1], abs=1e-12)
@@ -85,10 +88,10 @@ def test_law_equals_its_plain_twin(material):
 def test_forces_are_the_slope_of_what_is_stored():
     random, P = np.random.default_rng(2), np.empty((3, 3))
     F = np.eye(3) + 0.3 * random.uniform(-1, 1, (3, 3))
-    block_kernels.hencky(F, np.eye(3), 0.0, law_of(ELASTIC), 0.0, P)
+    block_kernels.hencky(F, np.eye(3), 0.0, law_of(ELASTIC), 0.0, 0.0, P)
     way, scrap = random.normal(size=(3, 3)), np.empty((3, 3))
     up, down = (
-        block_kernels.hencky(F + s * way, np.eye(3), 0.0, law_of(ELASTIC), 0.0, scrap)[0] for s in (1e-6, -1e-6)
+        block_kernels.hencky(F + s * way, np.eye(3), 0.0, law_of(ELASTIC), 0.0, 0.0, scrap)[0] for s in (1e-6, -1e-6)
     )
     assert np.sum(P * way) == pytest.approx((up - down) / 2e-6, rel=1e-6)
 
@@ -100,7 +103,7 @@ def test_shear_yields_at_sigma_y_over_root_3_and_no_further():
     for shear in shears:
         F = np.eye(3)
         F[0, 1] = shear
-        _, part, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, P)
+        _, part, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, 0.0, P)
         work += part
     tau = 2e5 / np.sqrt(3)
     assert P[0, 1] == pytest.approx(tau, rel=1e-3)
@@ -115,7 +118,7 @@ def test_hardening_raises_the_stress_along_its_line():
     for shear in np.linspace(0, 0.02, 401):
         F = np.eye(3)
         F[0, 1] = shear
-        _, _, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, P)
+        _, _, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, 0.0, P)
     assert np.sqrt(3) * P[0, 1] == pytest.approx(2e5 + 1e7 * alpha, rel=1e-3)
     G, H = material.shear, material.hardening
     assert alpha == pytest.approx((np.sqrt(3) * G * 0.02 - 2e5) / (3 * G + H), rel=2e-3)

@@ -9,7 +9,7 @@ import pytest
 import typer
 
 import weavecell
-from fabrics import catalogue, projectiles
+from fabrics import backings, catalogue, projectiles
 from weavecell.cli import app
 
 COMMANDS = (
@@ -29,6 +29,9 @@ COMMANDS = (
     "projectiles",
     "projectiles list",
     "projectiles show",
+    "backings",
+    "backings list",
+    "backings show",
 )
 
 
@@ -139,6 +142,21 @@ def test_an_unknown_projectile_is_one_line(command):
     code, out, err = command("projectiles", "show", "RCC 16")
     assert (code, out) == (2, "")
     assert err.startswith("error: PROJECTILE = 'RCC 16': unknown projectile, did you mean \"RCC 16 grain\"? allowed: ")
+    assert len(err.splitlines()) == 1
+
+
+def test_backings_are_listed_and_shown_with_their_sources(command, tmp_path):
+    code, out, _ = command("backings", "list", "--out", "list.csv")
+    assert code == 0
+    with open(tmp_path / "list.csv", newline="") as file:
+        rows = list(csv.reader(file))
+    assert [row[0] for row in rows[1:]] == list(backings.list_names())
+    code, out, _ = command("backings", "show", "Roma Plastilina No. 1")
+    assert code == 0
+    assert "assumed" in out
+    code, out, err = command("backings", "show", "clay")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: BACKING = 'clay': unknown backing; allowed: Roma Plastilina No. 1, gelatine 10 %")
     assert len(err.splitlines()) == 1
 
 

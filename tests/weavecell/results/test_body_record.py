@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from shellfabric.backing.coupling import BackingResult
+from shellfabric.backing.coupling import result_of
 from shellfabric.projectile.dynamics import BarHistory
 from weavecell.report import chapters_impact, pictures, pictures_body
 from weavecell.results import impact_groups, keys
@@ -24,7 +24,7 @@ def block():
 
     made = Backing(size=(0.02, 0.02, 0.02), min_size=2e-3, refined_depth=4e-3, growth=1.5).block(1e-8)
     made.x[made.nodes[:2, :2, 0], 2] += 1e-3
-    return BackingResult(0.0, made.crater(0), made.crater(1), made.x, made.bricks, made.alpha, made.gone)
+    return result_of(made)
 
 
 def test_both_survive_the_file(bar, block, tmp_path):
@@ -52,6 +52,7 @@ def test_the_period_of_a_swing_is_found(bar):
 def test_pictures_are_drawn(bar, block):
     assert block.depth == pytest.approx(1e-3)
     assert pictures.render(pictures_body.bar, bar, kind="png").startswith(b"\x89PNG")
+    assert pictures.render(pictures_body.depth_map, block, kind="png").startswith(b"\x89PNG")
     assert pictures.render(pictures_body.crater, {"a": block, "b": block}, kind="png").startswith(b"\x89PNG")
 
 

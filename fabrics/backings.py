@@ -1,0 +1,65 @@
+"""Backings by name: modelling clay and ballistic gelatine (`backings.toml`).
+
+An entry holds keys of the table [backing] of an input file as they would be written there ("0.1 MPa"; a number where
+there is no unit), each with its source and status.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from fabrics.checks import FilePath
+from fabrics.errors import unknown_name
+from fabrics.materials import Isotropic, of_table, plain
+
+_FILE = Path(__file__).with_name("backings.toml")
+STATUSES = ("published", "second-hand", "derived", "assumed")
+
+
+@cache
+def _data():
+    return tomllib.loads(_FILE.read_text(encoding="utf-8"))["backing"]
+
+
+def list_names() -> tuple[str, ...]:
+    """Names of the backings, in the order of the file."""
+    return tuple(_data())
+
+
+def entry(name: str, *, file: FilePath | None = None, key: str = "material") -> Mapping[str, Mapping[str, str]]:
+    """{key: value, source and status} of a backing.
+
+    Raises
+    ------
+    InputError : an unknown name; one line with the `file` and `key` that it is read from, and the names there are
+    """
+    if name not in list_names():
+        raise unknown_name("backing", name, list_names(), file=file, key=key)
+    return _data()[name]
+
+
+def table(
+    name: str, given: Mapping[str, Any] | None = None, *, file: FilePath | None = None, key: str = "material"
+) -> dict[str, Any]:
+    """The table [backing] of a backing: its name and data, over which goes what is `given`.
+
+    Raises
+    ------
+    InputError : as `entry`
+    """
+    data = {one: plain(value["value"]) for one, value in entry(name, file=file, key=key).items()}
+    return {"material": name} | data | dict(given or {})
+
+
+def load(name: str) -> Isotropic:
+    """The material of a backing.
+
+    Raises
+    ------
+    InputError : an unknown name
+    """
+    return of_table(entry(name), _FILE)

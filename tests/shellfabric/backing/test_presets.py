@@ -1,0 +1,224 @@
+"""Clay and gelatine by name: the law at two rates, waves, objectivity, energy, steps of flattened bricks, the dent."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import backings
+from fabrics.errors import InputError, UnstableError
+from fabrics.materials import Isotropic
+from shellfabric.backing import block_kernels
+from shellfabric.backing.bare_impact import strike
+from shellfabric.backing.block import Backing
+from shellfabric.backing.coupling import dent_volume, result_of
+from shellfabric.projectile.projectile import Projectile
+from tests.shellfabric.backing.test_backing import column, law_of, rotation
+
+CLAY = backings.load("Roma Plastilina No. 1")
+RATES = (1.0, 1000.0)  # [1/s]
+
+
+def flow_stress(material, rate):
+    """[Pa] of steady flow without hardening."""
+    return material.yield_stress * (1 + rate / material.reference_rate) ** material.rate_exponent
+
+
+def strained(material, deformation, rate, strain, steps=400):
+    """Kirchhoff stress (3, 3) [Pa], plastic strain and plastic work [J/m3] after `steps` of F = deformation(strain)."""
+    P, C, alpha, work, dt = np.empty((3, 3)), np.eye(3), 0.0, 0.0, strain / steps / rate
+    for e in strain * np.arange(1, steps + 1) / steps:
+        F = deformation(e)
+        _, part, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, dt, P)
+        work += part
+    return P @ F.T, alpha, work
+
+
+@pytest.mark.parametrize("name", backings.list_names())
+@pytest.mark.parametrize("rate", RATES)
+def test_compression_at_constant_volume(name, rate):
+    """exp(-e), exp(e/2), exp(e/2): |tau_1 - tau_2| = 3 G e, then the flow stress of the rate."""
+    material = replace(backings.load(name), hardening=0.0)
+    press = lambda e: np.diag(np.exp([-e, e / 2, e / 2]))  # noqa: E731
+    yielding = flow_stress(material, 0.0) / (3 * material.shear)
+    tau, alpha, _ = strained(material, press, rate, 0.5 * yielding)
+    assert tau[1, 1] - tau[0, 0] == pytest.approx(1.5 * material.shear * yielding, rel=1e-6)
+    assert alpha == 0.0
+    tau, alpha, work = strained(material, press, rate, 1.0)
+    flow = flow_stress(material, rate)
+    assert tau[1, 1] - tau[0, 0] == pytest.approx(flow, rel=1e-4)
+    assert alpha == pytest.approx(1.0 - flow / (3 * material.shear), rel=1e-3)
+    assert work == pytest.approx(flow * alpha, rel=0.01)
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_simple_shear_of_clay(rate):
+    """Shear stress = flow stress / 3^(1/2) while elastic strains are small; the rate is that of the shear / 3^(1/2)."""
+
+    def shear(e):
+        F = np.eye(3)
+        F[0, 1] = np.sqrt(3) * e
+        return F
+
+    stiff = replace(CLAY, modulus=1000 * CLAY.modulus)
+    tau, alpha, _ = strained(stiff, shear, rate, 0.3, steps=2000)
+    assert tau[0, 1] == pytest.approx(flow_stress(CLAY, rate) / np.sqrt(3), rel=2e-3)
+    assert alpha == pytest.approx(0.3, rel=1e-2)
+
+
+def test_the_flow_stress_grows_as_the_rate_says():
+    press = lambda e: np.diag(np.exp([-e, e / 2, e / 2]))  # noqa: E731
+    slow, fast = (strained(CLAY, press, rate, 0.5)[0] for rate in RATES)
+    ratio = (fast[1, 1] - fast[0, 0]) / (slow[1, 1] - slow[0, 0])
+    assert ratio == pytest.approx((1001 / 2) ** 0.15, rel=1e-3)
+
+
+def test_hardening_and_rate_together():
+    """The equation of the return, by bisection."""
+    material = replace(CLAY, hardening=3e5)
+    for q, dt in ((2e5, 1e-7), (1.5e5, 1e-4), (9e5, 1e-6), (1.000001e5, 1e-7)):
+        low, high = 0.0, q / (3 * material.shear)
+        for _ in range(200):
+            d = 0.5 * (low + high)
+            over = q - 3 * material.shear * d - (1e5 + 3e5 * d) * (1 + d / dt) ** 0.15
+            low, high = (d, high) if over > 0 else (low, d)
+        found = block_kernels.flow_increment(q, material.shear, 1e5, law_of(material), dt)
+        assert found == pytest.approx(low, rel=1e-8)
+
+
+def test_stress_turns_with_the_material():
+    """A deformation that is turned as it grows: tau = R tau' R^T, the same plastic strain."""
+    grow = np.array([[-0.4, 0.3, 0.0], [0.0, 0.1, 0.2], [0.1, 0.0, 0.3]])
+    still = lambda e: np.eye(3) + e * grow  # noqa: E731
+    turned = lambda e: rotation([1, 2, 3], 2.0 * e) @ still(e)  # noqa: E731
+    plain, moved = (strained(CLAY, one, 100.0, 1.0) for one in (still, turned))
+    R = rotation([1, 2, 3], 2.0)
+    assert moved[0] == pytest.approx(R @ plain[0] @ R.T, abs=1e-6 * np.abs(plain[0]).max())
+    assert moved[1:] == pytest.approx(plain[1:], rel=1e-8)
+
+
+@pytest.mark.parametrize("name", backings.list_names())
+def test_a_wave_runs_at_the_speed_of_the_bulk(name):
+    """A driven face: the front is at c t, c = ((K + 4 G / 3) / rho)^(1/2), below the yield stress."""
+    given = backings.load(name)
+    block, v = column(Isotropic(given.density, given.modulus, given.poisson), 100, hourglass=0.0), 1e-3
+    face = block.nodes[:, :, 0].ravel()
+    block.free[face, 2] = 0.0
+    block.v[face, 2] = v
+    while block.time < 50e-3 / given.wave_speed:
+        block.advance()
+        block.x[face, 2] += block.dt * v
+        block.v[face, 2] = v
+    speed = block.v[block.nodes[0, 0], 2]
+    front = np.interp(-0.5 * v, -speed, np.arange(len(speed)) * 1e-3)
+    assert front == pytest.approx(given.wave_speed * block.time, rel=2e-2)
+
+
+def test_a_flattened_block_makes_shorter_steps_of_its_own():
+    """The bound is that of the block at rest for bricks at rest, and half of it at half the height of a flat brick."""
+    backing = Backing(CLAY, (0.012, 0.012, 0.006), 1e-3, 6e-3)
+    block = backing.block(0.7 * backing.longest_step)
+    assert block.stable_step() == pytest.approx(backing.longest_step, rel=1e-9)
+    block.x[:, 2] *= 0.1
+    assert block.stable_step() == pytest.approx(backing.longest_step * np.sqrt(3 / (2 + 100)), rel=1e-9)
+    block.v[:] = 0.0
+    block.advance()  # the first look at it is at the next interval
+    block._substeps[1] = 10
+    block.advance()
+    assert block._substeps[0] == np.ceil(0.7 / 0.8 * np.sqrt(102 / 3))
+    block.x[:, 2] *= 0.1
+    block._substeps[1] = 10
+    with pytest.raises(UnstableError, match="flattened"):
+        block.advance()
+
+
+def test_drop_of_a_ball_on_clay():
+    """Coarse: the ball sinks in by some 25 mm and leaves a dent, without energy from nowhere.
+
+    The window of the calibration, 17 to 23 mm, is no assertion: see docs/how-to/backing.md.
+    """
+    backing = Backing(CLAY, (0.3, 0.3, 0.1), 15e-3, 45e-3, 1.5)
+    found = strike(backing, Projectile(mass=1.0, shape="sphere", radius=31.75e-3), 6.26, 0.02, after=2e-3)
+    start = found.energies["projectile"][0]
+    assert found.v[0] == pytest.approx(6.26, rel=1e-3)
+    assert 15e-3 < found.z.max() < 40e-3
+    assert np.abs(found.energies["error"]).max() < 0.005 * start
+    assert found.energies["plastic"][-1] > 0.5 * start
+    assert found.energies["projectile"][-1] < 0.05 * start  # it hardly bounces
+    assert found.eroded == 0
+    left = found.block.back_face_signature
+    assert 0.6 * found.z.max() < left < found.z.max()
+    assert 0.2 < found.block.volume / (np.pi * left**2 * (31.75e-3 - left / 3)) < 3.0
+
+
+def test_volume_of_a_dent():
+    """A paraboloid in a block, whose rim rises: pi a^2 h / 2 of it is below the face."""
+    line = np.linspace(0, 0.04, 161)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    depth = 0.01 * (1 - (x**2 + y**2) / 0.02**2)
+    face = np.stack([x, y, depth], axis=-1)
+    assert 4 * dent_volume(face) == pytest.approx(0.5 * np.pi * 0.02**2 * 0.01, rel=2e-3)
+
+
+def test_the_depth_map_holds_both_craters():
+    block = Backing(Isotropic(3000, 1e8, 0.3), (0.02, 0.02, 0.02), 2e-3, 4e-3, 1.5, standoff=1e-3).block(1e-8)
+    block.gone.reshape(block.shape)[:2, :1, 0] = True
+    block.x[:, 2] += 1e-4 * block.rest[:, 0] / 0.01
+    face = block.depth_map()
+    assert face[:, 0, 0] == pytest.approx(block.crater(0)[:, 0])
+    assert face[:, 0, 2] == pytest.approx(block.crater(0)[:, 1])
+    assert face[0, :, 2] == pytest.approx(block.crater(1)[:, 1])
+    found = result_of(block)
+    assert found.back_face_signature == pytest.approx(face[..., 2].max())
+    assert found.back_face_signature > 2e-3
+
+
+@pytest.mark.parametrize("name", backings.list_names())
+def test_every_number_has_a_source_and_a_status(name):
+    for key, one in backings.entry(name).items():
+        assert one["status"] in backings.STATUSES, key
+        assert len(one["source"]) > 5, key
+    given = backings.load(name)
+    assert 1000 < given.density < 2000
+    assert 1200 < given.wave_speed < 1600
+
+
+def test_gelatine_has_the_moduli_that_its_sources_state():
+    material = backings.load("gelatine 10 %")
+    assert material.shear == pytest.approx(0.85e6, rel=1e-3)
+    assert material.bulk == pytest.approx(1030 * 1520**2, rel=5e-3)
+
+
+@pytest.mark.parametrize("changes", [{"rate_exponent": -0.1}, {"rate_exponent": 2.0}, {"reference_rate": 0.0}])
+def test_a_rate_out_of_range_is_refused(changes):
+    with pytest.raises(InputError):
+        replace(CLAY, **changes)
+
+
+def test_an_unknown_name_is_one_line():
+    with pytest.raises(InputError, match='did you mean "gelatine 10 %"') as caught:
+        backings.load("gelatin 10 %")
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_contacts_act_as_one_impulse_on_steps_of_the_blocks_own(monkeypatch):
+    """A ball bounces off a free elastic block that makes four steps in one: momentum is kept to the last digit, energy
+    within half a per cent. With the force held over the four it was made."""
+    monkeypatch.setattr("shellfabric.backing.block.CHECK_INTERVAL", 10**9)
+    backing = Backing(
+        Isotropic(3000, 1e8, 0.3), (0.02, 0.02, 0.01), 1e-3, 4e-3, 1.4, "free", viscosity=0.0, contact_damping=0.0
+    )
+    block, speed = backing.block(0.5 * backing.longest_step), np.array([0.0, 0.0, 10.0])
+    block._substeps[:] = 4, 1
+    position, mass, shot = np.zeros(3), 1e-3, Projectile(shape="sphere", radius=3e-3)
+    for n in range(300):
+        push = block.strike(position, speed, shot)
+        block.advance()
+        before = speed[2]
+        speed[2] += (0.5 if n == 0 else 1.0) * block.dt * push[2] / mass
+        found = sum(block.energies().values()) + 0.125 * mass * (before + speed[2]) ** 2
+        position += block.dt * speed
+    assert block._substeps[0] == 4
+    assert speed[2] < 5.0
+    assert block.mass @ block.v[:, 2] + mass * speed[2] == pytest.approx(mass * 10.0, rel=1e-12)
+    assert found == pytest.approx(0.5 * mass * 10.0**2, rel=5e-3)
