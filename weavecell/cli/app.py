@@ -125,14 +125,18 @@ def view(
             help="Write the snapshots of a panel or pack as a movie (MP4 needs imageio).", metavar="FILE.gif|mp4"
         ),
     ] = None,
+    cut: Annotated[
+        bool, typer.Option("--cut", help="The section through the impact point in place of the whole panel or pack.")
+    ] = False,
 ) -> None:
     """Look at a mesh or a result in a window, or write a picture or a movie of it.
 
-    A picture or movie of a panel or pack shows all of it, its projectile, a scale of the tensions and the outcome.
+    A picture or movie of a panel or pack shows all of it, its projectile, a scale of the tensions and the outcome; with
+    --cut its section along the warp through the impact point.
     """
     from weavecell.commands import view as commands_view
 
-    commands_view.view(path, screenshot, movie)
+    commands_view.view(path, screenshot, movie, cut)
 
 
 @fabrics_app.command("list", epilog="Example: [bold]weavecell fabrics list[/bold]")

@@ -23,6 +23,7 @@ from fabrics.files import replace_whole
 from meshing.pictures_style import INK, STEEL, WARP, WEFT, plots, tension_map
 from weavecell.report import pictures3d
 from weavecell.report.pictures_painter import Camera
+from weavecell.report.shot import chapters_shot, pictures_shot
 from weavecell.results import json_file
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.paraview import failed_yarns, read_series
@@ -84,8 +85,12 @@ class Panel:
         return f"{1e6 * t:.0f} µs after the strike, projectile at {round(float(velocity))} m/s"
 
 
-def view(path: Path, screenshot: Path | None = None, movie: Path | None = None) -> None:
+def view(path: Path, screenshot: Path | None = None, movie: Path | None = None, cut: bool = False) -> None:
     """Open a window on `path`, or write a PNG to `screenshot`, or a GIF or MP4 to `movie`.
+
+    Parameters
+    ----------
+    cut : whether picture and movie show the section through the impact point in place of the whole panel
 
     Raises
     ------
@@ -98,14 +103,17 @@ def view(path: Path, screenshot: Path | None = None, movie: Path | None = None) 
         raise InputError(key="--movie", value=str(movie), allowed="a file named *.gif or *.mp4")
     file = find(path)
     panel = panel_of(path, file)
+    if cut and (panel is None or (screenshot is None and movie is None)):
+        allowed = "given with --screenshot or --movie, of a folder with panel.pvd and histories.h5"
+        raise InputError(key="--cut", allowed=allowed)
     if movie is not None:
         if panel is None:
             raise InputError(
                 key="PATH", value=str(path), allowed="a folder with panel.pvd and histories.h5, for --movie"
             )
-        _write_movie(panel, movie)
+        _write_movie(panel, movie, cut)
     if screenshot is not None:
-        _write_screenshot(panel, file, screenshot)
+        _write_screenshot(panel, file, screenshot, cut)
     elif movie is None:
         plotter = pictures3d.new_plotter(off_screen=False, size=(1400, 900))
         add(plotter, file, panel, summary_of(file))
@@ -196,11 +204,26 @@ def end(pyplot: Any, record: ImpactRecord) -> Any:
         return compose(pyplot, panel, image, last.t)
 
 
-def frames(panel: Panel, dpi: int) -> Iterator[np.ndarray]:
-    """(rows, columns, 3) composed pictures of all snapshots, in the order of time."""
+def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
+    """The figure of a cut of the record, by its number, with heights up to the highest of all cuts."""
+    record = panel.record
+    row = chapters_shot.cut_view(record, record.cuts[number], panel.caption(record.cuts[number].t))
+    top = max(map(pictures_shot.foremost, record.cuts))
+    figure = pictures_shot.cuts(pyplot, [row], chapters_shot.CLOSE_UP, top)
+    title = textwrap.shorten(record.title, _TITLE, placeholder=" ...")
+    figure.suptitle(f"{title}: {record.outcome}", weight="bold", color=INK, x=0.02, y=0.995, ha="left", fontsize=11)
+    figure.set_size_inches(10.4, 4.2)
+    return figure
+
+
+def frames(panel: Panel, dpi: int, cut: bool = False) -> Iterator[np.ndarray]:
+    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; of their cuts, if wanted."""
     with plots() as pyplot, pyplot.rc_context({"figure.constrained_layout.use": False}):
-        for file, t in panel.series:
-            figure = compose(pyplot, panel, frame(panel, file, t), t)
+        drawn = (
+            (cut_figure(pyplot, panel, number) for number in range(len(panel.record.cuts))) if cut
+            else (compose(pyplot, panel, frame(panel, file, t), t) for file, t in panel.series)
+        )  # fmt: skip
+        for figure in drawn:
             content = io.BytesIO()
             figure.savefig(content, format="rgba", dpi=dpi)
             width, height = (round(side * dpi) for side in figure.get_size_inches())
@@ -260,13 +283,13 @@ def mirrored(grid: Any, mirrors: tuple[bool, bool]) -> list[Any]:
     return found
 
 
-def _write_screenshot(panel, file, screenshot):
+def _write_screenshot(panel, file, screenshot, cut):
     if panel is not None:
         t = dict(panel.series).get(file, panel.shapes[-1].t)
         with plots() as pyplot, pyplot.rc_context({"figure.constrained_layout.use": False}):
-            figure = compose(pyplot, panel, frame(panel, file, t), t)
+            last = cut_figure(pyplot, panel, -1) if cut else compose(pyplot, panel, frame(panel, file, t), t)
             with replace_whole(screenshot) as beside:
-                figure.savefig(beside, format="png", dpi=170)
+                last.savefig(beside, format="png", dpi=170)
         return
     plotter = pictures3d.new_plotter(off_screen=True, size=(1400, 900))
     add(plotter, file, None, summary_of(file))
@@ -275,7 +298,7 @@ def _write_screenshot(panel, file, screenshot):
     plotter.close()
 
 
-def _write_movie(panel, movie):
+def _write_movie(panel, movie, cut):
     if movie.suffix == ".mp4":
         try:
             import imageio.v2 as imageio
@@ -284,12 +307,12 @@ def _write_movie(panel, movie):
                 key="--movie", value=str(movie), allowed="*.gif, or *.mp4 with the Python package imageio[ffmpeg]"
             ) from None
         with replace_whole(movie) as beside, imageio.get_writer(beside, fps=round(1 / FRAME_TIME)) as writer:
-            for image in frames(panel, 120):
+            for image in frames(panel, 120, cut):
                 writer.append_data(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         return
     from PIL import Image
 
-    pictures = [Image.fromarray(image) for image in frames(panel, 76)]
+    pictures = [Image.fromarray(image) for image in frames(panel, 76, cut)]
     middle = pictures[len(pictures) // 2].quantize(COLOURS)  # one palette for all: colours do not flicker
     reduced = [picture.quantize(palette=middle, dither=Image.Dither.NONE) for picture in pictures]
     times = [round(1e3 * FRAME_TIME)] * (len(reduced) - 1) + [round(1e3 * LAST_FRAME_TIME)]

@@ -16,6 +16,7 @@ from weavecell.results.paraview import failed_yarns
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.results.impact import ImpactRecord
+    from weavecell.results.impact_shapes import Cut
 
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
 _SCALE_BAR = 5.0  # [mm]
@@ -140,6 +141,12 @@ def _reactions(record):
     return record.plies["reaction_warp"].sum(axis=1), record.plies["reaction_weft"].sum(axis=1)
 
 
+def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
+    """What `pictures_shot.cuts` draws of a cut of a record."""
+    outline = pictures_shot.outline(record.projectile)
+    return pictures_shot.CutView(title, cut, record.thickness, record.mirror_x, outline)
+
+
 def _cut_views(records):
     """Three instants of one record, the end of each of several."""
     chosen = []
@@ -149,12 +156,9 @@ def _cut_views(records):
             [min(cuts, key=lambda cut, at=at: abs(cut.t - at * end)) for at in (0.2, 0.5)] if len(records) == 1 else []
         )
         title = "" if len(records) == 1 else f"{record.title}, "
-        outline = pictures_shot.outline(record.projectile)
         for cut in dict.fromkeys((*(cut.t for cut in found), cuts[-1].t)):
             this = next(one for one in cuts if one.t == cut)
-            chosen.append(
-                pictures_shot.CutView(f"{title}{1e6 * cut:.0f} µs", this, record.thickness, record.mirror_x, outline)
-            )
+            chosen.append(cut_view(record, this, f"{title}{1e6 * cut:.0f} µs"))
     return chosen
 
 

@@ -75,19 +75,20 @@ class CutView:
     projectile: np.ndarray
 
 
-def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float) -> Any:
+def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | None = None) -> Any:
     """Cuts through the impact point, each whole and as a close-up, in which the lines are as thick as the plies.
 
     Parameters
     ----------
     rows : sequence of CutView
     close_up : [m] half the width of a close-up
+    top : [m] highest point of all that is drawn; None takes that of the rows
     """
     figure, grid = pyplot.subplots(
         len(rows), 2, figsize=(10.4, 0.5 + 2.7 * len(rows)), squeeze=False, width_ratios=(1.15, 1), layout="none"
     )
     place(figure, 0.8, 0.15, 0.65, 0.4, across=0.45, down=0.6)
-    top = max(_foremost(row.cut) for row in rows)
+    top = max(foremost(row.cut) for row in rows) if top is None else top
     for axes_row, row in zip(grid, rows):
         cut, colours = row.cut, shades(len(row.thickness))
         for axes, near in zip(axes_row, (False, True)):
@@ -103,7 +104,7 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float) -> Any:
         axes_row[0].set(xlim=(-reach, reach), ylim=(-8, MM * top + 3), ylabel="z [mm]")
         axes_row[0].set_title(row.title, y=1.0)  # at a given height it is not moved above all else, which takes long
         axes_row[1].set_title("to scale", y=1.0, fontweight="normal", color=FAINT)
-        high = MM * _foremost(cut) + 0.8
+        high = MM * foremost(cut) + 0.8
         axes_row[1].set_aspect("equal")
         axes_row[1].set(xlim=(-MM * close_up, MM * close_up), ylim=(high - 1.3e3 * close_up, high))
     for axes in grid[-1]:
@@ -141,7 +142,7 @@ def _images(line, mirrored):
     return found
 
 
-def _foremost(cut):
+def foremost(cut: Cut) -> float:
     """[m] highest point of the plies and the nose."""
     return max(cut.nose, *(float(part[:, 1].max()) for line in cut.lines for part in pieces(line)))
 
