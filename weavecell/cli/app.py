@@ -171,9 +171,9 @@ def projectiles_list(
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Also write it as CSV.", metavar="FILE.csv")] = None,
 ) -> None:
     """Fragment simulators, cylinders and spheres that an input file may name, one line each."""
-    from weavecell.commands import projectiles as commands_projectiles
+    from weavecell.commands import lists
 
-    commands_projectiles.show_all(out)
+    lists.projectiles(out)
 
 
 @projectiles_app.command("show", epilog='Example: [bold]weavecell projectiles show "FSP 1.10 g"[/bold]')
@@ -181,9 +181,9 @@ def projectiles_show(
     projectile: Annotated[str, typer.Argument(metavar="PROJECTILE", help="A name of the list.")],
 ) -> None:
     """One projectile: where each number comes from."""
-    from weavecell.commands import projectiles as commands_projectiles
+    from weavecell.commands import lists
 
-    commands_projectiles.show(projectile)
+    lists.projectile(projectile)
 
 
 @backings_app.command("list", epilog="Example: [bold]weavecell backings list[/bold]")
@@ -191,9 +191,9 @@ def backings_list(
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Also write it as CSV.", metavar="FILE.csv")] = None,
 ) -> None:
     """Clay and gelatine that an input file may name behind a panel, one line each."""
-    from weavecell.commands import backings as commands_backings
+    from weavecell.commands import lists
 
-    commands_backings.show_all(out)
+    lists.backings(out)
 
 
 @backings_app.command("show", epilog='Example: [bold]weavecell backings show "gelatine 10 %"[/bold]')
@@ -201,9 +201,9 @@ def backings_show(
     backing: Annotated[str, typer.Argument(metavar="BACKING", help="A name of the list.")],
 ) -> None:
     """One backing: where each number comes from."""
-    from weavecell.commands import backings as commands_backings
+    from weavecell.commands import lists
 
-    commands_backings.show(backing)
+    lists.backing(backing)
 
 
 def main(arguments: Iterable[str] | None = None) -> NoReturn:

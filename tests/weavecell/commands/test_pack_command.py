@@ -84,9 +84,9 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
         movie.seek(movie.n_frames - 1)
         assert {movie.size} == sizes
         assert np.ptp(np.asarray(movie.convert("L"))) > 150  # not an empty picture
-    refused = (2, "error: --cut: must be given with --screenshot or --movie, of a folder with panel.pvd and histories.h5\n")
-    assert command("view", "results", "--cut")[::2] == refused
-    assert command("view", last, "--cut")[::2] == refused
+    refused = "error: --cut: must be given with --screenshot or --movie, of a folder with panel.pvd and histories.h5\n"
+    assert command("view", "results", "--cut")[::2] == (2, refused)
+    assert command("view", last, "--cut")[::2] == (2, refused)
     whole = pyvista.merge(view.mirrored(grid, (True, True)))
     assert whole.bounds[:4] == pytest.approx([-grid.bounds[1], grid.bounds[1], -grid.bounds[3], grid.bounds[3]])
 
