@@ -180,7 +180,8 @@ def _write(out, model, found):
     values = {one.name: float(value) for one, value in zip(found.parameters, found.values)}
     factors = {name: value for name, value in values.items() if name in fit_model.NUMBERS}
     table: Any = tomlkit.parse(model.text)
-    _move_paths(table, Path(model.name).parent, out)
+    if model.from_file:  # else they are taken from `out` already
+        _move_paths(table, Path(model.name).parent, out)
     if factors:
         cloth = model.case.scene.fabric
         _write_fabric(out, _fabric_text(cloth.file or cloth.name), *_fitted_fabric(model, factors), points.source)

@@ -153,7 +153,7 @@ def _pulled(test, fabric, laws, cell, inputs, run, bending):
 
 
 class Model:
-    """An input file with some of its numbers open.
+    """An input file with some of its numbers open; of a fabric, whose name or file may be given, the standard one.
 
     Parameters
     ----------
@@ -267,7 +267,9 @@ class Model:
             if not self.test:
                 check = SHOTS if self.points.kind == "velocity" else TESTS
                 one = target.read(self.name, self.out, check, changes=changes)
+                self.from_file = one.from_file
                 return one.case, one.setup, one.text
+            self.from_file = True
             text, table = scenes.read_toml(self.name, what="scene")
             scene = scenes_coupon.check(target.changed(table, changes), self.name, COUPONS)
             return build.build(scene, Path(self.name), Path(self.name).stem), None, text
