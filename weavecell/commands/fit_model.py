@@ -179,7 +179,7 @@ class Model:
         """InputError where the data go further than the run."""
         if at.max() > most * (1 + 1e-9):
             allowed = f"at most {most:g} {unit}, {key} of {self.name}".replace("  ", " ")
-            raise InputError(key=x, value=f"{at.max():g} {unit}".strip(), allowed=allowed)
+            raise InputError(file=self.points.source, key=x, value=f"{at.max():g} {unit}".strip(), allowed=allowed)
 
     def parameter(self, text: str) -> Parameter:
         """The Parameter of a text NAME or NAME=LOW..HIGH."""
