@@ -330,10 +330,13 @@ class Block:
 
     def _bounds(self):
         """(m,) [m] step of each brick times the speed of its waves; infinite of those that are gone."""
-        F = np.einsum("mac,mar->mcr", self.x[self.bricks], self._gradient)
+        f, g, h = np.moveaxis(self.x[self.bricks].transpose(0, 2, 1) @ self._gradient, 1, 0)  # rows of F
+        cofactors = np.stack([np.cross(g, h), np.cross(h, f), np.cross(f, g)], axis=1)
         with np.errstate(all="ignore"):
-            gradient = np.linalg.solve(F.transpose(0, 2, 1), self._gradient.transpose(0, 2, 1))
-        return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
+            gradient = (
+                cofactors @ self._gradient.transpose(0, 2, 1) / np.sum(f * cofactors[:, 0], axis=1)[:, None, None]
+            )
+            return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
 
     def energies(self) -> dict:
         """ENERGIES [J] of the quarter, at the instant of the last forces; of the last damping, the block's share."""
