@@ -17,7 +17,9 @@ Everything but the checkpoint is written when the run has ended, also if it ende
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import weavecell
 from fabrics import run_cache
@@ -32,6 +34,11 @@ from weavecell.results.coupon_measures import PRESCRIBED, measures
 from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes_coupon
 from weavecell.scenes.supported import Rule, Support, of
+
+if TYPE_CHECKING:
+    from shellfabric.cell.model import CellTable
+    from shellfabric.coupon.solver import Result
+    from weavecell.scenes.schema import FabricTable
 
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 WORDS = {
@@ -170,12 +177,7 @@ def _indicators(result, table, tolerance):
 
 def _pull(this, title, checkpoint, resume):
     """(Result, its CellTable, the UnstableError that ended it or None), with a bar and checkpoints."""
-    from shellfabric.coupon import quasistatic
-
     scene, table, failure = this.scene, _table(this), None
-    options = dict(scene.test_table)
-    if scene.test == "picture_frame":
-        options["cells"] = options.pop("crossovers")
     stamp = _stamp(table, scene)
     states = list(read_states(checkpoint, stamp)) if resume else []
     with progress.bar(title) as advance:
@@ -186,21 +188,33 @@ def _pull(this, title, checkpoint, resume):
             advance(state.load, f"{state.iterations} iterations")
 
         try:
-            result = getattr(quasistatic, scene.test)(
-                table, **options, **scene.run.model_dump(exclude={"outputs"}), progress=keep, done=tuple(states)
-            )
+            result = relaxed(
+                table, scene.test, dict(scene.test_table), **scene.run.model_dump(exclude={"outputs"}), progress=keep,
+                done=tuple(states),
+            )  # fmt: skip
         except UnstableError as problem:
             failure, result = problem, problem.result
     return result, table, failure
+
+
+def relaxed(table: CellTable, test: str, inputs: Mapping[str, Any], **options: Any) -> Result:
+    """The Result of a quasi-static test: `inputs` by the keys of its table, options as of its function."""
+    from shellfabric.coupon import quasistatic
+
+    named = {"cells" if key == "crossovers" else key: value for key, value in inputs.items()}
+    return getattr(quasistatic, test)(table, **named, **options)
+
+
+def cell_of(cloth: FabricTable) -> tuple[Any, ...]:
+    """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
+    return cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack
 
 
 def _table(this):
     """The table of the cell."""
     from shellfabric.cell.model import CellModel
 
-    cloth = this.scene.fabric
-    cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
-    return CellModel(this.fabric, this.laws, *cell).table(TABLE_SIZE)
+    return CellModel(this.fabric, this.laws, *cell_of(this.scene.fabric)).table(TABLE_SIZE)
 
 
 def _stamp(table, scene):

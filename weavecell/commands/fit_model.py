@@ -139,7 +139,6 @@ def computed(kind: str, given: Any, x: FloatArray, *names: str) -> FloatArray:
 def _pulled(test, fabric, laws, cell, inputs, run, bending):
     """(what is prescribed, {name: load}) of a test on a coupon."""
     from shellfabric.cell.model import CellModel
-    from shellfabric.coupon import quasistatic
     from weavecell.results import pull_out
     from weavecell.results.coupon_measures import measures
 
@@ -147,8 +146,7 @@ def _pulled(test, fabric, laws, cell, inputs, run, bending):
     if test == "pull_out":
         curve = pull_out.run(table, SimpleNamespace(**inputs), bending=bending)
         return curve.displacement, {"load": curve.load}
-    options = {"cells" if key == "crossovers" else key: value for key, value in inputs.items()}
-    result = getattr(quasistatic, test)(table, **options, **run)
+    result = coupon.relaxed(table, test, inputs, **run)
     return result.prescribed, {key: y for key, (_, y) in measures(test, SimpleNamespace(**inputs), result).items()}
 
 
@@ -246,9 +244,8 @@ class Model:
             return setup
         scene, cloth = case.scene, case.scene.fabric
         fabric, laws = inputs.changed_with_laws(case.fabric, case.laws, **factors)
-        cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
         return {
-            "fabric": fabric, "laws": laws, "cell": cell, "inputs": dict(scene.test_table),
+            "fabric": fabric, "laws": laws, "cell": coupon.cell_of(cloth), "inputs": dict(scene.test_table),
             "run": scene.run.model_dump(exclude={"outputs"}), "bending": cloth.bending,
         }  # fmt: skip
 
