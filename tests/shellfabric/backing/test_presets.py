@@ -158,6 +158,10 @@ def test_volume_of_a_dent():
     depth = 0.01 * (1 - (x**2 + y**2) / 0.02**2)
     face = np.stack([x, y, depth], axis=-1)
     assert 4 * dent_volume(face) == pytest.approx(0.5 * np.pi * 0.02**2 * 0.01, rel=2e-3)
+    block = Backing(material=backings.load("gelatine 10 %"), size=(0.05, 0.05, 0.02), min_size=5e-3).block(1e-7)
+    whole = replace(result_of(block), depth_map=face)
+    assert whole.volume == pytest.approx(0.5 * np.pi * 0.02**2 * 0.01, rel=2e-3)
+    assert whole.back_face_signature == pytest.approx(0.01)
 
 
 def test_the_depth_map_holds_both_craters():
