@@ -23,7 +23,7 @@ from shellfabric.projectile import contact_kernels
 
 @entry()
 def many(state, times):
-    """What `panel.step_kernels.run_steps_main` adds to a step, so many times."""
+    """What `panel.step_kernels.run_thread` adds to a step, so many times."""
     exchanged, before = 0.0, 0.0
     for _ in range(times):
         state.contact_energy[contact_kernels.CONTACT] += 1.0

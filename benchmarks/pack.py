@@ -26,8 +26,9 @@ from shell import march as march_single
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
+from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.plies.model import Pack, lists
+from shellfabric.plies.model import Pack
 from shellfabric.plies.solver import PackSolver
 from validation.published.ply_friction import page as friction_page
 from weavecell.report.marked_page import put
@@ -65,7 +66,7 @@ def hold(march):
     """Let the projectile go on at a crawl, with a mass that nothing stops. One that is stopped anew in every step ends
     the march in every step, and at each end all tensions are looked up that no step has needed."""
     march.stack.projectile_velocity[2] = 1e-3
-    consts = lists([const._replace(projectile_mass=1e9) for const in march.consts])
+    consts = Items([const._replace(projectile_mass=1e9) for const in march.consts])
     march._lists = march._lists[0], consts, march._lists[2]
 
 

@@ -23,6 +23,7 @@ import numpy as np
 from fabrics.checks import BoolArray, FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel.model import SYMMETRIES
 from shellfabric.projectile import contact
 from shellfabric.projectile.projectile import Projectile
@@ -42,6 +43,7 @@ State = namedtuple(
     "contact_scratch projectile_position projectile_velocity f_contact_nose active_rows counter energy_sums "
     "peak_elongation",
 )
+by_reference(Constants, State)
 
 
 @dataclass(frozen=True)

@@ -251,6 +251,17 @@ class CellTable:
         return cls.of_values(model, x, y, dict(zip(COLUMNS, out)))
 
     @classmethod
+    def straight(cls, model: CellModel, n: int = 8) -> CellTable:
+        """The table of straight yarns that do not press on each other, T = E A (stretch - 1): nothing is solved."""
+        x, y = (coefficients.grid(lowest, highest, n) for lowest, highest in model.range())
+        strains = np.meshgrid(np.maximum(x - 1, 0), np.maximum(y - 1, 0), indexing="ij")
+        weave = model.fabric.weave
+        tensions = [yarn.EA * strain for yarn, strain in zip(weave.yarns, strains)]
+        energy = sum(w * T * strain for w, T, strain in zip(weave.w, tensions, strains))
+        values = {"W": energy} | {f"{letter}{k + 1}": T for k, T in enumerate(tensions) for letter in "TN"}
+        return cls.of_values(model, x, y, values)
+
+    @classmethod
     def of_values(cls, model: CellModel, x: FloatArray, y: FloatArray, values: dict[str, FloatArray]) -> CellTable:
         """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of them, (n, n) each."""
         w1, w2 = model.fabric.weave.w

@@ -19,15 +19,16 @@ from fabrics.surface import ResponseSurface
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
 from shellfabric.cell import table_cache
-from shellfabric.cell.model import FILL, CellModel, CellTable
+from shellfabric.cell.model import FILL, FILLS, CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact.outcome import Outcome
+from shellfabric.jit import compile_in_child
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.hooks import Snapshots
 from shellfabric.output.snapshots import Snapshot
-from shellfabric.panel import boundary, quality
+from shellfabric.panel import boundary, compile_ahead, quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PLY_SAMPLES, ClothSolver
@@ -250,6 +251,10 @@ class ImpactSetup:
         cell = self.cell()
         if self.surface is not None:
             return cell.table(self.table_size)
+        if self.plies == 1 and self.crossovers is None and compile_in_child.is_cold(FILLS[method]):
+            # the kernels compile while the cell is solved: their types do not depend on the values of its table
+            panel = self.panel(CellTable.straight(cell))  # type: ignore[arg-type]
+            compile_ahead.begin(panel.state(self.strike_velocity), panel.constants(), panel.work())
         return table_cache.table(cell, self.table_size, method) if kept else cell.table(self.table_size, method)  # type: ignore[arg-type, call-arg]
 
     def panel(self, table: CellTable | None = None) -> Panel:

@@ -17,7 +17,7 @@ from numba.core.imputils import impl_ret_borrowed
 from numba.core.pythonapi import NativeValue, unbox
 from numba.core.typing.templates import AttributeTemplate
 from numba.core.typing.typeof import typeof_impl
-from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, register_model
+from numba.extending import infer_getattr, lower_getattr_generic, register_model
 
 from shellfabric.jit.numba_internals import KNOWN
 
@@ -134,19 +134,3 @@ def _unbox(kind, tuple_, c):
                 context.nrt.decref(builder, member, native.value)
 
     return NativeValue(hidden, is_error=failed, cleanup=cleanup)
-
-
-@intrinsic
-def dereferenced(typing, value):
-    """The named tuple itself, to be kept in a list; what is none passed by reference as it is."""
-    if not isinstance(value, Reference):
-        return value(value), lambda context, builder, signature, arguments: impl_ret_borrowed(
-            context, builder, signature.return_type, arguments[0]
-        )
-
-    def codegen(context, builder, signature, arguments):
-        model = context.data_model_manager[value.inner]
-        pointer = builder.bitcast(arguments[0], model.get_data_type().as_pointer())
-        return impl_ret_borrowed(context, builder, value.inner, model.load_from_data_pointer(builder, pointer))
-
-    return value.inner(value), codegen

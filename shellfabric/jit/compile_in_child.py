@@ -7,9 +7,9 @@ which writes it there, and is then loaded like any other that is. Where that doe
 kernel is not one of an importable module, the compiler objects) this process compiles it after all, with the same
 outcome or the same error.
 
-Kernels that will be called soon can be compiled by several such processes beside each other (`start`). Who wants one of
-them waits for the child that has it; before any other kernel is compiled all children are waited for, since it may call
-what they compile.
+Kernels that will be called soon can be compiled by several such processes beside each other (`start`), and those that
+call them by others after these. Who wants one of them waits for the child that has it; before any other kernel is
+compiled all children are waited for, since it may call what they compile.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import os
 import pickle
 import subprocess
 import sys
+import threading
 from pkgutil import resolve_name
 from typing import Any
 
@@ -27,14 +28,16 @@ from numba.core.caching import FunctionCache
 from fabrics.kernel_cache import compiling
 
 # numba types of arguments that are no tuples
-INDEX, FLAG, NUMBER, VECTOR = types.int64, types.boolean, types.float64, types.float64[::1]
+INDEX, NUMBER, VECTOR, HISTORY, COUNTERS = (
+    types.int64, types.float64, types.float64[::1], types.float64[:, ::1], types.int64[::1],
+)  # fmt: skip
 # scalars and arrays among the arguments; one array takes a dozen instructions wherever it is passed on
 MIN_MEMBERS = 50
 ENTRY_SUFFIX = "_from_python"  # ending of the name of a kernel's way in from Python (`compile`)
 _CHILD_CODE = "from shellfabric.jit.compile_in_child import child; child()"
 
 
-_pending: list[tuple[subprocess.Popen, list]] = []  # children that `start` has begun, and what each compiles
+_pending: list[tuple[threading.Event, list]] = []  # children that `start` has planned: set at their end, what for
 
 
 class ChildCompileCache(FunctionCache):
@@ -59,17 +62,31 @@ class ChildCompileCache(FunctionCache):
         compiling(self._py_func.__module__, done=True)
 
 
-def start(*parts):
-    """Begin to compile kernels, each part in a child process of its own: [(kernel, numba types of its arguments), ...].
+def start(*stages):
+    """Begin to compile kernels: each part of a stage, [(kernel, numba types of its arguments), ...], in a child process
+    of its own, the children of a stage beside each other, and each stage when the one before has ended.
 
     What is in the cache is left out. Returns without waiting.
     """
-    for part in parts:
-        missing = [(kernel.py_func, kinds) for kernel, kinds in part if not kept(kernel, kinds)]
-        process = _child([_named(function, kinds) for function, kinds in missing]) if missing else None
-        if process is not None:
-            compiling(missing[0][0].__module__)
-            _pending.append((process, [(function.__qualname__, kinds) for function, kinds in missing]))
+    planned = []
+    for parts in stages:
+        found = [[(kernel.py_func, kinds) for kernel, kinds in part if not kept(kernel, kinds)] for part in parts]
+        planned.append([(threading.Event(), missing) for missing in found if missing])
+    for done, missing in (part for stage in planned for part in stage):
+        _pending.append((done, [(function.__qualname__, kinds) for function, kinds in missing]))
+    if any(planned):
+        compiling(next(missing for stage in planned for _, missing in stage)[0][0].__module__)
+        threading.Thread(target=_compile_stages, args=(planned,), daemon=True).start()
+
+
+def _compile_stages(planned):
+    """The children of each stage, one stage after the other."""
+    for stage in planned:
+        children = [(done, _child([_named(*one) for one in missing])) for done, missing in stage]
+        for done, process in children:
+            if process is not None:
+                process.wait()
+            done.set()
 
 
 def await_children(function, kinds):
@@ -94,12 +111,18 @@ def kept(kernel, kinds):
         return True
 
 
+def is_cold(kernel):
+    """Whether no machine code of a kernel is in its cache, for whatever arguments."""
+    try:
+        return not kernel._cache._cache_file._load_index()
+    except (OSError, AttributeError):
+        return False
+
+
 def members(kinds):
     """How many scalars and arrays there are in numba types: tuples and lists count what they hold."""
-    kinds = getattr(kinds, "inner", kinds)  # of a reference to a named tuple
-    if isinstance(kinds, (tuple, types.BaseTuple)):
-        return sum(map(members, kinds))
-    return members(kinds.dtype) if isinstance(kinds, (types.List, types.ListType)) else 1
+    kinds = getattr(kinds, "kind", getattr(kinds, "inner", kinds))  # of `Items`; of a reference to a named tuple
+    return sum(map(members, kinds)) if isinstance(kinds, (tuple, types.BaseTuple)) else 1
 
 
 def compiled_in_child(function, kinds):

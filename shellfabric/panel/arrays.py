@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellfabric.cloth import boundary_kernels
 from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.by_reference import by_reference
@@ -129,7 +128,10 @@ def _constants(panel, out_of_plane):
 
 
 def state(panel: Panel, strike_velocity: float) -> State:
-    """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
+    """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s].
+
+    The kernels of a run compute its forces before the first step.
+    """
     const = panel.constants()
     state, ni = undeformed(panel, const, strike_velocity), const.ni
     if const.window_follows:
@@ -137,9 +139,6 @@ def state(panel: Panel, strike_velocity: float) -> State:
         state.active_rows[:] = max(state.contact_window[0] - 2, 0), min(state.contact_window[1] + 2, ni)
     if np.any(const.slip_data[:, 0]):
         state.active_rows[:] = 0, ni  # edges with a prescribed pull-in move before any wave comes to them
-    step_kernels.initial_forces(state, const, work(panel))
-    if const.slip_node.size:
-        boundary_kernels.update_slip_nodes(state, const, 0.0)
     return state
 
 
@@ -174,7 +173,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         projectile_position=panel.projectile.start(), projectile_velocity=strike_velocity * panel.projectile.flight,
         f_contact_nose=np.zeros(3),
         contact_energy=np.zeros(5), active_rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]),
-        counter=np.zeros(3, np.int64),
+        counter=np.array([step_kernels.AT_REST, 0, 0]),
         energy_sums=np.zeros((blocks, 5)), peak_tension=np.zeros(2), peak_segment=np.zeros((2, 2), np.int64),
         contact_window=np.array(const.window_limits),
         slip_force=np.zeros(const.slip_node.size), slip_energy=np.zeros(3),

@@ -1,41 +1,44 @@
-"""Kernels of a panel's run, compiled by two processes beside each other where they are not in the cache yet.
+"""Kernels of a run, compiled by two processes beside each other where they are not in the cache yet.
 
-`run_steps_main` takes half of the time that all kernels of a run take, and needs those of the internal forces, which
-the initial state needs as well, and those of contact, failure and energies. The two groups have little in common.
+The kernel that makes the steps takes half of the time, and what it calls falls into two groups that have little in
+common: the forces of the elements with failure, and the contact with the projectile. Both are compiled first, then the
+steps beside the energies and the quality indicators, which need the same.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fabrics.kernel_cache import one_compiler_a_node
-from shellfabric.cloth import failure_kernels
+from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.jit import compile_in_child
-from shellfabric.jit.compile_in_child import FLAG, INDEX, NUMBER, VECTOR, type_of
-from shellfabric.panel import arrays, quality_kernels, step_kernels
-from shellfabric.projectile import contact_kernels
+from shellfabric.jit.compile_in_child import COUNTERS, HISTORY, INDEX, NUMBER, VECTOR, type_of
+from shellfabric.panel import element_kernels, motion_kernels, quality_kernels, step_kernels
+from shellfabric.panel.arrays import Constants, State, Work
+from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 
-if TYPE_CHECKING:
-    from shellfabric.panel.model import Panel
-
-_begun: set[Any] = set()  # kinds of the constants of panels that this has been done for
+THREAD = HISTORY, COUNTERS, INDEX, INDEX, NUMBER  # history, shared, me, count, allowed of `run_thread`
+_begun: set[Any] = set()  # kinds of the constants of panels and packs that this has been done for
 
 
-def begin(panel: Panel) -> None:
-    """Begin to compile what a run of a panel needs; returns at once."""
-    const = panel.constants()
+def begin(state: State, const: Constants, work: Work) -> None:
+    """Begin to compile what the run of a panel needs; returns at once."""
+    if is_new(const):
+        known = type_of(state), type_of(const), type_of(work)
+        forces, contact = parts(*known, type_of(work.contact_scratch))
+        steps = [(step_kernels.run_thread, (*known, INDEX, *THREAD))]
+        compile_in_child.start([forces, contact], [steps, audit(*known[:2])])
+
+
+def is_new(const: Any) -> bool:
+    """Whether this is the first run in this process with constants of these types, and it may compile what it likes."""
     kind = _kind(const)
-    if kind in _begun:
-        return
+    if kind in _begun or one_compiler_a_node.cache_info().currsize:  # which would have each kernel compiled once
+        return False
     _begun.add(kind)
-    known = type_of(const)
-    if one_compiler_a_node.cache_info().currsize:  # which would have each kernel compiled once
-        return
-    state, work = type_of(arrays.undeformed(panel, const, 1.0)), panel.work()
-    if not compile_in_child.kept(step_kernels.initial_forces, (state, known, type_of(work))):
-        compile_in_child.start(*groups(state, known, type_of(work), type_of(work.contact_scratch)))
+    return True
 
 
 def _kind(value):
@@ -47,17 +50,34 @@ def _kind(value):
     return type(value)
 
 
-def groups(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:
-    """Two groups of (kernel, numba types of its arguments), from the types of the tuples of a panel."""
-    rows = const, state, INDEX, INDEX
+def parts(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:
+    """Kernels of a ply, [(kernel, numba types of its arguments), ...]: elements with failure, contact with projectile.
+
+    Parameters
+    ----------
+    state, const, work, scratch : numba types of the tuples of a panel
+    """
+    rows, both = (const, state, INDEX, INDEX), (state, const)
     family = const, state, INDEX, INDEX, INDEX
-    monitor = state, const, INDEX, INDEX, FLAG, NUMBER, NUMBER, VECTOR
-    return [(step_kernels.initial_forces, (state, const, work))], [
-        (contact_kernels.contact_forces, (state, const, scratch)),
+    return [
+        (motion_kernels.move_rows, (*both, INDEX, INDEX)),
+        (element_kernels.element_forces, (*both, INDEX, INDEX, INDEX, work)),
+        (element_kernels.refresh_tensions, (*both, INDEX, INDEX, work)),
         (failure_kernels.stored_energy, rows),
         (failure_kernels.half_step_work, rows),
         (failure_kernels.any_past_strength, family),
         (failure_kernels.detect_failures, family),
-        (step_kernels.energies, (state, const, VECTOR)),
-        (quality_kernels.sample, monitor),
+    ], [
+        (contact_kernels.contact_forces, (*both, scratch)),
+        (contact_kernels.apply_contact_impulse, both),
+        (window_kernels.cloth_ahead_of_nose, both),
+        (motion_kernels.grow_active_rows, both),
+        (bar_kernels.advance_bar, (*both, NUMBER)),
+        (boundary_kernels.update_slip_nodes, (*both, NUMBER)),
     ]
+
+
+def audit(state: Any, const: Any) -> list:
+    """Kernels of the samples, as `parts`."""
+    monitor = state, const, INDEX, INDEX, NUMBER, NUMBER, VECTOR
+    return [(step_kernels.energies, (state, const, VECTOR)), (quality_kernels.sample, monitor)]

@@ -65,6 +65,7 @@ class ClothSolver(ExplicitSolver):
         self.history_columns = len(dynamics.columns(self.panel.projectile))
         self.ply_samples, self.history_request, self.histories = [], None, []
         self.backing, self.perforated_samples = None, 0
+        self.run_steps(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf)  # the forces at rest
         if self.panel.backing is not None:
             last, const, state = self.parts[-1]
             self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
@@ -297,16 +298,17 @@ class PanelSolver(ClothSolver):
         super().__init__(
             panel.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=energy_error_limit
         )
-        compile_ahead.begin(panel)
-        self._start(((panel, panel.constants(), panel.state(strike_velocity)),), panel.elements)
-        self._works = [panel.work() for _ in range(self.threads)]
+        const, state, self._works = panel.constants(), panel.state(strike_velocity), [panel.work()]
+        compile_ahead.begin(state, const, self._works[0])
+        self._start(((panel, const, state),), panel.elements)
+        self._works += [panel.work() for _ in range(1, self.threads)]
 
     def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
         """See ClothSolver."""
-        return kernels.run_steps_main(
-            self.state, self.const, self._works[0], len(history), history, shared, count, allowed
+        return kernels.run_thread(
+            self.state, self.const, self._works[0], len(history), history, shared, 0, count, allowed
         )
 
     def run_worker(self, shared: IntArray, me: int) -> None:
         """See ExplicitSolver."""
-        kernels.run_steps_worker(self.state, self.const, self._works[me], shared, me, self.threads)
+        kernels.run_thread(self.state, self.const, self._works[me], 0, self._rows(0), shared, me, self.threads, np.inf)

@@ -34,6 +34,7 @@ from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = 0, 1, 2, 3, 4  # CHECK: energy is to be audited before the next step
 KINETIC, STORED, SHEAR, BENDING, JAMMING = 0, 1, 2, 3, 4  # of `energies`
 STEP, IDLE, FAILURES = 0, 1, 2
+AT_REST = -1  # of counter[STEP], until the initial forces are computed
 
 
 @kernel(_nrt=False)
@@ -217,58 +218,62 @@ def internal_work(state):
 
 
 @entry(nogil=True, _nrt=False)
-def run_steps_main(state, const, work, steps, history, shared, count, allowed):
-    """Make at most `steps` steps, with `count` - 1 worker threads in `run_steps_worker`, all with scratch of their own.
+def run_thread(state, const, work, steps, history, shared, me, count, allowed):
+    """Thread `me` of `count`, each with scratch of its own: at most `steps` steps, as thread 0 has them.
+
+    The initial forces are computed before the first step, also where `steps` is 0.
 
     history (steps, 3): the projectile's foremost z, v_z of its centre of mass and the force on it after each; of a bar
     (steps, 9), see `record_step`. shared : see `barrier.barrier_wait`. allowed [J] : energy exchange, the sum over
     steps of the change of `internal_work`, after which CHECK ends the call: no energy error can exceed the energy
-    exchanged. Returns (steps made, RUNNING or the reason to end).
+    exchanged. Returns (steps made, RUNNING or the reason to end) of thread 0.
     """
+    if me == 0:
+        begin(state, const, work)
     made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(state)
-    while made < steps and reason == RUNNING:
-        pre_step(state, const)
-        barrier_wait(shared, count)
-        update_blocks(state, const, work, shared, 0, count)
-        barrier_wait(shared, count)
-        reason = post_step(state, const, work)
-        record_step(state, const, state.f_contact_nose[2] + state.f_block_nose[2], history[made])
-        made += 1
-        now = internal_work(state)
-        exchanged, before = exchanged + abs(now - before), now
-        if reason == RUNNING and not exchanged <= allowed:
-            reason = CHECK
-    shared[STOP] = 1
-    barrier_wait(shared, count)
-    first, last = thread_range(state, const, 0, count)
-    refresh_tensions(state, const, first, last, work)
-    barrier_wait(shared, count)
-    return made, reason
-
-
-@entry(nogil=True, _nrt=False)
-def run_steps_worker(state, const, work, shared, me, count):
-    """Worker thread `me` of the steps that `run_steps_main` makes."""
     while True:
+        if me == 0:
+            if made < steps and reason == RUNNING:
+                pre_step(state, const)
+            else:
+                shared[STOP] = 1
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
         update_blocks(state, const, work, shared, me, count)
         barrier_wait(shared, count)
+        if me == 0:
+            reason = post_step(state, const, work)
+            record_step(state, const, state.f_contact_nose[2] + state.f_block_nose[2], history[made])
+            made += 1
+            now = internal_work(state)
+            exchanged, before = exchanged + abs(now - before), now
+            if reason == RUNNING and not exchanged <= allowed:
+                reason = CHECK
     first, last = thread_range(state, const, me, count)
     refresh_tensions(state, const, first, last, work)
     barrier_wait(shared, count)
+    return made, reason
 
 
-@entry(nogil=True, _nrt=False)
 def run_steps(state, const, work, steps, history):
-    """`run_steps_main` without worker threads."""
-    return run_steps_main(state, const, work, steps, history, work.barrier, 1, np.inf)
+    """`run_thread` of one thread, without a check of the energy."""
+    work.barrier[:] = 0
+    return run_thread(state, const, work, steps, history, work.barrier, 0, 1, np.inf)
 
 
-@entry(nogil=True, _nrt=False)
+@kernel(_nrt=False)
+def begin(state, const, work):
+    """Forces and slipping edges of the state at rest, before its first step."""
+    if state.counter[STEP] == AT_REST:
+        initial_forces(state, const, work)
+        boundary_kernels.update_slip_nodes(state, const, 0.0)
+        state.counter[STEP] = 0
+
+
+@kernel(_nrt=False)
 def initial_forces(state, const, work):
-    """Internal forces of the initial state, before the first step."""
+    """Internal forces of a state, without a step."""
     for block in range((const.ni + const.rows_per_block - 1) // const.rows_per_block):
         element_forces(
             state, const, block, block * const.rows_per_block, min(const.ni, (block + 1) * const.rows_per_block), work

@@ -19,7 +19,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
-from typing import Any
 
 import numpy as np
 
@@ -31,7 +30,8 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
-from shellfabric.plies import friction, step_kernels
+from shellfabric.panel.step_kernels import AT_REST
+from shellfabric.plies import friction
 from shellfabric.plies.arrays import Pair, Stack, TornContact, torn_contact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.gap import gap_between, ply_gap
@@ -235,7 +235,7 @@ class Pack:
         stack = Stack(
             awake=np.zeros(count, np.bool_), waits_for_plies=np.zeros(count, np.bool_), counter=np.zeros(2, np.int64),
             projectile_position=np.zeros((count, 3)), f_contact_nose=np.zeros((count, 3)),
-            ply_counters=np.zeros((count, 3), np.int64), projectile_velocity=strike_velocity * shot.flight,
+            ply_counters=np.tile([AT_REST, 0, 0], (count, 1)), projectile_velocity=strike_velocity * shot.flight,
         )  # fmt: skip
         states = []
         for p, ply in enumerate(self.plies):
@@ -346,14 +346,6 @@ def _slower(ply, step):
     """A ply with the Courant factor that gives it a time step [s]."""
     cfl = ply.numerics.cfl * step / ply.time_step
     return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
-
-
-def lists(items: Sequence[Any]) -> Any:
-    """A sequence of named tuples as the list that the kernels take."""
-    found = step_kernels.new_list(items[0])
-    for item in items[1:]:
-        step_kernels.append(found, item)
-    return found
 
 
 def turned(panel: Panel) -> Panel:

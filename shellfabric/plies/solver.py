@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
+from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel.solver import ENERGIES, OBSERVED, ClothSolver
 from shellfabric.panel.step_kernels import STEP
-from shellfabric.plies import contact_simd_kernels, step_kernels, torn_contact_kernels
-from shellfabric.plies.model import Pack, lists
+from shellfabric.plies import compile_ahead, contact_simd_kernels, step_kernels, torn_contact_kernels
+from shellfabric.plies.model import Pack
 
 PACK_ENERGIES = (*ENERGIES[:-1], "ply_contact", "ply_friction", ENERGIES[-1])
 PACK_SAMPLES = (*OBSERVED, *PACK_ENERGIES)
@@ -60,9 +61,12 @@ class PackSolver(ClothSolver):
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
         self.pairs = pack.pairs(self.consts, self.states)
         self.stops = pack.stops(self.consts, self.states)
-        self._lists = tuple(lists(items) for items in (self.states, self.consts, self.pairs))
+        self._lists = tuple(Items(items) for items in (self.states, self.consts, self.pairs))
+        self._works = [Items(pack.works())]
+        if type(self) is PackSolver:
+            compile_ahead.begin(self._lists, self._works[0], self.stack, self.stops)
         self._start(tuple(zip(pack.plies, self.consts, self.states)), pack.elements, len(pack.plies))
-        self._works = [lists(pack.works()) for _ in range(self.threads)]
+        self._works += [Items(pack.works()) for _ in range(1, self.threads)]
 
     @property
     def target(self) -> Pack:
@@ -111,17 +115,18 @@ class PackSolver(ClothSolver):
     def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
         """See ClothSolver."""
         states, consts, pairs = self._lists
-        return step_kernels.run_steps_main(
-            states, consts, pairs, self.stack, self.stops, self._works[0], len(history), history, shared, count,
+        return step_kernels.run_thread(
+            states, consts, pairs, self.stack, self.stops, self._works[0], len(history), history, shared, 0, count,
             allowed,
         )  # fmt: skip
 
     def run_worker(self, shared: IntArray, me: int) -> None:
         """See ExplicitSolver."""
         states, consts, pairs = self._lists
-        step_kernels.run_steps_worker(
-            states, consts, pairs, self.stack, self.stops, self._works[me], shared, me, self.threads
-        )
+        step_kernels.run_thread(
+            states, consts, pairs, self.stack, self.stops, self._works[me], 0, self._rows(0), shared, me, self.threads,
+            np.inf,
+        )  # fmt: skip
 
     def block_moves(self) -> bool:
         """See ClothSolver."""

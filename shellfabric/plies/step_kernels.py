@@ -5,8 +5,9 @@ Every ply makes the step of a single one (`panel.step_kernels`); between them st
 kept for each ply, counted from the ply's own plane at rest. A ply is skipped until something pushes on it; at most
 one ply of a pair is skipped while the pair is computed.
 
-States, constants, scratch and pairs come as numba's lists, so that what is compiled does not depend on the number of
-plies. Plies of one grid share their scratch; those of another have their own, since its idle slots must stay at rest.
+States, constants, scratch and pairs come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend
+on the number of plies. Plies of one grid share their scratch; those of another have their own, since its idle slots
+must stay at rest.
 Several threads can share the work: each has some plies, then some pairs, and they wait for each other in between. No
 two write to the same place, so that results do not depend on their number. The constraints of torn
 plies (`plies.torn_contact_kernels`) involve all plies at once, and are one thread's.
@@ -15,12 +16,10 @@ plies (`plies.torn_contact_kernels`) involve all plies at once, and are one thre
 import math
 
 import numpy as np
-from numba.typed import List
 
 from shellfabric.cloth import boundary_kernels
 from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.borrowed_list import borrowed_item
-from shellfabric.jit.by_reference import dereferenced
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.step_kernels import CHECK, FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
@@ -29,23 +28,9 @@ from shellfabric.plies import torn_contact_kernels
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 
 
-@entry()
-def new_list(first):
-    """A numba list of one item; compiled once for all runs, unlike `List` used from without."""
-    items = List()
-    items.append(dereferenced(first))
-    return items
-
-
-@entry()
-def append(items, one):
-    """Add one to such a list."""
-    items.append(dereferenced(one))
-
-
 @kernel(_nrt=False, forceinline=True)
 def ply_step(state, const, work):
-    """What a ply does in a step but for the impulses of contact: as `panel.step_kernels.run_steps_main` has it.
+    """What a ply does in a step but for the impulses of contact: as `panel.step_kernels.run_thread` has it.
 
     Returns whether the nose's forces are to be computed after those of the other plies, which implicit springs depend
     on (see `contact_kernels`): as long as the nose pushes.
@@ -244,43 +229,30 @@ def internal_work(states, pairs):
     return total
 
 
+@kernel(_nrt=False)
+def begin(states, consts, works):
+    """As `panel.step_kernels.begin`, of all plies."""
+    for p in range(len(states)):
+        panel_step_kernels.begin(borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p))
+
+
 @entry(nogil=True)
-def run_steps_main(states, consts, pairs, stack, stops, works, steps, history, shared, count, allowed):
-    """Make at most `steps` steps, with `count` - 1 threads that `run_steps_worker`; see
-    `panel.step_kernels.run_steps_main`."""
+def run_thread(states, consts, pairs, stack, stops, works, steps, history, shared, me, count, allowed):
+    """Thread `me` of `count`: at most `steps` steps, as thread 0 has them; see `panel.step_kernels.run_thread`."""
+    if me == 0:
+        begin(states, consts, works)
     made, reason, exchanged, before = (
         0,
         RUNNING,
         0.0,
         internal_work(states, pairs) + stops.energy[torn_contact_kernels.WORK],
     )
-    while made < steps and reason == RUNNING:
-        apply_nose_impulses(states, consts, stack)
-        barrier_wait(shared, count)
-        step_plies(states, consts, pairs, stack, stops, works, 0, count)
-        barrier_wait(shared, count)
-        step_pairs(states, consts, pairs, stack, 0, count)
-        barrier_wait(shared, count)
-        implicit_nose_contact(states, consts, pairs, stack, works, 0, count)
-        barrier_wait(shared, count)
-        torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
-        reason = post_step(states, consts, stack, history[made])
-        made += 1
-        now = internal_work(states, pairs) + stops.energy[torn_contact_kernels.WORK]
-        exchanged, before = exchanged + abs(now - before), now
-        if reason == RUNNING and not exchanged <= allowed:
-            reason = CHECK
-    shared[STOP] = 1
-    barrier_wait(shared, count)
-    refresh_tensions(states, consts, stack, works, 0, count)
-    barrier_wait(shared, count)
-    return made, reason
-
-
-@entry(nogil=True)
-def run_steps_worker(states, consts, pairs, stack, stops, works, shared, me, count):
-    """Do thread number `me`'s part of each step that `run_steps_main` makes."""
     while True:
+        if me == 0:
+            if made < steps and reason == RUNNING:
+                apply_nose_impulses(states, consts, stack)
+            else:
+                shared[STOP] = 1
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
@@ -290,8 +262,17 @@ def run_steps_worker(states, consts, pairs, stack, stops, works, shared, me, cou
         barrier_wait(shared, count)
         implicit_nose_contact(states, consts, pairs, stack, works, me, count)
         barrier_wait(shared, count)
+        if me == 0:
+            torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
+            reason = post_step(states, consts, stack, history[made])
+            made += 1
+            now = internal_work(states, pairs) + stops.energy[torn_contact_kernels.WORK]
+            exchanged, before = exchanged + abs(now - before), now
+            if reason == RUNNING and not exchanged <= allowed:
+                reason = CHECK
     refresh_tensions(states, consts, stack, works, me, count)
     barrier_wait(shared, count)
+    return made, reason
 
 
 @kernel(_nrt=False)

@@ -26,6 +26,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from shellfabric.cell import coefficients
 from shellfabric.jit.aligned import aligned_zeros
+from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel import boundary
 from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
@@ -41,6 +42,7 @@ Slip = namedtuple(
     "active cohesion mu table lateral closest least share inv_share x config q q_before friction stop residual mass "
     "pull mobility coupling part grip row_slips tail removed passed counter work",
 )
+by_reference(Slip)
 
 
 @dataclass(frozen=True)

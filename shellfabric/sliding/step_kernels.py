@@ -12,6 +12,7 @@ from shellfabric.jit.compile import entry, kernel
 from shellfabric.panel.element_kernels import DAMAGED, LOST_TRELLIS, LOST_YARN, REDO, VISCOUS, WORK
 from shellfabric.panel.motion_kernels import move_rows
 from shellfabric.panel.step_kernels import (
+    AT_REST,
     CHECK,
     FAILURES,
     IDLE,
@@ -154,12 +155,13 @@ def post_step(states, const, slip, works):
 
 @entry(nogil=True, _nrt=False)
 def run_steps(states, const, slip, works, steps, history, allowed):
-    """Make at most `steps` steps; history, allowed and what is returned as `panel.step_kernels.run_steps_main`.
+    """Make at most `steps` steps; history, allowed and what is returned as `panel.step_kernels.run_thread`.
 
     states : (State, the same with the effective stretches in the place of the stretches)
     works : see `forces_kernels.element_forces`
     """
     state = states[0]
+    begin(state, const, slip, works)
     made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(state)
     while made < steps and reason == RUNNING:
         pre_step(state, const)
@@ -179,7 +181,16 @@ def run_steps(states, const, slip, works, steps, history, allowed):
     return made, reason
 
 
-@entry(nogil=True, _nrt=False)
+@kernel(_nrt=False)
+def begin(state, const, slip, works):
+    """Forces and slipping edges of the state at rest, before its first step."""
+    if state.counter[STEP] == AT_REST:
+        initial_forces(state, const, slip, works)
+        boundary_kernels.update_slip_nodes(state, const, 0.0)
+        state.counter[STEP] = 0
+
+
+@kernel(_nrt=False)
 def initial_forces(state, const, slip, works):
     """Internal and configurational forces of a state, without a step."""
     for block in range((const.ni + const.rows_per_block - 1) // const.rows_per_block):

@@ -13,9 +13,10 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
+from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel.model import Panel
 from shellfabric.panel.solver import OBSERVED, ClothSolver
-from shellfabric.plies.model import Pack, lists
+from shellfabric.plies.model import Pack
 from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics
 from shellfabric.sliding import solver as sliding
@@ -72,9 +73,10 @@ class SlidingPackSolver(PackSolver):
         self._effective = [state._replace(stretch=slip.x) for state, slip in zip(states, self.slips)]
         room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
         self._loaded = [state._replace(f_contact=room(state)) for state in states]
-        self._plies = tuple(lists(items) for items in (states, self._effective, self._loaded, consts, self.slips))
+        self._plies = tuple(Items(items) for items in (states, self._effective, self._loaded, consts, self.slips))
+        self._pair_works = [self._works_of_a_thread()]
         super()._start(parts, elements, most_threads)
-        self._pair_works = [self._works_of_a_thread() for _ in range(self.threads)]
+        self._pair_works += [self._works_of_a_thread() for _ in range(1, self.threads)]
 
     def _works_of_a_thread(self):
         """(scratch, the same with room for the effective stretches) of one thread, each a list of the plies'."""
@@ -83,20 +85,21 @@ class SlidingPackSolver(PackSolver):
             if id(work) not in found:
                 room = {name: np.zeros_like(getattr(work, name)) for name in ("stretch1", "stretch2")}
                 found[id(work)] = work._replace(**room)
-        return lists(works), lists([found[id(work)] for work in works])
+        return Items(works), Items([found[id(work)] for work in works])
 
     def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
         """See ClothSolver."""
-        return kernels.run_steps_main(
-            self._plies, self._lists[2], self.stack, self.stops, self._pair_works[0], len(history), history, shared,
+        return kernels.run_thread(
+            self._plies, self._lists[2], self.stack, self.stops, self._pair_works[0], len(history), history, shared, 0,
             count, allowed,
         )  # fmt: skip
 
     def run_worker(self, shared: IntArray, me: int) -> None:
         """See ExplicitSolver."""
-        kernels.run_steps_worker(
-            self._plies, self._lists[2], self.stack, self.stops, self._pair_works[me], shared, me, self.threads
-        )
+        kernels.run_thread(
+            self._plies, self._lists[2], self.stack, self.stops, self._pair_works[me], 0, self._rows(0), shared, me,
+            self.threads, np.inf,
+        )  # fmt: skip
 
     def _ply_energies(self, ply):
         """(12,) [J] of a ply, as ply_audit.energies, with those of its slip."""

@@ -112,48 +112,34 @@ def slip_plies(pack, pairs, stack, stops, me, count):
             slip_kernels.slip_nodes(borrowed_item(pack[2], p), borrowed_item(pack[3], p), slip)
 
 
+@kernel(_nrt=False)
+def begin(pack, works):
+    """As `sliding.step_kernels.begin`, of all plies."""
+    states, _, _, consts, slips = pack
+    for p in range(len(states)):
+        both = borrowed_item(works[0], p), borrowed_item(works[1], p)
+        sliding.begin(borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(slips, p), both)
+
+
 @entry(nogil=True)
-def run_steps_main(pack, pairs, stack, stops, works, steps, history, shared, count, allowed):
-    """Make at most `steps` steps, with `count` - 1 threads that `run_steps_worker`; as `plies.step_kernels`.
+def run_thread(pack, pairs, stack, stops, works, steps, history, shared, me, count, allowed):
+    """Thread `me` of `count`: at most `steps` steps, as thread 0 has them; as `plies.step_kernels.run_thread`.
 
     pack : (states, the same with the effective stretches in the place of the stretches, the same with the sum of all
         contact forces in the place of those of the nose, constants, slips) of the plies, each a list
     works : (scratch, the same scratch with the effective stretches in the place of the stretches), each a list
     """
     states, consts = pack[0], pack[3]
+    if me == 0:
+        begin(pack, works)
     made, reason, exchanged = 0, RUNNING, 0.0
     before = plies.internal_work(states, pairs) + stops.energy[torn_contact_kernels.WORK]
-    while made < steps and reason == RUNNING:
-        plies.apply_nose_impulses(states, consts, stack)
-        barrier_wait(shared, count)
-        step_plies(pack, pairs, stack, stops, works, 0, count)
-        barrier_wait(shared, count)
-        plies.step_pairs(states, consts, pairs, stack, 0, count)
-        barrier_wait(shared, count)
-        plies.implicit_nose_contact(states, consts, pairs, stack, works[0], 0, count)
-        barrier_wait(shared, count)
-        torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
-        barrier_wait(shared, count)
-        slip_plies(pack, pairs, stack, stops, 0, count)
-        barrier_wait(shared, count)
-        reason = plies.post_step(states, consts, stack, history[made])
-        made += 1
-        now = plies.internal_work(states, pairs) + stops.energy[torn_contact_kernels.WORK]
-        exchanged, before = exchanged + abs(now - before), now
-        if reason == RUNNING and not exchanged <= allowed:
-            reason = CHECK
-    shared[STOP] = 1
-    barrier_wait(shared, count)
-    refresh_tensions(pack, stack, works, 0, count)
-    barrier_wait(shared, count)
-    return made, reason
-
-
-@entry(nogil=True)
-def run_steps_worker(pack, pairs, stack, stops, works, shared, me, count):
-    """Do thread number `me`'s part of each step that `run_steps_main` makes."""
-    states, consts = pack[0], pack[3]
     while True:
+        if me == 0:
+            if made < steps and reason == RUNNING:
+                plies.apply_nose_impulses(states, consts, stack)
+            else:
+                shared[STOP] = 1
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
@@ -163,11 +149,21 @@ def run_steps_worker(pack, pairs, stack, stops, works, shared, me, count):
         barrier_wait(shared, count)
         plies.implicit_nose_contact(states, consts, pairs, stack, works[0], me, count)
         barrier_wait(shared, count)
+        if me == 0:
+            torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
         barrier_wait(shared, count)
         slip_plies(pack, pairs, stack, stops, me, count)
         barrier_wait(shared, count)
+        if me == 0:
+            reason = plies.post_step(states, consts, stack, history[made])
+            made += 1
+            now = plies.internal_work(states, pairs) + stops.energy[torn_contact_kernels.WORK]
+            exchanged, before = exchanged + abs(now - before), now
+            if reason == RUNNING and not exchanged <= allowed:
+                reason = CHECK
     refresh_tensions(pack, stack, works, me, count)
     barrier_wait(shared, count)
+    return made, reason
 
 
 @kernel(_nrt=False)

@@ -19,6 +19,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from shellfabric.jit.by_reference import by_reference
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid import fibre_kernels, solid_kernels, step_kernels, yarn_contact_kernels
 from shellfabric.solid.hex8 import Bricks
@@ -38,6 +39,7 @@ State = namedtuple(
     "half_step_work contact_energy nose_sums projectile_energy projectile_position projectile_velocity "
     "f_contact_nose step_sizes counter time",
 )
+by_reference(Constants, State)
 
 
 # of all kinds of yarn

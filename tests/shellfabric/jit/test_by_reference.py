@@ -6,10 +6,9 @@ from collections import namedtuple
 
 import numpy as np
 from numba import typeof
-from numba.typed import List
 
-from shellfabric.jit.borrowed_list import borrowed_item
-from shellfabric.jit.by_reference import Reference, by_reference, dereferenced
+from shellfabric.jit.borrowed_list import Items, borrowed_item
+from shellfabric.jit.by_reference import Reference, by_reference
 from shellfabric.jit.compile import entry, kernel
 
 Inner = namedtuple("Inner", "c d")
@@ -46,13 +45,6 @@ def total_of(item):
 
 
 @entry()
-def listed(item):
-    items = List()
-    items.append(dereferenced(item))
-    return items
-
-
-@entry()
 def total_in_list(items):
     return total(borrowed_item(items, 0))
 
@@ -62,7 +54,7 @@ def test_members_are_read_and_arrays_written_through_the_pointer():
     ITEM.pair[0][:] = 0.0
     expected = 100.0 + 2.0 + 2.5 + 1.0 + 7.0 + 4.0
     assert total_of(ITEM) == expected
-    assert total_in_list(listed(ITEM)) == expected
+    assert total_in_list(Items([ITEM])) == expected
     assert ITEM.pair[0].tolist() == [2.0, 2.0]
 
 

@@ -9,6 +9,7 @@ from numba import config, typeof, types
 from fabrics import kernel_cache
 from shellfabric.cell import yarn_kernels
 from shellfabric.jit import compile_in_child
+from shellfabric.jit.borrowed_list import ItemsType
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.panel import quality_kernels
 
@@ -123,4 +124,4 @@ def test_a_constant_argument_makes_no_variant():
 
 def test_members_are_counted_in_tuples_and_lists():
     panel = types.Tuple([types.float64, types.UniTuple(types.float64[:], 3)])
-    assert compile_in_child.members((panel, types.ListType(panel), types.int64)) == 4 + 4 + 1
+    assert compile_in_child.members((panel, ItemsType(panel), types.int64)) == 4 + 4 + 1

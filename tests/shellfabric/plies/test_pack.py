@@ -6,14 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numba.typed import List
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.simulation import ImpactSetup, run
-from shellfabric.jit.borrowed_list import borrowed_item
+from shellfabric.jit.borrowed_list import Items, borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics, Panel
@@ -337,11 +336,13 @@ def weigh(things):
 def test_items_of_a_list_are_looked_at_where_they_lie():
     arrays = [np.array([0.0, 2.0 + n]) for n in range(3)]
     counts = [sys.getrefcount(array) for array in arrays]
-    things = List([Thing(array, 1.0) for array in arrays])  # not `lists`: its cache would know this file
+    things = Items([Thing(array, 1.0) for array in arrays])
     held = [sys.getrefcount(array) for array in arrays]
     assert weigh(things) == 234.0
     assert weigh(things) == 234.0
     assert [array[0] for array in arrays] == [2.0, 2.0, 2.0]
     assert [sys.getrefcount(array) for array in arrays] == held
+    with pytest.raises(TypeError, match="2 types"):
+        Items([things.values[0], Thing(np.zeros(2, np.float32), 1.0)])
     del things
     assert [sys.getrefcount(array) for array in arrays] == counts
