@@ -233,10 +233,9 @@ def run_thread(state, const, work, steps, history, shared, me, count, allowed):
     made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(state)
     while True:
         if me == 0:
-            if made < steps and reason == RUNNING:
+            shared[STOP] = 0 if made < steps and reason == RUNNING else 1
+            if shared[STOP] == 0:
                 pre_step(state, const)
-            else:
-                shared[STOP] = 1
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
@@ -258,7 +257,6 @@ def run_thread(state, const, work, steps, history, shared, me, count, allowed):
 
 def run_steps(state, const, work, steps, history):
     """`run_thread` of one thread, without a check of the energy."""
-    work.barrier[:] = 0
     return run_thread(state, const, work, steps, history, work.barrier, 0, 1, np.inf)
 
 

@@ -249,10 +249,9 @@ def run_thread(states, consts, pairs, stack, stops, works, steps, history, share
     )
     while True:
         if me == 0:
-            if made < steps and reason == RUNNING:
+            shared[STOP] = 0 if made < steps and reason == RUNNING else 1
+            if shared[STOP] == 0:
                 apply_nose_impulses(states, consts, stack)
-            else:
-                shared[STOP] = 1
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break

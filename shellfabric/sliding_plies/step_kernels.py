@@ -136,10 +136,9 @@ def run_thread(pack, pairs, stack, stops, works, steps, history, shared, me, cou
     before = plies.internal_work(states, pairs) + stops.energy[torn_contact_kernels.WORK]
     while True:
         if me == 0:
-            if made < steps and reason == RUNNING:
+            shared[STOP] = 0 if made < steps and reason == RUNNING else 1
+            if shared[STOP] == 0:
                 plies.apply_nose_impulses(states, consts, stack)
-            else:
-                shared[STOP] = 1
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
