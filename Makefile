@@ -41,12 +41,12 @@ fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of tw
 figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
 
-charts: setup  ## docs/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
-	$(RUN) weavecell cost-accuracy --all --out $(RESULTS)/charts --page docs/charts.md
-	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/stability.md
+charts: setup  ## docs/reports/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
+	$(RUN) weavecell cost-accuracy --all --out $(RESULTS)/charts --page docs/reports/charts.md
+	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/reports/stability.md
 	$(RUN) weavecell cost-accuracy --scene crossover --out $(RESULTS)/chart-crossover
-	cp $(RESULTS)/chart-crossover/crossover.md docs/
-	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/figures/
+	cp $(RESULTS)/chart-crossover/crossover.md docs/reports/
+	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/reports/figures/
 
 docs:  ## the documentation site in results/site, with the scripts of examples/ run; warnings are errors
 	@VENV=$(DOCS_VENV) EXTRAS=app,docs tools/setup.sh

@@ -10,13 +10,13 @@ DOCS = ROOT / "docs"
 PAGES = {str(path.relative_to(ROOT)): path.read_text("utf-8") for path in sorted(DOCS.rglob("*.md"))
          if not {"generated", "_build"} & set(path.relative_to(DOCS).parts)}  # fmt: skip
 PAGES["README.md"] = (ROOT / "README.md").read_text("utf-8")
-FIGURE = re.compile(r"!\[([^]]*)\]\((?:\.\./|docs/)*figures/([\w.-]+)\)")
+FIGURE = re.compile(r"!\[([^]]*)\]\((?:\.\./|docs/|reports/)*figures/([\w.-]+)\)")
 NUMBER = re.compile(r"(?<![\w.-])\d+\.\d+(?![\w.]|-)")
 # sections of results.md whose numbers are of a command that they name, and single numbers of that kind
 OF_COMMANDS = {"Demonstration", "Cost"}
 # tables of a checkout with changes that take more than ten minutes of one core to compute again: the shots of the
 # calibration chain of six fabrics, and 2,816 shots of the Sobol indices
-LONG = {"docs/calibration.md": ["0298315e53c7"], "docs/scatter.md": ["bbd68ba95eb2"]}
+LONG = {"docs/reports/calibration.md": ["0298315e53c7"], "docs/reports/scatter.md": ["bbd68ba95eb2"]}
 TIMES = {"14.5"}  # minutes of `weavecell validate`
 
 
@@ -28,21 +28,23 @@ def sections(text):
 def not_found(section):
     """Numbers with a decimal point of a section of results.md that are on none of the pages that it names."""
     names = set(re.findall(r"\(([\w/-]+\.md)", section))
-    texts = [PAGES[f"docs/{name}"] for name in names]
+    texts = [PAGES[f"docs/reports/{name}"] for name in names]
     known = {float(number) for text in texts for number in re.findall(r"\d+(?:\.\d+)?", text)}
     rounded = known | {round(number, digits) for number in known for digits in (2,)}
     return [number for number in NUMBER.findall(section) if float(number) not in rounded and number not in TIMES]
 
 
-@pytest.mark.parametrize("heading", [name for name in sections(PAGES["docs/results.md"]) if name not in OF_COMMANDS])
+@pytest.mark.parametrize(
+    "heading", [name for name in sections(PAGES["docs/reports/results.md"]) if name not in OF_COMMANDS]
+)
 def test_numbers_of_results_are_on_the_pages_that_it_names(heading):
-    section = sections(PAGES["docs/results.md"])[heading]
+    section = sections(PAGES["docs/reports/results.md"])[heading]
     assert ".md)" in section
     assert not_found(section) == []
 
 
 def test_a_number_that_is_on_no_page_is_found():
-    section = sections(PAGES["docs/results.md"])["Outcomes of one ply"]
+    section = sections(PAGES["docs/reports/results.md"])["Outcomes of one ply"]
     assert not_found(section.replace("122.9", "987.6")) == ["987.6"]
 
 
@@ -53,7 +55,7 @@ def test_every_stamp_is_of_a_commit_without_changes():
 
 def test_every_figure_is_on_a_page_and_every_page_has_its_figures():
     shown = {name for text in PAGES.values() for _, name in FIGURE.findall(text)}
-    assert shown == {path.name for path in (DOCS / "figures").iterdir()}
+    assert shown == {path.name for path in DOCS.rglob("figures/*")}
 
 
 def test_figures_are_described():

@@ -21,19 +21,19 @@ def rows(name, columns):
 
 
 def test_ratios_of_the_computed_laws_are_those_of_the_page_of_calibration():
-    others = [row for name, row in rows("calibration.md", 12).items() if name != "S-720"]
+    others = [row for name, row in rows("reports/calibration.md", 12).items() if name != "S-720"]
     assert len(others) == 5
     for letter, column in (("a", 6), ("b", 7)):
         low, high = (pick(float(row[column]) for row in others) for pick in (min, max))
         expected = {"a": f"a of the other five is {low} to {high} times", "b": f"b {low} to {high} times"}
         assert expected[letter] in WORDS
-    own = rows("calibration.md", 12)["S-720"]
+    own = rows("reports/calibration.md", 12)["S-720"]
     assert max(abs(float(own[column]) - 1) for column in (6, 7)) <= 0.0200001
     assert "S-720 within 2 %" in WORDS
 
 
 def test_costs_and_the_energy_balance_are_those_of_the_page_of_results():
-    text = page("results.md")
+    text = page("reports/results.md")
     for number in ("0.080 s", "32 s", "0.7 to 3.3 s", "8.0 to 9.8 s"):
         assert number in WORDS, number
         assert number in text, number
@@ -51,7 +51,7 @@ def test_the_energy_balance_is_that_of_the_captions_that_stop():
 
 
 def _captions():
-    text = (ROOT / "docs" / "validation.md").read_text("utf-8")
+    text = (ROOT / "docs" / "reports" / "one-ply.md").read_text("utf-8")
     part = text.partition("<!-- captions of")[2].partition("<!-- end of captions")[0]
     return [line.strip("| ").split(" | ") for line in part.splitlines() if line.startswith("| S-")]
 

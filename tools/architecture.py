@@ -1,4 +1,4 @@
-"""Write docs/architecture.md and its diagram: layers, folders, and the data flow of one shot.
+"""Write docs/developers/architecture.md and its diagram: layers, folders, and the data flow of one shot.
 
     python tools/architecture.py [--scene examples/S-720-stops.toml]
 
@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT))
 from fabrics import source_code  # noqa: E402
 from tests.test_architecture import FLOORS, LAYERS  # noqa: E402
 
-PAGE, FIGURE = ROOT / "docs" / "architecture.md", ROOT / "docs" / "figures" / "architecture.svg"
+PAGE, FIGURE = ROOT / "docs" / "developers" / "architecture.md", ROOT / "docs" / "figures" / "architecture.svg"
 COLOURS = ("#e8eef7", "#d7e5f2", "#cfe3d8", "#f4e6cf", "#f0d9d5")
 
 
@@ -176,7 +176,7 @@ def text(scene, record):
         "",
         "Written by `python tools/architecture.py`; not to be edited by hand.",
         "",
-        "![Layers of the packages](figures/architecture.svg)",
+        "![Layers of the packages](../figures/architecture.svg)",
         "",
         "A package imports from the packages below it, and a folder of a solver from its own files and from lower "
         "folders.\n`tests/test_architecture.py` holds this: each of its rules is applied to the checkout, and to a "

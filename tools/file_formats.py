@@ -1,6 +1,6 @@
-"""Tables of docs/files.md that follow from readers and writers: fabric files, surfaces, records of the crossover.
+"""Tables of docs/reference/files.md that follow from readers and writers: fabric files, surfaces, records of the crossover.
 
-    python tools/file_formats.py [docs/files.md]
+    python tools/file_formats.py [docs/reference/files.md]
 
 Needs dolfinx, whose cases declare the columns of their records.
 """
@@ -137,7 +137,7 @@ TABLES = {"outputs": outputs, "fabric": fabric_file, "surface": surface_file, "c
 
 
 def main() -> None:
-    page = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "files.md"
+    page = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "reference" / "files.md"
     for name, table in TABLES.items():
         put(page, *marks(name), f"\n\n{markdown(table())}\n")
 

@@ -26,7 +26,7 @@ Why a smooth surface. A lone node that carries a yarn round the edge slides off 
 sharp edge snaps it up by its whole depth. Points inside flat elements meet the edge quietly, but the normals of these
 jump at nodes, so that the rim bends a yarn at one node or another, and the peak tension goes with where the rim lies in
 an element and does not settle with the mesh. On the smooth surface it does, and with eight points a crossover it has
-converged in their number; a sharper edge needs more points (docs/parameters.md).
+converged in their number; a sharper edge needs more points (docs/reports/parameters.md).
 """
 
 import math

@@ -1,6 +1,6 @@
 """What the quality indicators (`shellfabric.panel.quality`) flag: of maps, examples and random scenes.
 
-    python -m tests.fuzz.flags --page docs/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
+    python -m tests.fuzz.flags --page docs/reports/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
 
 Every point of the maps that end quietly wrong is run again with the indicators evaluated. What is done is kept in
 results/checks, and taken from there with --resume.
@@ -182,7 +182,7 @@ def main():
         _kept(folder / f"{options.seed}-{i}.json", options.resume, lambda i=i: random_scene(options.seed, i))
         for i in range(options.scenes)
     ]
-    command = f"python -m tests.fuzz.flags --seed {options.seed} --page docs/checks.md"
+    command = f"python -m tests.fuzz.flags --seed {options.seed} --page docs/reports/checks.md"
     text = page(maps, examples, random, command)
     print(text)
     if options.page is not None:

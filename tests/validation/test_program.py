@@ -119,7 +119,7 @@ def test_a_text_goes_into_a_page_if_there_is_one(tmp_path, capsys):
 
 def documented():
     """[(module, options)] of the commands that the documentation prints with options."""
-    texts = [path.read_text("utf-8") for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]]
+    texts = [path.read_text("utf-8") for path in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]]
     commands = {line for text in texts for line in re.findall(r"python -m (validation\.[^`#\n]*)", text)}
     split = [tuple(shlex.split(command)) for command in commands]
     return sorted((name, words) for name, *words in split if words)

@@ -1,4 +1,4 @@
-"""docs/claims.md: counts by verdict, and every claim with its computed and its published value.
+"""docs/reports/claims.md: counts by verdict, and every claim with its computed and its published value.
 
 The page is made from rows of texts, which are stored beside it (data/claims.csv), so that a test can compare page,
 README and data without a run.

@@ -8,7 +8,7 @@ Folder of `weavecell cost-accuracy --scene NAME`, or `--all`
 
 Folder of `weavecell cost-accuracy --scene crossover`, the long study of the 3D crossover
     crossover.csv, orders.csv   one row a case; one row a limit
-    crossover.md, figures/      the page of the documentation (docs/crossover.md) with its pictures
+    crossover.md, figures/      the page of the documentation (docs/reports/crossover.md) with its pictures
     chart.json                  which methods none beats, the reference, provenance
     cases/                      a file for each case as soon as it is done: `--resume` begins with them
 """

@@ -1,6 +1,6 @@
 """Coverage of the discretisation uncertainty: random scenes, each held against a finer mesh than both of its pair.
 
-    python -m validation.verification.discretisation [--out results/discretisation] [--page docs/convergence.md]
+    python -m validation.verification.discretisation [--out results/discretisation] [--page docs/reports/convergence.md]
 
 Each scene is run on its own mesh, on the finer mesh of `weavecell impact --uncertainty`, and on a reference with a
 quarter of the element side near the impact point. A scene is covered where the reference lies in the interval of every

@@ -125,7 +125,7 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     ----------
     fabric : Fabric, or what `weavecell.fabric` takes
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
-    options : the keys of the input file (docs/keys.md), numbers in SI units or texts with a unit. Those of [fabric],
+    options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of [fabric],
         [panel] and [run] are keywords: law, cell_model, cell_formulation, cell_profile, crossover_gap, surface,
         bending, weaving_damage; opening (default 203 mm), boundary, symmetry, weave_angle, plies, stacking, ply (a list
         of dicts, as [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]), ply_gap, ply_contact,
@@ -184,7 +184,7 @@ def shoot(
     """Fire a projectile at a panel, in this process.
 
     A shot that is still in flight at `end_time` is a result with the outcome "in flight". A shot with a quality check
-    beyond its limit (docs/checks.md) is `doubtful`, and warns with the category `DoubtfulResult`.
+    beyond its limit (docs/reports/checks.md) is `doubtful`, and warns with the category `DoubtfulResult`.
 
     Parameters
     ----------

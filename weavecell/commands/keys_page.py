@@ -1,6 +1,6 @@
-"""docs/keys.md: every key of scenes and result files, from the schema and the declared keys.
+"""docs/reference/input.md: every key of scenes and result files, from the schema and the declared keys.
 
-python -m weavecell.commands.keys_page [docs/keys.md]
+python -m weavecell.commands.keys_page [docs/reference/input.md]
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.reference import meanings
 
-PAGE = Path("docs") / "keys.md"
+PAGE = Path("docs") / "reference" / "input.md"
 HEAD = f"""# Keys of scenes and results
 
 Made by `python -m weavecell.commands.keys_page {PAGE}`; not to be edited by hand.
@@ -58,7 +58,7 @@ NOTES = {
 
 
 def page() -> str:
-    """The text of docs/keys.md."""
+    """The text of docs/reference/input.md."""
     parts = [HEAD, _scene_table(Scene, SHOTS)]
     parts += ["## Scenes of coupons", _scene_table(CouponScene, {"coupon": coupon.SUPPORT})]
     for title, table in RESULTS.items():

@@ -10,11 +10,11 @@ from validation.verification.cost_accuracy import defaults
 from weavecell.report.marked_page import split
 
 ROOT = Path(__file__).parents[3]
-PAGE = ROOT / "docs" / "published-shots.md"
+PAGE = ROOT / "docs" / "reports" / "published-shots.md"
 
 
 def stored():
-    return [study.read(ROOT / "docs" / "data" / f"published-{name}") for name in study.FILES]
+    return [study.read(ROOT / "docs" / "reports" / "data" / f"published-{name}") for name in study.FILES]
 
 
 def between(page, begin, end):
@@ -28,7 +28,7 @@ def test_page_is_made_from_the_stored_tables():
 
 
 def test_readme_has_the_errors_of_the_default():
-    rows = defaults.read(ROOT / "docs" / "data" / defaults.FILE)
+    rows = defaults.read(ROOT / "docs" / "reports" / "data" / defaults.FILE)
     assert between(ROOT / "README.md", *defaults.MARKS) == defaults.table(rows).strip("\n")
 
 
@@ -38,8 +38,8 @@ def test_results_have_the_laws_of_the_page_of_calibration():
         rows.reverse()  # of a page with several tables, the first counts
         return {row[0]: [row[i] for i in columns] for row in rows if len(row) == max(columns) + 1 or len(row) == 12}
 
-    results = laws(ROOT / "docs" / "results.md", (1, 2, 3, 4, 5, 6))
-    page = laws(ROOT / "docs" / "calibration.md", (1, 5, 6, 3, 5, 7))
+    results = laws(ROOT / "docs" / "reports" / "results.md", (1, 2, 3, 4, 5, 6))
+    page = laws(ROOT / "docs" / "reports" / "calibration.md", (1, 5, 6, 3, 5, 7))
     assert results.keys() == {"S-720", "S-726", "S-727", "S-728", "S-731", "S-745"}
     for name, (a, a_published, a_ratio, b, b_published, b_ratio) in results.items():
         assert [a, f"{a_published}, {b_published}", a_ratio, b, f"{a_published}, {b_published}", b_ratio] == page[name]

@@ -1,4 +1,4 @@
-"""docs/keys.md is what its command writes, and names every key of every schema."""
+"""docs/reference/input.md is what its command writes, and names every key of every schema."""
 
 import sys
 from pathlib import Path
@@ -10,8 +10,8 @@ DOCS = Path(__file__).parents[3] / "docs"
 
 
 def test_the_page_is_up_to_date():
-    told = "python -m weavecell.commands.keys_page docs/keys.md"
-    assert (DOCS / "keys.md").read_text(encoding="utf-8") == keys_page.page(), f"to renew it: {told}"
+    told = "python -m weavecell.commands.keys_page docs/reference/input.md"
+    assert (DOCS / "reference" / "input.md").read_text(encoding="utf-8") == keys_page.page(), f"to renew it: {told}"
 
 
 def test_every_key_has_a_row():

@@ -1,4 +1,4 @@
-"""python -m validation.published.edge_slip [--out results/edges_study] [--page docs/edges.md] [--no-limits]
+"""python -m validation.published.edge_slip [--out results/edges_study] [--page docs/reports/edges.md] [--no-limits]
 
 Slip of S-728 in its clamps: edges that are led in (thesis section 6.4.3), and edges that a friction clamp grips. Writes
 edges.csv, led.png, gripped.png. With --page the tables go into that page, between its marks, the pictures beside it.

@@ -1,4 +1,4 @@
-"""python -m validation.published.one_ply [--out results/one-ply] [--page docs/validation.md]
+"""python -m validation.published.one_ply [--out results/one-ply] [--page docs/reports/one-ply.md]
 
 One ply of the six Kevlar fabrics: critical and residual velocities, histories and energies of the captions' shots,
 back-face profiles, wave fronts, reactions. Writes a table (.csv) and a picture (.png) of each. With --page the tables

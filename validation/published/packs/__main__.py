@@ -1,4 +1,4 @@
-"""python -m validation.published.packs [--out results/packs] [--page docs/packs.md]
+"""python -m validation.published.packs [--out results/packs] [--page docs/reports/packs.md]
 
 Fires the shots of the study, each kept in the folder as soon as it is done, so that an interrupted study goes on where
 it was. With --page the page is written, and its pictures into figures/ beside it.

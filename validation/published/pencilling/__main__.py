@@ -1,4 +1,4 @@
-"""python -m validation.published.pencilling [CASE ...] [--edge free] [--out FOLDER] [--page docs/pencilling.md]
+"""python -m validation.published.pencilling [CASE ...] [--edge free] [--out FOLDER] [--page docs/reports/pencilling.md]
 
 The runs of thesis Table 6-2 before the block of Table 6-1, and the bare block. Writes pencilling.csv, depths.png and
 craters.png, and keeps each shot in shots/, so that --resume goes on with those that are missing. With --page the

@@ -1,4 +1,4 @@
-"""python -m validation.published.platen [--out results/platen] [--page docs/platens.md] [--jobs N]
+"""python -m validation.published.platen [--out results/platen] [--page docs/reports/platens.md] [--jobs N]
 
 S-720 between platens with the published solid constants: what each modelling choice changes, one at a time (thesis
 section 3.4.3.2). Writes platen.csv and platen.png. With --page the tables go into that page, the picture beside it.

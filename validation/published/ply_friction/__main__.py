@@ -1,4 +1,4 @@
-"""python -m validation.published.ply_friction [--out results/ply-friction] [--page docs/ply-friction.md]
+"""python -m validation.published.ply_friction [--out results/ply-friction] [--page docs/reports/ply-friction.md]
 
 Fires the shots of the study, each kept in the folder as soon as it is done, so that an interrupted study goes on where
 it was. With --page the page is written, and its picture into figures/ beside it.

@@ -1,4 +1,4 @@
-"""docs/ply-friction.md: the method, the table and the chart."""
+"""docs/reports/ply-friction.md: the method, the table and the chart."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def answer(found: Mapping[str, Sequence[Found]]) -> str:
 _MU = ", ".join(f"{mu:g}" for mu in FRICTIONS)
 _HEAD = f"""# Friction between plies
 
-Made by `python -m validation.published.ply_friction --page docs/ply-friction.md`; not to be edited by hand.
+Made by `python -m validation.published.ply_friction --page docs/reports/ply-friction.md`; not to be edited by hand.
 
 In a scene: `ply_friction = 0.2` under `[panel]` of a pack. Without it plies slide on each other without friction.
 
@@ -108,7 +108,7 @@ _FIGURE = """
 _LIMITS = """
 ## What is not there
 
-- Cloth beside holes that is kept apart by the least impulse (docs/packs.md) has no friction there.
+- Cloth beside holes that is kept apart by the least impulse (docs/reports/packs.md) has no friction there.
 - The moment of friction about a ply's middle surface, half a thickness times the force, is neglected.
 - Friction of yarns on each other within a ply, which the literature's figure includes: crossovers here are pinned.
 """

@@ -1,6 +1,6 @@
 """S-731 above its critical velocity: residual velocity and time of the first failure on several meshes.
 
-    python -m validation.verification.mesh_convergence.failure_times [--out FOLDER] [--page docs/convergence.md]
+    python -m validation.verification.mesh_convergence.failure_times [--out FOLDER] [--page docs/reports/convergence.md]
 
 The tension under the nose rises in steps, as stress waves come back from the clamped edges, and the ply fails at one of
 them: at a lower strike velocity at a later one. The residual velocity therefore jumps at certain strike velocities. For

@@ -1,4 +1,4 @@
-"""python -m validation.verification.pull_out [--out results/pull-out] [--page docs/pull-out.md] [--further]
+"""python -m validation.verification.pull_out [--out results/pull-out] [--page docs/reports/pull-out.md] [--further]
 
 Solves the paths of the study, each kept in the folder as soon as it is done. With --page the page is written, and its
 picture into figures/ beside it. --without leaves choices of the table of dependences out. With --further only the finer

@@ -1,4 +1,4 @@
-"""docs/pull-out.md: the method, the law, and what it depends on."""
+"""docs/reports/pull-out.md: the method, the law, and what it depends on."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def section(found: dict[str, dict[str, Any]], commit: str) -> str:
     text = (
         "The warp pulled, at the largest end displacement of the weft, and between platens with the weft's ends held\n"
         "(before the pull 1, 2 and 4 MPa on the area of the cell). Change: of T_f / F_c, against the first row.\n"
-        f"`python -m validation.verification.pull_out --further --page docs/pull-out.md`, commit {commit}.\n\n"
+        f"`python -m validation.verification.pull_out --further --page docs/reports/pull-out.md`, commit {commit}.\n\n"
     )
     head = ["", "F_c, N", "T_f, N", "T_f / F_c", "change", "largest P of normal pressures, N"]
     text += markdown([head, *rows], numbers=True).rstrip("\n")
@@ -131,7 +131,7 @@ def cost(found: dict[str, Any]) -> str:
 
 _HEAD = f"""# Pull-out through the 3D crossover
 
-Made by `python -m validation.verification.pull_out --page docs/pull-out.md`; not to be edited by hand.
+Made by `python -m validation.verification.pull_out --page docs/reports/pull-out.md`; not to be edited by hand.
 
 ```
 weavecell crossover S-720 --case pull-out --mu 0.2 --mesh coarse --law results/calibrate-S-720/law.json
