@@ -1,4 +1,4 @@
-"""Tables of docs/reference/files.md that follow from readers and writers: fabric files, surfaces, records of the crossover.
+"""Tables of docs/reference/files.md that follow from readers and writers of fabric files, surfaces and records.
 
     python tools/file_formats.py [docs/reference/files.md]
 

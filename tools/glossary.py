@@ -1,4 +1,6 @@
-"""Make docs/developers/kernel-arrays.md, of what kernels take, from shellfabric/jit/glossary.toml: python tools/glossary.py
+"""Make docs/developers/kernel-arrays.md, the arguments of kernels, from shellfabric/jit/glossary.toml.
+
+python tools/glossary.py
 
 The table has one entry for each field of each named tuple that kernels are called with; `problems` says where it and
 the code do not agree.

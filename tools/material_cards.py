@@ -1,4 +1,4 @@
-"""Tables and printed cards of docs/reports/cards.md: errors of the material cards of all fabrics, and one card of each code.
+"""Tables and printed cards of docs/reports/cards.md: errors of the cards of all fabrics, and one card of each code.
 
 python tools/material_cards.py [docs/reports/cards.md]
 """

@@ -1,6 +1,6 @@
 """Ranges that follow from assumed laws, beside the results with the published laws of the same fabrics.
 
-    python -m validation.published.assumed_laws [FABRIC ...] [--out results/assumed-laws] [--page docs/reports/assumed-laws.md]
+    python -m validation.published.assumed_laws [FABRIC ...] [--out FOLDER] [--page docs/reports/assumed-laws.md]
 
 Three Kevlar fabrics of the catalogue are treated as a fabric of which only the data sheet is known: their compression,
 trellis and solid laws are taken away, the fibre family's are assumed (`fabrics.families`), and the coarse 3D crossover

@@ -1,6 +1,6 @@
 """Sliding crossovers: error of the cell's scaling, stability, cost, pull-out, and critical velocities by friction.
 
-    python -m validation.verification.sliding [--out results/sliding] [--page docs/reports/sliding.md] [--jobs N] [--only NAMES]
+    python -m validation.verification.sliding [--out FOLDER] [--page docs/reports/sliding.md] [--jobs N] [--only NAMES]
 
 Runs are kept in the folder and not made twice. Without --page the tables are printed alone.
 """

@@ -1,4 +1,4 @@
-"""Every key of the result files of impacts and coupons: summary.json and histories.h5; docs/reference/input.md is made from this.
+"""Every key of the result files of impacts and coupons, from which docs/reference/input.md is made.
 
 One convention: name_unit in summary.json and in attributes; a dataset has the attribute "unit". `*` stands for a number
 or a name that the run gives.
@@ -60,7 +60,7 @@ SHARED = keys(
     ("elements", "1", "number of elements"),
     ("steps", "1", "number of time steps; of a coupon, of load steps"),
     ("checks.status", "", '"ok", "noted" or "doubtful"'),
-    ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status (docs/reports/checks.md)"),
+    ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status"),
     ("assumed_range.*", "", "residual or critical velocity over the ranges of assumed laws: low_m_s, high_m_s, runs"),
     ("provenance.*", "", "versions, commit, date, machine, threads, text of the scene, assumed tables"),
 )  # fmt: skip

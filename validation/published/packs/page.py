@@ -141,8 +141,8 @@ def stacking(found: dict[str, Any]) -> str:
 
 _HEAD = """# Packs: many plies
 
-Made by `python -m validation.published.packs --page docs/reports/packs.md`; every number below is computed by it, but for the
-passages and what a text says of another build.
+Made by `python -m validation.published.packs --page docs/reports/packs.md`; every number below is computed by it, but
+for the passages and what a text says of another build.
 
 A pack (`shellfabric.plies.model`) is a row of panels behind one opening. Each ply is the shell of a single one, with
 its own failures; the nose pushes on every ply that it reaches, and neighbouring plies push on each other. Their
@@ -277,11 +277,12 @@ and step, which is 1.23 times the 9.5 ns of a single ply (alternating 3.0 s, 1.4
 
 - Through a hole, fabric of the plies before and behind is kept from passing, at a twentieth of a thickness, by the
   least force; it has no contact of its own there, with thickness and spring.
-- Friction between plies acts only where a scene sets it (docs/reports/ply-friction.md); torn cloth is held apart without.
+- Friction between plies acts only where a scene sets it (docs/reports/ply-friction.md); torn cloth is held apart
+  without.
 - A node that has lost all its yarns is out of contact, and flies on through the plies before it.
 - The nose presses on solid fibre: the travel of half a ply, some 20 µm, is not in its contact.
-- Fabric that is drawn together until it folds, such as four free plies before a block (docs/reports/pencilling.md), may go over
-  the planes of symmetry, where nothing holds it off its own image.
+- Fabric that is drawn together until it folds, such as four free plies before a block (docs/reports/pencilling.md),
+  may go over the planes of symmetry, where nothing holds it off its own image.
 - Points lie inside elements, so an edge of failed fabric may cross another edge.
 - A ply has one foot for each point: fabric that folds onto itself does not touch itself, and a second fold of the next
   ply is found beside failed fabric alone.

@@ -3,7 +3,7 @@
     python -m validation.verification.cost_accuracy.defaults [--out results/defaults] [--page README.md]
 
 Writes default-errors.csv: one row a shot and group of quantities, the largest error of the group and what its reference
-is known to. With --page the table goes into that page, between its marks, and the file into docs/reports/data/ beside it.
+is known to. With --page the table goes into that page, between its marks, and the file into docs/reports/data/.
 """
 
 from __future__ import annotations

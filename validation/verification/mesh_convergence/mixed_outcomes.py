@@ -1,6 +1,6 @@
 """S-745 on coarse and finer meshes: outcomes at evenly spaced strike velocities, and where the first yarn fails.
 
-    python -m validation.verification.mesh_convergence.mixed_outcomes [--out FOLDER] [--page docs/reports/convergence.md]
+    python -m validation.verification.mesh_convergence.mixed_outcomes [--out DIR] [--page docs/reports/convergence.md]
 
 On one element per crossover outcomes are mixed: faster shots stop than some that perforate. For each mesh the study
 fires the projectile at even steps of strike velocity, and records at some of these velocities where and when the first

@@ -1,6 +1,6 @@
 """Picture of the study: each quantity over its limit against the size of the elements, one panel a quantity.
 
-    python -m validation.verification.mesh_convergence.pictures docs/reports/data/convergence.csv docs/reports/figures/convergence.png
+    python -m validation.verification.mesh_convergence.pictures docs/reports/data/convergence.csv FIGURE.png
 
 draws it from the table of an earlier study.
 """

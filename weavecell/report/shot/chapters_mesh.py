@@ -42,7 +42,7 @@ def section(record: ImpactRecord, setup: ImpactSetup) -> Section:
 
 
 def expected(record: ImpactRecord, setup: ImpactSetup) -> tuple[str, tuple[tuple[str, str, str], ...]]:
-    """(text, rows of result, expected error, error of the finest mesh), from the survey of `docs/reports/fidelity.md`."""
+    """(text, rows of result, expected error, error of the finest mesh), from the survey of docs/reports/fidelity.md."""
     further = (
         "The option --uncertainty of weavecell impact computes the uncertainty of this very shot from a second mesh."
     )
@@ -60,8 +60,9 @@ def expected(record: ImpactRecord, setup: ImpactSetup) -> tuple[str, tuple[tuple
     lead = (
         f"From a survey of {min(scenes for scenes, *_ in errors.values())} {kind} shots on "
         f"one ply of other fabrics, projectiles and velocities ({known.made['date']}, "
-        f"docs/reports/fidelity.md): four of five differed by less than this from the finest mesh, {finest.split(',')[0]} per "
-        "crossover along each side. Near the critical velocity the outcome itself depends on the mesh. "
+        "docs/reports/fidelity.md): four of five differed by less than this from the finest mesh, "
+        f"{finest.split(',')[0]} per crossover along each side. "
+        "Near the critical velocity the outcome itself depends on the mesh. "
     )
     haste = quantities.haste(record.strike_velocity, setup.fabric.weave.yarns)
     if quantities.hasty({"haste": haste}) and setup.resolved_elements_per_crossover == 1:
