@@ -21,7 +21,7 @@ html_show_copyright = False
 html_static_path = ["_static"]
 html_css_files = ["wide.css"]
 
-myst_heading_anchors = 3
+myst_heading_anchors = 4  # every key of reference/input.md has one
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 autodoc_typehints = "none"  # shape and unit stand in the docstrings
 autodoc_member_order = "bysource"
