@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 ROOT = Path(__file__).parents[1]
 GUIDE = (
-    "index", "installation", "first-shot", "own-fabric", "pack", "crossover", "coupons", "recipes", "accuracy", "studies",
-    "limits", "theory-cell", "theory-panel", "validation", "questions",
+    "index", "installation", "first-shot", "own-fabric", "pack", "crossover", "coupons", "recipes", "accuracy",
+    "studies", "limits", "theory-cell", "theory-panel", "validation", "questions",
 )  # fmt: skip
 PAGES = ("README.md", *(f"docs/{name}.md" for name in GUIDE))
 _BLOCK = re.compile(r"^( *)(`{3,})(\{?\w*)[^\n]*\n(.*?)^\1\2", re.MULTILINE | re.DOTALL)

@@ -1,4 +1,4 @@
-"""The site as a reader meets it: its pages, their length and width, what they print, and words that users search for."""
+"""The site: its pages, their length and width, the commands that they print, and words that users search for."""
 
 import ast
 import importlib.util
@@ -105,7 +105,7 @@ def test_printed_python_is_of_the_public_interface(page):
 
 
 def test_a_wrong_command_is_found():
-    with pytest.raises(Exception, match="(?i)no such option"):
+    with pytest.raises(Exception, match=r"(?i)no such option"):
         printed_commands.parsed(["weavecell", "impact", "x.toml", "--outt", "y"])
     with pytest.raises(AssertionError, match="missing"):
         printed_commands.parsed(["weavecell", "impact"])

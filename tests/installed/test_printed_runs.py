@@ -13,9 +13,9 @@ from tests.printed_commands import PAGES, ROOT
 
 # commands that take more than two minutes of one core each, by their first words, with what takes the time
 LEFT_OUT = {
-    "weavecell demo": "3D crossover, calibration and four impacts: five minutes; `make demo` is run by hand before a release",
-    "weavecell calibrate S-720 --out": "medium mesh of the 3D crossover: eight minutes; the coarse mesh is run",
-    "python -m validation": "studies of minutes to hours; each has its own tests of a short form",
+    "weavecell demo": "3D crossover on the medium mesh, its calibration and four impacts",
+    "weavecell calibrate S-720 --out": "3D crossover on the medium mesh; calibrations on the coarse mesh are run",
+    "python -m validation": "studies of minutes to hours, which have tests of their own",
 }
 
 
