@@ -12,12 +12,11 @@ PAGES = {str(path.relative_to(ROOT)): path.read_text("utf-8") for path in sorted
 PAGES["README.md"] = (ROOT / "README.md").read_text("utf-8")
 FIGURE = re.compile(r"!\[([^]]*)\]\((?:\.\./|docs/|reports/)*figures/([\w.-]+)\)")
 NUMBER = re.compile(r"(?<![\w.-])\d+\.\d+(?![\w.]|-)")
-# sections of results.md whose numbers are of a command that they name, and single numbers of that kind
-OF_COMMANDS = {"Demonstration", "Cost"}
+# sections of validation.md whose numbers are of the commands that they name
+OF_COMMANDS = {"Cost"}
 # tables of a checkout with changes that take more than ten minutes of one core to compute again: the shots of the
 # calibration chain of six fabrics, and 2,816 shots of the Sobol indices
 LONG = {"docs/reports/calibration.md": ["0298315e53c7"], "docs/reports/scatter.md": ["bbd68ba95eb2"]}
-TIMES = {"14.5"}  # minutes of `weavecell validate`
 
 
 def sections(text):
@@ -26,26 +25,44 @@ def sections(text):
 
 
 def not_found(section):
-    """Numbers with a decimal point of a section of results.md that are on none of the pages that it names."""
-    names = set(re.findall(r"\(([\w/-]+\.md)", section))
-    texts = [PAGES[f"docs/reports/{name}"] for name in names]
+    """Numbers with a decimal point of a section of validation.md that are on none of the reports that it names."""
+    names = set(re.findall(r"\((reports/[\w-]+\.md)", section))
+    texts = [PAGES[f"docs/{name}"] for name in names]
     known = {float(number) for text in texts for number in re.findall(r"\d+(?:\.\d+)?", text)}
     rounded = known | {round(number, digits) for number in known for digits in (2,)}
-    return [number for number in NUMBER.findall(section) if float(number) not in rounded and number not in TIMES]
+    return [number for number in NUMBER.findall(section) if float(number) not in rounded]
 
 
-@pytest.mark.parametrize(
-    "heading", [name for name in sections(PAGES["docs/reports/results.md"]) if name not in OF_COMMANDS]
-)
-def test_numbers_of_results_are_on_the_pages_that_it_names(heading):
-    section = sections(PAGES["docs/reports/results.md"])[heading]
-    assert ".md)" in section
+@pytest.mark.parametrize("heading", [name for name in sections(PAGES["docs/validation.md"]) if name not in OF_COMMANDS])
+def test_numbers_of_validation_are_in_the_reports_that_it_names(heading):
+    section = sections(PAGES["docs/validation.md"])[heading]
+    assert "(reports/" in section or not NUMBER.search(section)
     assert not_found(section) == []
 
 
 def test_a_number_that_is_on_no_page_is_found():
-    section = sections(PAGES["docs/reports/results.md"])["Outcomes of one ply"]
+    section = sections(PAGES["docs/validation.md"])["One ply of S-726: stopped at 96, perforated at 110 m/s"]
     assert not_found(section.replace("122.9", "987.6")) == ["987.6"]
+
+
+def rows(text, columns):
+    """{fabric: cells} of the rows of fabrics of a table with that many columns."""
+    cells = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| S-")]
+    return {row[0]: row[1:] for row in cells if len(row) == columns}
+
+
+def test_critical_velocities_are_those_of_the_reports():
+    """The table of validation.md rounds the bisections of one-ply.md and convergence.md to 1 m/s."""
+    told = rows(sections(PAGES["docs/validation.md"])["Critical velocities of the six fabrics"], 4)
+    one_ply = PAGES["docs/reports/one-ply.md"].partition("<!-- limits of")[2].partition("<!-- end of limits")[0]
+    converged = [line for line in PAGES["docs/reports/convergence.md"].splitlines() if "critical velocity, m/s" in line]
+    four = {name: cells for name, *cells in (line.strip("| ").split(" | ") for line in converged) if len(cells) == 12}
+    limits = rows(one_ply, 7)
+    assert list(told) == list(limits) == list(four)
+    for name, (one, fine, captions) in told.items():
+        assert float(one) == pytest.approx(float(limits[name][2]), abs=0.501)
+        assert float(fine) == pytest.approx(float(four[name][4]), abs=0.501)
+        assert captions.replace(" to ", " / ") == limits[name][0]
 
 
 def test_every_stamp_is_of_a_commit_without_changes():

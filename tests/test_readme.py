@@ -32,8 +32,8 @@ def test_ratios_of_the_computed_laws_are_those_of_the_page_of_calibration():
     assert "S-720 within 2 %" in WORDS
 
 
-def test_costs_and_the_energy_balance_are_those_of_the_page_of_results():
-    text = page("reports/results.md")
+def test_costs_and_misfits_are_those_of_the_page_of_validation():
+    text = page("validation.md")
     for number in ("0.080 s", "32 s", "0.7 to 3.3 s", "8.0 to 9.8 s"):
         assert number in WORDS, number
         assert number in text, number
