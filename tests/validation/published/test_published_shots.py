@@ -27,9 +27,9 @@ def test_page_is_made_from_the_stored_tables():
         assert between(PAGE, *marks) == table.strip("\n")
 
 
-def test_readme_has_the_errors_of_the_default():
+def test_the_page_of_limits_has_the_errors_of_the_default():
     rows = defaults.read(ROOT / "docs" / "reports" / "data" / defaults.FILE)
-    assert between(ROOT / "README.md", *defaults.MARKS) == defaults.table(rows).strip("\n")
+    assert between(ROOT / "docs" / "limits.md", *defaults.MARKS) == defaults.table(rows).strip("\n")
 
 
 def test_validation_has_the_laws_of_the_page_of_calibration():
