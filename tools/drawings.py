@@ -53,7 +53,7 @@ def band(ax, x, z, half, colour):
 
 
 def weave(pyplot):
-    figure, (plan, section) = bare(pyplot, 2, (11, 4.4), width_ratios=(1, 1.35))
+    figure, (plan, section) = bare(pyplot, 2, (11, 4.0), width_ratios=(1, 1.35))
     count, spacing, width = 4, 1.0, 0.74
     for k in range(count):
         at = k * spacing - 0.5 * width
@@ -91,7 +91,7 @@ def weave(pyplot):
 
 
 def cell(pyplot):
-    figure, axes = bare(pyplot, 2, (11, 4.2), width_ratios=(1, 1.15))
+    figure, axes = bare(pyplot, 2, (11, 3.6), width_ratios=(1, 1.15))
     states = (
         (2.0, 0.75, 0.35, 0.52, 0.58, 1.7, "0"),
         (2.25, 0.42, 0.52, 0.44, 0.5, 2.1, ""),
@@ -153,7 +153,7 @@ def mesh(pyplot):
 
 
 def contact(pyplot):
-    figure, (nose, plies, law) = bare(pyplot, 3, (13, 4.2), width_ratios=(1, 1.05, 0.95))
+    figure, (nose, plies, law) = bare(pyplot, 3, (12, 3.5), width_ratios=(1, 1.05, 0.95))
     angle = np.linspace(0, 0.5 * np.pi, 40)
     outline = np.array(
         [[-1.6, 0.0], *zip(0.9 + 0.6 * np.sin(angle), 0.6 - 0.6 * np.cos(angle)), [1.5, 2.1], [-1.6, 2.1]]
@@ -203,7 +203,7 @@ def contact(pyplot):
 
 
 def sliding(pyplot):
-    figure, ax = bare(pyplot, 1, (8, 4.3))
+    figure, ax = bare(pyplot, 1, (8, 3.7))
     left, right = np.array([-2.6, -0.75]), np.array([2.6, -0.75])
     ax.plot(*zip(left, (0, 0), right), color=WARP, lw=7, alpha=0.35, solid_joinstyle="round")
     ax.add_patch(Ellipse((0, -0.48), 1.1, 0.62, color=WEFT, alpha=0.5, lw=0))
