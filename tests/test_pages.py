@@ -87,3 +87,24 @@ def test_pages_name_what_made_their_tables():
     for name, text in PAGES.items():
         for module in re.findall(r"<!-- [\w ,]* of (validation\.[\w.]+)", text):
             assert f"python -m {module}" in text or "weavecell" in text or name == "README.md", (name, module)
+
+
+def shown_as_code(text):
+    """Lines of a page that would show an equation as code: indented blocks, and fences."""
+    outside = re.sub(r"\$\$.*?\$\$", "", text, flags=re.DOTALL)
+    return re.findall(r"^(?: {4,}\S.*|```.*)$", outside, flags=re.MULTILINE)
+
+
+def test_equations_of_the_theory_are_typeset_in_the_symbols_of_its_table():
+    pages = [PAGES[f"docs/theory-{name}.md"] for name in ("cell", "panel")]
+    text, _, table = pages[0].partition("## Symbols")
+    assert all(page.count("\n$$\n") > 30 and shown_as_code(page) == [] for page in pages)
+    assert shown_as_code("so that\n\n    T = EA e\n") == ["    T = EA e"]
+    rows = [line.strip("| ").split(" | ") for line in table.splitlines() if line.startswith("| $")]
+    equations = " ".join(re.findall(r"\$\$[^$]+\$\$|\$[^$]+\$", text + pages[1]))
+    assert [sign for row in rows for sign in re.findall(r"\$([^$]+)\$", row[0]) if sign not in equations] == []
+    packages = ("fabrics", "meshing", "unitcell3d", "shellfabric")
+    names = set(re.findall(r"\w+", " ".join(p.read_text("utf-8") for x in packages for p in (ROOT / x).rglob("*.py"))))
+    assert [name for row in rows for name in re.findall(r"`(\w+)`", row[3]) if name not in names] == []
+    assert len(rows) > 35
+    assert all(len(row) == 4 and row[2] for row in rows)
