@@ -30,10 +30,10 @@ _LEAD = """\
 Computed at commit {commit} on {date} by `{command}` ({cost}). Not to be edited by hand; the rows are in
 [data/claims.csv](data/claims.csv) too.
 
-A claim is a statement of the thesis that a computation can confirm or contradict: a number, an order, a trend, a shape
-or an outcome. "Published" is the value of the thesis, or the condition that follows from its statement, with its
-tolerance. Tolerances were set before the comparison; an audit has narrowed some of them since. "Computed" is the value of
-this software. Nothing is fitted to a claim, and no tolerance is widened to turn a miss.
+A claim is a statement of the thesis that a computation can confirm or contradict: a number, an order, a trend, a
+shape or an outcome. "Published" is the value of the thesis, or the condition that follows from its statement, with
+its tolerance. Tolerances were set before the comparison; an audit has narrowed some of them since. "Computed" is
+the value of this software. Nothing is fitted to a claim, and no tolerance is widened to turn a miss.
 """
 _VARIANTS = """\
 A claim on impacts on one ply is checked with a rigid projectile, the variational cell formulation, the linear density

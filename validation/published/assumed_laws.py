@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import weavecell as wc
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from validation.program import program, publish, write_csv
+from validation.program import computed, program, publish, write_csv
 from weavecell.analysis.assumed_range import AssumedRange
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
@@ -148,7 +148,7 @@ def main(fabrics: Sequence[str] = FABRICS, *, out: Path = OUT, page: Path | None
         write_csv(out / f"{name}.csv", rows)
         publish(markdown(rows), page, marks(name))
     if page is not None:
-        line = f"Computed by `python -m validation.published.assumed_laws`, commit {made['commit']}, {made['date']}."
+        line = computed(f"python -m validation.published.assumed_laws --page {page}", made)
         put(page, *marks("stamp"), f"\n\n{line}\n\n")
 
 

@@ -122,7 +122,7 @@ def _stability(found):
         rows.append([f"{threshold:g}", *(f"{100 * e:.3f} % ({share:.2f})" for e, _, _, share in cells)])
     head = (
         "### Stability\n\nLargest energy error over the strike energy, in brackets the least yarn of a segment over "
-        "that at rest: S-726, 80 mm square, 100 m/s, 100 us, mu = 0 and the threshold c0.\n"
+        "that at rest: S-726, 80 mm square, 100 m/s, 100 µs, mu = 0 and the threshold c0.\n"
     )
     return f"{head}\n{markdown(rows)}"
 

@@ -57,7 +57,7 @@ def test_page_and_picture(tmp_path):
     assert "3.00 | 0.10 | 0 |" in text
     assert change(163.5, 150.0) == "+9.0 %"
     assert "2.0 minutes" in text
-    assert "is reproduced by" not in text  # +3 % at a coefficient of 0.1
+    assert "which does not reproduce it" in text  # +3 % at a coefficient of 0.1
     pictures.chart(found, tmp_path / "chart.png")
     assert (tmp_path / "chart.png").stat().st_size > 10_000
 

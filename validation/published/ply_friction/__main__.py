@@ -10,16 +10,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.files import write_whole
-from validation.program import program
+from validation.program import computed, program
 from validation.published.packs.study import Results
 from validation.published.ply_friction import pictures, study
 from validation.published.ply_friction.page import BEGIN, END
 from validation.published.ply_friction.page import page as text_of
+from weavecell.results import provenance
 
 
 def main(
     *, out: Path = Path("results/ply-friction"), page: Path | None = None, fabrics: Sequence[str] = study.FABRICS
 ) -> None:
+    run = computed(f"python -m validation.published.ply_friction --page {page}", provenance.stamp())
     results, seconds = Results(out / "shots"), {}
 
     def shots(case):
@@ -34,7 +36,7 @@ def main(
         before = page.read_text("utf-8") if page.exists() else ""
         cost = before.partition(BEGIN)[2].partition(END)[0]  # of benchmarks/pack.py, which is kept
         with write_whole(page) as file:
-            file.write(text_of(found, sum(seconds.values()), cost))
+            file.write(text_of(found, sum(seconds.values()), cost, run))
 
 
 if __name__ == "__main__":

@@ -162,7 +162,7 @@ def outcome_table(shots: Sequence[dict[str, Any]]) -> str:
 def mechanism_table(shots: Sequence[dict[str, Any]], waves: Sequence[dict[str, Any]]) -> str:
     """One row a mesh and velocity that was looked at."""
     rows = [("elements per crossover", "strike, m/s", "peak of the first wave over the strength",
-             "its distance, crossovers", "first failure after, us", "family", "its distance, crossovers", "outcome",
+             "its distance, crossovers", "first failure after, µs", "family", "its distance, crossovers", "outcome",
              "failed segments")]  # fmt: skip
     by = {(shot["elements per crossover"], shot["strike velocity [m/s]"]): shot for shot in shots}
     for wave in waves:
