@@ -3,8 +3,9 @@ Export of a deck
 ================
 
 Two plies of S-728 as a deck of LS-DYNA in the folder ``deck``: mesh, ``*MAT_FABRIC``, clamps, rigid projectile and
-contact. It prints and draws the error of the material card against the unit cell, over the strength of a yarn. No deck
-has been run in its code. About 5 s. Run with ``python examples/export_deck.py``.
+contact. It prints and draws the error of the material card against the unit cell: rms and largest over the biaxial
+plane, in uniaxial tension and in shear. No deck has been run in its code. About 5 s.
+Run with ``python examples/export_deck.py``.
 """
 
 import matplotlib.pyplot as plt
