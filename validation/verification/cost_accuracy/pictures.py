@@ -33,12 +33,12 @@ def draw(chart: Chart, path: Path) -> None:
 
 
 def _panel(axes, chart, group):
-    """The points of all methods; those of `named` with a mark, and below the axes their names, costs and errors."""
+    """The points of all methods; those of `_named` with a mark, and below the axes their names, costs and errors."""
     quantities = chart.scene.groups[group]
     solved = [entry for entry in chart.entries if not isnan(entry.worst(quantities))]
     place = {id(e): (e.sample.cpu, 100 * max(e.worst(quantities), LEAST)) for e in solved}
     unsure = 100 * chart.unsure(group)
-    chosen = named(chart, group)
+    chosen = _named(chart, group)
     others = [place[id(e)] for e in solved if not any(e is one for one in chosen if one)]
     axes.plot(*zip(*others), "o", ms=4.5, mfc="white", mec=FAINT, mew=0.9, label="other methods")
     for (what, mark, colour), entry, size in zip(MARKS, chosen, (13, 9, 6)):
@@ -62,7 +62,7 @@ def _panel(axes, chart, group):
     axes.legend(*shown, loc="upper left", bbox_to_anchor=(-0.12, -0.16), fontsize=10)
 
 
-def named(chart, group):
+def _named(chart, group):
     """(default, cheapest within `AIMED`, most accurate on the front): entries, None where there is none."""
     quantities, front = chart.scene.groups[group], chart.fronts[group]
     good = [entry for entry in front if entry.worst(quantities) <= AIMED]
