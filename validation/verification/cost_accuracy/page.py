@@ -81,7 +81,7 @@ def summary(charts: list[Chart]) -> str:
             ])  # fmt: skip
     cheapest = f"cheapest within {100 * AIMED:g} %"
     head = ["case", "quantities", "the default", cheapest, "lowest error", "reference known to ± [%]"]
-    return markdown([head, *rows], numbers=True)
+    return markdown([head, *rows])
 
 
 def costs(charts: Sequence[Chart]) -> str:
@@ -101,7 +101,7 @@ def costs(charts: Sequence[Chart]) -> str:
             texts = ("not reached" if entry is None else _as_text(entry, quantities) for entry in cheapest)
             rows.append([chart.scene.title, group, *texts, "; ".join(better) or "none"])
     heads = (f"error of {100 * error:g} %" for error in WITHIN)
-    return markdown([["case", "quantities", *heads, "the default is dominated by"], *rows], numbers=True)
+    return markdown([["case", "quantities", *heads, "the default is dominated by"], *rows])
 
 
 def _as_text(entry, quantities, name=True):
