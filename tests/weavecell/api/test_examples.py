@@ -20,7 +20,7 @@ EXPECTED = {
     "crossover_calibration": rf"a = {NUMBER} mm, b = {NUMBER} mm N\^\(1/3\)\nShotResult\(S-720",
     "export_deck": r"LS-DYNA \*MAT_FABRIC {'rms': ",
     "first_shot": r"ShotResult\(S-720, 92.5 m/s: stopped(.*\n)+250 m/s: perforated",
-    "hybrid_pack": rf"S-726 in front: (stopped|perforated), residual velocity {NUMBER} m/s",
+    "hybrid_pack": rf"S-720 in front: (stopped|perforated), residual velocity {NUMBER} m/s",
     "oblique_fragment": rf"45 degrees: (stopped|perforated), {NUMBER} m/s",
     "own_fabric": r"assumed: \[shear\] of para-aramid yarns(.*\n)+.*over the assumed range of the trellis law",
     "pack_v50": rf"V50 {NUMBER} m/s, 95 % interval {NUMBER} to {NUMBER} m/s",
