@@ -13,7 +13,7 @@ APART = tests/meshing tests/validation tests/weavecell
 WEAVECELL_APART = $(addprefix tests/weavecell/,analysis api commands limits)
 QUICK = $(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
 
-.PHONY: demo test test-slow validate fuzz lint figures charts docs setup clean
+.PHONY: demo test test-slow validate fuzz lint figures charts docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
@@ -41,16 +41,21 @@ fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of tw
 figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
 
-charts: setup  ## docs/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
-	$(RUN) weavecell cost-accuracy --all --out $(RESULTS)/charts --page docs/charts.md
-	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/stability.md
+charts: setup  ## docs/reports/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
+	$(RUN) weavecell cost-accuracy --all --out $(RESULTS)/charts --page docs/reports/charts.md
+	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/reports/stability.md
 	$(RUN) weavecell cost-accuracy --scene crossover --out $(RESULTS)/chart-crossover
-	cp $(RESULTS)/chart-crossover/crossover.md docs/
-	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/figures/
+	cp $(RESULTS)/chart-crossover/crossover.md docs/reports/
+	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/reports/figures/
 
-docs:  ## the documentation site in results/site, with the scripts of examples/ run; warnings are errors
+docs:  ## the documentation site in results/site; runs the scripts of examples/ that have changed; warnings are errors
 	@VENV=$(DOCS_VENV) EXTRAS=app,docs tools/setup.sh
-	$(DOCS_VENV)/bin/python -m sphinx -W --keep-going -q -b html docs $(RESULTS)/site
+	$(DOCS_VENV)/bin/python -m sphinx -W --keep-going -b html docs $(RESULTS)/site
+	@echo "docs: $(RESULTS)/site/index.html; 'make docs-again' runs all scripts of the gallery again"
+
+docs-again:  ## the same from the beginning: a change of the code can change what the scripts print
+	rm -rf docs/generated $(RESULTS)/site
+	$(MAKE) docs
 
 lint: setup
 	$(VENV)/bin/ruff check .

@@ -1,6 +1,6 @@
 """Uniform mesh and meshes that grow longer away from the impact point: error and cost, as candidates for the default.
 
-    taskset -c 0 python benchmarks/default_mesh.py [--page docs/graded.md] [--out FILE.json]
+    taskset -c 0 python benchmarks/default_mesh.py [--page docs/reports/graded.md] [--out FILE.json]
 
 Seven scenes: the standard shots at one ply and at four plies, a pack of S-731, an oblique shot at S-726 and S-726 on a
 backing block. Errors are against 2 elements a crossover everywhere. Cost is CPU time of one core, the least of two runs

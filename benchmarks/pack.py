@@ -3,7 +3,7 @@
 Run with nothing else on the machine:
 
     python benchmarks/pack.py [--repeats 3] [--plies 16] [--velocity 170] [--out FILE.json]
-    python benchmarks/pack.py --friction 0.2 --page docs/ply-friction.md
+    python benchmarks/pack.py --friction 0.2 --page docs/reports/ply-friction.md
 
 Marching alone is timed (no table, no compilation, no audit), on one core. A projectile that has stopped is held where
 it is until the 400 us are over. CPU time stands beside wall time: where the

@@ -15,13 +15,14 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc", "sphinx_gallery.gen_gallery"]
 exclude_patterns = ["_build", "conf.py", "generated/examples"]
 highlight_language = "none"  # blocks without a language are commands and their output
+smartquotes = False  # options such as --out keep their hyphens
 html_theme = "furo"
 html_title = f"weavecell {__version__}"
 html_show_copyright = False
 html_static_path = ["_static"]
 html_css_files = ["wide.css"]
 
-myst_heading_anchors = 3
+myst_heading_anchors = 4  # every key of reference/input.md has one
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 autodoc_typehints = "none"  # shape and unit stand in the docstrings
 autodoc_member_order = "bysource"
@@ -38,5 +39,7 @@ sphinx_gallery_conf = gallery.settings("generated/examples", "generated/gallery"
 def setup(app):
     """Write the pages that are made from the code before Sphinx reads its sources."""
     import reference_pages
+    from pygments.lexers.special import TextLexer
 
+    app.add_lexer("csv", TextLexer)  # of the pages' data, which Pygments does not know
     app.connect("builder-inited", lambda _: reference_pages.write(HERE / "generated"))

@@ -44,6 +44,7 @@ DECORATED = "shellfabric"  # package whose kernels have the decorators of its ji
 OWN_DECORATORS = r"\b(njit|vectorize|guvectorize|cfunc)\b"
 MOST_FILES = 25  # in a folder
 MOST_LINES, MOST_LINES_OF_A_FUNCTION, MOST_ARGUMENTS_OF_A_KERNEL = 600, 60, 12
+MOST_LINES_OF_A_MODULE_DOCSTRING = 25  # derivations stand on the pages of theory
 TYPED = tuple(FLOORS)  # mypy checks them (pyproject.toml)
 CALLED = ("__init__", "__call__", "__getitem__", "__setitem__", "__contains__", "__getattr__")
 # of numba, what files may use whose functions are not compiled: anything else could make machine code unseen
@@ -178,6 +179,15 @@ def functions_too_long(root):
         for node in ast.walk(ast.parse(path.read_bytes()))
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
         and node.end_lineno - node.lineno >= MOST_LINES_OF_A_FUNCTION
+    ]
+
+
+def module_docstrings_too_long(root):
+    docstrings = {name: ast.get_docstring(ast.parse(path.read_bytes())) for name, path in sources(root).items()}
+    return [
+        f"{name}: its docstring has {len(text.splitlines())} lines"
+        for name, text in docstrings.items()
+        if text and len(text.splitlines()) > MOST_LINES_OF_A_MODULE_DOCSTRING
     ]
 
 
@@ -351,7 +361,8 @@ RULES = {
     for rule in (
         packages_without_a_floor, imports_that_run_upwards, imports_against_the_layers,
         analyses_that_import_the_rest_of_weavecell, kernels_that_import_other_files, folders_with_too_many_files,
-        files_too_long, functions_too_long, kernels_with_too_many_arguments, imports_by_computed_names, circles,
+        files_too_long, functions_too_long, module_docstrings_too_long, kernels_with_too_many_arguments,
+        imports_by_computed_names, circles,
         colours_of_their_own, solvers_beside_the_driver, versions_of_dolfinx_outside_compat,
         kernels_that_are_not_plain, kernel_arguments_outside_the_cache, kernels_that_the_package_does_not_import,
         public_functions_without_types, same_test_names,
@@ -412,6 +423,7 @@ PLANTED = [
     ("solvers_beside_the_driver", HERE, "class NewSolver:\n    pass\n"),
     ("solvers_beside_the_driver", HERE, "def run(hooks):\n    for hook in hooks:\n        hook()\n"),
     ("files_too_long", HERE, "#\n" * (MOST_LINES + 1)),
+    ("module_docstrings_too_long", HERE, '"""A\n' + "B\n" * MOST_LINES_OF_A_MODULE_DOCSTRING + '"""\n'),
     ("functions_too_long", HERE, "class A:\n    def f(self):\n" + "        pass\n" * MOST_LINES_OF_A_FUNCTION),
     (
         "kernels_with_too_many_arguments", "shellfabric/cell/deep/new_kernels.py",

@@ -10,14 +10,13 @@ DOCS = ROOT / "docs"
 PAGES = {str(path.relative_to(ROOT)): path.read_text("utf-8") for path in sorted(DOCS.rglob("*.md"))
          if not {"generated", "_build"} & set(path.relative_to(DOCS).parts)}  # fmt: skip
 PAGES["README.md"] = (ROOT / "README.md").read_text("utf-8")
-FIGURE = re.compile(r"!\[([^]]*)\]\((?:\.\./|docs/)*figures/([\w.-]+)\)")
+FIGURE = re.compile(r"!\[([^]]*)\]\((?:\.\./|docs/|reports/)*figures/([\w.-]+)\)")
 NUMBER = re.compile(r"(?<![\w.-])\d+\.\d+(?![\w.]|-)")
-# sections of results.md whose numbers are of a command that they name, and single numbers of that kind
-OF_COMMANDS = {"Demonstration", "Cost"}
+# sections of validation.md whose numbers are of the commands that they name
+OF_COMMANDS = {"Cost"}
 # tables of a checkout with changes that take more than ten minutes of one core to compute again: the shots of the
 # calibration chain of six fabrics, and 2,816 shots of the Sobol indices
-LONG = {"docs/calibration.md": ["0298315e53c7"], "docs/scatter.md": ["bbd68ba95eb2"]}
-TIMES = {"14.5"}  # minutes of `weavecell validate`
+LONG = {"docs/reports/calibration.md": ["0298315e53c7"], "docs/reports/scatter.md": ["bbd68ba95eb2"]}
 
 
 def sections(text):
@@ -26,24 +25,44 @@ def sections(text):
 
 
 def not_found(section):
-    """Numbers with a decimal point of a section of results.md that are on none of the pages that it names."""
-    names = set(re.findall(r"\(([\w/-]+\.md)", section))
+    """Numbers with a decimal point of a section of validation.md that are on none of the reports that it names."""
+    names = set(re.findall(r"\((reports/[\w-]+\.md)", section))
     texts = [PAGES[f"docs/{name}"] for name in names]
     known = {float(number) for text in texts for number in re.findall(r"\d+(?:\.\d+)?", text)}
     rounded = known | {round(number, digits) for number in known for digits in (2,)}
-    return [number for number in NUMBER.findall(section) if float(number) not in rounded and number not in TIMES]
+    return [number for number in NUMBER.findall(section) if float(number) not in rounded]
 
 
-@pytest.mark.parametrize("heading", [name for name in sections(PAGES["docs/results.md"]) if name not in OF_COMMANDS])
-def test_numbers_of_results_are_on_the_pages_that_it_names(heading):
-    section = sections(PAGES["docs/results.md"])[heading]
-    assert ".md)" in section
+@pytest.mark.parametrize("heading", [name for name in sections(PAGES["docs/validation.md"]) if name not in OF_COMMANDS])
+def test_numbers_of_validation_are_in_the_reports_that_it_names(heading):
+    section = sections(PAGES["docs/validation.md"])[heading]
+    assert "(reports/" in section or not NUMBER.search(section)
     assert not_found(section) == []
 
 
 def test_a_number_that_is_on_no_page_is_found():
-    section = sections(PAGES["docs/results.md"])["Outcomes of one ply"]
+    section = sections(PAGES["docs/validation.md"])["One ply of S-726: stopped at 96, perforated at 110 m/s"]
     assert not_found(section.replace("122.9", "987.6")) == ["987.6"]
+
+
+def rows(text, columns):
+    """{fabric: cells} of the rows of fabrics of a table with that many columns."""
+    cells = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| S-")]
+    return {row[0]: row[1:] for row in cells if len(row) == columns}
+
+
+def test_critical_velocities_are_those_of_the_reports():
+    """The table of validation.md rounds the bisections of one-ply.md and convergence.md to 1 m/s."""
+    told = rows(sections(PAGES["docs/validation.md"])["Critical velocities of the six fabrics"], 4)
+    one_ply = PAGES["docs/reports/one-ply.md"].partition("<!-- limits of")[2].partition("<!-- end of limits")[0]
+    converged = [line for line in PAGES["docs/reports/convergence.md"].splitlines() if "critical velocity, m/s" in line]
+    four = {name: cells for name, *cells in (line.strip("| ").split(" | ") for line in converged) if len(cells) == 12}
+    limits = rows(one_ply, 7)
+    assert list(told) == list(limits) == list(four)
+    for name, (one, fine, captions) in told.items():
+        assert float(one) == pytest.approx(float(limits[name][2]), abs=0.501)
+        assert float(fine) == pytest.approx(float(four[name][4]), abs=0.501)
+        assert captions.replace(" to ", " / ") == limits[name][0]
 
 
 def test_every_stamp_is_of_a_commit_without_changes():
@@ -53,7 +72,7 @@ def test_every_stamp_is_of_a_commit_without_changes():
 
 def test_every_figure_is_on_a_page_and_every_page_has_its_figures():
     shown = {name for text in PAGES.values() for _, name in FIGURE.findall(text)}
-    assert shown == {path.name for path in (DOCS / "figures").iterdir()}
+    assert shown == {path.name for path in DOCS.rglob("figures/*")}
 
 
 def test_figures_are_described():
@@ -68,3 +87,24 @@ def test_pages_name_what_made_their_tables():
     for name, text in PAGES.items():
         for module in re.findall(r"<!-- [\w ,]* of (validation\.[\w.]+)", text):
             assert f"python -m {module}" in text or "weavecell" in text or name == "README.md", (name, module)
+
+
+def shown_as_code(text):
+    """Lines of a page that would show an equation as code: indented blocks, and fences."""
+    outside = re.sub(r"\$\$.*?\$\$", "", text, flags=re.DOTALL)
+    return re.findall(r"^(?: {4,}\S.*|```.*)$", outside, flags=re.MULTILINE)
+
+
+def test_equations_of_the_theory_are_typeset_in_the_symbols_of_its_table():
+    pages = [PAGES[f"docs/theory-{name}.md"] for name in ("cell", "panel")]
+    text, _, table = pages[0].partition("## Symbols")
+    assert all(page.count("\n$$\n") > 30 and shown_as_code(page) == [] for page in pages)
+    assert shown_as_code("so that\n\n    T = EA e\n") == ["    T = EA e"]
+    rows = [line.strip("| ").split(" | ") for line in table.splitlines() if line.startswith("| $")]
+    equations = " ".join(re.findall(r"\$\$[^$]+\$\$|\$[^$]+\$", text + pages[1]))
+    assert [sign for row in rows for sign in re.findall(r"\$([^$]+)\$", row[0]) if sign not in equations] == []
+    packages = ("fabrics", "meshing", "unitcell3d", "shellfabric")
+    names = set(re.findall(r"\w+", " ".join(p.read_text("utf-8") for x in packages for p in (ROOT / x).rglob("*.py"))))
+    assert [name for row in rows for name in re.findall(r"`(\w+)`", row[3]) if name not in names] == []
+    assert len(rows) > 35
+    assert all(len(row) == 4 and row[2] for row in rows)

@@ -2,8 +2,8 @@
 
 Takes the pictures of a demonstration that has been run into the given folder, and computes the others: biaxial curves
 of the glass weaves, coupons, the laws of the catalogue, and the picture at the head of README. `--only` makes some of
-them. Everything goes to docs/figures/. Those of a study (convergence, stability, charts, validation, ...) come from the
-command that its page names.
+them. They go to docs/figures/, those of reports to docs/reports/figures/. Figures of a study (convergence, stability,
+charts, validation, ...) come from the command that its page names.
 """
 
 import argparse
@@ -22,6 +22,7 @@ from validation.published.biaxial_glass import pictures as biaxial_pictures
 from weavecell.commands import biaxial, calibrate_all, coupon
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
+REPORTS = Path(__file__).parents[1] / "docs" / "reports" / "figures"
 COUPONS = Path(__file__).parents[1] / "examples" / "coupons"
 FROM_COUPONS = {
     "S-728-bias": ("coupon.png", "angles.svg"), "S-728-no-trellis": ("coupon.png",), "S-720-frame": ("stress.svg",),
@@ -45,15 +46,15 @@ def glass(_):
     """What the options of the cell change, and one weave in three models."""
     for name in ("glass-balanced", "glass-unbalanced"):
         weave = catalogue.load(name)
-        biaxial_pictures.options(weave, options.same_constants(weave), FIGURES / f"biaxial-options-{name}.png")
-        biaxial_pictures.sides(weave, model_comparison.compare(weave)[0], FIGURES / f"biaxial-sides-{name}.png")
+        biaxial_pictures.options(weave, options.same_constants(weave), REPORTS / f"biaxial-options-{name}.png")
+        biaxial_pictures.sides(weave, model_comparison.compare(weave)[0], REPORTS / f"biaxial-sides-{name}.png")
 
 
 def laws(_):
     """The catalogue's laws over the published ones."""
     with TemporaryDirectory() as folder:
         calibrate_all.command(Path(folder), size="coarse", jobs=1, executor="local", resume=False)
-        keep(Path(folder) / "summary.png", "calibration-catalogue.png")
+        keep(Path(folder) / "summary.png", "calibration-catalogue.png", REPORTS)
 
 
 def impact(_):
@@ -73,12 +74,12 @@ def coupons(_):
         keep(Path(folder) / "biaxial" / "pictures" / "cell.svg", "biaxial-S-731.svg")
 
 
-def keep(source, name):
+def keep(source, name, folder=FIGURES):
     """Copy a picture to the figures."""
-    with write_whole(FIGURES / name, "wb") as file:
+    with write_whole(folder / name, "wb") as file:
         file.write(source.read_bytes())
     if name.endswith(".png"):
-        shrink(FIGURES / name)
+        shrink(folder / name)
 
 
 def shrink(path, width=1000, most=4e5):

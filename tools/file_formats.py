@@ -1,6 +1,6 @@
-"""Tables of docs/files.md that follow from readers and writers: fabric files, surfaces, records of the crossover.
+"""Tables of docs/reference/files.md that follow from readers and writers of fabric files, surfaces and records.
 
-    python tools/file_formats.py [docs/files.md]
+    python tools/file_formats.py [docs/reference/files.md]
 
 Needs dolfinx, whose cases declare the columns of their records.
 """
@@ -20,7 +20,7 @@ from weavecell.report.marked_page import markdown, put  # noqa: E402
 
 MEANINGS = {
     "linear_density": "mass per length of the yarn",
-    "effective_linear_density": "optional: linear density of the thesis's runs (erratum E-07)",
+    "effective_linear_density": "optional: linear density of the runs of the thesis (erratum E-07)",
     "axial_stiffness": "in place of linear_density: force per strain",
     "fibre_density": "density of the fibre",
     "modulus": "axial modulus of the fibre",
@@ -30,7 +30,7 @@ MEANINGS = {
     "top.thickness": "optional: of the data sheet; crimp that is missing is computed from it",
     "top.areal_density": "optional: of the data sheet; checked against counts, linear densities and crimp",
     "top.areal_density_measured": "optional: of Kevlar 129, for the pressure law of thesis eq. 2-6",
-    "top.interlayer_gap": "optional: what neighbouring plies of a pack close in a test up to 19.4 MPa",
+    "top.interlayer_gap": "optional: approach of neighbouring plies of a pack in a test up to 19.4 MPa",
     "crimp": "length of the yarn over length of the fabric, minus one; optional where thickness is given",
     "count": "yarns per width of fabric",
     "width": "optional: width of the yarn in the fabric",
@@ -47,8 +47,8 @@ MEANINGS = {
     "K_G": "solid law: shear modulus over E_c / 2 (eq. 3-16)",
     "V_c": "solid law: fibre volume fraction at which the yarn is packed",
     "Vf0": "solid law: fibre volume fraction at rest",
-    "closure": "contact law of plies: thickness lost, a list of texts with units that begins at 0 and rises",
-    "pressure": "contact law of plies: at each closure, a list of texts with units that begins at 0 and rises",
+    "closure": "contact law of plies: thickness lost, a list of strings with units that begins at 0 and rises",
+    "pressure": "contact law of plies: at each closure, a list of strings with units that begins at 0 and rises",
     "thickness": "section of the yarn in a micrograph",
     "crossing_thickness": "thickness of the yarn at a crossover",
     "total_thickness": "thickness of the fabric at a crossover",
@@ -137,7 +137,7 @@ TABLES = {"outputs": outputs, "fabric": fabric_file, "surface": surface_file, "c
 
 
 def main() -> None:
-    page = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "files.md"
+    page = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "reference" / "files.md"
     for name, table in TABLES.items():
         put(page, *marks(name), f"\n\n{markdown(table())}\n")
 

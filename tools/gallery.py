@@ -1,4 +1,7 @@
-"""Settings of sphinx-gallery: the scripts of examples/ as pages, each run by `make docs`, with output and figures."""
+"""Settings of sphinx-gallery: the scripts of examples/ as pages, with output and figures of a run by `make docs`.
+
+A script runs again when its text has changed. `make docs-again` runs all, after a change of the code.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,9 @@ _SHOWN: set[int] = set()  # figures of the script that runs
 
 def copy(folder):
     """Copy examples/ beside the pages: the scripts write files to where they are."""
+    for path in folder.glob("*.py"):
+        if not (ROOT / "examples" / path.name).exists():
+            path.unlink()
     shutil.copytree(ROOT / "examples", folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
 
 
@@ -42,7 +48,6 @@ def settings(source, target):
         "image_scrapers": ("gallery.figures",),
         "reset_modules": ("gallery.forget",),
         "within_subsection_order": "FileNameSortKey",
-        "run_stale_examples": True,  # a change of the code changes their output
         "only_warn_on_example_error": False,
         "abort_on_example_error": True,
         "download_all_examples": False,

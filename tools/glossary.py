@@ -1,4 +1,6 @@
-"""Make docs/glossary.md, of what kernels take, from shellfabric/jit/glossary.toml: python tools/glossary.py
+"""Make docs/developers/kernel-arrays.md, the arguments of kernels, from shellfabric/jit/glossary.toml.
+
+python tools/glossary.py
 
 The table has one entry for each field of each named tuple that kernels are called with; `problems` says where it and
 the code do not agree.
@@ -10,7 +12,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-TABLE, PAGE = Path("shellfabric/jit/glossary.toml"), Path("docs/glossary.md")
+TABLE, PAGE = Path("shellfabric/jit/glossary.toml"), Path("docs/developers/kernel-arrays.md")
 NOT_PASSED = ("output",)  # folders whose named tuples no kernel takes
 HEAD = """# Glossary of the compiled code
 

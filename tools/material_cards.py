@@ -1,6 +1,6 @@
-"""Tables and printed cards of docs/export.md: errors of the material cards of all fabrics, and one card of each code.
+"""Tables and printed cards of docs/reports/cards.md: errors of the cards of all fabrics, and one card of each code.
 
-python tools/material_cards.py [docs/export.md]
+python tools/material_cards.py [docs/reports/cards.md]
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def card(to: str) -> str:
 
 
 def main() -> None:
-    page = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "export.md"
+    page = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "reports" / "cards.md"
     for match in MATCHES:
         put(page, *marks(match), f"\n\n{errors(match)}\n")
     for to in CARDS:

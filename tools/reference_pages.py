@@ -3,7 +3,7 @@
     python tools/reference_pages.py [docs/generated]
 
 cli.md has every command of typer with its arguments, options and defaults; scene.schema.json and coupon.schema.json are
-JSON Schemas of the scene files, for editors. Keys with unit, default and meaning: docs/keys.md.
+JSON Schemas of the scene files, for editors. Keys with unit, default and meaning: docs/reference/input.md.
 """
 
 from __future__ import annotations

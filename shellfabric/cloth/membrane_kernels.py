@@ -1,54 +1,25 @@
 """The fabric: yarn segments along the grid lines, crossovers at the nodes, trellis in between; total Lagrangian.
 
-Displacements, not positions, are stored, so that cloth at rest is exactly at rest. Lines j = const are warp, lines
-i = const weft. The edge from a node to the next one along its line is a segment of yarn with the stretch
-
-    Lambda1 = |dX + u(i+1, j) - u(i, j)| / |dX|   (warp),      Lambda2 likewise from u(i, j+1) - u(i, j)   (weft)
-
-so that neighbouring yarns are distinct, and no in-plane motion of the nodes is without force. The crossovers of a
-segment see its own stretch and the mean <> of the four segments of the other family that meet its two ends. With the
-cell of `crossover_kernels`
+Equations, trellis of fabric that is drawn together, failed yarns, graded panels: docs/theory-panel.md, "Yarn elements
+and forces". Displacements u are stored, so that fabric at rest is exactly at rest. The edge from a node to the next
+one along its line is a segment of yarn of the stretch Lambda; <> is the mean over its four crossing segments.
 
     equilibrium form   T1 = T1(Lambda1, <Lambda2>),   T2 = T2(<Lambda1>, Lambda2)           forces along the segments
     variational form   E = 1/2 sum_warp n W(Lambda1, <Lambda2>) + 1/2 sum_weft n W(<Lambda1>, Lambda2)
+    trellis            sin(gamma) = a.b / f(<Lambda1>) f(<Lambda2>),  f = Lambda, or c / 2 + Lambda^2 / 2 c below c
+    failed yarns       N_e = kappa_e N + (1 - kappa_e) T_alone,  force alpha_e N_e   (alpha intact, kappa crossed part)
 
-n being the crossovers that a segment stands for: half of a segment's on lines that bound the panel. The variational
-forces are the exact gradient of E. The trellis (eq. 4-35 as a total, odd function, erratum E-11) has one point in each
-quadrilateral: a, b being the means of its two warp and two weft edges, sin(gamma) = a.b / <Lambda1><Lambda2> of these.
+c = FADE_STRETCH is such that a locked trellis stays within the time step: it adds G2 t (1 / f1^2 + 1 / f2^2) / 4 to the
+D of `panel.model`, where 2 G2 t = D (eq. 4-49). On graded panels the pieces of a crossing line before and behind a node
+count by their length, so that a mean is its own transpose; constants become arrays of slots (`load_or_broadcast`).
 
-Cloth drawn together. Forces that turn an edge grow as its inverse length, and the stiffness of the trellis as its
-inverse square: an edge that is drawn to nothing, as at a free side or beside failed yarns, would be beyond any time
-step. So below the stretch c = SHORT, f(Lambda) stands for Lambda in sin(gamma), and the trellis fades out with it:
-
-    f(Lambda) = c / 2 + Lambda^2 / 2 c,     sin(gamma) = a.b / f(<Lambda1>) f(<Lambda2>)
-
-It goes on from Lambda with its slope. c is such that cloth that has locked stays within the time step of `panel` in
-whatever way it is drawn together. The trellis alone adds G2 t (1 / f1^2 + 1 / f2^2) / 4 to the D of that bound, and a
-locked one has 2 G2 t = D (eq. 4-49). As it fades out it unlocks: with both stretches at 0.3 the sine is 0.4 at most,
-near the locking angles of the fabrics, and f = 0.46 makes the sum 1.2 D, what a Courant factor of 0.9 leaves: 1 /
-0.9^2.
-
-Graded panels. Lines may lie closer together in some places than in others, and each stands for the yarns up to halfway
-to its neighbours. All above holds, if of the pieces of a crossing line before and behind a node each counts in the mean
-<> by its length. The mean is its own transpose then: the force that crossing segments give to one is their mean, with
-the same weights. What one float says of a uniform panel (the inverse side of an element, that weight, the volume of its
-trellis, the viscosity) is an array of slots of a graded one, and numba makes two programs of these kernels
-(`load_or_broadcast`).
-
-Where yarns have failed. Segment e keeps the part alpha_e of its yarns; kappa_e = mean of alpha over the four crossing
-segments is the part of it that is still crossed. Means are weighted by alpha, and the rest is alone (erratum E-14):
-
-    N_e = kappa_e N(Lambda_e, <Lambda>_e) + (1 - kappa_e) T_alone(Lambda_e),     force alpha_e N_e
-
-How it is made fast. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp edge to
-(i+1, j), the weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s + j. Weft edges and
-quadrilaterals leave the last slot of a row idle. An element row - the warp edges and quadrilaterals between two node
-rows, and the weft edges of the lower one - adds to the node row below it and above it. Node rows between two blocks
-have two places for this, g0 and g1, all others one: nothing is written twice, and the result does not depend on the
-order of the blocks. Every loop below runs over a block of rows and does all that can be done to its slots at once,
-eight of them at a time (`simd`). Scratch may be overrun by up to seven slots, the panel's arrays may not. Scratch
-begins two rows before the block's first: one is idle, one repeats the last row of the block before, and another follows
-the block's last.
+Scheme. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp edge to (i+1, j), the
+weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s + j. Weft edges and quadrilaterals leave
+the last slot of a row idle. An element row adds to the node rows below and above it; node rows between two blocks have
+two places for this, f_int and f_int_above, so that the result does not depend on the order of the blocks. Every loop
+runs over a block of rows, eight slots at a time (`simd`). Scratch may be overrun by up to seven slots, the panel's
+arrays may not. Scratch begins two rows before the block's first: one is idle, one repeats the last row of the block
+before; another row follows the block's last.
 """
 
 import numpy as np

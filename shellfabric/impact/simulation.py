@@ -205,9 +205,9 @@ class ImpactSetup:
 
         That has two elements per crossover, more for a small projectile, as far as anything can come under it, then
         elements of one crossover to twice that distance, and of two beyond. One element per crossover overestimates the
-        first wave in the rear plies (docs/theory.md). Where the projectile may leave the first zone, in an oblique
-        shot or with edges that are not clamped, the short elements are everywhere; sliding crossovers have one per
-        crossover.
+        first wave in the rear plies (docs/theory-panel.md, "Packs: contact between plies"). Where the projectile may
+        leave the first zone, in an oblique shot or with edges that are not clamped, the short elements are everywhere;
+        sliding crossovers have one per crossover.
 
         Raises
         ------

@@ -10,7 +10,7 @@ from shellfabric.panel import arrays
 
 @dataclass(frozen=True)
 class Numerics:
-    """Numerical parameters, set by stability and convergence (docs/parameters.md); none is fitted to an outcome.
+    """Numerical parameters, set by stability and convergence (docs/reports/parameters.md), none by an outcome.
 
     Parameters
     ----------

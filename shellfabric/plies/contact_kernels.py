@@ -8,9 +8,9 @@ flies, t the mean thickness of the two plies:
 
 with the law p (`plies.law_kernels`) and the area A of the point. -f n acts on the nodes of the front ply by their
 weights in x, f n on those of the rear ply by their weights in y: the sum is zero to the last digits. Which side of the
-fabric a point is on, the offset, failed yarns: docs/theory.md, "Packs". Fabric that came through, where depth > t, is
-counted, and ends the run. Naive forms, for comparison: nodes of the front ply against the bilinear facets of the rear
-one (FACETS), or against the node there, along z (NODES).
+fabric a point is on, the offset, failed yarns: docs/theory-panel.md, "Packs: contact between plies". Fabric that came
+through, where depth > t, is counted, and ends the run. Naive forms, for comparison: nodes of the front ply against the
+bilinear facets of the rear one (FACETS), or against the node there, along z (NODES).
 
 Which points are computed: a box about the nodes of each ply that are deflected by more than a quarter of the gap, three
 elements wider, is renewed every eight steps. A point that is clear of the other ply is skipped for as long as it would

@@ -1,32 +1,23 @@
-"""Contact of the cloth with a rigid projectile: penalty on a signed distance, over points of a smooth surface.
+"""Contact of the fabric with a rigid projectile: penalty on a signed distance, over points of a smooth surface.
 
 The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its axis along z. A
-projectile whose axis is tilted has a frame of its own, into which places are turned, and normals back out of it.
+projectile whose axis is tilted has a frame of its own, into which positions are rotated, and normals back out of it.
+Every element carries p x p points x = sum N_i x_i of the surface of `spline_kernels`. A point with distance < 0 has
 
-Every element carries p x p points x = sum N_i x_i of the surface of `spline_kernels`. One with distance < 0 feels f n,
-f = max(0, -k distance - c n.(v - v_p)), and the friction of `friction_kernels`; its nodes share the force by their N_i,
-and the projectile gets its opposite, so that momentum is kept. Where yarns have failed, k and c are those of what is
-left of the two next to a point.
+    f = max(0, -k distance - c n.(v - v_p)) n
 
-Firm springs. Between the nose and a pack that resists, a spring that is stable at the usual step is too soft: the rim
-sinks in. So in packs it is const.point_law.implicit_factor times as stiff, and its force is that of the end of the step
-to come. With the depth d and the velocity v at which the point will approach by all other forces than the nose's,
+and the friction of `friction_kernels`; its nodes share the force by their N_i, and the projectile gets its opposite.
+Where yarns have failed, k and c are those of what is left of the two next to a point.
+
+In packs the spring is const.point_law.implicit_factor times as stiff, and its force is that of the end of the step:
+with the depth d and the velocity v at which the point will approach by all other forces than the nose's,
 
     f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)
 
-m is the mass that a point moves. Points share nodes. Let forces f speed points up by A f, and m = s / (A s) for some
-s > 0: as m A keeps this positive vector, its largest eigenvalue is 1 (Perron), and up to 4/3 is stable, whatever k.
-That holds with the cloth at the bound of its own step, since v foresees its forces; with v as it was a quarter of that
-bound would be left. s is the force of a step ago, for which m is right and f at rest is k d; and besides, on every
-point, the nose's force on the ply over the points of an element, as if the cloth lay flat under it. Where that is most
-of s, f at rest is less than k d, though more than on a spring of m / dt^2. Without it the load of a very firm nose hops
-from point to point as cloth slides round the rim, and points of changing m give back more than they took.
-
-Why a smooth surface. A lone node that carries a yarn round the edge slides off it down the side of the cylinder, and a
-sharp edge snaps it up by its whole depth. Points inside flat elements meet the edge quietly, but the normals of these
-jump at nodes, so that the rim bends a yarn at one node or another, and the peak tension goes with where the rim lies in
-an element and does not settle with the mesh. On the smooth surface it does, and with eight points a crossover it has
-converged in their number; a sharper edge needs more points (docs/parameters.md).
+m = s / (A s) is the mass that a point moves, forces f accelerating the points by A f. s is the force of a step ago
+and besides, on every point, the nose's force on the ply over the points of an element (without the second part the
+load hops from point to point as fabric slides round the rim). The largest eigenvalue of m A is 1 (Perron); up to 4/3
+is stable for any k. Derivation, and why the surface is smooth: docs/theory-panel.md, "Contact with the projectile".
 """
 
 import math

@@ -1,4 +1,4 @@
-"""The solid of a yarn in explicit dynamics: bricks with one integration point and elastic hourglass control.
+"""The solid of a yarn in explicit dynamics: hexahedra with one integration point and elastic hourglass control.
 
 The law is that of the thesis, section 3.4.2, with the branches of erratum E-20; a frame follows the fibre. With
 e1 along the mesh edges of the fibre, e2 across and e3 through the yarn at rest, and f_i = F e_i,
@@ -6,24 +6,18 @@ e1 along the mesh edges of the fibre, e2 across and e3 through the yarn at rest,
     F Q0 = Q R,     V_f = Vf0 / (R_22 R_33),     P e_i = Q (J S R^-T)_i                          (eqs. 3-7, 3-9)
     S_11 = E_a V_f ln R_11,   S_22, S_33 = E_2(V_f) ln R_22, ln R_33,   S_ij = G R_ij / R_jj     (eqs. 3-2, 3-8 .. 3-16)
 
-F is the mean over the brick, f_i = sum_a x_a b_ai with b the mean gradients of the shape functions (Flanagan and
-Belytschko 1981), so that every patch test is met whatever the shape of the bricks.
-
-Hourglass modes. With the patterns h of the four modes over the corners, and c_mi = sum_a h_ma X_a . e_i at rest,
+F is the mean over the element, f_i = sum_a x_a b_ai with b the mean gradients of the shape functions (Flanagan and
+Belytschko 1981), so that every patch test is met. Hourglass control, with the patterns h of the four modes over the
+corners and c_mi = sum_a h_ma X_a . e_i at rest:
 
     q_m = sum_a h_ma x_a - sum_i c_mi f_i,      W = 1/2 sum_mi K_mi (q_m . f_i)^2
 
-q vanishes in every linear motion, and W depends on products of vectors that turn with the body alone: it is a
-potential that knows no rotation, and its forces carry no momentum and no moment. K is such that, at rest, W is the
-energy that the 2 x 2 x 2 rule finds in the same mode with the law's moduli at rest (`hex8.py`), times a factor.
+q vanishes in every linear motion, and W is blind to rotation. K makes W at rest the energy of the 2 x 2 x 2 rule in
+the same mode (`hex8.py`), times a factor. S_22 and S_33 have a viscous part eta d(ln R)/dt, eta = xi (E_2 rho)^(1/2) L.
 
-Torn bricks. A brick is gone with half of its bars. In a yarn that has been cut, the loose end is free to crumple:
-fibres resist no compression, so that its last bricks fold up and turn inside out, where the law has no value. There a
-brick is gone as well once its fibres are folded to a tenth of their length or it has no volume left. Whole yarns are
-taut between their ends and do not fold; should one do so, the run is unstable and says so.
-
-Viscosity. S_22 and S_33 carry a viscous part eta d(ln R)/dt, eta = xi (E_2 rho)^(1/2) L: a damping ratio xi on the
-highest mode of a row of bricks of the height L.
+An element is gone with half of its bars. In a yarn that has been cut it is gone as well once its fibres are folded to a
+tenth of their length or it has no volume left; in a whole yarn that makes the run unstable (docs/theory-panel.md,
+"Woven solid yarns").
 """
 
 import math

@@ -1,6 +1,6 @@
 """What the quality indicators (`shellfabric.panel.quality`) flag: of maps, examples and random scenes.
 
-    python -m tests.fuzz.flags --page docs/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
+    python -m tests.fuzz.flags --page docs/reports/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
 
 Every point of the maps that end quietly wrong is run again with the indicators evaluated. What is done is kept in
 results/checks, and taken from there with --resume.
@@ -20,33 +20,36 @@ from fabrics.files import write_whole
 from shellfabric.impact import simulation
 from shellfabric.panel.quality import LIMITS, NOTES
 from tests.fuzz import scenes
+from validation.program import computed
 from validation.verification.stability import study
 from validation.verification.stability.core import STABLE, WRONG
 from weavecell.report.marked_page import markdown
+from weavecell.results import provenance
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 
 # maps with points that end quietly wrong; the product has no way to what OUTSIDE names
 MAPS = ("time-step", "viscosity", "hourglass", "penalty", "edge-radius", "newton", "printed-law", "bars", "plies")
-OUTSIDE = {"newton": "a method of the thesis that is not used", "plies": "no key of a scene"}
+OUTSIDE = {"newton": "a method of the thesis that is not used", "plies": "no key of an input file"}
 SLOW = 60.0  # [s] of CPU time after which a random scene is given up
-HEAD = """# What the quality checks flag
+TITLE = """# Quality checks: limits and detection rates
 
+*Which indicators mark a result as doubtful, from which limits on, and how often are they right?*"""
+HEAD = """\
 Impacts, coupons, searches of a critical velocity and pulled yarns evaluate quality indicators, each with a limit
 (`shellfabric/panel/quality.py`), and are "doubtful" if one of them is beyond it. A share of artificial viscosity that
-is unusual, but within its limit, is "noted". Here they are put to the test: on
-every point of the maps of [stability.md](stability.md) that end quietly with a wrong answer, which they should flag,
-and on examples and random scenes at default settings, which they should not. A stable point that is flagged lies beyond
-a limit of the indicators that is narrower than the map's.
+is unusual, but within its limit, is "noted". The indicators are tested on every point of the maps of
+[stability.md](stability.md) that ends with a wrong answer and no message, which they should flag, and on examples
+and random input files at default settings, which they should not. A stable point that is flagged lies beyond a limit of
+the indicators that is narrower than the map's. The target is at most 2 % of examples and random input files.
 
-The limits were last changed after a look at the random scenes of the seed `checks`. Those of the seed 2026 (10 %
+The limits were last changed after the random files of the seed `checks` had been seen. Those of the seed 2026 (10 %
 flagged) led to defaults that follow the projectile, the number of contact points and of elements per crossover, and to
-a ply penetration that counts only what loads the contact; scenes of other seeds were drawn afterwards. The target is
-at most 2 % of examples and random scenes.
+a ply penetration that counts only what loads the contact; files of other seeds were drawn afterwards.
 
-That a scene is not flagged does not mean that its peak tension has converged. At default settings most random scenes
+A result that is not flagged may have a peak tension that has not converged. At default settings most random files
 (coarse fabric, up to 700 m/s, free edges, yarns that fail) change it by more than 10 % when elements are halved; their
-residual velocity changes less. No indicator measures that: a second mesh does."""
+residual velocity changes less. No indicator measures this; a second mesh does."""
 
 
 REASONS = """All limits but that of the viscous energy lie between the values at points of a map that are right and at
@@ -125,11 +128,11 @@ def random_scene(seed, index):
             return [path.stem, "error", [str(problem)]]
 
 
-def page(maps, examples, random, command):
-    """The text of the page: rows of `of_map` by map, of `of_scene`, and of `random_scene`."""
-    told = f"Made by `{command}`; not to be edited by hand."
-    parts = [HEAD, told, "## Limits", limits(), REASONS.strip(), "## Maps", shares(maps)]
-    for title, rows in (("Examples", examples), ("Random scenes", random)):
+def page(maps, examples, random, command, run=""):
+    """The text of the page: rows of `of_map` by map, of `of_scene`, and of `random_scene`; `run` of `computed`."""
+    told = f"{run or f'Computed by `{command}`.'} Not to be edited by hand."
+    parts = [TITLE, told, HEAD, "## Limits", limits(), REASONS.strip(), "## Maps", shares(maps)]
+    for title, rows in (("Examples", examples), ("Random input files", random)):
         if rows:
             parts += [f"## {title}", false_alarms(rows)]
     return "\n\n".join(parts) + "\n"
@@ -152,7 +155,7 @@ def shares(maps):
         also = sum(bool(point[3]) for point in stable)
         rows.append([key, _share(flagged, wrong), f"{also} of {len(stable)}", ", ".join(names), OUTSIDE.get(key, "")])
         all_wrong += [(key, point) for point in wrong]
-    for title, without in (("all", ()), ("all that a scene can reach", tuple(OUTSIDE))):
+    for title, without in (("all", ()), ("all that an input file can reach", tuple(OUTSIDE))):
         chosen = [point for key, point in all_wrong if key not in without]
         rows.append([f"**{title}**", _share([point for point in chosen if point[3]], chosen), "", "", ""])
     head = ["map", "wrong points flagged", "stable points flagged", "by", "outside the product"]
@@ -182,8 +185,8 @@ def main():
         _kept(folder / f"{options.seed}-{i}.json", options.resume, lambda i=i: random_scene(options.seed, i))
         for i in range(options.scenes)
     ]
-    command = f"python -m tests.fuzz.flags --seed {options.seed} --page docs/checks.md"
-    text = page(maps, examples, random, command)
+    command = f"python -m tests.fuzz.flags --seed {options.seed} --page docs/reports/checks.md"
+    text = page(maps, examples, random, command, computed(command, provenance.stamp()))
     print(text)
     if options.page is not None:
         with write_whole(options.page) as file:

@@ -119,7 +119,7 @@ def test_a_text_goes_into_a_page_if_there_is_one(tmp_path, capsys):
 
 def documented():
     """[(module, options)] of the commands that the documentation prints with options."""
-    texts = [path.read_text("utf-8") for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]]
+    texts = [path.read_text("utf-8") for path in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]]
     commands = {line for text in texts for line in re.findall(r"python -m (validation\.[^`#\n]*)", text)}
     split = [tuple(shlex.split(command)) for command in commands]
     return sorted((name, words) for name, *words in split if words)
@@ -138,3 +138,13 @@ def test_commands_of_the_documentation_are_understood(name, words):
     if name == "validation.published.biaxial_glass":  # takes the cell's options from `weavecell`, with a parser
         return
     assert set(program.options(module.main, {}, words)) == set(signature(module.main).parameters)
+
+
+def test_the_line_of_a_report_has_commits_and_dates():
+    one = {"commit": "abc123", "date": "2026-11-20 10:00 UTC"}
+    assert program.computed("make x", one) == "Computed at commit abc123 on 2026-11-20 by `make x`."
+    texts = ("version 1, commit fff1, 2026-11-21 05:00 UTC, here.", "version 1, commit aaa1, 2026-11-21 19:00 UTC.")
+    assert program.computed("make x", *texts) == (
+        "Computed at commits fff1 (2026-11-21) to aaa1 (2026-11-21) by `make x`."
+    )
+    assert program.computed("make x") == "Computed by `make x`."

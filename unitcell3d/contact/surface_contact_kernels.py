@@ -12,18 +12,14 @@ The contact force is -p(g) A w(xi) dg with the area A of the point and the press
 
     p = 0 (g >= 0),  k g^2 / 2t (0 < -g < t),  k (-g - t/2) (-g > t).
 
-w is 1 on the master grid and falls to 0 within half a cell beyond a free edge (C1). The equations are those of the
-closest-point projection with a large-sliding tangent (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each
-side of a crossover is slave once, with half the penalty.
-
-Coulomb friction (coefficient f, regularisation slip s) pulls at the slave point with the traction -tau and at the
-master with its opposite, through the same weights as the pressure:
+w is 1 on the master grid and falls to 0 within half a cell beyond a free edge (C1). The tangent is that of large
+sliding (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each side of a crossover is slave once, with half
+the penalty. Coulomb friction (coefficient f, regularisation slip s; Laursen and Simo 1993) adds the traction -tau:
 
     v = S_,a (xi_a - anchor_a),   tau = f p v / max(|v|, s).
 
-The anchor is where the point stuck when the last load step was accepted; then it is drawn after the point until the
-slip v left over is no longer than s (convective slip and return mapping: Laursen and Simo 1993). Slip is measured in
-the master's own parameters, so a rigid motion of both makes none.
+The anchor is where the point stuck when the last load step was accepted (docs/theory-cell.md, "The 3D crossover:
+contact").
 """
 
 from __future__ import annotations

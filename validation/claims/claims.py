@@ -129,7 +129,7 @@ class Claim:
     reason : of the tolerances
     check, arguments : name of the check, and what it is called with
     slow : left out but for --slow
-    erratum : entry of docs/errata.md that bears on it, or ""
+    erratum : entry of docs/reports/errata.md that bears on it, or ""
     against : the conditions are evidence that the thesis is wrong; says what is
     data : the conditions compare input data, or a closed form, with themselves; says which
     incomparable : the thesis's statement and the computed quantity are not comparable; says why

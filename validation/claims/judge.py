@@ -15,13 +15,13 @@ REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
 DATA, NOT_COMPARABLE = "data", "not comparable"
 NOT_TESTABLE, NOT_BUILT, LEFT_OUT, BROKEN = "not testable", "not built", "left out", "broken"
 VERDICTS = {
-    REPRODUCED: "our number is within the tolerance",
-    MISSED: "our number is outside the tolerance",
-    WRONG: "our number shows that the thesis is in error",
+    REPRODUCED: "the computed value is within the tolerance",
+    MISSED: "the computed value is outside the tolerance",
+    WRONG: "the computed value shows an error of the thesis",
     DATA: "input data or a closed form compared with itself: nothing is reproduced, and it is in no percentage",
-    NOT_COMPARABLE: "the thesis's statement and our number are not comparable: both are listed",
+    NOT_COMPARABLE: "the statement and the computed value are not comparable: both are listed",
     NOT_BUILT: "what the check would need is not built yet",
-    NOT_TESTABLE: "nothing to hold a number against, or a number that no model of ours could give",
+    NOT_TESTABLE: "no number to compare with, or a number that no model here gives",
     LEFT_OUT: "a slow check that was not selected",
     BROKEN: "the check itself did not come to an end",
 }

@@ -1,4 +1,4 @@
-"""docs/claims.md: counts by verdict, and every claim with its computed and its published value.
+"""docs/reports/claims.md: counts by verdict, and every claim with its computed and its published value.
 
 The page is made from rows of texts, which are stored beside it (data/claims.csv), so that a test can compare page,
 README and data without a run.
@@ -23,16 +23,17 @@ Table = Sequence[dict[str, str]]
 DATA = "data/claims.csv"
 COLUMNS = ("id", "topic", "origin", "section", "verdict", "computed", "published", "cause", "shots", "variants")
 _LEAD = """\
-# Claims of the thesis, and what is computed
+# Claims of the thesis and computed values
 
-    {command}
+*Which statements of the thesis does the code reproduce, which does it miss, and why?*
 
-makes this page and [data/claims.csv](data/claims.csv); not to be edited by hand. Commit {commit}, {date}; {cost}.
+Computed at commit {commit} on {date} by `{command}` ({cost}). Not to be edited by hand; the rows are in
+[data/claims.csv](data/claims.csv) too.
 
-A claim is a statement of the thesis that a computation can confirm or contradict: a number, an order, a trend, a shape
-or an outcome. "Published" is the value of the thesis, or the condition that follows from its statement, with the
-tolerance that was set before the comparison, or that an audit has narrowed since; "computed" is the value of this
-software. Nothing is fitted to a claim, and no tolerance is widened to turn a miss.
+A claim is a statement of the thesis that a computation can confirm or contradict: a number, an order, a trend, a
+shape or an outcome. "Published" is the value of the thesis, or the condition that follows from its statement, with
+its tolerance. Tolerances were set before the comparison; an audit has narrowed some of them since. "Computed" is
+the value of this software. Nothing is fitted to a claim, and no tolerance is widened to turn a miss.
 """
 _VARIANTS = """\
 A claim on impacts on one ply is checked with a rigid projectile, the variational cell formulation, the linear density
@@ -84,11 +85,11 @@ def sentence(table: Table) -> str:
 
 
 def variants_sentence(table: Table) -> str:
-    """In how many claims on shots a variant changes the verdict, in words, as README has it."""
+    """In how many claims on shots a variant changes the result, in words, as validation.md has it."""
     varied = [row for row in table if row["variants"]]
     changed = [row for row in varied if "; " in row["variants"]]
     whole = sum(row["variants"] == "holds in 5 of 5" for row in varied)
-    return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the verdict of {len(changed)}"
+    return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the result of {len(changed)}"
 
 
 def _split(table):
@@ -129,7 +130,7 @@ def _count_table(table):
 
 def _claim_table(own):
     shots = any(row["variants"] for row in own)
-    head = ["claim", "thesis", "verdict", "computed", "published", "cause or remark"] + ["variants"] * shots
+    head = ["claim", "thesis", "result", "computed", "published", "cause or remark"] + ["variants"] * shots
     keys = ("section", "verdict", "computed", "published", "cause") + ("variants",) * shots
     return markdown([head, *([f"`{row['id']}`", *(row[key].replace("|", "/") for key in keys)] for row in own)])
 

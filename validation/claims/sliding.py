@@ -1,4 +1,4 @@
-"""python -m validation.claims.sliding [--page docs/sliding.md] [--out results/claims-sliding] [--most-limits 3]
+"""python -m validation.claims.sliding [--page docs/reports/sliding.md] [--out results/claims-sliding] [--most-limits 3]
 
 Checks claims of the thesis a second time with sliding crossovers (mu = 0.2), and puts a table of the verdicts that
 change into the page. The thesis pins its crossovers, so that this is no reading of it: a verdict that changes says what

@@ -1,15 +1,15 @@
-"""Speed against accuracy: the standard scenes, each with every method that the project has for it.
+"""Cost against error of the methods: the standard cases, each with every method of the project.
 
 Folder of `weavecell cost-accuracy --scene NAME`, or `--all`
     NAME.csv, NAME-references.csv   one row a method; one row a quantity
     chart-NAME.png                  CPU time against error
-    charts.json                     the methods that none beats, references, provenance
+    charts.json                     Pareto-optimal methods, references, provenance
     cases/NAME/                     a file for each case as soon as it is done: `--resume` begins with them
 
 Folder of `weavecell cost-accuracy --scene crossover`, the long study of the 3D crossover
     crossover.csv, orders.csv   one row a case; one row a limit
-    crossover.md, figures/      the page of the documentation (docs/crossover.md) with its pictures
-    chart.json                  which methods none beats, the reference, provenance
+    crossover.md, figures/      the page of the documentation (docs/reports/crossover.md) with its pictures
+    chart.json                  Pareto-optimal methods, the reference, provenance
     cases/                      a file for each case as soon as it is done: `--resume` begins with them
 """
 
@@ -116,7 +116,7 @@ def crossover(out: Path, level: str, only: Sequence[str], jobs: int, executor: s
         name: {"value": value, "half_width": half} for name, (value, half) in found.reference.items()
     }
     json_file.write(out / "chart.json", content)
-    print(f"{len(found.entries)} cases; none beats, in time and error:")
+    print(f"{len(found.entries)} cases; Pareto-optimal in time and error:")
     for entry in best:
         print(f"  {entry['method']:<28}{entry['cpu_s']:8.1f} s {100 * entry['error']:8.2f} %")
     print(f"written to {out}")

@@ -1,6 +1,6 @@
 """Ranges that follow from assumed laws, beside the results with the published laws of the same fabrics.
 
-    python -m validation.published.assumed_laws [FABRIC ...] [--out results/assumed-laws] [--page docs/assumed-laws.md]
+    python -m validation.published.assumed_laws [FABRIC ...] [--out FOLDER] [--page docs/reports/assumed-laws.md]
 
 Three Kevlar fabrics of the catalogue are treated as a fabric of which only the data sheet is known: their compression,
 trellis and solid laws are taken away, the fibre family's are assumed (`fabrics.families`), and the coarse 3D crossover
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import weavecell as wc
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from validation.program import program, publish, write_csv
+from validation.program import computed, program, publish, write_csv
 from weavecell.analysis.assumed_range import AssumedRange
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
@@ -148,7 +148,7 @@ def main(fabrics: Sequence[str] = FABRICS, *, out: Path = OUT, page: Path | None
         write_csv(out / f"{name}.csv", rows)
         publish(markdown(rows), page, marks(name))
     if page is not None:
-        line = f"Computed by `python -m validation.published.assumed_laws`, commit {made['commit']}, {made['date']}."
+        line = computed(f"python -m validation.published.assumed_laws --page {page}", made)
         put(page, *marks("stamp"), f"\n\n{line}\n\n")
 
 

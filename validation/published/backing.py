@@ -1,6 +1,6 @@
 """Clay and gelatine behind a panel: the drop test of clay calibration, and dents behind packs.
 
-python -m validation.published.backing [--out results/backing] [--page docs/how-to/backing.md]
+python -m validation.published.backing [--out results/backing] [--page docs/reports/backing.md]
 
 The drop test (NIJ 0101.04 and later, as quoted by the National Research Council, Testing of Body Armor Materials,
 Phase III, 2012): a steel sphere of 63.5 mm and about 1 kg falls 2.0 m on a block of clay, here of 610 x 610 x 140 mm;
@@ -117,7 +117,7 @@ def _drops(meshes, out, page):
         print(*rows[-1], flush=True)
         last |= {f"{name}, {size:g} mm": found.block} if size in (meshes[0], meshes[-1]) else {}
     write_csv(out / "drop-test.csv", rows)
-    folder = page.parent.parent / "figures" if page else out
+    folder = page.parent / "figures" if page else out
     with replace_whole(folder / "drop-test.png") as beside:
         beside.write_bytes(pictures.render(pictures_body.crater, last, kind="png"))
     return rows

@@ -1,6 +1,6 @@
 """The published shots at panels of one ply and at packs, computed on several meshes, beside the thesis's outcomes.
 
-    python -m validation.published.shots [--out results/published-shots] [--page docs/published-shots.md]
+    python -m validation.published.shots [--out results/published-shots] [--page docs/reports/published-shots.md]
 
 Writes shots.csv (one row a shot) and critical-velocities.csv. With --page the tables made from them go into that page,
 between its marks, and the two files into data/ beside it. Runs are kept in the folder under a digest of the case and of

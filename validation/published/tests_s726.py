@@ -1,6 +1,6 @@
 """The two tests on one ply of S-726, computed with what the thesis's own model leaves out.
 
-    python -m validation.published.tests_s726 [--out results/tests-s726] [--page docs/tests-s726.md]
+    python -m validation.published.tests_s726 [--out results/tests-s726] [--page docs/reports/tests-s726.md]
 
 The thesis's text gives one pair of tests (Figures 2-8 to 2-10): S-726 stopped the projectile at 96 m/s and was
 perforated at 110 m/s. It names causes for a model that is too stiff: yarn data from before weaving, and yarns that slip

@@ -1,6 +1,6 @@
 """Four shots for other codes: their decks, and what this code computes of them with its cell and with the cards' laws.
 
-    python -m validation.verification.bench_decks [--out results/bench-decks] [--page docs/export.md]
+    python -m validation.verification.bench_decks [--out results/bench-decks] [--page docs/reports/cards.md]
 
 No yarn fails in these shots. Beside the cell stand the laws of the cards, which this code runs too: the potential
 nearest to the law's stresses takes the place of the cell's, tension only. Another code with the same card should

@@ -1,6 +1,6 @@
 """Coverage of the discretisation uncertainty: random scenes, each held against a finer mesh than both of its pair.
 
-    python -m validation.verification.discretisation [--out results/discretisation] [--page docs/convergence.md]
+    python -m validation.verification.discretisation [--out results/discretisation] [--page docs/reports/convergence.md]
 
 Each scene is run on its own mesh, on the finer mesh of `weavecell impact --uncertainty`, and on a reference with a
 quarter of the element side near the impact point. A scene is covered where the reference lies in the interval of every
@@ -97,19 +97,19 @@ def tables(rows: list[Row]) -> str:
     """A summary and the scenes."""
     decided = [one for one in rows if one.decided]
     covered = sum(one.covered for one in decided)
-    summary = [["scenes", "outcome depends on the mesh of the pair", "all results within their intervals",
-                "cost of the pair over that of the scene, median"],
+    summary = [["cases", "outcome depends on the mesh of the pair", "all results within their intervals",
+                "cost of the pair over that of the case, median"],
                [f"{len(rows)}", f"{len(rows) - len(decided)}", f"{covered} of {len(decided)}",
                 f"{np.median([1 + one.seconds[1] / one.seconds[0] for one in rows]):.1f}"]]  # fmt: skip
     names = list(dict.fromkeys(name for one in decided for name, *_ in one.results))
-    results = [["result", "scenes", "covered", "median uncertainty, % of the value", "median error, % of the value"]]
+    results = [["result", "cases", "covered", "median uncertainty, % of the value", "median error, % of the value"]]
     for name in names:
         found = [(value, ref, u) for one in decided for n, _, value, ref, u in one.results if n == name and value]
         inside = sum(abs(ref - value) <= u for value, ref, u in found)
         sizes = [100 * u / abs(value) for value, _, u in found]
         errors = [100 * abs(ref / value - 1) for value, ref, _ in found]
         results.append([name, f"{len(found)}", f"{inside}", f"{np.median(sizes):.2g}", f"{np.median(errors):.2g}"])
-    missed = [["scene", "strike, m/s", "outcomes", "results outside their intervals: value, uncertainty, reference"]]
+    missed = [["case", "strike, m/s", "outcomes", "results outside their intervals: value, uncertainty, reference"]]
     for one in decided:
         if not one.covered:
             outside = [f"{name}: {value:.4g} ± {u:.2g}, {ref:.4g} {unit}"

@@ -1,6 +1,6 @@
 """How often the 95 % intervals of `weavecell fit` hold the value that made the curve.
 
-    python -m validation.verification.fit_coverage [--trials 40] [--out FOLDER] [--page docs/how-to/fit.md]
+    python -m validation.verification.fit_coverage [--trials 40] [--out FOLDER] [--page docs/reports/fit.md]
 
 A run with known values gives a curve. Each trial adds normal noise of 2 % of its largest value, fits from the values of
 the catalogue, and counts the intervals that hold the known ones. Runs are kept in the folder.

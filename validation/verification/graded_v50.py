@@ -1,6 +1,6 @@
 """V50 studies on graded panels against the uniform one: the same drawn panels, struck at the same velocities.
 
-    python -m validation.verification.graded_v50 [--shots 200] [--out results/graded-v50] [--page docs/scatter.md]
+    python -m validation.verification.graded_v50 [--shots 200] [--out FOLDER] [--page docs/reports/scatter.md]
 
 Elements of one crossover reach to f crossovers from the impact point: all that can come under the nose, at least 10.
 Shot k has the panel number k of the study and the velocity k of a range about the critical velocity without scatter, on

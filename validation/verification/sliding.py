@@ -1,6 +1,6 @@
 """Sliding crossovers: error of the cell's scaling, stability, cost, pull-out, and critical velocities by friction.
 
-    python -m validation.verification.sliding [--out results/sliding] [--page docs/sliding.md] [--jobs N] [--only NAMES]
+    python -m validation.verification.sliding [--out FOLDER] [--page docs/reports/sliding.md] [--jobs N] [--only NAMES]
 
 Runs are kept in the folder and not made twice. Without --page the tables are printed alone.
 """
@@ -122,7 +122,7 @@ def _stability(found):
         rows.append([f"{threshold:g}", *(f"{100 * e:.3f} % ({share:.2f})" for e, _, _, share in cells)])
     head = (
         "### Stability\n\nLargest energy error over the strike energy, in brackets the least yarn of a segment over "
-        "that at rest: S-726, 80 mm square, 100 m/s, 100 us, mu = 0 and the threshold c0.\n"
+        "that at rest: S-726, 80 mm square, 100 m/s, 100 µs, mu = 0 and the threshold c0.\n"
     )
     return f"{head}\n{markdown(rows)}"
 

@@ -65,7 +65,7 @@ def cohesion_table(found: list) -> str:
         cells = found[n * len(PULL_MU) : (n + 1) * len(PULL_MU)]
         rows.append([f"{count}", *(f"{load:.2f}" for load, _ in cells)])
     head = (
-        f"### Pull-out\n\nLoad [N], mean from 100 to 200 us, of one yarn of S-726 at 2 m/s; cohesion {COHESION:g} N.\n"
+        f"### Pull-out\n\nLoad [N], mean from 100 to 200 µs, of one yarn of S-726 at 2 m/s; cohesion {COHESION:g} N.\n"
     )
     return f"{head}\n{markdown(rows)}"
 

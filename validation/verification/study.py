@@ -11,6 +11,7 @@ from pathlib import Path
 
 from fabrics.errors import InputError
 from fabrics.files import write_whole
+from validation.program import computed
 
 
 def known(option: str, name: str, names: Sequence[str]) -> None:
@@ -21,7 +22,9 @@ def known(option: str, name: str, names: Sequence[str]) -> None:
 
 def write_page(
     path: Path,
-    head: str,
+    title: str,
+    question: str,
+    text: str,
     command: str,
     one_by_one: str,
     overview: Iterable[str],
@@ -31,12 +34,15 @@ def write_page(
 
     Parameters
     ----------
-    head : title and introduction
+    title, question, text : of the page, what it answers, and its introduction
     command, one_by_one : that makes the page, and how else, as "map by map"
     overview : (heading, table) of all of them
     sections : pairs (paragraphs of one, when, where and by which version it was run)
     """
-    parts = [head, f"Made by `{command}`, or {one_by_one}; not to be edited by hand.", *overview]
+    sections = list(sections)
+    run = computed(command, *(made for _, made in sections))
+    told = f"{run[:-1]}, or {one_by_one}. Not to be edited by hand."
+    parts = [f"# {title}", f"*{question}*", told, text, *overview]
     for paragraphs, made in sections:
         parts += [*paragraphs, f"Run: {made}"]
     with write_whole(path) as file:

@@ -46,7 +46,7 @@ Side = End | tuple[End, End] | list[End]
 
 
 class Keywords(TypedDict, total=False):
-    """Keywords of `weavecell.setup` and what takes its keywords; meanings are in docs/keys.md."""
+    """Keywords of `weavecell.setup` and what takes its keywords; meanings are in docs/reference/input.md."""
 
     law: Law | Mapping[str, Quantity]
     cell_model: Literal["compressible", "incompressible", "decoupled"]

@@ -84,8 +84,8 @@ class ShotResult(Result):
         return self.record.contact_force
 
     def summary(self) -> dict[str, Any]:
-        """The entries of summary.json (docs/keys.md), the checks in words, the areal density of the first ply, and
-        what is assumed."""
+        """The entries of summary.json (docs/reference/input.md), the checks in words, the areal density of the first
+        ply, and what is assumed."""
         found = self.record.summary() | {"checks": self.checks_text}
         if self.fabric is not None:
             found["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)

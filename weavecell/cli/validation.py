@@ -103,7 +103,7 @@ def validate(
     slow: Annotated[bool, typer.Option("--slow", help="Also the checks that take minutes each.")] = False,
     variants: Annotated[
         bool,
-        typer.Option(help="Check the claims that rest on shots in four variants too: whether their verdicts hold."),
+        typer.Option(help="Check the claims that rest on shots in four variants of the model too."),
     ] = True,
     page: Annotated[
         Path | None, typer.Option(help="Also write this page, with its data beside it in data/.", metavar="FILE.md")
@@ -113,7 +113,7 @@ def validate(
     resume: ResumeOption = False,
     out: OutOption = None,
 ) -> int:
-    """Put the claims of the thesis to the test: each with our number, its verdict and, if missed, the cause.
+    """Compare computed values with the statements of the thesis: value, result and, where missed, the cause.
 
     A missed claim is a result, not an error. Claims that rest on shots at one ply are checked as computed and in four
     variants: the thesis's cell formulation, nominal denier, 2 elements per crossover, and an elastic-plastic bored

@@ -1,7 +1,7 @@
 """The biaxial response of a fabric's crossover from the command line, at ratios of strains, to the strength of a yarn.
 
 Folder of `weavecell biaxial`
-    biaxial.csv     strains, tensions, contact force and heights of the shell's cell, one row a state
+    biaxial.csv     strains, tensions, contact force and heights of the unit cell, one row a state
     <ratio>.h5      with --compare-3d: history of the 3D crossover along the same path
     biaxial.json    where each path ends, differences from the 3D crossover, provenance
     pictures/cell.svg

@@ -3,7 +3,7 @@
 Folder of `weavecell calibrate`
     solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the plate curve determines
     law-interval.json   with the same: intervals of a and b that follow from those of E_c, V_c, K_r
-    law.json            the fitted law, for `law = ".../law.json"` in a scene, and the contact law of plies of a pack
+    law.json            the fitted law, for `law` in an input file, and the contact law of plies of a pack
     calibration.json    all numbers of the calibration, and provenance.json where they come from
     <path>.h5           histories of the loading paths and of the compression between plates
     crossover.*         the mesh, as `weavecell.commands.mesh` writes it, with quality.png and mesh.json

@@ -4,7 +4,7 @@ The folder of `weavecell compare`
     comparison.json      V50 of the tests, computed critical velocity, residual velocities, with intervals, provenance
     shots.csv            every test with the computed outcome and residual velocity
     comparison.svg       residual against strike velocity, tested and computed
-    scene.toml           the scene
+    scene.toml           the input file
 """
 
 from __future__ import annotations

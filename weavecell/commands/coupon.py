@@ -1,7 +1,7 @@
 """One test on one coupon from its scene to its folder of results.
 
 The folder of `weavecell coupon`
-    scene.toml      the scene as it was given
+    scene.toml      the input file as it was given
     histories.h5    measures, nodes and shear after every step, tensions at the end (`results.coupon.CouponRecord`)
     summary.json    outcome, measures at the end, provenance
     pictures/       coupon.png, and curves (.svg)

@@ -1,7 +1,7 @@
 """The critical velocity of a panel or pack, and its residual velocities with a Lambert-Jonas fit.
 
 The folder of `weavecell critical-velocity`
-    scene.toml               the scene; that of a fabric is the standard one, and can be run again or changed
+    scene.toml               the input file; that of a fabric is the standard one, and can be run again or changed
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots, provenance
     shots.csv                one row a shot, by strike velocity
     residual-velocity.svg    residual against strike velocity

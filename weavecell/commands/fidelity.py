@@ -157,7 +157,7 @@ def explain(path: Path) -> None:
     print(
         "targets: " + ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in scene.accuracy.targets.items())
     )
-    print("cost: process time over that of the full model, as the survey found it (docs/fidelity.md)")
+    print("cost: process time over that of the full model, as the survey found it (docs/reports/fidelity.md)")
     print(
         "errors: four scenes in five of the survey stay below. A run looks at its own scene first, by two scouts, and"
     )

@@ -1,7 +1,7 @@
 """One impact on one ply or several, from its scene to its folder of results.
 
 The folder of `weavecell impact`
-    scene.toml      the scene as it was given
+    scene.toml      the input file as it was given
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"

@@ -1,6 +1,6 @@
-"""docs/keys.md: every key of scenes and result files, from the schema and the declared keys.
+"""docs/reference/input.md: every key of input files and result files, from the schema and the declared keys.
 
-python -m weavecell.commands.keys_page [docs/keys.md]
+python -m weavecell.commands.keys_page [docs/reference/input.md]
 """
 
 from __future__ import annotations
@@ -10,34 +10,35 @@ from dataclasses import fields
 from pathlib import Path
 
 from fabrics.files import write_whole
-from weavecell.commands import coupon, critical_velocity, fidelity, impact, uncertainty
+from weavecell.commands import coupon, critical_velocity, export, fidelity, impact, uncertainty
 from weavecell.results import keys
 from weavecell.scenes import build, supported
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.reference import meanings
+from weavecell.scenes.reference import meanings, tables
 
-PAGE = Path("docs") / "keys.md"
-HEAD = f"""# Keys of scenes and results
+PAGE = Path("docs") / "reference" / "input.md"
+HEAD = f"""---
+tocdepth: 3
+---
+
+# Input file
 
 Made by `python -m weavecell.commands.keys_page {PAGE}`; not to be edited by hand.
 
-## Scenes of impacts
+An input file is a [TOML](https://toml.io) file. A quantity is a string with a unit, in any unit of its dimension:
+`"92.5 m/s"`, `"300 ft/s"`. Everything is checked before a run starts; a wrong key or value is refused in one line.
+The same keys are keywords in [Python](python.md). Editors complete and check input files with the JSON Schemas
+`scene.schema.json` and `coupon.schema.json`, which `make docs` writes to docs/generated.
 
-Quantities are texts with a unit, in any unit of the dimension; the unit here is that of the default. Where the default
-is "none", the code chooses `run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`; any other is
-not used. An editor completes and checks these keys with the JSON Schemas that `make docs` writes to docs/generated.
-
-Columns of commands: `weavecell impact`, without and with `[accuracy]`;
-`weavecell critical-velocity` and `weavecell v50` ("limit"), and `weavecell sensitivity`, of plies and packs. "no":
-rejected in one line; "ignored": without meaning there."""
-SHOTS = {
-    "impact": impact.SUPPORT,
-    "accuracy": fidelity.SUPPORT,
-    "limit": critical_velocity.SUPPORT,
-    "sensitivity": uncertainty.OF_SOBOL,
-}
-CODE = "`{}`".format
+Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left
+out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *[accuracy]* the
+same with a table `[accuracy]`, *limits* are `weavecell critical-velocity` and `v50`, *sensitivity*, *export*
+and *coupon* are the commands of these names; `sweep`, `compare` and `fit` use keys as the command that they repeat."""
+COMMANDS = {
+    "impact": impact.SUPPORT, "[accuracy]": fidelity.SUPPORT, "limits": critical_velocity.SUPPORT,
+    "sensitivity": uncertainty.OF_SOBOL, "export": export.SUPPORT, "coupon": coupon.SUPPORT,
+}  # fmt: skip
 RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
@@ -58,34 +59,53 @@ NOTES = {
 
 
 def page() -> str:
-    """The text of docs/keys.md."""
-    parts = [HEAD, _scene_table(Scene, SHOTS)]
-    parts += ["## Scenes of coupons", _scene_table(CouponScene, {"coupon": coupon.SUPPORT})]
+    """The text of docs/reference/input.md."""
+    parts = [HEAD, "## Input file of an impact", *_tables(Scene), "## Input file of a coupon"]
+    parts += ["Title and `[fabric]` as above; one table of a test; `[run]`.", *_tables(CouponScene, "title", "fabric")]
+    parts += ["## Keys of result files", "A `*` stands for a name or number that the run gives."]
     for title, table in RESULTS.items():
-        rows = [(CODE(key.name), key.unit, key.meaning) for key in table]
-        parts += [f"## {title}", *([NOTES[title]] if title in NOTES else []), _table(("key", "unit", "meaning"), rows)]
+        rows = [(f"`{key.name}`", key.unit, key.meaning) for key in table]
+        parts += [f"### {title}", *([NOTES[title]] if title in NOTES else []), _table(("key", "unit", "meaning"), rows)]
     return "\n\n".join(parts) + "\n"
 
 
-def _scene_table(model, supports):
-    defaults = _solver_defaults()
-    words = meanings(model)
-    rows = [
-        (CODE(key), words[key], _unit(entry), defaults.get(key) or _default(entry), entry.description,
-         *(_support(support, key) for support in supports.values()))
-        for key, entry in supported.entries(model).items()
-    ]  # fmt: skip
-    return _table(("key", "meaning", "unit", "default", "allowed", *supports), rows)
+def _tables(model, *left_out):
+    """A section for each table of an input file, an entry for each of its keys."""
+    defaults, words, about = _solver_defaults(), meanings(model), tables(model)
+    groups = {}
+    for key, entry in supported.entries(model).items():
+        groups.setdefault(key.rpartition(".")[0], []).append((key, entry))
+    for table, group in groups.items():
+        if (table.partition(".")[0] or "title") in left_out:
+            continue
+        yield f"### Table [{table}]" if table else "### Before the tables"
+        yield f"{about[table]['about'].strip()}\n\n```toml\n{about[table]['example'].strip()}\n```"
+        for key, entry in group:
+            unit = (entry.json_schema_extra or {}).get("unit", "1")
+            parts = {"Allowed": entry.description, "Unit": unit, "Default": defaults.get(key) or _default(entry)}
+            parts["Commands"] = _commands(key, model)
+            yield f"#### {key}\n\n{words[key][0].upper()}{words[key][1:]}."
+            yield " ".join(f"*{name}:* {text}." for name, text in parts.items() if (name, text) != ("Unit", "1"))
 
 
-def _unit(entry):
-    return (entry.json_schema_extra or {}).get("unit", "")
+def _commands(key, model):
+    """Who uses a key, ignores it and refuses it; keys of [fabric] are also those of coupons."""
+    both = key.startswith("fabric.")
+    of = {name: each for name, each in COMMANDS.items() if each.model is model or both}
+    ignored = [name for name, each in of.items() if key in each.ignored]
+    used = [name for name, each in of.items() if key in each.supported]
+    refused = [name for name in of if name not in (*ignored, *used)]
+    parts = ["all" if len(used) == len(of) > 1 else ", ".join(used) or "none"]
+    parts += [f"{verb} by {', '.join(each)}" for verb, each in (("ignored", ignored), ("refused", refused)) if each]
+    return "; ".join(parts)
 
 
 def _default(entry):
     if entry.is_required():
         return "required"
     value = entry.get_default(call_default_factory=True)
+    if value is False and entry.json_schema_extra:
+        return "0"
     return "none" if value is None else '""' if value == "" else _text(value)
 
 
@@ -109,12 +129,6 @@ def _solver_defaults():
     known |= {f"backing.{entry.name}": getattr(material, entry.name) for entry in fields(Isotropic)}
     names = {f"{key.partition('.')[0]}.{field}": key for key, field in build.FIELDS.items()}
     return {names.get(key, key): _text(value) for key, value in known.items() if value is not None}
-
-
-def _support(support, key):
-    if key in support.supported:
-        return "yes"
-    return "ignored" if key in support.ignored else "no"
 
 
 def _table(columns, rows):

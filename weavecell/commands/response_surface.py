@@ -2,8 +2,8 @@
 
 Folder of `weavecell surface`
     surface.h5      T1, T2, F_c, h1, h2 over (d1, d2) (`fabrics.surface`)
-    surface.json    settings, estimated errors, comparison with the shell's cell, times, provenance
-    pictures/       surfaces, contours, slices beside the shell's cell, what the interpolant misses
+    surface.json    settings, estimated errors, comparison with the unit cell, times, provenance
+    pictures/       surfaces, contours, slices beside the unit cell, what the interpolant misses
     report.html
     partial.h5      finished lines, while the run goes on: `--resume` begins with them
 """

@@ -1,4 +1,4 @@
-"""Every key of the result files of impacts and coupons: summary.json and histories.h5; docs/keys.md is made from this.
+"""Every key of the result files of impacts and coupons, from which docs/reference/input.md is made.
 
 One convention: name_unit in summary.json and in attributes; a dataset has the attribute "unit". `*` stands for a number
 or a name that the run gives.
@@ -24,7 +24,7 @@ def keys(*rows: tuple[str, str, str]) -> tuple[Key, ...]:
 
 
 ENERGIES = keys(
-    ("kinetic_fabric", "J", "kinetic energy of the cloth"),
+    ("kinetic_fabric", "J", "kinetic energy of the fabric"),
     ("kinetic_projectile", "J", "kinetic energy of the projectile"),
     ("elastic_projectile", "J", "elastic energy of an elastic projectile"),
     ("plastic_projectile", "J", "plastic work in an elastic projectile"),
@@ -35,10 +35,10 @@ ENERGIES = keys(
     ("jamming", "J", "jamming of bunched yarns"),
     ("viscous", "J", "dissipated by stretch viscosity"),
     ("contact", "J", "penalty springs and damping of the contact with the projectile"),
-    ("friction", "J", "friction between projectile and cloth"),
+    ("friction", "J", "friction between projectile and fabric"),
     ("failure_dissipation", "J", "lost at the failure of yarns"),
     ("clamp_friction", "J", "friction of yarns that slip in the clamps"),
-    ("boundary_work", "J", "work of prescribed pull-ins, negative where done on the cloth"),
+    ("boundary_work", "J", "work of prescribed pull-ins, negative where done on the fabric"),
     ("backing_*", "J", "parts of the backing block: kinetic, elastic, plastic, eroded, absorbed, viscous, hourglass, "
      "contact, damped"),
     ("ply_contact", "J", "contact between plies"),
@@ -50,7 +50,7 @@ ENERGIES = keys(
 )  # fmt: skip
 SHARED = keys(
     ("format", "", "format of the file"),
-    ("title", "", "of the scene"),
+    ("title", "", "title of the input file"),
     ("fabric", "", "name of the fabric"),
     ("law_name", "", "origin of the compression law"),
     ("outcome", "", 'impacts: "stopped", "perforated", "in flight", "unstable"; coupons: "complete", '
@@ -60,9 +60,9 @@ SHARED = keys(
     ("elements", "1", "number of elements"),
     ("steps", "1", "number of time steps; of a coupon, of load steps"),
     ("checks.status", "", '"ok", "noted" or "doubtful"'),
-    ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status (docs/checks.md)"),
+    ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status"),
     ("assumed_range.*", "", "residual or critical velocity over the ranges of assumed laws: low_m_s, high_m_s, runs"),
-    ("provenance.*", "", "versions, commit, date, machine, threads, text of the scene, assumed tables"),
+    ("provenance.*", "", "versions, commit, date, machine, threads, text of the input file, assumed tables"),
 )  # fmt: skip
 PACK = keys(
     ("stacking", "", 'pack: "aligned", "alternating" or "lay-up"'),
@@ -118,8 +118,8 @@ IMPACT = keys(
     *PACK,
     ("ply_gap_m", "m", "pack: gap between the first two plies at rest"),
     ("max_penetration_ratio", "1", "pack: deepest penetration of a ply into the next, over the thickness"),
-    ("torn_corrections", "1", "pack: impulses that kept torn cloth from passing through another ply"),
-    ("torn_unresolved", "1", "pack: passages of torn cloth that no impulse prevented"),
+    ("torn_corrections", "1", "pack: impulses that kept torn fabric from passing through another ply"),
+    ("torn_unresolved", "1", "pack: passages of torn fabric that no impulse prevented"),
     ("accuracy.targets", "1", "targets of [accuracy]: {quantity: error at most}"),
     ("accuracy.model", "", "the model that was chosen"),
     ("accuracy.symmetry", "", "its part of the panel"),
@@ -130,7 +130,7 @@ IMPACT = keys(
     ("accuracy.projectile", "", "choice between rigid and elastic projectile, in words"),
     ("accuracy.confirmed", "", "whether the estimated errors meet the targets"),
     ("accuracy.models_run", "", "models that were run, in order"),
-    ("discretisation.meshes", "", "with --uncertainty: the scene's mesh and the finer one, in words"),
+    ("discretisation.meshes", "", "with --uncertainty: the mesh of the input file and the finer one, in words"),
     ("discretisation.outcomes", "", "outcome on both meshes"),
     ("discretisation.results", "", "of each result its unit, its value on both meshes and its uncertainty"),
 )  # fmt: skip
@@ -196,7 +196,7 @@ SHAPE = keys(
     ("tension", "N", "tension of each element's warp and weft"),
     ("failed", "1", "warp failed, weft failed, element eroded"),
     ("pressure", "Pa", "contact pressure on each node: from the projectile; in a pack or before a block also from "
-     "the ply in front and from the ply or block behind; in a pack also from the constraint of torn cloth"),
+     "the ply in front and from the ply or block behind; in a pack also from the constraint of torn fabric"),
     ("area", "m^2", "area of each node at rest"),
     ("failed_segments", "1", "failed segments of warp and weft that begin at each node, of the modelled part"),
     ("slip", "m", "sliding crossovers: length of warp and weft that has passed through each node"),
@@ -232,7 +232,7 @@ PLY_HISTORIES = keys(
     ("reaction_warp", "N", "tension at the boundary of the warp nearest the impact point"),
     ("reaction_weft", "N", "the same of the weft"),
     ("push", "N", "force of the nose on the ply"),
-    ("deflection", "m", "largest displacement along the normal, of cloth connected to the edges"),
+    ("deflection", "m", "largest displacement along the normal, of fabric connected to the edges"),
     ("energy", "J", "energy that the ply moves with, stores and has lost"),
     ("peak_warp", "N", "highest tension of its warp so far, mean over a segment between crossovers"),
     ("peak_weft", "N", "the same of its weft"),
@@ -287,7 +287,7 @@ MEASURED = (
 MEASURED_ATTRIBUTES = (
     *_under("yarns/*", YARN_DATA),
     *keys(
-        ("fronts/*/speed", "", "[m/s] speed of a wave front in the cloth"),
+        ("fronts/*/speed", "", "[m/s] speed of a wave front in the fabric"),
         ("fronts/*/interval", "", "[m/s] its interval of 95 %"),
         ("fronts/*/start", "", "[s] start of the fitted line"),
     ),

@@ -22,9 +22,23 @@ def meanings(model: type[Table]) -> dict[str, str]:
     ------
     KeyError : a key of the schema has no meaning there
     """
-    tables = tomllib.loads((files(__package__) / "meanings.toml").read_text("utf-8"))
-    known = tables["impact"] if model is Scene else tables["impact"] | tables["coupon"]
+    known = _known(model, "")
     return {key: known[key] for key in supported.keys(model)}
+
+
+def tables(model: type[Table]) -> dict[str, dict[str, str]]:
+    """{table: {"about": what it is, "example": lines of TOML}} of an input file, from meanings.toml.
+
+    Parameters
+    ----------
+    model : Scene or CouponScene
+    """
+    return _known(model, "_tables")
+
+
+def _known(model, kind):
+    read = tomllib.loads((files(__package__) / "meanings.toml").read_text("utf-8"))
+    return read[f"impact{kind}"] | ({} if model is Scene else read[f"coupon{kind}"])
 
 
 def json_schema(model: type[Table]) -> dict[str, Any]:

@@ -32,7 +32,7 @@ Kind = TypeVar("Kind", bound=Table)
 
 
 def in_unit(unit: str, description: str) -> Any:
-    """A Field whose value is in SI `unit`; the unit is for docs/keys.md."""
+    """A Field whose value is in SI `unit`; the unit is for docs/reference/input.md."""
     return Field(description=description, json_schema_extra={"unit": unit or "1"})
 
 

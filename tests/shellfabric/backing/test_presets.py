@@ -135,7 +135,7 @@ def test_a_flattened_block_makes_shorter_steps_of_its_own():
 def test_drop_of_a_ball_on_clay():
     """Coarse: the ball sinks in by some 25 mm and leaves a dent, without energy from nowhere.
 
-    The window of the calibration, 17 to 23 mm, is no assertion: see docs/how-to/backing.md.
+    The window of the calibration, 17 to 23 mm, is no assertion: see docs/reports/backing.md.
     """
     backing = Backing(CLAY, (0.3, 0.3, 0.1), 15e-3, 45e-3, 1.5)
     found = strike(backing, Projectile(mass=1.0, shape="sphere", radius=31.75e-3), 6.26, 0.02, after=2e-3)

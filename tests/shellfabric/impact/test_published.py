@@ -1,7 +1,7 @@
 """The twelve single-ply outcomes in the captions of thesis Figures 5-4 to 5-15, with nothing fitted to them.
 
 They hold with one element per crossover and a rigid projectile; with two and three elements 11 of them do
-(docs/published-shots.md).
+(docs/reports/published-shots.md).
 """
 
 import pytest

@@ -127,7 +127,7 @@ def test_colliding_plies_keep_momentum_and_energy(any_ply):
 @pytest.mark.parametrize("strike_velocity", [91.0, 300.0])
 def test_shots_against_the_uniform_pack(ply, strike_velocity):
     """Of three plies, held or torn: energy is balanced, none goes through another, and the answers are close: of torn
-    ones within the few per cent by which it matters which yarn fails first (docs/graded.md)."""
+    ones within the few per cent by which it matters which yarn fails first (docs/reports/graded.md)."""
     found = []
     for zones in (None, ((10, 1), (INF, 2)), ((10, 1), (16, 2), (INF, 4))):
         panel = replace(ply, grading=zones, opening=(0.0762, 0.0762))

@@ -41,7 +41,7 @@ def test_counts_in_words():
     assert "of the 2 that are decided, 1 are reproduced (50 %) and 1 missed" in told
     assert "1 cannot be tested" in told
     assert page.variants_sentence(made()) == (
-        "Of 1 such claims 0 hold in 5 of 5, and a variant changes the verdict of 1"
+        "Of 1 such claims 0 hold in 5 of 5, and a variant changes the result of 1"
     )
 
 
@@ -65,21 +65,21 @@ def test_a_page_of_some_topics_is_refused(tmp_path):
 
 
 def test_the_page_has_every_claim_and_is_made_from_its_rows():
-    table = page.read(ROOT / "docs" / page.DATA)
+    table = page.read(ROOT / "docs" / "reports" / page.DATA)
     assert sorted(row["id"] for row in table) == sorted(claim.id for claim in data.load())
     assert not page.counts(table)[judge.BROKEN]
-    lead, _, rest = (ROOT / "docs" / "claims.md").read_text("utf-8").partition("## Counts")
+    lead, _, rest = (ROOT / "docs" / "reports" / "claims.md").read_text("utf-8").partition("## Counts")
     assert "weavecell validate" in lead
     assert rest == page.lines(table, **STAMP).partition("## Counts")[2]
 
 
-def test_results_and_readme_have_the_counts_of_the_page():
-    table = page.read(ROOT / "docs" / page.DATA)
+def test_validation_and_readme_have_the_counts_of_the_page():
+    table = page.read(ROOT / "docs" / "reports" / page.DATA)
     added = {entry["id"] for entry in data.entries(data.FILES[1])}
     found = page.counts([row for row in table if row["id"] not in added])
     decided = found[judge.REPRODUCED] + found[judge.MISSED]
     readme = (ROOT / "README.md").read_text("utf-8")
     assert f"of the {decided} that are decided, {found[judge.REPRODUCED]} are reproduced" in readme
-    text = " ".join((ROOT / "docs" / "results.md").read_text("utf-8").split())
+    text = " ".join((ROOT / "docs" / "validation.md").read_text("utf-8").split())
     assert page.sentence(table) in text
     assert page.variants_sentence(table) in text

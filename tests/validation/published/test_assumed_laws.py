@@ -8,7 +8,7 @@ from fabrics.compression import CompressionLaw
 from validation.published import assumed_laws as study
 from weavecell.analysis.assumed_range import AssumedRange, Row
 
-PAGE = Path(__file__).parents[3] / "docs" / "assumed-laws.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reports" / "assumed-laws.md"
 
 
 def made(critical=(100.0, 90.0, 120.0), published=110.0):

@@ -6,7 +6,7 @@ from pathlib import Path
 from fabrics import backings
 from validation.published import backing as study
 
-PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "backing.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reports" / "backing.md"
 
 
 def test_a_coarse_drop_test_writes_its_table_and_picture(tmp_path):

@@ -59,10 +59,10 @@ def test_tables_and_pictures(curve, shots, monkeypatch):
 def test_the_page_shows_every_picture(shots):
     from matplotlib import pyplot
 
-    page = (ROOT / "docs" / "validation.md").read_text("utf-8")
+    page = (ROOT / "docs" / "reports" / "one-ply.md").read_text("utf-8")
     for name in ("residual", "limits", "velocities", "energies", "profiles", "fronts", "reactions"):
         assert f"figures/validation-{name}.png" in page
-        assert (ROOT / "docs" / "figures" / f"validation-{name}.png").exists()
+        assert (ROOT / "docs" / "reports" / "figures" / f"validation-{name}.png").exists()
     figure = pictures.energies(pyplot, shots)
     for axes, shot in zip(figure.axes, shots):
         top = max(part.get_datalim(axes.transData).y1 for part in axes.collections)
@@ -76,6 +76,6 @@ def test_a_critical_velocity_outside_the_captions_is_bold(curve, monkeypatch):
 
 
 def test_the_page_has_the_marks_of_every_table():
-    page = command.Path(__file__).parents[3].joinpath("docs", "validation.md").read_text("utf-8")
+    page = command.Path(__file__).parents[3].joinpath("docs", "reports", "one-ply.md").read_text("utf-8")
     for name in ("stamp", "limits", "residual", "captions", "waves"):
         assert all(mark in page for mark in command.marks(name))

@@ -19,7 +19,7 @@ def test_cases_are_those_of_the_table():
         (1, 480, 1155), (1, 96, 1155), (1, 480, 231), (1, 96, 231), (4, 96, 1155)
     ]  # fmt: skip
     assert CASES[1].mass == pytest.approx(5 * 0.231)  # [kg/m2] of one ply, as Table 6-2 has it
-    assert name_of(5) == "5: 4 plies, 96 GPa, 1155 g/m2"
+    assert name_of(5) == "5: 4 plies, 96 GPa, 1155 g/m²"
 
 
 def test_a_target_has_the_mass_and_modulus_of_its_case():

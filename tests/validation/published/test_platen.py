@@ -5,7 +5,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from validation.published.platen import study
+from validation.published.platen import pictures, study
 from validation.published.platen.__main__ import HEAD, factor_rows, range_rows
 
 
@@ -83,3 +83,12 @@ def test_each_constant_is_fitted_alone_and_with_the_others():
     rows = law_by_constant.table("S-720", {(): (law.a, 2 * law.b, [1e-6, 2e-6, 3e-6])})
     assert rows[-1] == ["S-720", "none: the file's solid", "1.00", "2.00", "1.0", "2.0", "3.0"]
     assert rows[1][4:] == [f"{1e6 * float(law.d(F)):.1f}" for F in law_by_constant.FORCES]
+
+
+def test_the_picture_is_drawn_from_misfits_and_closures(tmp_path):
+    variants = study.VARIANTS[:3]
+    found = [
+        study.Outcome(one, np.ones(2), np.ones(2), 2e-5, 0.6, 5e-5, 7e-5, (0.7, 0.6), "") for one in variants
+    ]  # fmt: skip
+    pictures.draw(found, 1.3e-4, 4e-5, tmp_path / "platen.png")
+    assert (tmp_path / "platen.png").stat().st_size > 10_000

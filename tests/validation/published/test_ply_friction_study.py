@@ -57,9 +57,15 @@ def test_page_and_picture(tmp_path):
     assert "3.00 | 0.10 | 0 |" in text
     assert change(163.5, 150.0) == "+9.0 %"
     assert "2.0 minutes" in text
-    assert "is reproduced by" not in text  # +3 % at a coefficient of 0.1
+    assert "which reproduces it" in text  # +9 % at a coefficient of 0.3
     pictures.chart(found, tmp_path / "chart.png")
     assert (tmp_path / "chart.png").stat().st_size > 10_000
+
+
+def test_a_small_change_of_the_limit_does_not_reproduce_the_literature():
+    still = study.Found(0.0, 150.0, 230.0, 232.0, 228.0, 0.0, 1e-3, 0)
+    moved = study.Found(0.3, 150.0, 233.0, 235.0, 231.0, 0.0, 1e-3, 0)
+    assert "which does not reproduce it" in page({"S-726": [still, moved]}, 120.0)
 
 
 def test_a_zone_of_mixed_outcomes_has_its_limit_in_the_middle():

@@ -10,11 +10,11 @@ from validation.verification.cost_accuracy import defaults
 from weavecell.report.marked_page import split
 
 ROOT = Path(__file__).parents[3]
-PAGE = ROOT / "docs" / "published-shots.md"
+PAGE = ROOT / "docs" / "reports" / "published-shots.md"
 
 
 def stored():
-    return [study.read(ROOT / "docs" / "data" / f"published-{name}") for name in study.FILES]
+    return [study.read(ROOT / "docs" / "reports" / "data" / f"published-{name}") for name in study.FILES]
 
 
 def between(page, begin, end):
@@ -27,22 +27,43 @@ def test_page_is_made_from_the_stored_tables():
         assert between(PAGE, *marks) == table.strip("\n")
 
 
-def test_readme_has_the_errors_of_the_default():
-    rows = defaults.read(ROOT / "docs" / "data" / defaults.FILE)
-    assert between(ROOT / "README.md", *defaults.MARKS) == defaults.table(rows).strip("\n")
+def test_the_page_of_limits_has_the_errors_of_the_default():
+    rows = defaults.read(ROOT / "docs" / "reports" / "data" / defaults.FILE)
+    assert between(ROOT / "docs" / "limits.md", *defaults.MARKS) == defaults.table(rows).strip("\n")
 
 
-def test_results_have_the_laws_of_the_page_of_calibration():
-    def laws(path, columns):
+def test_validation_has_the_laws_of_the_page_of_calibration():
+    def rows(path, columns):
         rows = [line.strip("| \n").split(" | ") for line in path.read_text("utf-8").splitlines() if line[:4] == "| S-"]
         rows.reverse()  # of a page with several tables, the first counts
-        return {row[0]: [row[i] for i in columns] for row in rows if len(row) == max(columns) + 1 or len(row) == 12}
+        return {row[0]: row[1:] for row in rows if len(row) == columns and ", " in row[-2]}
 
-    results = laws(ROOT / "docs" / "results.md", (1, 2, 3, 4, 5, 6))
-    page = laws(ROOT / "docs" / "calibration.md", (1, 5, 6, 3, 5, 7))
-    assert results.keys() == {"S-720", "S-726", "S-727", "S-728", "S-731", "S-745"}
-    for name, (a, a_published, a_ratio, b, b_published, b_ratio) in results.items():
-        assert [a, f"{a_published}, {b_published}", a_ratio, b, f"{a_published}, {b_published}", b_ratio] == page[name]
+    told = rows(ROOT / "docs" / "validation.md", 4)
+    page = rows(ROOT / "docs" / "reports" / "calibration.md", 12)
+    assert told.keys() == {"S-720", "S-726", "S-727", "S-728", "S-731", "S-745"}
+    for name, (computed, published, ratios) in told.items():
+        a, _, b, _, both, a_ratio, b_ratio, *_ = page[name]
+        assert [computed, published, ratios] == [f"{a}, {b}", both, f"{a_ratio}, {b_ratio}"]
+
+
+def test_validation_has_the_pair_of_tests_and_the_counts_of_captions():
+    shots, limits = stored()
+    text = " ".join((ROOT / "docs" / "validation.md").read_text("utf-8").split())
+    told = re.findall(r"\| (\d)(?: \(default\))? \| (\d+\.\d) \| ([^|]* %) \| ([^|]* %) \|", text)
+    low, high = study.TESTS
+    for (elements, *values), one in zip(told, limits, strict=True):
+        V = 0.5 * (float(one["stops at [m/s]"]) + float(one["perforates at [m/s]"]))
+        over = [f"{100 * (V / x - 1):.1f} %" for x in (high, 0.5 * (low + high))]
+        assert [elements, *values] == [one["elements per crossover"], f"{V:.1f}", *over]
+    met = {}
+    for n in study.MESHES:
+        rigid = [s for s in shots if s["kind"] == study.ONE_PLY and s["projectile"] == "rigid"]
+        met[n] = sum(s["computed"] == s["thesis"] for s in rigid if s["elements per crossover"] == f"{n}")
+    assert met[2] == met[3]
+    assert f"{met[1]} of 12 with one element per crossover and in {met[2]} of 12 with two and three" in text
+    packs = [s for s in shots if s["kind"] == study.PACK]
+    assert (len(packs), sum(s["computed"] != s["thesis"] for s in packs)) == (9, 5)
+    assert "**five of nine captions say perforated**" in text
 
 
 def test_readme_tells_how_many_captions_are_met_and_by_how_much_the_test_is_missed():

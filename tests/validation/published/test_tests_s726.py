@@ -7,7 +7,7 @@ import pytest
 from validation.published import tests_s726 as study
 from weavecell.report.marked_page import split
 
-PAGE = Path(__file__).parents[3] / "docs" / "tests-s726.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reports" / "tests-s726.md"
 
 
 def test_every_case_changes_what_it_says():

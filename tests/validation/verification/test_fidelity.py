@@ -348,7 +348,7 @@ class TestPacks:
         own = error_database.load(packs=True)
         assert own.cost(ladder.BY_NAME[ladder.PACK_FULL]) == 1
         assert set(own.models) == {model.name for model in ladder.PACK_LADDER}
-        text = (Path(__file__).parents[3] / "docs" / "fidelity.md").read_text("utf-8")
+        text = (Path(__file__).parents[3] / "docs" / "reports" / "fidelity.md").read_text("utf-8")
         assert "\n".join(page.survey_table(own)) in text
 
 
@@ -484,7 +484,7 @@ class TestScenes:
 
 
 def test_the_page_shows_what_models_are_chosen_by():
-    text = (Path(__file__).parents[3] / "docs" / "fidelity.md").read_text("utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "reports" / "fidelity.md").read_text("utf-8")
     assert "\n".join(page.survey_table(error_database.load())) in text
 
 

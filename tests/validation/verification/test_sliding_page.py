@@ -6,7 +6,7 @@ from pathlib import Path
 from validation.verification import sliding
 from validation.verification import sliding_pull_out as pulls
 
-PAGE = Path(__file__).parents[3] / "docs" / "sliding.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reports" / "sliding.md"
 
 
 def made_up():

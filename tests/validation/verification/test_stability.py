@@ -117,8 +117,8 @@ def test_contact_between_plies():
 
 
 def test_edge_radius():
-    assert study.solve("edge-radius", 0.3e-3, "1 a crossover").kind == STABLE
-    coarse = study.solve("edge-radius", 0.3e-3, "1/4 a crossover")
+    assert study.solve("edge-radius", 0.3e-3, "1 element per crossover").kind == STABLE
+    coarse = study.solve("edge-radius", 0.3e-3, "1/4 element per crossover")
     assert coarse.kind == WRONG
     assert "failed segments, 0 on the finest mesh" in coarse.message
 

@@ -1,4 +1,4 @@
-"""The scripts of examples/ run as they stand, from their folder and from another one; `make docs` runs them too."""
+"""The scripts of examples/ run as they stand, as tests of the public interface; `make docs` runs them too."""
 
 import ast
 import os
@@ -12,44 +12,52 @@ import pytest
 
 ROOT = Path(__file__).parents[3]
 SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
+NUMBER = r"\d+(\.\d+)?"
 EXPECTED = {
+    "areal_density": rf"3 x S-728, {NUMBER} g/m2: limit {NUMBER} to {NUMBER} m/s",
+    "clay_backing": rf"back-face signature {NUMBER} mm, dent {NUMBER} cm3",
+    "coupon": rf"complete\nshear stress {NUMBER} MPa",
+    "crossover_calibration": rf"a = {NUMBER} mm, b = {NUMBER} mm N\^\(1/3\)\nShotResult\(S-720",
+    "export_deck": r"LS-DYNA \*MAT_FABRIC {'rms': ",
     "first_shot": r"ShotResult\(S-720, 92.5 m/s: stopped(.*\n)+250 m/s: perforated",
+    "hybrid_pack": rf"S-720 in front: (stopped|perforated), residual velocity {NUMBER} m/s",
+    "oblique_fragment": rf"45 degrees: (stopped|perforated), {NUMBER} m/s",
     "own_fabric": r"assumed: \[shear\] of para-aramid yarns(.*\n)+.*over the assumed range of the trellis law",
-    "pack_limit": r"2 plies of S-728: ballistic limit \d+ to \d+ m/s",
-    "bias_coupon": r"MPa at 20 degrees\ncomplete",
-    "sliding_crossovers": r"pinned: stopped.*\nmu = 0.2: .*\nmu = 0.1: perforated",
+    "pack_v50": rf"V50 {NUMBER} m/s, 95 % interval {NUMBER} to {NUMBER} m/s",
+    "uncertainty": rf"30 panels: {NUMBER} m/s(.*\n)+3 x 3 elements per crossover: {NUMBER} m/s",
 }
+WRITES = {"first_shot": "first-shot/panel.pvd", "export_deck": "deck/S-728.k"}
+IN_EXAMPLES = {"first_shot", "own_fabric"}  # run in their own folder, the others in another one
 
 
-@pytest.mark.parametrize("place", ["examples", "elsewhere"])
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
-def test_the_script_runs(script, place, tmp_path):
+def test_the_script_runs(script, tmp_path):
     """As a user runs it, beside the folders of examples/, without a path to the packages."""
-    shutil.copytree(script.parent, tmp_path / "examples")
-    (tmp_path / "elsewhere").mkdir()
-    given = script.name if place == "examples" else tmp_path / "examples" / script.name
+    if script.stem == "crossover_calibration":
+        pytest.importorskip("dolfinx")
+    shutil.copytree(script.parent, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
+    place = tmp_path / ("examples" if script.stem in IN_EXAMPLES else "elsewhere")
+    place.mkdir(exist_ok=True)
+    given = script.name if script.stem in IN_EXAMPLES else tmp_path / "examples" / script.name
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
-        [sys.executable, given], cwd=tmp_path / place, env=environment, capture_output=True, text=True, timeout=600
-    )
+        [sys.executable, given], cwd=place, env=environment | {"MPLBACKEND": "Agg"},
+        capture_output=True, text=True, timeout=900,
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert re.search(EXPECTED[script.stem], done.stdout), done.stdout
-    if script.stem == "first_shot":
-        assert (tmp_path / place / "first-shot" / "panel.pvd").exists()
-
-
-def code(path):
-    """Lines of code of a script, without its text."""
-    lines = path.read_text("utf-8").splitlines()
-    return [line for line in lines[ast.parse("\n".join(lines)).body[0].end_lineno :] if re.match(r"\s*[^#\s]", line)]
+    assert (place / WRITES.get(script.stem, "")).exists()
+    assert (place / f"{script.stem.replace('_', '-')}.png").stat().st_size > 10_000
 
 
 def test_they_are_short_and_make_a_page_of_the_gallery():
-    assert len(SCRIPTS) >= 5
+    assert {path.stem for path in SCRIPTS} == set(EXPECTED)
     for path in SCRIPTS:
-        text = ast.get_docstring(ast.parse(path.read_text("utf-8")))
+        source = path.read_text("utf-8")
+        text = ast.get_docstring(ast.parse(source))
         title, line = text.splitlines()[:2]
         assert line == "=" * len(title), f"{path.name}: title of its page"
         assert f"examples/{path.name}" in text
-        assert "figure = " in path.read_text("utf-8"), f"{path.name}: a figure for its page"
-        assert len(code(path)) <= 15, path.name
+        assert re.search(r"About \d+ s\.", text), f"{path.name}: how long it takes"
+        assert re.search(r"^figure\b.* = ", source, re.MULTILINE), f"{path.name}: a figure for its page"
+        assert len(source.splitlines()) <= 45, path.name

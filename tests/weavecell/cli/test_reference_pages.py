@@ -48,8 +48,9 @@ def test_schemas_hold_every_table(pages, tmp_path):
 
 def test_every_page_of_the_folder_is_on_the_site():
     """Sphinx warns of a page that is in no table of contents; this one needs no Sphinx."""
-    index = (ROOT / "docs" / "index.md").read_text("utf-8")
+    index, reports = ((ROOT / "docs" / name / "index.md").read_text("utf-8") for name in ("", "reports"))
     listed = set(re.findall(r"^([\w/-]+)$", index, re.MULTILINE))
+    listed |= {f"reports/{name}" for name in re.findall(r"^([\w/-]+)$", reports, re.MULTILINE)}
     assert {name.removesuffix(".md") for name in documents()} - {"index"} <= listed
 
 
@@ -84,5 +85,5 @@ def test_every_link_and_picture_leads_somewhere(page):
 def test_every_figure_is_on_a_page():
     pages = ("README.md", *(f"docs/{name}" for name in documents()))
     text = "".join((ROOT / page).read_text("utf-8") for page in pages)
-    figures = [path.name for path in sorted((ROOT / "docs" / "figures").iterdir())]
+    figures = [path.name for path in sorted((ROOT / "docs").rglob("figures/*"))]
     assert [name for name in figures if f"figures/{name}" not in text] == []

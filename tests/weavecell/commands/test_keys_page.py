@@ -1,32 +1,70 @@
-"""docs/keys.md is what its command writes, and names every key of every schema."""
+"""docs/reference/input.md is what its command writes, and has an entry for every key of every schema."""
 
+import re
 import sys
+import tomllib
 from pathlib import Path
 
 from weavecell.commands import keys_page
 from weavecell.scenes import coupon, impact, supported
+from weavecell.scenes.reference import tables
 
 DOCS = Path(__file__).parents[3] / "docs"
 
 
+def entries():
+    """{key: its text} of the page; of [run], the one of impacts."""
+    parts = re.split(r"^#### ", keys_page.page(), flags=re.MULTILINE)[1:]
+    return {part.split("\n")[0]: re.split(r"\n##", part)[0] for part in reversed(parts)}
+
+
 def test_the_page_is_up_to_date():
-    told = "python -m weavecell.commands.keys_page docs/keys.md"
-    assert (DOCS / "keys.md").read_text(encoding="utf-8") == keys_page.page(), f"to renew it: {told}"
+    told = "python -m weavecell.commands.keys_page docs/reference/input.md"
+    assert (DOCS / "reference" / "input.md").read_text(encoding="utf-8") == keys_page.page(), f"to renew it: {told}"
 
 
-def test_every_key_has_a_row():
-    page = keys_page.page()
+def test_every_key_has_an_entry():
     for model in (impact.Scene, coupon.CouponScene):
-        assert [key for key in supported.keys(model) if f"| `{key}` |" not in page] == []
+        assert [key for key in supported.keys(model) if key not in entries()] == []
 
 
-def test_what_a_row_says():
-    rows = {row.split("`")[1]: row.split(" | ") for row in keys_page.page().splitlines() if row.startswith("| `")}
-    assert rows["numerics.cfl"][1:4] == ["time step over its stability bound (Courant factor)", "", "0.9"]
-    assert rows["backing.standoff"][2:4] == ["m", "0"]
-    assert rows["panel.ply_gap"][5:] == ["yes", "yes", "yes", "yes |"]
-    assert rows["panel.grading"][5:7] == ["yes", "no"]
-    assert rows["run.end_time"][3] == "required"
+def test_what_an_entry_says():
+    found = entries()
+    assert found["numerics.cfl"].startswith("numerics.cfl\n\nTime step over its stability bound (Courant factor).")
+    assert "*Default:* 0.9. *Commands:* all." in found["numerics.cfl"]
+    assert "*Unit:* m. *Default:* 0." in found["backing.standoff"]
+    assert found["panel.ply_gap"].strip().endswith("*Commands:* all.")
+    assert "refused by [accuracy]" in found["panel.grading"]
+    assert (
+        "*Default:* required. *Commands:* impact, [accuracy], sensitivity, export; ignored by limits."
+        in (found["run.end_time"])
+    )
+    assert "*Commands:* coupon." in found["uniaxial.strain"]
+
+
+def test_the_examples_are_input_files():
+    """Those of all tables of an impact at once, and of each test of a coupon."""
+    found = {name: tomllib.loads(table["example"]) for name, table in tables(impact.Scene).items()}
+    whole = {}
+    for name, table in found.items():
+        if "." not in name:
+            whole |= table
+    impact.check(whole, None)
+    for name, table in found.items():
+        if "." in name:
+            first = name.partition(".")[0]
+            merged = whole | {first: whole[first] | table[first]}
+            if name == "fabric.law":
+                merged["fabric"] = table["fabric"] | {"name": "S-728"}
+            if name.startswith("panel.ply"):
+                del merged["panel"]["plies"]
+            if name == "panel.ply.law":
+                merged["panel"]["ply"] *= 2
+            impact.check(merged, None)
+    own = {name: table for name, table in tables(coupon.CouponScene).items() if name not in tables(impact.Scene)}
+    assert set(own) == set(coupon.TESTS)
+    for table in own.values():
+        coupon.check(tomllib.loads(table["example"]) | {"fabric": {"name": "S-728"}}, Path("coupon.toml"))
 
 
 def test_the_command_writes_it(tmp_path, monkeypatch):

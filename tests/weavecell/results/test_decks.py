@@ -16,7 +16,7 @@ from weavecell.commands import export
 from weavecell.results.deck import UNITS
 
 ROOT = Path(__file__).parents[3]
-PAGE = (ROOT / "docs" / "export.md").read_text("utf-8")
+PAGE = (ROOT / "docs" / "reports" / "cards.md").read_text("utf-8")
 RENEW = "to renew it: python tools/material_cards.py"
 FORMS = [(code, law) for code, one in export.CODES.items() for law in one.laws]
 SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa

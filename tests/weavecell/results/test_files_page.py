@@ -1,4 +1,4 @@
-"""docs/files.md holds what readers accept and writers write."""
+"""docs/reference/files.md holds what readers accept and writers write."""
 
 import json
 import sys
@@ -15,7 +15,7 @@ from meshing.formats import export
 from weavecell.results.paraview import PRESSURES
 
 ROOT = Path(__file__).parents[3]
-PAGE = (ROOT / "docs" / "files.md").read_text("utf-8")
+PAGE = (ROOT / "docs" / "reference" / "files.md").read_text("utf-8")
 
 
 @pytest.fixture

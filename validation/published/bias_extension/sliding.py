@@ -1,4 +1,4 @@
-"""python -m validation.published.bias_extension.sliding [--page docs/sliding.md] [--length 57 --width 29.6 ...]
+"""python -m validation.published.bias_extension.sliding [--page docs/reports/sliding.md] [--length 57 --width 29.6 ...]
 
 The bias extension test with sliding crossovers: explicit, clamps at a constant speed, the strip of
 `quasistatic.bias_coupon` cut out of a panel whose grid lines are the yarns. Segments outside the strip are removed,
@@ -6,7 +6,7 @@ half a spacing of yarn stands out beyond the last crossover on its long sides, a
 infinite threshold it is the explicit test of pinned crossovers.
 
 The angles of the three zones at each elongation answer whether slip explains the three missed claims of this test
-(docs/claims.md): that the zones lie apart, and that the middle one is the mean of its neighbours.
+(docs/reports/claims.md): that the zones lie apart, and that the middle one is the mean of its neighbours.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""python -m validation.published.edge_slip [--out results/edges_study] [--page docs/edges.md] [--no-limits]
+"""python -m validation.published.edge_slip [--out results/edges_study] [--page docs/reports/edges.md] [--no-limits]
 
-Slip of S-728 in its clamps: edges that are led in (thesis section 6.4.3), and edges that a friction clamp grips. Writes
+Slip of S-728 in its clamps: edges with a prescribed pull-in (thesis section 6.4.3), and friction clamps. Writes
 edges.csv, led.png, gripped.png. With --page the tables go into that page, between its marks, the pictures beside it.
 """
 
@@ -18,14 +18,18 @@ from weavecell.report.marked_page import markdown, put
 
 MARKS = "<!-- tables of validation.published.edge_slip -->", "<!-- end of the tables -->"
 LATE = 200e-6
-_PICTURES = {"led": "edges that are pulled in", "gripped": "edges that are gripped"}
+_PICTURES = {
+    "led": "Velocity of the projectile with edges that are pulled in",
+    "gripped": "Velocity and slip with friction clamps",
+}
 
 
 def led_rows(shots: dict[str, Shot]) -> list[Any]:
     """A header, and a row a shot."""
     clamped = shots["clamped"]
-    rows = [("weft ends", "outcome", "after, us", "depth, mm", "lead in zone I, m/s", "lead after 200 us, m/s",
-             "departs, us", "work on the edges, J", "balance, %")]  # fmt: skip
+    rows = [("weft ends", "outcome", "after, µs", "depth, mm", "excess velocity in zone I, m/s",
+             "excess velocity after 200 µs, m/s", "above 0.5 m/s after, µs", "work on the edges, J",
+             "energy error, %")]  # fmt: skip
     early = np.linspace(0, ZONE_I, 61)
     for name, shot in shots.items():
         rows.append((
@@ -39,9 +43,9 @@ def led_rows(shots: dict[str, Shot]) -> list[Any]:
 
 def gripped_rows(shots: dict[str, Shot], velocities: dict[str, float]) -> list[Any]:
     """A header, and a row a grip."""
-    rows = [("grip per yarn", "outcome", "after, us", "depth, mm", "slip of warp / weft, mm",
-             "slipped width at the warp / weft ends, mm", "work on the grips, J", "of the strike energy, %",
-             "balance, %", "critical velocity, m/s")]  # fmt: skip
+    rows = [("clamp force per yarn", "outcome", "after, µs", "depth, mm", "slip of warp / weft, mm",
+             "slipped width at the warp / weft ends, mm", "work of the clamps, J", "of the strike energy, %",
+             "energy error, %", "critical velocity, m/s")]  # fmt: skip
     for name, shot in shots.items():
         rows.append((
             name, shot.outcome, f"{1e6 * shot.end:.0f}", f"{1e3 * shot.depth:.2f}",
@@ -64,9 +68,9 @@ def main(*, out: Path = Path("results/edges_study"), page: Path | None = None, n
     fast, late, held = led(), slow(), gripped(VELOCITY)
     velocities = {} if no_limits else limits()
     tables = {
-        "**Led, 100 m/s.**": led_rows(fast),
-        "**Led, 36 m/s.**": led_rows(late),
-        "**Gripped, 100 m/s.**": gripped_rows(held, velocities),
+        "**Prescribed pull-in, 100 m/s.**": led_rows(fast),
+        "**Prescribed pull-in, 36 m/s.**": led_rows(late),
+        "**Friction clamps, 100 m/s.**": gripped_rows(held, velocities),
     }
     write_tables(out / "edges.csv", tables)
     folders = [out] + ([page.parent / "figures"] if page else [])

@@ -1,7 +1,7 @@
 """Shots on one ply of S-728 whose edges slip: led in as in the thesis (section 6.4.3), or gripped by friction.
 
 Led. The weft ends are drawn in over a triangle of 60 mm; the pull-ins of Figure 6-39 and the intervals of Figure 6-41
-are lost (erratum E-31) and are 1, 2, 3 mm and 50, 100, 150 us after the strike here.
+are lost (erratum E-31) and are 1, 2, 3 mm and 50, 100, 150 µs after the strike here.
 Gripped. All four sides hold each yarn up to a force: how far yarns slip, and how many of them do, follows.
 """
 
@@ -101,14 +101,14 @@ def weft(length: float, start: float, end: float) -> tuple[str, PullIn]:
 def led(report: Callable[..., object] | None = print) -> dict[str, Shot]:
     """{name: Shot} of the shots of section 6.4.3 at 100 m/s: clamped, three pull-ins, three beginnings."""
     edges: dict[str, Any] = {"clamped": "clamped"}
-    edges |= {f"{1e3 * pull:g} mm, 0 to 200 us": weft(pull, 0.0, 200e-6) for pull in PULLS}
-    edges |= {f"3 mm, from {1e6 * start:g} us": weft(3e-3, start, start + 150e-6) for start in STARTS}
+    edges |= {f"{1e3 * pull:g} mm, 0 to 200 µs": weft(pull, 0.0, 200e-6) for pull in PULLS}
+    edges |= {f"3 mm, from {1e6 * start:g} µs": weft(3e-3, start, start + 150e-6) for start in STARTS}
     return _shots(edges, VELOCITY, report)
 
 
 def slow(report: Callable[..., object] | None = print) -> dict[str, Shot]:
-    """{name: Shot} at 36 m/s: clamped, and 5 mm over 200 to 650 us (Figure 6-42)."""
-    return _shots({"clamped": "clamped", "5 mm, 200 to 650 us": weft(5e-3, 200e-6, 650e-6)}, SLOW, report)
+    """{name: Shot} at 36 m/s: clamped, and 5 mm over 200 to 650 µs (Figure 6-42)."""
+    return _shots({"clamped": "clamped", "5 mm, 200 to 650 µs": weft(5e-3, 200e-6, 650e-6)}, SLOW, report)
 
 
 def gripped(velocity: float, report: Callable[..., object] | None = print) -> dict[str, Shot]:
@@ -123,7 +123,7 @@ def _shots(edges, velocity, report):
         shot_setup = setup(edge, velocity)
         table = table or shot_setup.table()
         found[name] = of(name, run(shot_setup, table=table))
-        report(f"{velocity:g} m/s, {name}: {found[name].outcome} after {1e6 * found[name].end:.0f} us")
+        report(f"{velocity:g} m/s, {name}: {found[name].outcome} after {1e6 * found[name].end:.0f} µs")
     return found
 
 

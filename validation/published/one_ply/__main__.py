@@ -1,4 +1,4 @@
-"""python -m validation.published.one_ply [--out results/one-ply] [--page docs/validation.md]
+"""python -m validation.published.one_ply [--out results/one-ply] [--page docs/reports/one-ply.md]
 
 One ply of the six Kevlar fabrics: critical and residual velocities, histories and energies of the captions' shots,
 back-face profiles, wave fronts, reactions. Writes a table (.csv) and a picture (.png) of each. With --page the tables
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.files import write_whole
-from validation.program import program, publish, write_csv
+from validation.program import computed, program, publish, write_csv
 from validation.published.one_ply import pictures, study, tables
 from validation.published.shots import CAPTIONS
 from weavecell.report.marked_page import markdown, put
@@ -50,7 +50,7 @@ def main(*, out: Path = OUT, page: Path | None = None) -> None:
             with write_whole(folder / f"{prefix}{draw.__name__}.png", "wb") as file:
                 file.write(image)
     if page is not None:
-        line = f"Computed by `python -m validation.published.one_ply`, commit {made_by['commit']}, {made_by['date']}."
+        line = computed(f"python -m validation.published.one_ply --page {page}", made_by)
         put(page, *marks("stamp"), f"\n\n{line}\n\n")
 
 

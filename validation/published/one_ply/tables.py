@@ -35,8 +35,8 @@ def _interval(value: float, interval: tuple[float, float] | None) -> str:
 
 def residual(curves: Sequence[Curve]) -> Rows:
     """One row a shot of the residual velocities."""
-    rows = [["fabric", "strike velocity, m/s", "outcome", "residual velocity, m/s", "after, us", "failed yarn segments",
-             "energy balance, %"]]  # fmt: skip
+    rows = [["fabric", "strike velocity, m/s", "outcome", "residual velocity, m/s", "after, µs", "failed yarn segments",
+             "energy error, %"]]  # fmt: skip
     for curve in curves:
         for shot in curve.shots:
             rows.append([
@@ -48,9 +48,9 @@ def residual(curves: Sequence[Curve]) -> Rows:
 
 def captions(shots: Sequence[Caption]) -> Rows:
     """One row a caption: outcome, duration, deflection, tensions, ratio of energies, balance."""
-    rows = [["fabric", "strike, m/s", "thesis's simulation", "computed", "after, us", "peak deflection, mm",
+    rows = [["fabric", "strike, m/s", "thesis's simulation", "computed", "after, µs", "peak deflection, mm",
              "peak tension warp / weft, N", "of the strength", "kinetic / internal energy",
-             "energy balance, %"]]  # fmt: skip
+             "energy error, %"]]  # fmt: skip
     for shot in shots:
         result = shot.result
         text = _WORDS[result.outcome]

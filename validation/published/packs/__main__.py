@@ -1,4 +1,4 @@
-"""python -m validation.published.packs [--out results/packs] [--page docs/packs.md]
+"""python -m validation.published.packs [--out results/packs] [--page docs/reports/packs.md]
 
 Fires the shots of the study, each kept in the folder as soon as it is done, so that an interrupted study goes on where
 it was. With --page the page is written, and its pictures into figures/ beside it.
@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.files import write_whole
-from validation.program import program
+from validation.program import computed, program
 from validation.published.packs import pictures, study
 from validation.published.packs.page import page as text_of
 from validation.published.packs.study import Results
+from weavecell.results import provenance
 
 
 def gather(results: Results) -> dict[str, Any]:
@@ -40,12 +41,13 @@ def draw(found: dict[str, Any], folder: Path) -> None:
 
 
 def main(*, out: Path = Path("results/packs"), page: Path | None = None) -> None:
+    run = computed(f"python -m validation.published.packs --page {page}", provenance.stamp())
     found = gather(study.Results(out / "shots"))
     draw(found, out)
     if page:
         draw(found, page.parent / "figures")
         with write_whole(page) as file:
-            file.write(text_of(found))
+            file.write(text_of(found, run))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""docs/packs.md: what packs are in this code, what the study found, and where it falls short."""
+"""docs/reports/packs.md: tables and pictures of the study of packs, and the limitations of the model."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ ALLOWED = 0.05  # of an onset, when something numerical is halved
 _FORMS = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
 
 
-def page(found: dict[str, Any]) -> str:
-    """The page in Markdown, from the results of `__main__`."""
+def page(found: dict[str, Any], run: str = "") -> str:
+    """The page in Markdown, from the results of `__main__`; `run` is a line of `validation.program.computed`."""
     return "\n".join([
-        _HEAD, outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES, passages(found["torn"]), _FORMULATIONS,
+        _TITLE, run, _HEAD, outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES, passages(found["torn"]), _FORMULATIONS,
         formulations(found["formulations"]), _CONVERGENCE, convergence(found["halved"]),
         _STIFFER, stiffer(found["stiffer"]), _FACETS, _GAPS, gaps(found["gaps"]), _STACKING,
         stacking(found["stackings"]), _LIMITS,
@@ -28,7 +28,7 @@ def page(found: dict[str, Any]) -> str:
 def outcomes(rows: Iterable[Any]) -> str:
     """One row a published shot."""
     lines = [["plies", "fabric", "strike, m/s", "thesis", "computed", "at, µs", "failed yarn segments by ply",
-              "highest tension / strength", "deepest / thickness", "balance, %"]]  # fmt: skip
+              "highest tension / strength", "deepest / thickness", "energy error, %"]]  # fmt: skip
     for fabric, plies, velocity, published, one in rows:
         lines.append([
             plies, fabric, f"{velocity:g}", published, outcome_text(one), f"{1e6 * one['time']:.0f}",
@@ -40,7 +40,7 @@ def outcomes(rows: Iterable[Any]) -> str:
 def passages(rows: Iterable[dict[str, Any]]) -> str:
     """One row a shot that tears cloth."""
     lines = [["plies", "fabric", "strike, m/s", "until, µs", "failed segments of the quarter", "held apart, times",
-              "with, % of the strike energy", "not held", f"back within {AT_ONCE} steps", "**passages**"]]  # fmt: skip
+              "with, % of the strike energy", "not held", f"back within {AT_ONCE} steps", "**crossings**"]]  # fmt: skip
     for one in rows:
         case = one["case"]
         lines.append([
@@ -139,99 +139,87 @@ def stacking(found: dict[str, Any]) -> str:
     return markdown(lines)
 
 
-_HEAD = """# Packs: many plies
+_TITLE = """# Packs: contact between plies, shots of the thesis, gap and stacking
 
-Made by `python -m validation.published.packs --page docs/packs.md`; every number below is computed by it, but for the
-passages and what a text says of another build.
+*Do packs stop the shots of the thesis, and how far does the contact between plies decide this?*
+"""
+_HEAD = """
+Not to be edited by hand. How packs are modelled: [Theory II](../theory-panel.md); how they are computed:
+[packs](../pack.md). The panels are 203 mm wide and clamped; the projectile is the rigid flat cylinder of 3 g and
+5.5 mm; a quarter is modelled.
 
-A pack (`shellfabric.plies.model`) is a row of panels behind one opening. Each ply is the shell of a single one, with
-its own failures; the nose pushes on every ply that it reaches, and neighbouring plies push on each other. Their
-contact (`shellfabric.plies.contact_kernels`) is a law of pressure against closure (`fabrics.ply_law`), the same on
-every mesh, between two smooth surfaces, biquadratic splines through the fabric: the point of one ply and its closest
-point on the other get the same force, shared out by the weights of the spline, so that momentum is conserved to
-round-off. Plies count as their thickness, along the normal. What the contact takes from the motion is in the energy
-balance.
+**Gap between plies.** Without `ply_gap` the gap is the closure that tests of packs show, less the closure of the
+contact law. The former is the fabric's `interlayer_gap`; without one it is assumed:
 
-In a scene: `plies = 4`, `stacking = "alternating"` and `ply_gap = "0.12 mm"` under `[panel]`. `ply_contact` chooses the
-contact law of plies ([theory.md](theory.md)). Without `ply_gap` the gap is what tests of packs close less what that law
-closes. What they close is the fabric's `interlayer_gap`, and without one an assumed value:
+- for a fabric with `areal_density_measured` (Kevlar 129 of the catalogue) from the pressure law of packs (thesis
+  eqs. 5-1 to 5-4, erratum E-02);
+- for any other, and below 148 g/m² where K'' of that law vanishes, as 0.33 times the thickness, the mean over the
+  six Kevlar fabrics of the pressure law's gap over the thickness.
 
-- of a fabric with `areal_density_measured` (Kevlar 129 of the catalogue), the pressure law of packs (thesis eqs. 5-1 to
-  5-4, erratum E-02);
-- of any other, and below 148 g/m² where K'' of that law vanishes, 0.33 times the thickness, the mean over the six
-  Kevlar fabrics of the pressure law's gap over the thickness.
+The range of an assumed gap is 0.79 to 2.3 times its value: the smallest ratio of the six fabrics, and the pressure
+law with a start load of 1 N instead of 10 N, since the thesis finds its gaps too small (section 6.4.4).
 
-The range of an assumed gap is 0.79 to 2.3 times its value: the least share of the six fabrics, and the pressure law
-with a start load of 1 N in place of 10 N, since the thesis finds its gaps too small (section 6.4.4). Value, range and
-source are in a printed line, in summary.json (`ply_gap_m`, `ply_gap_low_m`, `ply_gap_high_m`, `ply_gap_source`) and in
-the head of the report. The shot is not repeated with both ends; `ply_gap` does that.
-
-The panels are 203 mm wide and clamped, the shot is the flat cylinder of 3 g and 5.5 mm, rigid; a quarter is modelled.
-
-## Published shots (section 5.2.2)
+## Shots of the thesis (section 5.2.2)
 
 Five of the nine computed outcomes differ from the captions, which are of the thesis's simulations. Of these five
 perforations erratum E-21 calls one certainly an artefact of contact noise and three very unlikely in a test, which the
-claims ledger counts as not comparable; one it leaves undecided.
+claims count as not comparable; one it leaves undecided.
 """
 
 _OUTCOMES = """
-Where one yarn has failed in every ply it is the middle one, at the clamp: the stress wave along it doubles there. The
-energy balance is to hold within 0.5 % of the strike energy. It was 0.58 % in 16 plies of S-731, of which nothing is
-the contact's: with half the time step and contacts as stiff as before it was 0.13 %, in four plies 0.085 in place of
-0.37 %, as of a step's error in yarns that stiffen. The audit has that error as "formulation_residual"; the rest is in
-the table. Deepest is how far a point of one ply has come into the thickness of the next. At 1 the two middle surfaces
-touch; above 1 the point lies behind the surface of the contact, and is a passage (below) only if it has crossed the
-facets as well.
+Where one yarn has failed in every ply it is the middle one, at the clamp: the stress wave along it doubles there.
+The target of the energy error is 0.5 % of the strike energy. "Deepest" is the largest penetration of a point of one
+ply into the thickness of the next. At 1 the two middle surfaces touch; above 1 the point lies behind the contact
+surface, and counts as an interpenetration (below) only if it has crossed the facets as well.
 """
 
 _PASSAGES = """
-## Does a ply come through another?
+## Interpenetration of plies
 
-Counted beside the contact, from what crosses what in every step (`validation.published.packs.passages`): middles of
-elements that have yarns left, through fabric of the next ply and of the second neighbour, either way. A hole, where
-warp and weft next to a place are gone or its element has eroded, is none. A ply counts as two surfaces, the facets
-between nodes and middles of elements and the spline of the contact, which lie on the two sides of a bend; a point
-counts as penetrated when it has crossed both. When a yarn fails the contact goes over from the one to the other, and
-a point between the two is behind fabric without having moved; it is brought back.
+Counted independently of the contact in every step (`validation.published.packs.passages`): midpoints of elements
+with intact yarns that cross the fabric of the next ply or of the second neighbour, in either direction. A hole,
+where the warp and weft next to a place have failed or its element has eroded, does not count as fabric. A ply has
+two surfaces, the facets between nodes and midpoints of elements and the spline of the contact, which lie on the two
+sides of a bend; a point counts when it has crossed both. When a yarn fails the contact changes from one surface to
+the other, and a point between the two is behind fabric without having moved; it is brought back ("back").
 """
 
 _FORMULATIONS = f"""
-Intact plies are kept apart by the contact alone; a run in which intact plies interpenetrate is ended, with place and
-step. Failed fabric has edges, is drawn to lines and turns over, and it meets plies through the holes of others: beside
-it what would happen in the coming step is looked at too, and the least force that prevents it is given
-(`shellfabric.plies.torn_contact_kernels`). It takes away the speed of approach, and is in the audit with the contact
-of plies. Without it there are 0, 0, 1, 2 and 15 interpenetrations in these shots, 13 of them across one intermediate
-ply (counted on the same build, with no force given). The contact itself had one cause for most of what came through
-earlier: where yarns fail, fabric is drawn in until an element lies upside down, its normal turns over within a step,
-and a point 0.006 thicknesses deep is 1.99 thicknesses deep on the wrong side, thrown there or let go. Points now keep
-their side.
+The contact alone separates intact plies; a run in which intact plies interpenetrate ends with the place and the
+step. Failed fabric has free edges, turns over and meets plies through the holes of others. Beside it the positions
+of the coming step are predicted, and the smallest impulse that prevents a crossing is applied
+(`shellfabric.plies.torn_contact_kernels`). It removes the velocity of approach; its work is part of the contact
+energy of plies. Without it there are 0, 0, 1, 2 and 15 interpenetrations in these shots, 13 of them across one
+intermediate ply (counted on the same build, with no impulse applied).
 
-The law must be stiff enough to keep whole plies apart. Behind the wave that a nose drives into a pack, neighbouring
-plies of areal density A are v sqrt(A / K) deep in each other; with v up to 1.5 times the strike velocity that has to
-stay within 0.85 thicknesses (`Pack.in_step_with`). Solid fibre is, up to 1300 to 1800 m/s in plies of Kevlar 129;
-beyond that the law is made stiffer.
+The law must be stiff enough to separate intact plies. Behind the wave that a projectile drives into a pack,
+neighbouring plies of areal density A penetrate each other by v sqrt(A / K); with v up to 1.5 times the strike
+velocity this has to stay within 0.85 thicknesses (`Pack.in_step_with`). Solid fibre meets this up to 1300 to 1800
+m/s in plies of Kevlar 129; beyond that the law is made stiffer.
 
-A spring between plies is loaded by motion alone. To first order a depth grows by the approach n.(v_x - v_y) dt, on
-any surface; what else it changes by, more than a tenth of the thickness in a step, is another fold, another side or
-the facets that stand for a torn spline, and loads no spring. The tenth lies between the few hundredths that sliding
-over the narrowest bend makes (second order) and the several tenths of another fold. Before this rule one point gave
-up to 5.6 % of the strike energy in one step.
+A spring between plies is loaded by motion alone. To first order a depth grows by the approach n.(v_x - v_y) dt on
+any surface. A larger change, more than a tenth of the thickness in a step, comes from another fold, another side or
+the facets that replace a torn spline, and loads no spring. The tenth lies between the few hundredths that sliding
+over the narrowest bend makes (second order) and the several tenths of another fold.
 
-## Contact and false failure
+## Formulation of the contact and early failure
 
-The velocity from which some yarn of four plies fails, within {TOLERANCE:g} m/s, for three formulations of the contact
-between the plies: this code's; nodes of one ply against bilinear facets of the next; and nodes against the nodes that
-they stood opposite to, along z. All have the same stiffness and damping, and depths with a sign.
+The velocity from which some yarn of four plies fails, within {TOLERANCE:g} m/s, for three formulations of the
+contact between the plies: smooth surfaces (weavecell); nodes of one ply against bilinear facets of the next; and
+nodes against the nodes that they were opposite to, along z. All have the same stiffness and damping, and signed
+depths.
 
 ![Velocity at first failure for three formulations of contact](figures/packs-formulations.png)
+
+*Dashed: strike velocity that four plies stop in the thesis's simulation. A formulation below it fails yarns too early.*
 """
 
 _CONVERGENCE = f"""
-## Knobs
+## Numerical parameters
 
-The same velocity when something numerical is halved; {100 * ALLOWED:g} % are allowed, more is set bold. Half the time
-step is that of plies and contact; the stiffness is that of plies and nose.
+The same velocity with one numerical parameter halved. The target is {100 * ALLOWED:g} %; larger changes are bold.
+Half the time step applies to plies and contact; the stiffness is that of the contacts between plies and with the
+projectile.
 """
 
 _STIFFER = """
@@ -239,18 +227,18 @@ _STIFFER = """
 """
 
 _FACETS = """
-Two things fail first. In S-731 it is the middle yarn at the clamp, where the stress wave doubles, whatever the contact.
-In S-726 and S-728 it is the weft of the first ply beside the middle, inside the rim of the nose: there the rim presses
-the first ply on the second.
+Two places fail first. In S-731 it is the middle yarn at the clamp, where the stress wave doubles, whatever the
+contact. In S-726 and S-728 it is the weft of the first ply beside the middle, inside the rim of the projectile,
+which presses the first ply on the second there.
 """
 
 _GAPS = """
 ## Gap (section 6.4.4)
 
-16 plies of S-728 at 170 m/s with the gap of Table 5-2, and with 0.5 and 1.0 mm more. Jumps: the rest of the force
-(means over 2 µs) without its slow part (means over 20 µs), in the first 100 µs. As in the thesis a wider gap slows the
-projectile later and less. The thesis's jumps at the small gap, which it lays to waves in its elastic projectile, are
-not there with a rigid one; with wide gaps each ply is met on its own.
+16 plies of S-728 at 170 m/s with the gap of Table 5-2, and with 0.5 and 1.0 mm more. "Jumps": the force (means over
+2 µs) less its slow part (means over 20 µs), rms in the first 100 µs. As in the thesis a wider gap slows the
+projectile later and less. The thesis's jumps at the small gap, which it attributes to waves in its elastic
+projectile, do not occur with a rigid one.
 
 ![Velocity for three gaps](figures/packs-gaps.png)
 
@@ -273,16 +261,17 @@ _LIMITS = """
 and step, which is 1.23 times the 9.5 ns of a single ply (alternating 3.0 s, 1.45 times); the target is at most 2
 (`benchmarks/pack.py`). Plies that are pressed together everywhere cost 3.3 times as much.
 
-## What is not there
+## Limitations
 
 - Through a hole, fabric of the plies before and behind is kept from passing, at a twentieth of a thickness, by the
-  least force; it has no contact of its own there, with thickness and spring.
-- Friction between plies acts only where a scene sets it (docs/ply-friction.md); torn cloth is held apart without.
+  least impulse; it has no contact there with thickness and spring.
+- Friction between plies acts only where the input sets it ([ply-friction.md](ply-friction.md)); the impulses beside
+  failed fabric have none.
 - A node that has lost all its yarns is out of contact, and flies on through the plies before it.
-- The nose presses on solid fibre: the travel of half a ply, some 20 µm, is not in its contact.
-- Fabric that is drawn together until it folds, such as four free plies before a block (docs/pencilling.md), may go over
-  the planes of symmetry, where nothing holds it off its own image.
+- The projectile presses on solid fibre: the travel of half a ply, some 20 µm, is not in its contact.
+- Fabric that is drawn together until it folds, such as four free plies before a block ([pencilling.md](pencilling.md)),
+  may go over the planes of symmetry, where nothing holds it off its own image.
 - Points lie inside elements, so an edge of failed fabric may cross another edge.
-- A ply has one foot for each point: fabric that folds onto itself does not touch itself, and a second fold of the next
-  ply is found beside failed fabric alone.
+- A ply has one closest point for each point: fabric that folds onto itself does not touch itself, and a second fold
+  of the next ply is found beside failed fabric alone.
 """

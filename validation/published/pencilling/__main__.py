@@ -1,4 +1,4 @@
-"""python -m validation.published.pencilling [CASE ...] [--edge free] [--out FOLDER] [--page docs/pencilling.md]
+"""python -m validation.published.pencilling [CASE ...] [--edge free] [--out FOLDER] [--page docs/reports/pencilling.md]
 
 The runs of thesis Table 6-2 before the block of Table 6-1, and the bare block. Writes pencilling.csv, depths.png and
 craters.png, and keeps each shot in shots/, so that --resume goes on with those that are missing. With --page the
@@ -22,7 +22,7 @@ from validation.published.pencilling.study import CASES, Case, bare, shoot
 from weavecell.report.marked_page import markdown, put
 
 END = "<!-- end of the table -->"
-BARE, TEXT = "bare block", "4 plies, 924 g/m2"
+BARE, TEXT = "bare block", "4 plies, 924 g/m²"
 SHOTS = "shots"
 
 
@@ -30,7 +30,7 @@ def name_of(number: int) -> str:
     """A case in words."""
     case = CASES[number]
     plies = "1 ply" if case.plies == 1 else f"{case.plies} plies"
-    return f"{number}: {plies}, {96 * case.modulus:.0f} GPa, {1e3 * case.mass:.0f} g/m2"
+    return f"{number}: {plies}, {96 * case.modulus:.0f} GPa, {1e3 * case.mass:.0f} g/m²"
 
 
 def key_of(case: Any, edge: str, elements: int) -> str:
@@ -41,8 +41,9 @@ def key_of(case: Any, edge: str, elements: int) -> str:
 
 def table(shots: Any) -> list[Any]:
     """A header, and a row a shot."""
-    rows = [("target", "outcome", "after, us", "depth of the projectile, mm", "crater, mm", "half-width, mm",
-             "wall against the face, deg", "bricks eroded", "balance, %", "hourglass of the block, %")]  # fmt: skip
+    rows = [("target", "outcome", "after, µs", "depth of the projectile, mm", "crater, mm", "half-width, mm",
+             "wall against the face, deg", "hexahedra eroded", "energy error, %",
+             "hourglass of the block, %")]  # fmt: skip
     for name, shot in shots.items():
         eroded = "-" if shot.block is None else str(int(shot.block.gone.sum()))
         glass = shot.energies.get("backing_hourglass", shot.energies.get("hourglass"))
@@ -96,7 +97,7 @@ def main(
             continue
         shot = shots[name]
         print(
-            f"{name}: {shot.outcome}, {1e3 * shot.depth:.1f} mm after {1e6 * shot.t[-1]:.0f} us, "
+            f"{name}: {shot.outcome}, {1e3 * shot.depth:.1f} mm after {1e6 * shot.t[-1]:.0f} µs, "
             f"balance {100 * shot.balance:.2f} %, {time.perf_counter() - begun:.0f} s",
             flush=True,
         )
@@ -121,6 +122,6 @@ if __name__ == "__main__":
         main,
         elements="along each side of a crossover",
         no_bare="leave the bare block out",
-        text="also four plies of 924 g/m2, as the text has it",
+        text="also four plies of 924 g/m², as the text has it",
         resume="take shots of this code that are done from the folder",
     )

@@ -29,7 +29,7 @@ from unitcell3d.solver.load_stepping import Steps
 
 FABRIC = "S-720"
 SIZE = (6, 4, 2)
-STEPS = Steps(first=0.004, largest=0.02)  # of the path: 7 um at the platens, so that rows resolve the lowest pressures
+STEPS = Steps(first=0.004, largest=0.02)  # of the path: 7 µm at the platens, so that rows resolve the lowest pressures
 MIN_PLATE_GAP = 0.2  # of the platens' first distance: the softest variant reaches the peak pressure before
 PACKING = 1e6  # Pa: the law closes four fifths below it
 POINTS = 24
@@ -100,7 +100,7 @@ VARIANTS = (
     Variant("Vf0", "Vf0 of micrographs (E-27)", solids(Vf0=(0.361, 0.396))),
     Variant("Vf0", "Vf0 and crimp of micrographs", solids(Vf0=(0.361, 0.396)), {"crimp": "micrograph"}),
     Variant("contact", "penalty / 10", numerics=Numerics(penalty=1e14)),
-    Variant("contact", "toe 5 um (0.5 um)", numerics=Numerics(toe=5e-6)),
+    Variant("contact", "toe 5 µm (0.5 µm)", numerics=Numerics(toe=5e-6)),
     Variant("contact", "friction 0.3, yarns and platens", numerics=Numerics(friction=0.3)),
     Variant("mesh", "8 x 6 x 2", mesh={"size": (8, 6, 2)}),
     Variant("constants", "shear modulus x 10 (K_G 0.01)", solids(K_G=0.01)),

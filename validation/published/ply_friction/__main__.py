@@ -1,4 +1,4 @@
-"""python -m validation.published.ply_friction [--out results/ply-friction] [--page docs/ply-friction.md]
+"""python -m validation.published.ply_friction [--out results/ply-friction] [--page docs/reports/ply-friction.md]
 
 Fires the shots of the study, each kept in the folder as soon as it is done, so that an interrupted study goes on where
 it was. With --page the page is written, and its picture into figures/ beside it.
@@ -10,16 +10,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.files import write_whole
-from validation.program import program
+from validation.program import computed, program
 from validation.published.packs.study import Results
 from validation.published.ply_friction import pictures, study
 from validation.published.ply_friction.page import BEGIN, END
 from validation.published.ply_friction.page import page as text_of
+from weavecell.results import provenance
 
 
 def main(
     *, out: Path = Path("results/ply-friction"), page: Path | None = None, fabrics: Sequence[str] = study.FABRICS
 ) -> None:
+    run = computed(f"python -m validation.published.ply_friction --page {page}", provenance.stamp())
     results, seconds = Results(out / "shots"), {}
 
     def shots(case):
@@ -34,7 +36,7 @@ def main(
         before = page.read_text("utf-8") if page.exists() else ""
         cost = before.partition(BEGIN)[2].partition(END)[0]  # of benchmarks/pack.py, which is kept
         with write_whole(page) as file:
-            file.write(text_of(found, sum(seconds.values()), cost))
+            file.write(text_of(found, sum(seconds.values()), cost, run))
 
 
 if __name__ == "__main__":

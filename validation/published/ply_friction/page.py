@@ -1,4 +1,4 @@
-"""docs/ply-friction.md: the method, the table and the chart."""
+"""docs/reports/ply-friction.md: the method, the table and the chart."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LITERATURE = 0.10  # of V50
 BEGIN, END = "<!-- cost of benchmarks/pack.py -->\n", "<!-- end of cost -->"
 
 
-def page(found: Mapping[str, Sequence[Found]], seconds: float, cost: str = "") -> str:
+def page(found: Mapping[str, Sequence[Found]], seconds: float, cost: str = "", run: str = "") -> str:
     """The page in Markdown.
 
     Parameters
@@ -19,10 +19,13 @@ def page(found: Mapping[str, Sequence[Found]], seconds: float, cost: str = "") -
     found : {fabric: rows}
     seconds : [s] of all shots together
     cost : text between the marks of the cost, which `benchmarks/pack.py --friction` makes
+    run : line of `validation.program.computed`
     """
     return (
         "\n".join(
             [
+                _TITLE,
+                run,
                 _HEAD,
                 rows(found),
                 _FIGURE,
@@ -68,24 +71,25 @@ def answer(found: Mapping[str, Sequence[Found]]) -> str:
             f"the ballistic limit by\n  {change(last.limit, of[0].limit)}; stops and perforations overlap by up to "
             f"{max(0.0, *(one.stop - one.perforation for one in of)):.0f} m/s."
         )
-    texts.append(f"- The strike velocities resolve a ballistic limit to ±{50 * STRIDE:g} %: smaller changes are none.")
+    texts.append(f"- The strike velocities resolve a ballistic limit to ±{50 * STRIDE:g} %, and no smaller changes.")
     changes = [one.limit / of[0].limit - 1 for of in found.values() for one in of[1:]]
-    met = "is met" if max(changes) > 0.5 * LITERATURE else "is missed"
+    met = "reproduces" if max(changes) > 0.5 * LITERATURE else "does not reproduce"
     texts.append(
-        f"- The literature has about {100 * LITERATURE:+.0f} % in V50 for friction as a whole. The friction between "
-        f"plies alone changes the\n  limit by {100 * min(changes):+.1f} to {100 * max(changes):+.1f} %: the figure "
-        f"{met}. It includes the friction of yarns on each other at crossovers,\n  which are pinned here, and that of "
-        "the nose."
+        f"- The literature has about {100 * LITERATURE:+.0f} % in V50 for all friction together. Friction between "
+        f"plies alone changes the\n  limit by {100 * min(changes):+.1f} to {100 * max(changes):+.1f} %, which {met} "
+        "it. The literature's figure includes friction at crossovers,\n  which are pinned here, and at the nose."
     )
     return "\n".join(texts) + "\n"
 
 
 _MU = ", ".join(f"{mu:g}" for mu in FRICTIONS)
-_HEAD = f"""# Friction between plies
+_TITLE = """# Friction between plies
 
-Made by `python -m validation.published.ply_friction --page docs/ply-friction.md`; not to be edited by hand.
-
-In a scene: `ply_friction = 0.2` under `[panel]` of a pack. Without it plies slide on each other without friction.
+*How much does friction between the plies of a pack change first failure and ballistic limit?*
+"""
+_HEAD = f"""
+Not to be edited by hand. In an input file: `ply_friction = 0.2` under `[panel]` of a pack. Without it plies slide
+on each other without friction.
 
 **Law.** Coulomb's, at the points of the contact between plies. A point that sticks is held by an elastic slip, a spring
 and a damper along the surface; beyond the friction coefficient times the normal force it slides. The forces on the two
@@ -103,12 +107,15 @@ are fired at every coefficient; the limit is the velocity with as many perforati
 
 _FIGURE = """
 ![First failure and ballistic limit against the friction between plies](figures/ply-friction.png)
+
+*Four plies, 203 mm. Filled: ballistic limit, bars from the lowest perforation to the highest stop. Open: first
+failure.*
 """
 
 _LIMITS = """
-## What is not there
+## Limitations
 
-- Cloth beside holes that is kept apart by the least impulse (docs/packs.md) has no friction there.
+- Fabric beside holes that is kept apart by the least impulse ([packs.md](packs.md)) has no friction there.
 - The moment of friction about a ply's middle surface, half a thickness times the force, is neglected.
-- Friction of yarns on each other within a ply, which the literature's figure includes: crossovers here are pinned.
+- Crossovers are pinned: no friction of yarns on each other within a ply.
 """

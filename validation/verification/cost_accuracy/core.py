@@ -21,7 +21,8 @@ from fabrics.errors import UnstableError
 from weavecell.analysis.pareto import non_dominated
 from weavecell.analysis.richardson import Extrapolation, extrapolate
 
-MARGIN = 0.1  # a dearer method is named if it takes a tenth off the error: times are no better known
+MARGIN = 0.1  # a more expensive method is listed if it reduces the error by a tenth: times are no better known
+AIMED = 0.05  # [-] error whose cheapest method is named
 ALIKE = 1e-4  # [-] of a value: errors below are all alike
 ENOUGH = 0.6  # [s] of CPU time after which a run is not repeated
 MOST = 5  # repeats

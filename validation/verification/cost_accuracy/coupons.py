@@ -158,11 +158,11 @@ def methods(base: Bias | Cross) -> tuple[Method, ...]:
         one("cell", "incompressible", model="incompressible"),
         one("cell", "printed law", law="printed"),
         *(one("table", f"table {n}", table=n) for n in (26, 51, 101)),
-        *(one("elements", f"{label} a crossover", elements=e) for label, e in (("1/2", 0.5), ("2", 2))),
+        *(one("elements", f"{n} per crossover", elements=e) for n, e in (("1/2 element", 0.5), ("2 elements", 2))),
         *(one("load step", f"{n} load step{'s' * (n > 1)}", steps=n) for n in (1, 10)),
         *(one("tolerance", f"tolerance {t:g}", tolerance=t) for t in (1e-2,)),
         one("combined", "table 51, 1 step", table=51, steps=1),
-        one("combined", "1/2 a crossover, table 51, 1 step", elements=0.5, table=51, steps=1),
+        one("combined", "1/2 element per crossover, table 51, 1 step", elements=0.5, table=51, steps=1),
         one("combined", "1/2, decoupled, 26, 1 step, 1e-2", elements=0.5, model="decoupled", table=26, steps=1,
             tolerance=1e-2),
     ]  # fmt: skip

@@ -1,9 +1,9 @@
-"""Errors of the default model in the standard shots, computed anew against the references of docs/charts.md.
+"""Errors of the default model in the standard shots, computed anew against the references of docs/reports/charts.md.
 
-    python -m validation.verification.cost_accuracy.defaults [--out results/defaults] [--page README.md]
+    python -m validation.verification.cost_accuracy.defaults [--out results/defaults] [--page docs/limits.md]
 
 Writes default-errors.csv: one row a shot and group of quantities, the largest error of the group and what its reference
-is known to. With --page the table goes into that page, between its marks, and the file into docs/data/ beside it.
+is known to. With --page the table goes into that page, between its marks, and the file into docs/reports/data/.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def table(rows: Iterable[Sequence[str]]) -> str:
 
 def main(*, out: Path = Path("results/defaults"), page: Path | None = None) -> None:
     rows = [row for key in SHOTS for row in errors(key)]
-    folders = [out] if page is None else [out, page.parent / "docs" / "data"]
+    folders = [out] if page is None else [out, page.parent / "reports" / "data"]
     for folder in folders:
         write_csv(folder / FILE, [HEAD, *rows])
     publish(table(rows), page, MARKS)

@@ -201,18 +201,18 @@ def methods(shot: Shot, meshes: Sequence[float] = (2, 3)) -> tuple[Method, ...]:
         one("cell", "equilibrium, printed", form="equilibrium", law="printed"),
         *(one("table", f"table {n}", table=n) for n in (26, 51, 101, 401)),
         *(
-            one("elements", f"{label} a crossover, table {n}", elements=e, table=n)
-            for label, e in (("1/2", 0.5), *((str(m), m) for m in meshes))
+            one("elements", f"{label} per crossover, table {n}", elements=e, table=n)
+            for label, e in (("1/2 element", 0.5), *((f"{m} elements", m) for m in meshes))
             for n in (51, 201)
         ),
         one("combined", "decoupled, 1/2, table 26", model="decoupled", elements=0.5, table=26),
-        one("combined", "1/2 a crossover, table 26", elements=0.5, table=26),
+        one("combined", "1/2 element per crossover, table 26", elements=0.5, table=26),
         one("combined", "equilibrium, table 51", form="equilibrium", table=51),
         one("combined", "float32, table 51", precision="single", table=51),
         *(
             one(
                 "grading",
-                f"1/{n} about the nose, table 51",
+                f"graded from 1/{n} crossover, table 51",
                 table=51,
                 grading=((12.0, 1 / n), (24.0, 1.0), (inf, 2.0)),
             )

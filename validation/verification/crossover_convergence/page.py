@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.files import write_whole
+from validation.program import computed
 from validation.verification.crossover_convergence import tables
 from validation.verification.crossover_convergence.axes import METHOD
 from validation.verification.crossover_convergence.study import MEASURED, Study, measured, name
@@ -37,6 +38,7 @@ LEADS = {
 }
 
 
+QUESTION = "How far are forces and compression law of the 3D crossover from their limit, and what changes them?"
 CONVERGENCE = """![Distance of each force from its limit](figures/crossover-convergence.png)
 
 *Distance of the forces at the ends of the paths from their limit as mesh, contact stiffness and smoothing length of the
@@ -57,7 +59,8 @@ def write(study: Study, path: Path, stamp: str, command: str, drawn: Sequence[st
     """
     methods, models = ([axis for axis in study.axes if (axis.kind == METHOD) == of] for of in (True, False))
     parts = [
-        f"# The 3D crossover: what its numbers depend on\n\nMade by `{command}`; not to be edited by hand. {stamp}",
+        f"# 3D crossover: sensitivity to mesh, contact and model\n\n*{QUESTION}*\n\n"
+        f"{computed(command, stamp)} Not to be edited by hand. {stamp}",
         _scene(study),
         _reference(study),
         _summary(study),
@@ -82,7 +85,7 @@ def _scene(study):
         f"{study.fabric} is pulled along three paths to fixed end displacements (d1, d2) per end: {ends}. T1, T2 and "
         "F_c are those at the end of a path; a and b are the law d_c = a - b / (F_c + F0)^(1/3) fitted to all three. "
         f"One choice at a time is varied about a base: the quarter crossover, {base} hexahedra a yarn, all defaults. "
-        "In bold: the base. CPU times are of the three paths together, in a process of its own with one thread."
+        "Bold: the base. CPU times are of the three paths together, in a process of its own with one thread."
     )
 
 

@@ -1,4 +1,4 @@
-"""python -m validation.verification.fidelity survey|packs|trial [--trial NAME] [--out FOLDER] [--page docs/fidelity.md]
+"""python -m validation.verification.fidelity survey|packs|trial [--trial NAME] [--out FOLDER] [--page PAGE]
 
 survey   every model of the ladder on standard and drawn scenes; --keep puts errors.json into the package
 packs    every model of the ladder of packs on drawn packs; --keep puts errors_packs.json into the package

@@ -92,7 +92,7 @@ def _fits(model, scene, two, seen, book, target):
 def table(found: Sequence[Row]) -> list[str]:
     """Lines of Markdown: for each target how many scenes are met, by which models, at which median cost."""
     lines = [
-        "| target of all four | scenes | met | answered by the full model | median cost |",
+        "| target of all four | cases | met | answered by the full model | median cost |",
         "|---:|---:|---:|---:|---:|",
     ]
     for target in TARGETS:

@@ -40,7 +40,7 @@ def survey_table(book: Book) -> list[str]:
 def trial_table(rows: list[Row]) -> list[str]:
     """Lines of Markdown: each scene, its targets, what was chosen and found, and what came of all."""
     lines = [
-        "| scene | targets | outcome | model | confirmed | worst error | met | cost | whole |",
+        "| case | targets | outcome | model | confirmed | worst error | met | cost | whole |",
         "|---|---|---|---|---|---:|---|---:|---:|",
     ]
     for row in rows:

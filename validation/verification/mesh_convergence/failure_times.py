@@ -1,6 +1,6 @@
 """S-731 above its critical velocity: residual velocity and time of the first failure on several meshes.
 
-    python -m validation.verification.mesh_convergence.failure_times [--out FOLDER] [--page docs/convergence.md]
+    python -m validation.verification.mesh_convergence.failure_times [--out FOLDER] [--page docs/reports/convergence.md]
 
 The tension under the nose rises in steps, as stress waves come back from the clamped edges, and the ply fails at one of
 them: at a lower strike velocity at a later one. The residual velocity therefore jumps at certain strike velocities. For
@@ -68,11 +68,11 @@ def early(level: int) -> tuple[float, float]:
 def tables(shots: Sequence[tuple[float, float, float]], brackets: Sequence[tuple[float, float]]) -> str:
     """The shots, a row a strike velocity, and the bisected velocities."""
     of = {(level, V): found for (level, V), found in zip(((n, V) for n in MESHES for V in STRIKES), shots)}
-    rows = [["strike, m/s", *(f"{n} per crossover: residual velocity, m/s (first failure, us)" for n in MESHES)]]
+    rows = [["strike, m/s", *(f"{n} per crossover: residual velocity, m/s (first failure, µs)" for n in MESHES)]]
     for V in STRIKES:
         rows.append([f"{V:g}", *(f"{of[n, V][0]:.1f} ({1e6 * of[n, V][2]:.0f})" for n in MESHES)])
     steps = [["elements per crossover", *map(str, BISECTED)],
-             [f"strike velocity above which the ply fails within {1e6 * EARLY:g} us, m/s",
+             [f"strike velocity above which the ply fails within {1e6 * EARLY:g} µs, m/s",
               *(f"{low:.1f} to {high:.1f}" for low, high in brackets)]]  # fmt: skip
     return f"{markdown(rows)}\n{markdown(steps)}"
 

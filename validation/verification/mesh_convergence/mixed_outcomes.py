@@ -1,6 +1,6 @@
 """S-745 on coarse and finer meshes: outcomes at evenly spaced strike velocities, and where the first yarn fails.
 
-    python -m validation.verification.mesh_convergence.mixed_outcomes [--out FOLDER] [--page docs/convergence.md]
+    python -m validation.verification.mesh_convergence.mixed_outcomes [--out DIR] [--page docs/reports/convergence.md]
 
 On one element per crossover outcomes are mixed: faster shots stop than some that perforate. For each mesh the study
 fires the projectile at even steps of strike velocity, and records at some of these velocities where and when the first
@@ -162,7 +162,7 @@ def outcome_table(shots: Sequence[dict[str, Any]]) -> str:
 def mechanism_table(shots: Sequence[dict[str, Any]], waves: Sequence[dict[str, Any]]) -> str:
     """One row a mesh and velocity that was looked at."""
     rows = [("elements per crossover", "strike, m/s", "peak of the first wave over the strength",
-             "its distance, crossovers", "first failure after, us", "family", "its distance, crossovers", "outcome",
+             "its distance, crossovers", "first failure after, µs", "family", "its distance, crossovers", "outcome",
              "failed segments")]  # fmt: skip
     by = {(shot["elements per crossover"], shot["strike velocity [m/s]"]): shot for shot in shots}
     for wave in waves:

@@ -1,6 +1,6 @@
 """Picture of the study: each quantity over its limit against the size of the elements, one panel a quantity.
 
-    python -m validation.verification.mesh_convergence.pictures docs/data/convergence.csv docs/figures/convergence.png
+    python -m validation.verification.mesh_convergence.pictures docs/reports/data/convergence.csv FIGURE.png
 
 draws it from the table of an earlier study.
 """
@@ -53,7 +53,7 @@ def compose(pyplot: Any, quantities: Sequence[Quantity]) -> Any:
                 mfc=COLOURS[k % 6] if regular else "white",
             )  # fmt: skip
         axes.axhline(0, color=FAINT, lw=0.8)
-        factor = f"\nat {FACTORS[rank]} times the critical velocity" if rank >= 0 else "\n"
+        factor = f"\nat {FACTORS[rank]} × critical velocity" if rank >= 0 else "\n"
         axes.set_title(kind[id(chosen[0])] + factor, fontsize=11)
         axes.set_yscale("symlog", linthresh=target)
         axes.set_ylim(-100, 100)

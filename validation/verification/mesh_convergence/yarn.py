@@ -1,4 +1,4 @@
-"""python -m validation.verification.mesh_convergence.yarn [--elements 1 2 3] [--page docs/convergence.md]
+"""python -m validation.verification.mesh_convergence.yarn [--elements 1 2 3] [--page docs/reports/convergence.md]
 
 Where the limits of S-726, S-727, S-731 converge slowly: the tension of the weft's lines at the middle of the nose, from
 yarn to yarn, on several meshes at one velocity and one instant, shortly before the first yarn fails; failure is off.
@@ -72,7 +72,7 @@ def across(fabric: Fabric, velocity: float, time: float, number: int, n: int, **
     )  # fmt: skip
 
 
-def main(*, elements: Sequence[int] = (1, 2, 3), page: Path = Path("docs/convergence.md")) -> None:
+def main(*, elements: Sequence[int] = (1, 2, 3), page: Path = Path("docs/reports/convergence.md")) -> None:
     from validation.verification.mesh_convergence.pictures import yarns
 
     found = []

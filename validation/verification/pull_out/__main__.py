@@ -1,4 +1,4 @@
-"""python -m validation.verification.pull_out [--out results/pull-out] [--page docs/pull-out.md] [--further]
+"""python -m validation.verification.pull_out [--out results/pull-out] [--page docs/reports/pull-out.md] [--further]
 
 Solves the paths of the study, each kept in the folder as soon as it is done. With --page the page is written, and its
 picture into figures/ beside it. --without leaves choices of the table of dependences out. With --further only the finer
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from fabrics import run_cache
 from fabrics.files import write_whole
-from validation.program import program
+from validation.program import computed, program
 from validation.verification.pull_out import pictures, study
 from validation.verification.pull_out.page import BEGIN, END, section
 from validation.verification.pull_out.page import page as text_of
@@ -47,6 +47,7 @@ def main(
         if page:
             put(page, BEGIN, END, text)
         return
+    run = computed(f"python -m validation.verification.pull_out --page {page}", provenance.stamp())
     found = study.gather(runs)
     folder = page.parent / "figures" if page else out
     pictures.chart(found, folder / "pull-out.png")
@@ -54,7 +55,7 @@ def main(
         before = page.read_text("utf-8") if page.exists() else ""
         kept_section = before.partition(BEGIN)[2].partition(END)[0]
         with write_whole(page) as file:
-            file.write(text_of(found, without, kept_section))
+            file.write(text_of(found, without, kept_section, run))
 
 
 if __name__ == "__main__":

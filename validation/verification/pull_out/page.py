@@ -1,4 +1,4 @@
-"""docs/pull-out.md: the method, the law, and what it depends on."""
+"""docs/reports/pull-out.md: the method, the law, and what it depends on."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from weavecell.report.marked_page import markdown
 BEGIN, END = "<!-- further runs -->\n", "<!-- end of further runs -->"
 
 
-def page(found: dict[str, Any], without: Sequence[str] = (), further: str = "") -> str:
+def page(found: dict[str, Any], without: Sequence[str] = (), further: str = "", run: str = "") -> str:
     """The page in Markdown, from the results of `study.gather`.
 
     Parameters
@@ -23,11 +23,12 @@ def page(found: dict[str, Any], without: Sequence[str] = (), further: str = "") 
     found : of `study.gather`
     without : choices that were left out
     further : text between the marks of the section that `--further` makes
+    run : line of `validation.program.computed`
     """
     left_out = f"\nNot run: {', '.join(without)}.\n" if without else ""
     dependences = variants(found["variants"]) + left_out
     return "\n".join([
-        _HEAD, thresholds(found), summary(found), _FIGURE, _VARIANTS, dependences, cost(found),
+        _TITLE, run, _HEAD, thresholds(found), summary(found), _FIGURE, _VARIANTS, dependences, cost(found),
         f"\n## Finer mesh, and platens\n\n{BEGIN}{further}{END}", _LIMITS,
     ])  # fmt: skip
 
@@ -45,7 +46,8 @@ def section(found: dict[str, dict[str, Any]], commit: str) -> str:
     text = (
         "The warp pulled, at the largest end displacement of the weft, and between platens with the weft's ends held\n"
         "(before the pull 1, 2 and 4 MPa on the area of the cell). Change: of T_f / F_c, against the first row.\n"
-        f"`python -m validation.verification.pull_out --further --page docs/pull-out.md`, commit {commit}.\n\n"
+        f"Computed at commit {commit} by `python -m validation.verification.pull_out --further --page "
+        "docs/reports/pull-out.md`.\n\n"
     )
     head = ["", "F_c, N", "T_f, N", "T_f / F_c", "change", "largest P of normal pressures, N"]
     text += markdown([head, *rows], numbers=True).rstrip("\n")
@@ -129,9 +131,12 @@ def cost(found: dict[str, Any]) -> str:
     return text + (f" Ended early: {'; '.join(ended)}." if ended else " Newton's method converged at every state.")
 
 
-_HEAD = f"""# Pull-out through the 3D crossover
+_TITLE = """# Pull-out through the 3D crossover
 
-Made by `python -m validation.verification.pull_out --page docs/pull-out.md`; not to be edited by hand.
+*At which axial force does a yarn slip through a crossover, and what does this force depend on?*
+"""
+_HEAD = f"""
+Not to be edited by hand. One path on the command line:
 
 ```
 weavecell crossover S-720 --case pull-out --mu 0.2 --mesh coarse --law results/calibrate-S-720/law.json
@@ -165,17 +170,17 @@ _FIGURE = """
 """
 
 _VARIANTS = """
-## What it depends on
+## Sensitivity
 
 The warp pulled at the largest transverse load, one choice changed at a time. Change: of T_f / F_c.
 """
 
 _LIMITS = """
-## What is not there
+## Limitations
 
 - The end displacement of the crossing yarn or the distance of the platens is held, not the force: F_c changes during
   the pull, and is taken at the threshold itself.
 - Neighbouring crossings of the pulled yarn slide together, as on the plateau of a pull-out test. Its front, where some
-  crossings stick, is a matter of the panel.
+  crossings stick, is computed by the panel.
 - Coulomb's coefficient does not depend on pressure, velocity or finish.
 """

@@ -6,20 +6,23 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from validation.verification.stability import study
 from validation.verification.stability.core import FAILED, MARGIN_TARGET, STABLE, WRONG
 from validation.verification.stability.pictures import number, pictured
 from validation.verification.study import write_page
 from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
-    from validation.verification.stability.core import Found
+    from validation.verification.stability import study
+from validation.verification.stability.core import Found
 
-HEAD = f"""# Where methods fail
-
-Each map is made by running the method at every point of it. **Stable**: the run ends and its answer is good. **Wrong**:
-it ends quietly, with an answer that is off by more than the map allows. **Failed**: a guard stopped it with a message
-that says what happened, where and when (exit code 3). The default's margin is the ratio between it and the edge of the
-stable region, looked for by bisection along the axis; the target is {MARGIN_TARGET:g}."""
+TITLE = "Stability limits of the methods"
+QUESTION = "How far are the defaults from the values at which a method becomes unstable or wrong?"
+TEXT = f"""\
+Each map is computed by running the method at every point. **Stable**: the run ends and its answer is good. **Wrong**:
+the run ends without a message, with an answer that is off by more than the map allows. **Failed**: a check stops the
+run with a message that says what happened, where and when (exit code 3). The margin is the ratio between the default
+and the edge of the stable region, found by bisection along the axis; the target is {MARGIN_TARGET:g}."""
 
 
 def write(maps: Sequence[tuple[Found, str]], path: Path, command: str) -> None:
@@ -30,8 +33,13 @@ def write(maps: Sequence[tuple[Found, str]], path: Path, command: str) -> None:
     maps : pairs (core.Found, when, where and by which version it was run)
     command : that makes it
     """
-    overview = "## Margins of the defaults", margins([found for found, _ in maps])
-    write_page(path, HEAD, command, "map by map", overview, [(_section(found), made) for found, made in maps])
+    overview = ["## Margins of the defaults", margins([found for found, _ in maps])]
+    there = {found.map.key for found, _ in maps}
+    missing = [f'"{study.load(name).title}"' for name in study.NAMES if name not in there]
+    if missing:
+        overview.append(f"Maps that have not been computed with the present code: {', '.join(missing)}.")
+    sections = [(_section(found), made) for found, made in maps]
+    write_page(path, TITLE, QUESTION, TEXT, command, "map by map", overview, sections)
 
 
 def margins(maps: Sequence[Found]) -> str:

@@ -71,6 +71,8 @@ def _legend(pyplot, figure, found, marked):
     """What the colours mean, and the mark."""
     chart = found.map
     words = {STABLE: "stable", WRONG: f"wrong: {chart.wrong}", FAILED: f"failed: {chart.failed}"}
+    if len(chart.x.values) > DENSE:  # cells without numbers
+        words = {kind: f"{found.count(kind)} of {len(found.outcomes)} points {text}" for kind, text in words.items()}
     handles = [
         pyplot.matplotlib.patches.Patch(color=KINDS[kind], label="\n".join(wrap(words[kind], 80)))
         for kind in KINDS

@@ -42,7 +42,7 @@ def section(record: ImpactRecord, setup: ImpactSetup) -> Section:
 
 
 def expected(record: ImpactRecord, setup: ImpactSetup) -> tuple[str, tuple[tuple[str, str, str], ...]]:
-    """(text, rows of result, expected error, error of the finest mesh), from the survey of `docs/fidelity.md`."""
+    """(text, rows of result, expected error, error of the finest mesh), from the survey of docs/reports/fidelity.md."""
     further = (
         "The option --uncertainty of weavecell impact computes the uncertainty of this very shot from a second mesh."
     )
@@ -55,13 +55,14 @@ def expected(record: ImpactRecord, setup: ImpactSetup) -> tuple[str, tuple[tuple
     regime = quantities.regime({"outcome": record.outcome})
     errors = known.of_mesh(name, regime) if _surveyed(setup) and record.outcome != "unstable" else {}
     if not errors:
-        return f"The survey of mesh errors (docs/fidelity.md) has no mesh or cell like this one. {further}", ()
+        return f"The survey of mesh errors (docs/reports/fidelity.md) has no mesh or cell like this one. {further}", ()
     kind = "perforated" if regime == quantities.THROUGH else "stopped"
     lead = (
         f"From a survey of {min(scenes for scenes, *_ in errors.values())} {kind} shots on "
         f"one ply of other fabrics, projectiles and velocities ({known.made['date']}, "
-        f"docs/fidelity.md): four of five differed by less than this from the finest mesh, {finest.split(',')[0]} per "
-        "crossover along each side. Near the critical velocity the outcome itself depends on the mesh. "
+        "docs/reports/fidelity.md): four of five differed by less than this from the finest mesh, "
+        f"{finest.split(',')[0]} per crossover along each side. "
+        "Near the critical velocity the outcome itself depends on the mesh. "
     )
     haste = quantities.haste(record.strike_velocity, setup.fabric.weave.yarns)
     if quantities.hasty({"haste": haste}) and setup.resolved_elements_per_crossover == 1:
