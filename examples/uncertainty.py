@@ -4,7 +4,7 @@ How sure is a residual velocity?
 
 One ply of S-720 against the 1.10 g fragment simulator at 170 m/s: on three meshes with equal yarns, and on 30 panels
 whose yarns differ in strength (Weibull, scatter assumed). It prints and draws both. The error of the laws and of the
-model adds to these (``weavecell impact FILE --uncertainty``, and Validation). About 20 s.
+model adds to these (``weavecell impact FILE --uncertainty``, and Validation). About 15 s.
 Run with ``python examples/uncertainty.py``.
 """
 

@@ -108,3 +108,24 @@ def test_equations_of_the_theory_are_typeset_in_the_symbols_of_its_table():
     assert [name for row in rows for name in re.findall(r"`(\w+)`", row[3]) if name not in names] == []
     assert len(rows) > 35
     assert all(len(row) == 4 and row[2] for row in rows)
+
+
+REPORTS = [name for name in PAGES if name.startswith("docs/reports/") and not name.endswith("index.md")]
+AT_TABLES = {"backing.md", "cards.md", "fit.md"}  # have their commits below their tables, or none
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_reports_begin_with_a_question_and_with_commit_and_date(name):
+    title, question, *head = PAGES[name].split("\n\n")[:5]
+    assert title.startswith("# ")
+    if Path(name).name not in AT_TABLES:
+        assert re.fullmatch(r"\*.*\?\*", question)
+        assert re.search(r"\b[0-9a-f]{7,12}\b[^.]*2026-\d\d-\d\d", " ".join(head))
+
+
+def test_the_index_of_reports_has_each_of_them_once():
+    index = PAGES["docs/reports/index.md"]
+    told, listed = re.findall(r"^\| \[[^]]+\]\(([\w-]+)\.md\)", index, re.MULTILINE), index.partition("```{toctree}")[2]
+    names = sorted(Path(name).stem for name in REPORTS)
+    assert sorted(told) == names
+    assert sorted(re.findall(r"^[a-z0-9-]+$", listed, re.MULTILINE)) == names

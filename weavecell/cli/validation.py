@@ -47,7 +47,7 @@ def cost_accuracy(
     out: OutOption = None,
     resume: ResumeOption = False,
 ) -> None:
-    """Run standard scenes by every method there is: time against error, and the methods that none other beats.
+    """Run the standard cases with every method: CPU time against error, and the Pareto-optimal methods.
 
     The folder then holds tables (CSV) and pictures; while the run goes on, cases/. The scene "crossover" is the long
     study of the 3D crossover, with orders of convergence and a page of its own; --jobs and --executor are for it, since
@@ -85,7 +85,7 @@ def stability(
     out: OutOption = None,
     resume: ResumeOption = False,
 ) -> None:
-    """Maps of where each method fails, found by running it, with the margins of the defaults.
+    """Compute stability maps of the methods, and the margins of the defaults.
 
     The folder then holds a picture for each map and tables (CSV) of points and edges; while it goes on, points/.
     """

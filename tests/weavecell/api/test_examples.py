@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[3]
 SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
 NUMBER = r"\d+(\.\d+)?"
 EXPECTED = {
-    "areal_density": rf"3 x S-728, {NUMBER} g/m2: limit {NUMBER} to {NUMBER} m/s",
+    "areal_density": rf"4 x S-728, {NUMBER} g/m2: limit {NUMBER} to {NUMBER} m/s",
     "clay_backing": rf"back-face signature {NUMBER} mm, dent {NUMBER} cm3",
     "coupon": rf"complete\nshear stress {NUMBER} MPa",
     "crossover_calibration": rf"a = {NUMBER} mm, b = {NUMBER} mm N\^\(1/3\)\nShotResult\(S-720",
