@@ -129,3 +129,8 @@ def test_the_index_of_reports_has_each_of_them_once():
     names = sorted(Path(name).stem for name in REPORTS)
     assert sorted(told) == names
     assert sorted(re.findall(r"^[a-z0-9-]+$", listed, re.MULTILINE)) == names
+
+
+def test_no_line_of_a_page_is_a_comment_by_mistake():
+    """MyST leaves out a line that begins with a per cent sign."""
+    assert [name for name, text in PAGES.items() if re.search(r"^%", text, re.MULTILINE)] == []

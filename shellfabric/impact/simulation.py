@@ -44,7 +44,6 @@ if TYPE_CHECKING:
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 PACK_ELEMENTS, NEAR = 2, 10  # of packs, per crossover about the impact point, and to how many crossovers at least
-_SMALL = 11  # samples a side of a cell's table that no run uses
 UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
 
@@ -220,7 +219,10 @@ class ImpactSetup:
         clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
         if not clamped or self.projectile.obliquity != 0:
             return replace(self, elements_per_crossover=sides)
-        plain = [replace(one, elements_per_crossover=1, table_size=_SMALL).panel() for one in self.kinds]
+        plain = [
+            replace(one, elements_per_crossover=1).panel(CellTable.straight(CellModel(one.fabric)))
+            for one in self.kinds
+        ]
         near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))
         return replace(self, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
 
@@ -251,11 +253,21 @@ class ImpactSetup:
         cell = self.cell()
         if self.surface is not None:
             return cell.table(self.table_size)
-        if self.plies == 1 and self.crossovers is None and compile_in_child.is_cold(FILLS[method]):
-            # the kernels compile while the cell is solved: their types do not depend on the values of its table
-            panel = self.panel(CellTable.straight(cell))  # type: ignore[arg-type]
-            compile_ahead.begin(panel.state(self.strike_velocity), panel.constants(), panel.work())
+        if kept:
+            self.begin_compiling()
         return table_cache.table(cell, self.table_size, method) if kept else cell.table(self.table_size, method)  # type: ignore[arg-type, call-arg]
+
+    def begin_compiling(self) -> None:
+        """Begin to compile the kernels of one ply, whose types do not depend on the values of a table, before that is
+        filled; only where the kernel that fills it is not compiled either."""
+        if (
+            self.plies == 1
+            and self.crossovers is None
+            and self.surface is None
+            and compile_in_child.is_cold(FILLS[FILL])
+        ):
+            panel = self.panel(CellTable.straight(self.cell()))  # type: ignore[arg-type]
+            compile_ahead.begin(panel.state(self.strike_velocity), panel.constants(), panel.work())
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """One ply, of several the first, with its own table or one that a like set-up has filled.
@@ -434,6 +446,8 @@ def run(
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
+    if target is None and table is None:
+        setup.begin_compiling()
     solver = solver_of(target or setup.target(table), setup)
     solver.history_request = setup.history
     own: list[Hook] = []

@@ -34,7 +34,7 @@ WINDOW = (17.0, 23.0)  # [mm] 20 +- 3; of 19 +- 3 it would be 16 to 22
 MARKS = "<!-- drop test of validation.published.backing -->", "<!-- end of the drop test -->"
 PACKS = "<!-- packs of validation.published.backing -->", "<!-- end of the packs -->"
 HEADS = (
-    "backing", "smallest brick, mm", "bricks", "deepest, mm", "left, mm", "volume, cm³", "time to the turn, ms",
+    "backing", "smallest hexahedron, mm", "hexahedra", "deepest, mm", "left, mm", "volume, cm³", "time to the turn, ms",
     "energy error, %", "hourglass, %",
 )  # fmt: skip
 
@@ -45,7 +45,7 @@ def drop(name: str, min_size: float) -> Strike:
     Parameters
     ----------
     name : of `fabrics.backings`
-    min_size : [m] edge of the smallest bricks
+    min_size : [m] edge of the smallest hexahedra
     """
     block = Backing(
         material=backings.load(name), size=(0.61, 0.61, 0.14), min_size=min_size, refined_depth=0.045, growth=1.4
@@ -69,7 +69,7 @@ def in_the_limit(rows: Sequence[Sequence[str]]) -> str:
     of_clay = [one for one in rows if one[0] == CLAY]
     size, deepest, left = (np.array([float(one[c]) for one in of_clay]) for c in (1, 3, 4))
     said = f"The window is {WINDOW[0]:g} to {WINDOW[1]:g} mm. "
-    said += f"With bricks of {size[-1]:g} mm clay is left with {left[-1]:.1f} mm: "
+    said += f"With hexahedra of {size[-1]:g} mm clay is left with {left[-1]:.1f} mm: "
     said += "within it." if WINDOW[0] <= left[-1] <= WINDOW[1] else "outside it."
     if len(size) > 1:
         ends = [float(np.polyval(np.polyfit(size, one, 1), 0.0)) for one in (deepest, left)]
@@ -140,7 +140,7 @@ def _packs(plies, velocities):
 if __name__ == "__main__":
     program(
         main,
-        meshes="smallest bricks [mm]; without values, no drop test",
+        meshes="smallest hexahedra [mm]; without values, no drop test",
         plies="of the packs; without values, no packs",
         velocities="[m/s]",
     )
