@@ -28,8 +28,8 @@ from fabrics.checks import FilePath
 # folder of kernels: what they compute, and how long they are compiled on two free cores
 MODELS = {
     "shellfabric.cell": ("the unit cell", "about 10 seconds"),
-    "shellfabric.panel": ("a ply", "about 1 minute"),
-    "shellfabric.plies": ("packs", "about 2 minutes"),
+    "shellfabric.panel": ("a ply", "about half a minute"),
+    "shellfabric.plies": ("packs", "about 1 minute"),
     "shellfabric.sliding": ("sliding crossovers", "some minutes"),
     "shellfabric.sliding_plies": ("packs with sliding crossovers", "some minutes"),
     "shellfabric.backing": ("a block behind the panel", "a minute or two"),

@@ -75,7 +75,7 @@ def test_a_large_kernel_is_compiled_in_another_process(large, tmp_path, caplog, 
     """This one finds it in the cache, and its compiler has made nothing that it would keep. The user is warned once."""
     function, kinds = large
     assert compile_in_child.members(kinds) > compile_in_child.MIN_MEMBERS
-    for announced in (["compiling the kernels of a ply, once: about 1 minute"], []):
+    for announced in (["compiling the kernels of a ply, once: about half a minute"], []):
         caplog.clear()
         monkeypatch.setattr(kernel_cache, "_last", -math.inf)
         function.compile(kinds)
