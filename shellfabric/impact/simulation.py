@@ -41,6 +41,7 @@ from shellfabric.sliding.solver import SlipSummary
 if TYPE_CHECKING:
     from shellfabric.plies.model import Pack, PlyContact
 
+_SMALL = 11  # samples a side of a cell's table that no run uses
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 PACK_ELEMENTS, NEAR = 2, 10  # of packs, per crossover about the impact point, and to how many crossovers at least
@@ -219,10 +220,9 @@ class ImpactSetup:
         clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
         if not clamped or self.projectile.obliquity != 0:
             return replace(self, elements_per_crossover=sides)
-        plain = [
-            replace(one, elements_per_crossover=1).panel(CellTable.straight(CellModel(one.fabric)))
-            for one in self.kinds
-        ]
+        coarse = [replace(one, elements_per_crossover=1, table_size=_SMALL) for one in self.kinds]
+        # the reach does not depend on the values of the table
+        plain = [one.panel(CellTable.straight(one.cell()) if one.surface is None else None) for one in coarse]  # type: ignore[arg-type]
         near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))
         return replace(self, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
 

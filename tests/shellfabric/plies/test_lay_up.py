@@ -81,6 +81,14 @@ def test_the_mesh_is_fine_as_far_as_any_ply_needs():
     assert mixed.meshed.grading[0] == (max(far for far, _ in alone), min(side for _, side in alone))
 
 
+def test_a_pack_of_a_fabric_without_a_law_takes_the_law_of_the_shot():
+    """The mesh is chosen without a law of the fabric's own, as an own fabric has none."""
+    laws = SETUP.fabric.laws
+    own = replace(SETUP, fabric=replace(SETUP.fabric, laws=None), laws=laws)
+    assert replace(own, plies=3).meshed == replace(own, plies=3, grading=replace(SETUP, plies=3).meshed.grading)
+    assert laid(Ply(own.fabric, laws=laws), Ply(SETUP.fabric), setup=own).meshed.grading is not None
+
+
 def test_a_lay_up_that_does_not_fit_is_refused():
     with pytest.raises(InputError, match="plies = 2: must be 3"):
         replace(SETUP, plies=2, lay_up=(Ply(SETUP.fabric),) * 3)
