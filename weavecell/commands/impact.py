@@ -209,6 +209,10 @@ def _tell(record, out, around, choice, pair):
     )
     if record.rigid_check:
         print(record.rigid_check)
+    if record.backing is not None:
+        moving = 100 * record.energies["backing_kinetic"][-1] / record.strike_energy
+        signature = 1e3 * record.backing.back_face_signature
+        print(f"back-face signature {signature:.3g} mm; the block still moves with {moving:.2g} % of the strike energy")
     print(f"viscous energy {100 * record.viscous_energy_fraction:.1f} % of the {record.absorbed_energy:.2f} J absorbed")
     print(f"written to {out}", flush=True)
     if around is not None:

@@ -251,3 +251,13 @@ def test_a_projectile_at_rest_has_no_sign():
     record = SimpleNamespace(time=np.array([0.0, 1e-4]), velocity=np.array([90.0, -0.2]))
     caption = view.Panel.caption(SimpleNamespace(record=record), 1e-4)
     assert caption == "100 µs after the strike, projectile at 0 m/s"
+
+
+def test_the_signature_in_a_block_is_printed(capsys):
+    record = SimpleNamespace(
+        title="S-728", outcome="stopped", residual_velocity=0.0, pack=None, energy_error_max=1e-4, strike_energy=10.0,
+        rigid_check="", backing=SimpleNamespace(back_face_signature=0.0114), energies={"backing_kinetic": [0.0, 5.4]},
+        viscous_energy_fraction=0.02, absorbed_energy=4.0,
+    )  # fmt: skip
+    commands_impact._tell(record, Path("out"), None, None, None)
+    assert "back-face signature 11.4 mm; the block still moves with 54 % of the strike energy" in capsys.readouterr().out
