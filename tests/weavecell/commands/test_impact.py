@@ -260,4 +260,5 @@ def test_the_signature_in_a_block_is_printed(capsys):
         viscous_energy_fraction=0.02, absorbed_energy=4.0,
     )  # fmt: skip
     commands_impact._tell(record, Path("out"), None, None, None)
-    assert "back-face signature 11.4 mm; the block still moves with 54 % of the strike energy" in capsys.readouterr().out
+    said = "back-face signature 11.4 mm; the block still moves with 54 % of the strike energy"
+    assert said in capsys.readouterr().out
