@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from inspect import Parameter, signature
 from pathlib import Path
@@ -27,7 +26,6 @@ from fabrics.errors import run_program
 from fabrics.files import write_whole
 from weavecell.report.marked_page import put
 
-_STAMP = re.compile(r"commit (?P<commit>\w+(?: \+ changes)?), (?P<date>[\d-]{10}[ \d:]*)")
 NOTES = {
     "chain": "folder of `weavecell calibrate --all --fit-solid`",
     "executor": "local, mpi, parsl, dask or MODULE:FUNCTION",
@@ -94,25 +92,6 @@ def write_tables(path: Path, tables: Mapping[str, Iterable[Iterable[object]]]) -
 def write_records(path: Path, records: Sequence[Mapping[str, object]]) -> None:
     """Write {column: value} a row as a file."""
     write_csv(path, [records[0], *(record.values() for record in records)])
-
-
-def computed(command: str, *stamps: str | Mapping[str, str]) -> str:
-    """The line of a report that says at which commits, when and by which command it was computed.
-
-    Parameters
-    ----------
-    command : that made the page
-    stamps : of `provenance.stamp`, or texts with "commit COMMIT, DATE"
-    """
-    texts = [one if isinstance(one, str) else f"commit {one['commit']}, {one['date']}" for one in stamps]
-    found = filter(None, map(_STAMP.search, texts))
-    runs = sorted({(match["date"], match["commit"]) for match in found})
-    if not runs:
-        return f"Computed by `{command}`."
-    (begin, first), (end, last) = runs[0], runs[-1]
-    if first == last:
-        return f"Computed at commit {first} on {begin[:10]} by `{command}`."
-    return f"Computed at commits {first} ({begin[:10]}) to {last} ({end[:10]}) by `{command}`."
 
 
 def publish(text: str, page: Path | None, marks: tuple[str, str], remark: str = "") -> None:

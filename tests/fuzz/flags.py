@@ -20,7 +20,7 @@ from fabrics.files import write_whole
 from shellfabric.impact import simulation
 from shellfabric.panel.quality import LIMITS, NOTES
 from tests.fuzz import scenes
-from validation.program import computed
+from validation.commits import computed
 from validation.verification.stability import study
 from validation.verification.stability.core import STABLE, WRONG
 from weavecell.report.marked_page import markdown

@@ -12,7 +12,7 @@ from typing import Literal
 import pytest
 
 from fabrics.errors import InputError
-from validation import program
+from validation import commits, program
 
 ROOT = Path(__file__).parents[2]
 
@@ -142,9 +142,9 @@ def test_commands_of_the_documentation_are_understood(name, words):
 
 def test_the_line_of_a_report_has_commits_and_dates():
     one = {"commit": "abc123", "date": "2026-11-20 10:00 UTC"}
-    assert program.computed("make x", one) == "Computed at commit abc123 on 2026-11-20 by `make x`."
+    assert commits.computed("make x", one) == "Computed at commit abc123 on 2026-11-20 by `make x`."
     texts = ("version 1, commit fff1, 2026-11-21 05:00 UTC, here.", "version 1, commit aaa1, 2026-11-21 19:00 UTC.")
-    assert program.computed("make x", *texts) == (
+    assert commits.computed("make x", *texts) == (
         "Computed at commits fff1 (2026-11-21) to aaa1 (2026-11-21) by `make x`."
     )
-    assert program.computed("make x") == "Computed by `make x`."
+    assert commits.computed("make x") == "Computed by `make x`."

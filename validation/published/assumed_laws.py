@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any
 import weavecell as wc
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from validation.program import computed, program, publish, write_csv
+from validation.commits import computed
+from validation.program import program, publish, write_csv
 from weavecell.analysis.assumed_range import AssumedRange
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fabrics.errors import InputError
 from fabrics.files import write_whole
-from validation.program import computed
+from validation.commits import computed
 
 
 def known(option: str, name: str, names: Sequence[str]) -> None:

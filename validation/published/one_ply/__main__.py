@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.files import write_whole
-from validation.program import computed, program, publish, write_csv
+from validation.commits import computed
+from validation.program import program, publish, write_csv
 from validation.published.one_ply import pictures, study, tables
 from validation.published.shots import CAPTIONS
 from weavecell.report.marked_page import markdown, put

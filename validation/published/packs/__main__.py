@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.files import write_whole
-from validation.program import computed, program
+from validation.commits import computed
+from validation.program import program
 from validation.published.packs import pictures, study
 from validation.published.packs.page import page as text_of
 from validation.published.packs.study import Results

@@ -16,7 +16,7 @@ _FORMS = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "no
 
 
 def page(found: dict[str, Any], run: str = "") -> str:
-    """The page in Markdown, from the results of `__main__`; `run` is a line of `validation.program.computed`."""
+    """The page in Markdown, from the results of `__main__`; `run` is a line of `validation.commits.computed`."""
     return "\n".join([
         _TITLE, run, _HEAD, outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES, passages(found["torn"]), _FORMULATIONS,
         formulations(found["formulations"]), _CONVERGENCE, convergence(found["halved"]),

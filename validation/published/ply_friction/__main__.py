@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.files import write_whole
-from validation.program import computed, program
+from validation.commits import computed
+from validation.program import program
 from validation.published.packs.study import Results
 from validation.published.ply_friction import pictures, study
 from validation.published.ply_friction.page import BEGIN, END

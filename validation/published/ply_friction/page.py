@@ -19,7 +19,7 @@ def page(found: Mapping[str, Sequence[Found]], seconds: float, cost: str = "", r
     found : {fabric: rows}
     seconds : [s] of all shots together
     cost : text between the marks of the cost, which `benchmarks/pack.py --friction` makes
-    run : line of `validation.program.computed`
+    run : line of `validation.commits.computed`
     """
     return (
         "\n".join(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.files import write_whole
-from validation.program import computed
+from validation.commits import computed
 from validation.verification.crossover_convergence import tables
 from validation.verification.crossover_convergence.axes import METHOD
 from validation.verification.crossover_convergence.study import MEASURED, Study, measured, name

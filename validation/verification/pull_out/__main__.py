@@ -12,7 +12,8 @@ from pathlib import Path
 
 from fabrics import run_cache
 from fabrics.files import write_whole
-from validation.program import computed, program
+from validation.commits import computed
+from validation.program import program
 from validation.verification.pull_out import pictures, study
 from validation.verification.pull_out.page import BEGIN, END, section
 from validation.verification.pull_out.page import page as text_of

@@ -23,7 +23,7 @@ def page(found: dict[str, Any], without: Sequence[str] = (), further: str = "", 
     found : of `study.gather`
     without : choices that were left out
     further : text between the marks of the section that `--further` makes
-    run : line of `validation.program.computed`
+    run : line of `validation.commits.computed`
     """
     left_out = f"\nNot run: {', '.join(without)}.\n" if without else ""
     dependences = variants(found["variants"]) + left_out
