@@ -13,7 +13,7 @@ APART = tests/meshing tests/validation tests/weavecell
 WEAVECELL_APART = $(addprefix tests/weavecell/,analysis api commands limits)
 QUICK = $(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
 
-.PHONY: demo test test-slow validate fuzz lint figures charts docs docs-again setup clean
+.PHONY: demo test test-slow printed validate fuzz lint figures charts docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
@@ -29,7 +29,10 @@ test: setup lint  ## everything but the long validation runs
 	$(QUICK) tests/weavecell/limits
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
-	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m slow
+	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m "slow and not printed"
+
+printed: setup  ## every command that the guide prints, run as a reader would: twenty minutes of one core
+	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m printed
 
 validate: test-slow  ## the long tests, and the ledger of the thesis's claims
 	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
