@@ -53,13 +53,13 @@ def rows(text, columns):
 
 def test_critical_velocities_are_those_of_the_reports():
     """The table of validation.md rounds the bisections of one-ply.md and convergence.md to 1 m/s."""
-    told = rows(sections(PAGES["docs/validation.md"])["Critical velocities of the six fabrics"], 4)
+    stated = rows(sections(PAGES["docs/validation.md"])["Critical velocities of the six fabrics"], 4)
     one_ply = PAGES["docs/reports/one-ply.md"].partition("<!-- limits of")[2].partition("<!-- end of limits")[0]
     converged = [line for line in PAGES["docs/reports/convergence.md"].splitlines() if "critical velocity, m/s" in line]
     four = {name: cells for name, *cells in (line.strip("| ").split(" | ") for line in converged) if len(cells) == 12}
     limits = rows(one_ply, 7)
-    assert list(told) == list(limits) == list(four)
-    for name, (one, fine, captions) in told.items():
+    assert list(stated) == list(limits) == list(four)
+    for name, (one, fine, captions) in stated.items():
         assert float(one) == pytest.approx(float(limits[name][2]), abs=0.501)
         assert float(fine) == pytest.approx(float(four[name][4]), abs=0.501)
         assert captions.replace(" to ", " / ") == limits[name][0]
@@ -125,9 +125,12 @@ def test_reports_begin_with_a_question_and_with_commit_and_date(name):
 
 def test_the_index_of_reports_has_each_of_them_once():
     index = PAGES["docs/reports/index.md"]
-    told, listed = re.findall(r"^\| \[[^]]+\]\(([\w-]+)\.md\)", index, re.MULTILINE), index.partition("```{toctree}")[2]
+    stated, listed = (
+        re.findall(r"^\| \[[^]]+\]\(([\w-]+)\.md\)", index, re.MULTILINE),
+        index.partition("```{toctree}")[2],
+    )
     names = sorted(Path(name).stem for name in REPORTS)
-    assert sorted(told) == names
+    assert sorted(stated) == names
     assert sorted(re.findall(r"^[a-z0-9-]+$", listed, re.MULTILINE)) == names
 
 

@@ -54,9 +54,9 @@ def test_what_a_page_prints_runs(page, tmp_path):
         run(["python", "page.py"], tmp_path, environment, f"Python of {page}")
 
 
-def run(argv, folder, environment, told):
+def run(argv, folder, environment, stated):
     done = subprocess.run(argv, cwd=folder, env=environment, capture_output=True, text=True, timeout=900)
-    assert done.returncode == 0, f"{told}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+    assert done.returncode == 0, f"{stated}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
 
 
 def test_what_is_left_out_is_printed():

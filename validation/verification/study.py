@@ -41,8 +41,8 @@ def write_page(
     """
     sections = list(sections)
     run = computed(command, *(made for _, made in sections))
-    told = f"{run[:-1]}, or {one_by_one}. Not to be edited by hand."
-    parts = [f"# {title}", f"*{question}*", told, text, *overview]
+    stated = f"{run[:-1]}, or {one_by_one}. Not to be edited by hand."
+    parts = [f"# {title}", f"*{question}*", stated, text, *overview]
     for paragraphs, made in sections:
         parts += [*paragraphs, f"Run: {made}"]
     with write_whole(path) as file:

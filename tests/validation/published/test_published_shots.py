@@ -38,10 +38,10 @@ def test_validation_has_the_laws_of_the_page_of_calibration():
         rows.reverse()  # of a page with several tables, the first counts
         return {row[0]: row[1:] for row in rows if len(row) == columns and ", " in row[-2]}
 
-    told = rows(ROOT / "docs" / "validation.md", 4)
+    stated = rows(ROOT / "docs" / "validation.md", 4)
     page = rows(ROOT / "docs" / "reports" / "calibration.md", 12)
-    assert told.keys() == {"S-720", "S-726", "S-727", "S-728", "S-731", "S-745"}
-    for name, (computed, published, ratios) in told.items():
+    assert stated.keys() == {"S-720", "S-726", "S-727", "S-728", "S-731", "S-745"}
+    for name, (computed, published, ratios) in stated.items():
         a, _, b, _, both, a_ratio, b_ratio, *_ = page[name]
         assert [computed, published, ratios] == [f"{a}, {b}", both, f"{a_ratio}, {b_ratio}"]
 
@@ -49,9 +49,9 @@ def test_validation_has_the_laws_of_the_page_of_calibration():
 def test_validation_has_the_pair_of_tests_and_the_counts_of_captions():
     shots, limits = stored()
     text = " ".join((ROOT / "docs" / "validation.md").read_text("utf-8").split())
-    told = re.findall(r"\| (\d)(?: \(default\))? \| (\d+\.\d) \| ([^|]* %) \| ([^|]* %) \|", text)
+    stated = re.findall(r"\| (\d)(?: \(default\))? \| (\d+\.\d) \| ([^|]* %) \| ([^|]* %) \|", text)
     low, high = study.TESTS
-    for (elements, *values), one in zip(told, limits, strict=True):
+    for (elements, *values), one in zip(stated, limits, strict=True):
         V = 0.5 * (float(one["stops at [m/s]"]) + float(one["perforates at [m/s]"]))
         over = [f"{100 * (V / x - 1):.1f} %" for x in (high, 0.5 * (low + high))]
         assert [elements, *values] == [one["elements per crossover"], f"{V:.1f}", *over]
