@@ -34,6 +34,7 @@ def result(outcome="stopped", speed=0.0, z=0.02, peak=(100.0, 120.0), strike=100
 def taught(factors, *, apart=1.0, usual=0.01, weight=0.0, finest=0.0):
     """A Book of models with factors {model: [-]}, the same for all quantities."""
     costs = {"graded": 0.03, ONE: 0.04, TWO: 0.2, THREE: 0.5, ladder.FULL: 1.0, ladder.SCOUT: 0.02}
+    costs |= {ladder.PACK_DEFAULT: 0.4, ladder.PACK_FULL: 1.0}
     each = {
         name: {"factor": factor, "apart": apart, "expected": factor, "weight": weight}
         for name, factor in factors.items()
@@ -188,7 +189,7 @@ class TestCheck:
         calls = []
 
         def run(setup, table=None):
-            side = 0.5 if setup.grading == ((inf, 2),) else setup.elements_per_crossover
+            side = 1 / setup.grading[0][1] if setup.grading else setup.elements_per_crossover
             calls.append(side if setup.projectile.bar is None else "bar")
             found = values[side]
             if isinstance(found, Exception):
@@ -313,7 +314,22 @@ class TestPacks:
         assert found[ONE].elements == 3 * alone[ONE].elements
         assert found[ONE].setup.plies == 3
         assert found[ONE].setup.symmetry == "quarter"
-        assert found[TWO].setup.elements_per_crossover == 2
+        assert found[ladder.PACK_DEFAULT].setup.grading == replace(self.setup, symmetry="quarter").meshed.grading
+        assert found[ladder.PACK_FULL].setup.grading[0][1] == pytest.approx(1 / 3)
+
+    def test_meshes_of_one_element_are_no_answer(self):
+        answers = {model.name for model in ladder.PACK_LADDER if model.answers}
+        assert answers == {ladder.PACK_DEFAULT, ladder.PACK_FULL}
+
+    def test_a_pack_that_is_not_graded(self):
+        """The default of an oblique shot has short elements everywhere."""
+        oblique = replace(self.setup, projectile=Projectile(obliquity=0.3), symmetry="half")
+        sides = [ladder.BY_NAME[name].of(oblique) for name in (ladder.PACK_DEFAULT, ladder.PACK_FULL)]
+        assert [(one.grading, one.elements_per_crossover) for one in sides] == [(None, 2), (None, 3)]
+
+    def test_a_mesh_that_is_given_stays(self):
+        for fixed in ("grading", "elements_per_crossover"):
+            assert not ladder.BY_NAME[ladder.PACK_FULL].leaves(self.setup, {fixed})
 
     def test_answer(self, monkeypatch):
         """Scouts, the model that fits, and its check, all of packs; a made-up run."""
@@ -321,18 +337,18 @@ class TestPacks:
 
         def run(setup, table=None):
             assert (setup.plies, setup.stacking, setup.ply_gap) == (3, "alternating", 1e-4)
-            side = 0.5 if setup.grading == ((inf, 2),) else setup.elements_per_crossover
+            side = 1 / setup.grading[0][1] if setup.grading else setup.elements_per_crossover
             calls.append(side)
             return self.result(*[(100.0, 120.0)] * 3, stacking="aligned", z=0.021 if side == 0.5 else 0.02)
 
         monkeypatch.setattr(select.simulation, "run", run)
-        known = taught({ONE: 0.5, TWO: 0.1}, apart=2.0)
-        for share, names, runs in ((0.1, [ONE], [0.5, 1, 1]), (0.007, [TWO], [0.5, 1, 2]),
-                                   (1e-3, [ladder.PACK_FULL], [0.5, 1, 2])):  # fmt: skip
+        known = taught({ONE: 0.5, ladder.PACK_DEFAULT: 0.1}, apart=2.0)
+        for share, names, runs in ((0.1, [ladder.PACK_DEFAULT], [0.5, 1, 2]),
+                                   (1e-3, [ladder.PACK_FULL], [0.5, 1, 3])):  # fmt: skip
             calls.clear()
             found = select.answer(self.setup, {"deflection": share}, book=known, fixed=frozenset({"projectile"}))
             assert [attempt.option.model.name for attempt in found.attempts] == names
-            assert calls == runs
+            assert calls == pytest.approx(runs)
             assert found.confirmed
 
     def test_drawn_packs(self):

@@ -2,7 +2,7 @@
 
 survey   every model of the ladder on standard and drawn scenes; --keep puts errors.json into the package
 packs    every model of the ladder of packs on drawn packs; --keep puts errors_packs.json into the package
-trial    20 random scenes of a trial, each answered to its targets and held against the full model
+trial    20 random scenes of a trial, of packs 40, each answered to its targets and held against the full model
 
 With --page the tables go into that page, between its marks. Runs are kept in the folder and not made twice;
 --jobs and --executor say where they are made.
@@ -93,7 +93,7 @@ class Study:
 
     def trial(self) -> None:
         """Run a trial and print what it found."""
-        places = [(self.drawn, number) for number in range(trial.COUNT)]
+        places = [(self.drawn, number) for number in range(trial.count(self.drawn))]
         full = self._runs(trial.truth, places)
         answers = self._runs(trial.answer, places)
         rows = [trial.row(*given) for given in zip(*zip(*places), full, answers)]

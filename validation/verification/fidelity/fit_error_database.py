@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import BY_NAME, LADDER, Model, partner, scouts
+from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, LADDER, PACK_DEFAULT, PACK_FULL, Model, partner, scouts
 
 SURE, OFTEN = 0.97, 0.8  # SURE: leaving out one scene at a time, 180 of 186 targets are met
 WEIGHTS = tuple(0.05 * n for n in range(9))  # of the partner's peak tensions, that are tried
@@ -99,13 +99,15 @@ def error(values: dict[str, Any], others: dict[str, Any], name: str) -> float:
 
 def _finest(name, full, rows):
     """[-] what the full model is off by: what its difference from the next coarser mesh, of 2 elements a crossover or
-    of a pack 1, leaves where errors fall with the side."""
-    coarser = {3: "2 elements", 2: "1 element"}[dict(BY_NAME[full].changes)["elements_per_crossover"]]
+    of packs the default, leaves where errors fall with the side."""
+    coarser = {FULL: "2 elements", PACK_FULL: PACK_DEFAULT}[full]
     off = [error(row[coarser]["values"], row[full]["values"], name) for row in rows if coarser in row]
     off = [one for one in off if isfinite(one)]
-    return _left(full, coarser) * float(np.quantile(off, OFTEN)) if off else 0.0
+    fine, coarse = _side(full), _side(coarser)
+    return fine / (coarse - fine) * float(np.quantile(off, OFTEN)) if off else 0.0
 
 
-def _left(*names):
-    fine, coarse = (1 / dict(BY_NAME[name].changes)["elements_per_crossover"] for name in names)
-    return fine / (coarse - fine)
+def _side(name):
+    """Side of the elements near the impact point [crossovers], or over that of the default mesh of packs."""
+    model = BY_NAME[name]
+    return 1 / (model.near or dict(model.changes)["elements_per_crossover"])

@@ -47,7 +47,7 @@ def trial_table(rows: list[Row]) -> list[str]:
         known = [(error, name) for name, error in row.found.items() if not isnan(error)]
         worst, name = max(known, default=(0.0, ""))
         found = "other outcome" if worst == inf else f"{_percent(worst)}{f' {_plain(name)}' if worst > 0 else ''}"
-        confirmed = "is the full model" if row.model == FULL else "yes" if row.confirmed else "no"
+        confirmed = "is the full model" if row.model in (FULL, PACK_FULL) else "yes" if row.confirmed else "no"
         lines.append(
             f"| {row.fabric}, {row.shape}, {row.velocity:.0f} m/s | {_targets_text(row.targets)} | {row.outcome}"
             f" | {row.model} | {confirmed} | {found} | {'yes' if row.met else '**no**'}"
@@ -57,7 +57,7 @@ def trial_table(rows: list[Row]) -> list[str]:
 
 
 def _summary(rows):
-    cheaper = [row for row in rows if row.model != FULL]
+    cheaper = [row for row in rows if row.model not in (FULL, PACK_FULL)]
     sure = [row for row in cheaper if row.confirmed]
     whole = [row for row in rows if isfinite(row.whole_cost)]
     lines = [

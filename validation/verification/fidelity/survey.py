@@ -29,7 +29,7 @@ from weavecell.analysis.fidelity.ladder import (
 
 SEED, COUNT = 7, 60
 PACK_SEED, PACK_COUNT = 11, 56
-MOST_OF_PACKS = 3e8  # as MOST, of all plies
+MOST_OF_PACKS = 4e8  # as MOST, of all plies
 MOST = 6e8  # elements times steps of the full model to the end: a drawn scene that could take more is left out
 LONG = ("S-731", 0), ("S-731", 1), ("S-727", 0)  # standard ones that take many minutes
 

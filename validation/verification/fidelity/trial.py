@@ -5,6 +5,7 @@ again        the same of other scenes, after what the first trial showed of the 
 scene        a scene with targets as a user may set them: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
 refined      as everything, of other scenes, with meshes among the models that are fine about the impact point alone
 refined-scene    as scene, likewise
+packs        all four quantities of drawn packs, to 5 %
 
 Costs are process time, of one thread, with all scouts, repeated runs and tables, over that of the full model: on the
 same part of the panel, and on the whole panel, which is run where that does not take too long. The projectile is rigid.
@@ -22,10 +23,14 @@ import numpy as np
 from shellfabric.impact import simulation
 from validation.verification.fidelity import fit_error_database, scenes
 from weavecell.analysis.fidelity import quantities, select
-from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Tables, simplest
+from weavecell.analysis.fidelity.ladder import Tables, ladder_of, simplest
 
-TRIALS = {"everything": 101, "again": 303, "scene": 202, "refined": 505, "refined-scene": 606}  # their seeds
-COUNT = 20
+TRIALS = {
+    "everything": 101, "again": 303, "scene": 202, "refined": 505, "refined-scene": 606, "packs": 707,
+}  # fmt: skip
+"""Their seeds."""
+COUNT, PACKS = 20, 40
+PACK_TARGET = 0.05
 TARGETS = (0.02, 0.05, 0.1)
 LONGEST = 1.0  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
 
@@ -80,6 +85,8 @@ class Row:
 
 def targets_of(trial: str, number: int) -> dict[str, float]:
     """{quantity: [-]} targets of the scene of a number."""
+    if trial == "packs":
+        return dict.fromkeys(quantities.NAMES, PACK_TARGET)
     if trial not in ("scene", "refined-scene"):
         return dict.fromkeys(quantities.NAMES, TARGETS[number % len(TARGETS)])
     draw = np.random.default_rng((TRIALS[trial], number, 1))
@@ -87,11 +94,17 @@ def targets_of(trial: str, number: int) -> dict[str, float]:
     return {str(name): float(draw.choice(TARGETS)) for name in names}
 
 
+def count(trial: str) -> int:
+    """Number of scenes."""
+    return PACKS if trial == "packs" else COUNT
+
+
 def truth(trial: str, number: int) -> dict[str, Any]:
     """What the full model finds of a scene: values, and process times [s] on the part of the panel and the whole."""
     setup = _setup(trial, number)
     values, seconds = _full(simplest(setup, Tables()))
-    return {"values": values, "seconds": seconds, "whole": _full(setup)[1] if seconds <= LONGEST else nan}
+    whole = seconds <= LONGEST and trial != "packs"
+    return {"values": values, "seconds": seconds, "whole": _full(setup)[1] if whole else nan}
 
 
 def answer(trial: str, number: int) -> Any:
@@ -120,13 +133,13 @@ def row(trial: str, number: int, known_full: Any, answered: Any) -> Row:
 
 
 def _setup(trial, number):
-    setup = scenes.drawn(number, TRIALS[trial])
+    setup = (scenes.drawn_pack if trial == "packs" else scenes.drawn)(number, TRIALS[trial])
     return replace(setup, numerics=replace(setup.numerics, threads=1))
 
 
 def _full(setup):
     """(quantities, process time [s]) of the full model on the panel of a set-up."""
     began = time.process_time()
-    this = BY_NAME[FULL].of(setup)
+    this = ladder_of(setup)[-1].of(setup)
     result = simulation.run(this, table=this.table())
     return quantities.of(result), time.process_time() - began

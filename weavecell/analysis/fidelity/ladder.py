@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import dataclass, replace
-from math import inf
+from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError
@@ -22,7 +22,8 @@ from shellfabric.panel.model import SYMMETRIES, Panel
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
 
-FULL, PACK_FULL = "3 elements, table 201", "2 elements, table 201"
+FULL = "3 elements, table 201"
+PACK_DEFAULT, PACK_FULL = "default mesh of packs", "finer mesh of packs, table 201"
 
 
 @dataclass(frozen=True)
@@ -34,16 +35,18 @@ class Model:
     name : in words
     changes : ((field of ImpactSetup, value), ...)
     answers : whether it may be chosen, or serves as a scout alone
+    near : times the elements per crossover near the impact point of the default mesh of packs; None of other meshes
     """
 
     name: str
     changes: tuple
     answers: bool = True
+    near: float | None = None
 
     @property
     def coarse(self) -> bool:
         """Whether its elements are crossovers, or more, everywhere."""
-        return dict(self.changes).get("elements_per_crossover") == 1 and not self.refined
+        return dict(self.changes).get("elements_per_crossover") == 1 and not self.refined and self.near is None
 
     @property
     def refined(self) -> bool:
@@ -56,8 +59,20 @@ class Model:
         return self.name in (FULL, PACK_FULL)
 
     def of(self, setup: ImpactSetup) -> ImpactSetup:
-        """The set-up as this model runs it."""
-        return replace(setup, **dict(self.changes))
+        """The set-up as this model runs it.
+
+        Raises
+        ------
+        InputError : with `near`, as `ImpactSetup.meshed`
+        """
+        this = replace(setup, **dict(self.changes))
+        if self.near is None:
+            return this
+        this = replace(this, elements_per_crossover=None, grading=None).meshed
+        if this.grading is None:
+            return replace(this, elements_per_crossover=ceil(self.near * this.resolved_elements_per_crossover))
+        (until, side), *rest = this.grading
+        return replace(this, grading=((until, 1 / ceil(self.near / side - 1e-9)), *rest))
 
     def panel(self, setup: ImpactSetup, table: CellTable) -> Panel | None:
         """The panel, of a pack the first ply, as this model meshes it; None where it cannot be: longer elements begin
@@ -70,6 +85,8 @@ class Model:
     def leaves(self, setup: ImpactSetup, fixed: Container[str]) -> bool:
         """Whether the model leaves those fields as they are that the user has set by hand."""
         if self.refined and "elements_per_crossover" in fixed:
+            return False
+        if self.near is not None and not {"elements_per_crossover", "grading"}.isdisjoint(fixed):
             return False
         return all(getattr(setup, key) == value for key, value in self.changes if key in fixed)
 
@@ -107,12 +124,13 @@ LADDER = (
     _mesh("3 elements", 3, **_QUICK),
     _mesh(FULL, 3, table_size=201),
 )
-# of packs, whose runs cost as many times more as they have plies: two elements a crossover are the full model
+# of packs: the first three serve as scouts, since one element per crossover is no mesh for packs
 PACK_LADDER = (
-    *(model for model in LADDER if model.name in (SCOUT, "graded", "1 element", "2 elements")),
-    _mesh(PACK_FULL, 2, table_size=201),
+    *(replace(model, answers=False) for model in LADDER if model.name in (SCOUT, "graded", "1 element")),
+    Model(PACK_DEFAULT, tuple(_QUICK.items()), near=1.0),
+    Model(PACK_FULL, (("table_size", 201),), near=1.5),
 )
-BY_NAME = {model.name: model for model in (*LADDER, *PACK_LADDER)}
+BY_NAME = {model.name: model for model in (*PACK_LADDER, *LADDER)}
 _SCOUTS = SCOUT, "graded", "1 element"
 
 
