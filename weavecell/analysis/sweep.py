@@ -12,10 +12,11 @@ from shellfabric.panel import quality
 from weavecell.analysis import limit_search
 from weavecell.analysis.uncertainty import inputs, v50
 
+MIXED = "mixed outcomes"
 # of a quantity: column that is plotted, columns of its lower and upper end, words
 QUANTITIES = {
     "shot": ("residual_velocity_m_s", None, "residual velocity [m/s]"),
-    "critical-velocity": ("critical_velocity_m_s", ("stop_m_s", "perforation_m_s"), "critical velocity [m/s]"),
+    "critical-velocity": ("critical_velocity_m_s", ("lower_m_s", "upper_m_s"), "critical velocity [m/s]"),
     "v50": ("v50_m_s", ("v50_low_m_s", "v50_high_m_s"), "V50 [m/s], 95 % interval"),
 }
 
@@ -72,19 +73,17 @@ def shot(setup: ImpactSetup) -> dict[str, Any]:
 
 
 def limit(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
-    """Bracket of the critical velocity, and the zone of mixed outcomes where there is one."""
+    """The critical velocity, in its bracket, or the middle of the zone of mixed outcomes where there is one."""
     found = limit_search.search(
         setup, tolerance=tolerance, residual_shots=0, scan=ScanRange(), with_range=False, jobs=1, executor="local"
     ).limit
-    low, high = found.mixed_zone or (None, None)
+    low, high = found.mixed_zone or (found.low, found.high)
     checks = quality.worst(one.checks for one in found.ends)
     return {
-        "outcome": "single limit" if found.single else "mixed outcomes",
-        "critical_velocity_m_s": float(found.velocity) if found.single else None,
-        "stop_m_s": float(found.low),
-        "perforation_m_s": float(found.high),
-        "lowest_perforation_m_s": low,
-        "highest_stop_m_s": high,
+        "outcome": "single limit" if found.single else MIXED,
+        "critical_velocity_m_s": 0.5 * (low + high),
+        "lower_m_s": float(low),
+        "upper_m_s": float(high),
         "shots": len(found.shots),
         "checks": quality.status(checks),
     }

@@ -55,7 +55,7 @@ def sweep(
     combinations = [dict(zip((key for key, _ in keys), values)) for values in itertools.product(*(v for _, v in keys))]
     targets, own = [], wanted.quantity == "v50"
     for number, changes in enumerate(combinations):
-        with redirect_stdout(io.StringIO()) if number else nullcontext():  # what is assumed is told once
+        with redirect_stdout(io.StringIO()) if number else nullcontext():  # what is assumed is printed once
             targets.append(target.read(name, out, check, changes=changes, own_mesh=own))
     rows = _rows(targets, wanted, out / RUNS, jobs, executor, resume)
     table = [
@@ -131,9 +131,11 @@ def _write(out, targets, keys, table, wanted):
     )
     for row in table:
         value = row.get(column)
-        told = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
+        words = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
+        if row["outcome"] == analysis.MIXED:
+            words += f" from {row[ends[0]]:.1f} to {row[ends[1]]:.1f} m/s"
         doubt = ", doubtful" if row.get("checks") == "doubtful" else ""
-        print(f"{', '.join(f'{key} = {row[key]}' for key in keys)}: {told}{doubt}")
+        print(f"{', '.join(f'{key} = {row[key]}' for key in keys)}: {words}{doubt}")
     print(f"written to {out}")
 
 

@@ -1,4 +1,4 @@
-"""Progress on the terminal: one bar per stage of work, on stderr; a plain line per stage where there is no terminal."""
+"""Progress on stderr: one bar per stage of work on a terminal; elsewhere, as in a batch job, plain lines."""
 
 from __future__ import annotations
 
@@ -10,13 +10,22 @@ from typing import Any
 
 from fabrics.errors import UnstableError
 
+_EVERY = 30.0  # [s] between plain lines
+
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage; yields `advance(fraction, text="")`, to be called with the fraction done, 0 to 1."""
     if not sys.stderr.isatty():
-        started = time.perf_counter()
-        yield lambda fraction, text="": None
+        started = last = time.perf_counter()
+
+        def line(fraction, text=""):
+            nonlocal last
+            if time.perf_counter() - last >= _EVERY:
+                last = time.perf_counter()
+                print(f"{title}: {100 * fraction:.0f} %{text and ', '}{text}", file=sys.stderr, flush=True)
+
+        yield line
         print(f"{title}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
         return
     from rich.console import Console

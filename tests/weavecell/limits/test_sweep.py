@@ -6,7 +6,11 @@ import json
 import pytest
 
 from fabrics.errors import InputError
+from shellfabric.impact.ballistic_limit import Limit, Shot
+from weavecell.analysis import limit_search
+from weavecell.analysis import sweep as analysis
 from weavecell.commands import sweep
+from weavecell.results import progress
 
 SCENE = """
 [fabric]
@@ -33,6 +37,32 @@ def scene(tmp_path):
 
 def rows(folder):
     return list(csv.DictReader((folder / "sweep.csv").read_text().splitlines()))
+
+
+def made_up(velocity, outcome):
+    return Shot(velocity, 0.0, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.1)
+
+
+def test_a_row_of_mixed_outcomes_has_the_middle_of_the_zone(monkeypatch):
+    shots = [made_up(v, o) for v, o in ((90.0, "stopped"), (95.0, "perforated"), (100.0, "stopped"), (101.0, "perforated"))]  # fmt: skip
+    found = Limit(100.0, 101.0, tuple(shots))
+    monkeypatch.setattr(limit_search, "search", lambda *_, **__: type("Search", (), {"limit": found}))
+    row = analysis.limit(None, 1.0)
+    assert (row["outcome"], row["critical_velocity_m_s"]) == (analysis.MIXED, 97.5)
+    assert (row["lower_m_s"], row["upper_m_s"]) == (95.0, 100.0)
+    found = Limit(100.0, 101.0, (shots[0], shots[-1], shots[2]))
+    row = analysis.limit(None, 1.0)
+    assert (row["outcome"], row["critical_velocity_m_s"]) == ("single limit", 100.5)
+
+
+def test_progress_without_a_terminal(monkeypatch, capsys):
+    """A batch job sees a line every half minute, and one at the end."""
+    clock = iter((0.0, 10.0, 31.0, 31.0, 40.0, 50.0))
+    monkeypatch.setattr(progress.time, "perf_counter", lambda: next(clock))
+    with progress.bar("3 x shot") as advance:
+        for share in (0.1, 0.5, 0.9):
+            advance(share, f"{share:g}")
+    assert capsys.readouterr().err.splitlines() == ["3 x shot: 50 %, 0.5", "3 x shot: 50.0 s"]
 
 
 def test_what_is_swept():
@@ -76,11 +106,11 @@ def test_the_limit_and_v50_against_the_number_of_plies(command, scene, tmp_path)
     assert command("sweep", scene, *over, *limit)[0] == 0
     one, two = rows(tmp_path / "limit")
     assert float(two["areal_density_kg_m2"]) == pytest.approx(2 * float(one["areal_density_kg_m2"]))
-    assert float(one["perforation_m_s"]) < float(two["stop_m_s"])
+    assert float(one["upper_m_s"]) < float(two["lower_m_s"])
     told = command("sweep", scene, *over, "--quantity", "v50", "--shots", 12, "--out", "v50")
     assert told[0] == 0
     for row, same in zip(rows(tmp_path / "v50"), (one, two)):
-        assert float(row["v50_m_s"]) == pytest.approx(float(same["stop_m_s"]), rel=0.25)
+        assert float(row["v50_m_s"]) == pytest.approx(float(same["lower_m_s"]), rel=0.25)
         assert row["shots"] == "12"
 
 
