@@ -16,6 +16,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
+from fabrics.variants import rotated_90
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
 from shellfabric.cell import table_cache
@@ -221,6 +222,10 @@ class ImpactSetup:
         if not clamped or self.projectile.obliquity != 0:
             return replace(self, elements_per_crossover=sides)
         coarse = [replace(one, elements_per_crossover=1, table_size=_SMALL) for one in self.kinds]
+        if any(self.is_turned(ply) for ply in range(self.plies)):
+            coarse += [
+                replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in coarse
+            ]
         # the reach does not depend on the values of the table
         plain = [one.panel(CellTable.straight(one.cell()) if one.surface is None else None) for one in coarse]  # type: ignore[arg-type]
         near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))

@@ -81,6 +81,16 @@ def test_the_mesh_is_fine_as_far_as_any_ply_needs():
     assert mixed.meshed.grading[0] == (max(far for far, _ in alone), min(side for _, side in alone))
 
 
+def test_the_default_mesh_reaches_as_far_as_turned_plies_need():
+    """In a long opening a turned ply of S-731 draws in more fabric along the long side than the first."""
+    fabric = catalogue.load("S-731")
+    setup = replace(SETUP, fabric=fabric, opening=(0.1, 0.2))
+    straight, turned = replace(setup, plies=2), replace(setup, plies=2, stacking="alternating")
+    assert turned.meshed.grading[0][0] > straight.meshed.grading[0][0]
+    assert turned.target().plies[1].sides is not None
+    assert laid(Ply(fabric), Ply(fabric, turned=True), setup=setup).meshed.grading == turned.meshed.grading
+
+
 def test_a_pack_of_a_fabric_without_a_law_takes_the_law_of_the_shot():
     """The mesh is chosen without a law of the fabric's own, as an own fabric has none."""
     laws = SETUP.fabric.laws
