@@ -1,6 +1,7 @@
 """Forces of damaged elements: edges of which yarns have failed, or are crossed by yarns that have.
 
-See `membrane_kernels` for the intact fraction alpha and the crossed fraction kappa. Runs only where yarns have failed.
+See `membrane_kernels` for the intact fraction alpha and the crossed fraction kappa. All edges have been computed as
+whole ones, eight at once; where an element beside eight of them has a failed yarn, these are computed again.
 """
 
 import numpy as np
@@ -10,8 +11,30 @@ from numba.extending import overload
 from shellfabric.cell.crossover_kernels import yarn_alone
 from shellfabric.cloth.membrane_kernels import ONE
 from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import WIDTH, equal_bytes, movemask
 
 WARP, WEFT = 0, 1
+_ALL = 2**WIDTH - 1  # bits of eight that are whole
+
+
+@kernel(_nrt=False, forceinline=True)
+def damage_near(flags, k, s, before, behind):
+    """Whether a yarn has failed in an element beside the eight slots from k on: in the rows of elements from `before`
+    theirs to `behind` theirs, and in the columns to one beyond them on both sides."""
+    for row in range(-before, behind + 1):
+        m = k + row * s
+        if m >= 0:
+            whole = movemask(equal_bytes(flags, max(m - 1, 0), 0)) & movemask(equal_bytes(flags, m + 1, 0))
+            if whole != _ALL:
+                return True
+    return False
+
+
+@kernel(_nrt=False, forceinline=True)
+def edges_damaged(const, state, family, i, j):
+    """Whether a yarn of the eight edges of a family from (i, j) on, or one that crosses them, may have failed."""
+    s = const.row_stride
+    return damage_near(state.element_flag, i * s + j, s, 1, 1 if family == WARP else 0)
 
 
 def crossing_weight(split, k, before, alone):
@@ -51,61 +74,74 @@ def sum_crossing(const, family, i, j, alpha, x, shift):
 
 @kernel(_nrt=False)
 def damaged_means(const, state, family, first, last, shift, x, mean):
-    """Mean of x over the crossing edges, weighted by their intact fraction, for the edges of rows first .. last - 1."""
+    """Mean of x over the crossing edges, weighted by their intact fraction, for damaged edges of rows first .. last - 1."""
+    columns = const.row_stride if family == WARP else const.nj
     for i in range(first, last):
-        for j in range(const.row_stride if family == WARP else const.nj):
-            _, present, total = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], x, shift)
-            if present > 0.0:
-                mean[np.uint64(i * const.row_stride + j - shift)] = total / present
+        for start in range(0, columns, WIDTH):
+            if not edges_damaged(const, state, family, i, start):
+                continue
+            for j in range(start, min(start + WIDTH, columns)):
+                _, present, total = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], x, shift)
+                if present > 0.0:
+                    mean[np.uint64(i * const.row_stride + j - shift)] = total / present
 
 
 @kernel(_nrt=False)
 def damaged_forces(const, state, family, first, last, shift, L, F):
     """F = kappa F + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have failed."""
     w, S0, EA = yarn_properties(const, family)
+    columns = const.row_stride if family == WARP else const.nj
     for i in range(first, last):
-        for j in range(const.row_stride if family == WARP else const.nj):
-            m = np.uint64(i * const.row_stride + j - shift)
-            if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
-                F[m] = 0.0
+        for start in range(0, columns, WIDTH):
+            if not edges_damaged(const, state, family, i, start):
                 continue
-            count, present, _ = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], L, shift)
-            if present < count:
-                crossed = present / count
-                alone = yarn_alone(L[m], w, S0, EA)[0]
-                F[m] = crossed * F[m] + (1.0 - crossed) * alone
+            for j in range(start, min(start + WIDTH, columns)):
+                m = np.uint64(i * const.row_stride + j - shift)
+                if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
+                    F[m] = 0.0
+                    continue
+                count, present, _ = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], L, shift)
+                if present < count:
+                    crossed = present / count
+                    alone = yarn_alone(L[m], w, S0, EA)[0]
+                    F[m] = crossed * F[m] + (1.0 - crossed) * alone
 
 
 @kernel(_nrt=False)
 def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N, K):
-    """The variational force: own share, of slope K, and, of each crossing edge, the share `shared` that it gives."""
+    """The variational force of damaged edges: own share, of slope K, and, of each crossing edge, the share `shared` that
+    it gives."""
     w, S0, EA = yarn_properties(const, family)
-    other = state.intact_fraction[1 - family]
+    other, columns = state.intact_fraction[1 - family], const.row_stride if family == WARP else const.nj
     for i in range(first, last):
-        for j in range(const.row_stride if family == WARP else const.nj):
-            m = np.uint64(i * const.row_stride + j - shift)
-            if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
-                N[m] = 0.0
+        for start in range(0, columns, WIDTH):
+            if not edges_damaged(const, state, family, i, start):
                 continue
-            count, present, total = sum_crossing(const, family, i, j, other, shared, shift)
-            crossed = present / count
-            alone = yarn_alone(L[m], w, S0, EA)[0] if present < count else 0.0
-            K[m] *= crossed
-            N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
+            for j in range(start, min(start + WIDTH, columns)):
+                m = np.uint64(i * const.row_stride + j - shift)
+                if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
+                    N[m] = 0.0
+                    continue
+                count, present, total = sum_crossing(const, family, i, j, other, shared, shift)
+                crossed = present / count
+                alone = yarn_alone(L[m], w, S0, EA)[0] if present < count else 0.0
+                K[m] *= crossed
+                N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
 
 
 @kernel(_nrt=False)
 def damaged_trellis(const, state, first, last, shift, turn1, turn2, cross):
     """Shear forces of damaged elements, scaled by the intact fractions of both families."""
+    s = const.row_stride
     for i in range(first, last):
-        for j in range(const.nj):
-            m, left = (
-                i * const.row_stride + j - shift,
-                trellis_intact_fraction(const, state, np.uint64(i * const.row_stride + j)),
-            )
-            turn1[m] *= left
-            turn2[m] *= left
-            cross[m] *= left
+        for start in range(0, const.nj, WIDTH):
+            if not damage_near(state.element_flag, i * s + start, s, 0, 0):
+                continue
+            for j in range(start, min(start + WIDTH, const.nj)):
+                m, left = i * s + j - shift, trellis_intact_fraction(const, state, np.uint64(i * s + j))
+                turn1[m] *= left
+                turn2[m] *= left
+                cross[m] *= left
 
 
 @kernel()

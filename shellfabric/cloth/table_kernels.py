@@ -107,7 +107,7 @@ def potential(l1, l2, grid, table, level):
 @kernel()
 def max_value(m0, n, values):
     """The largest of n values, at least 0."""
-    found = 0.0
-    for j in range(m0, m0 + n):
-        found = max(found, values[j])
-    return found
+    found = broadcast(0.0)
+    for j in range(0, n, WIDTH):
+        found = maximum(found, where(head_mask(n - j), load(values, m0 + j), 0.0))
+    return reduce_max(found)

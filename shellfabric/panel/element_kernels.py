@@ -164,8 +164,10 @@ def potential_gradient(state, const, block, first, last, thin, work):
     if last == const.ni:
         end = (last - first + 2) * s
         membrane_kernels.copy_row(s, end - s, end, work.dW_crossing1)
-    shift = (first - 2) * s
+    membrane_kernels.distribute_warp(first * s, m0, n, s, c.mean_weight2, work.dW_own1, work.dW_crossing2, work.N1)
+    membrane_kernels.distribute_weft(first * s, m0, n2, s, c.mean_weight1, work.dW_own2, work.dW_crossing1, work.N2)
     if thin:
+        shift = (first - 2) * s
         damage_kernels.damaged_gradient(
             const, state, 0, first, last, shift, w.stretch1, w.dW_own1, w.dW_crossing2, w.N1, w.slope1
         )
@@ -173,8 +175,6 @@ def potential_gradient(state, const, block, first, last, thin, work):
             const, state, 1, first, last + 1, shift, w.stretch2, w.dW_own2, w.dW_crossing1, w.N2, w.slope2
         )
         return False
-    membrane_kernels.distribute_warp(first * s, m0, n, s, c.mean_weight2, work.dW_own1, work.dW_crossing2, work.N1)
-    membrane_kernels.distribute_weft(first * s, m0, n2, s, c.mean_weight1, work.dW_own2, work.dW_crossing1, work.N2)
     most = state.block_max_tension[block]
     most[0] = tension_bound(const, p1, q1, high1, c.tension_bound_step1, c.tension_bound_table1)
     most[1] = tension_bound(const, p2, q2, high2, c.tension_bound_step2, c.tension_bound_table2)
