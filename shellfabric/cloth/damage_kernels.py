@@ -74,7 +74,8 @@ def sum_crossing(const, family, i, j, alpha, x, shift):
 
 @kernel(_nrt=False)
 def damaged_means(const, state, family, first, last, shift, x, mean):
-    """Mean of x over the crossing edges, weighted by their intact fraction, for damaged edges of rows first .. last - 1."""
+    """Mean of x over the crossing edges, weighted by their intact fraction, for damaged edges of the rows first ..
+    last - 1."""
     columns = const.row_stride if family == WARP else const.nj
     for i in range(first, last):
         for start in range(0, columns, WIDTH):
@@ -109,8 +110,8 @@ def damaged_forces(const, state, family, first, last, shift, L, F):
 
 @kernel(_nrt=False)
 def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N, K):
-    """The variational force of damaged edges: own share, of slope K, and, of each crossing edge, the share `shared` that
-    it gives."""
+    """The variational force of damaged edges: own share, of slope K, and, of each crossing edge, the share `shared`
+    that it gives."""
     w, S0, EA = yarn_properties(const, family)
     other, columns = state.intact_fraction[1 - family], const.row_stride if family == WARP else const.nj
     for i in range(first, last):

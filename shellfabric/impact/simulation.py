@@ -223,9 +223,7 @@ class ImpactSetup:
             return replace(self, elements_per_crossover=sides)
         coarse = [replace(one, elements_per_crossover=1, table_size=_SMALL) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
-            coarse += [
-                replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in coarse
-            ]
+            coarse += [replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in coarse]
         # the reach does not depend on the values of the table
         plain = [one.panel(CellTable.straight(one.cell()) if one.surface is None else None) for one in coarse]  # type: ignore[arg-type]
         near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))

@@ -44,7 +44,8 @@ def made_up(velocity, outcome):
 
 
 def test_a_row_of_mixed_outcomes_has_the_middle_of_the_zone(monkeypatch):
-    shots = [made_up(v, o) for v, o in ((90.0, "stopped"), (95.0, "perforated"), (100.0, "stopped"), (101.0, "perforated"))]  # fmt: skip
+    outcomes = {90.0: "stopped", 95.0: "perforated", 100.0: "stopped", 101.0: "perforated"}
+    shots = [made_up(*shot) for shot in outcomes.items()]
     found = Limit(100.0, 101.0, tuple(shots))
     monkeypatch.setattr(limit_search, "search", lambda *_, **__: type("Search", (), {"limit": found}))
     row = analysis.limit(None, 1.0)

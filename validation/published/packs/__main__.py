@@ -25,16 +25,11 @@ def gather(results: Results) -> dict[str, Any]:
         "torn": study.torn(results),
         "stackings": study.stackings(results),
         "gaps": study.gaps(results),
-        "halved": study.halved(results),
-        "formulations": study.formulations(results),
-        "stiffer": study.stiffer(results),
     }
 
 
 def draw(found: dict[str, Any], folder: Path) -> None:
     """All pictures of the page."""
-    stops = {row[0]: row[2] for row in study.PUBLISHED if row[1] == 4}
-    pictures.formulations(found["formulations"], stops, folder / "packs-formulations.png")
     gaps = {f"gap {1e3 * gap:.2f} mm": one for gap, one in found["gaps"].items()}
     pictures.velocities(gaps, folder / "packs-gaps.png")
     pictures.forces(gaps, folder / "packs-gap-forces.png")

@@ -8,20 +8,15 @@ from typing import Any
 import numpy as np
 
 from validation.published.packs.passages import AT_ONCE
-from validation.published.packs.study import FORMS, GAPS, HALVED, STACKED, STIFFER, TOLERANCE
+from validation.published.packs.study import GAPS, STACKED
 from weavecell.report.marked_page import markdown
-
-ALLOWED = 0.05  # of an onset, when something numerical is halved
-_FORMS = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
 
 
 def page(found: dict[str, Any], run: str = "") -> str:
     """The page in Markdown, from the results of `__main__`; `run` is a line of `validation.commits.computed`."""
     return "\n".join([
-        _TITLE, run, _HEAD, outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES, passages(found["torn"]), _FORMULATIONS,
-        formulations(found["formulations"]), _CONVERGENCE, convergence(found["halved"]),
-        _STIFFER, stiffer(found["stiffer"]), _FACETS, _GAPS, gaps(found["gaps"]), _STACKING,
-        stacking(found["stackings"]), _LIMITS,
+        _TITLE, run, _HEAD, outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES, passages(found["torn"]), _CONTACT, _GAPS,
+        gaps(found["gaps"]), _STACKING, stacking(found["stackings"]), _LIMITS,
     ])  # fmt: skip
 
 
@@ -68,36 +63,6 @@ def by_ply(failed: Sequence[float]) -> str:
             parts.append(f"{failed[start]:g}" if count == 1 else f"{count} x {failed[start]:g}")
             start = end
     return ", ".join(parts)
-
-
-def formulations(found: dict[str, Any]) -> str:
-    """One row a fabric."""
-    lines = [["4 plies of", *(_FORMS[form] for form in FORMS)]]
-    for fabric, row in found.items():
-        lines.append([fabric, *(f"{row[form]:.0f}" if form in row else "not run" for form in FORMS)])
-    return markdown(lines)
-
-
-def convergence(found: dict[str, Any]) -> str:
-    """One row a fabric; changes beyond ALLOWED are set bold."""
-    lines = [["4 plies of", *HALVED]]
-    for fabric, row in found.items():
-        first, *others = row.values()
-        cells = [f"{first:.0f}"]
-        for value in others:
-            change = value / first - 1
-            text = f"{value:.0f} ({100 * change:+.1f} %)"
-            cells.append(text if abs(change) <= ALLOWED else f"**{text}**")
-        lines.append([fabric, *cells])
-    return markdown(lines)
-
-
-def stiffer(found: dict[str, Any]) -> str:
-    """One row a change, one column a fabric."""
-    lines = [["onset, m/s", *found]]
-    for name in STIFFER:
-        lines.append([name, *(f"{row[name]:.0f}" if name in row else "not run" for row in found.values())])
-    return markdown(lines)
 
 
 def gaps(found: dict[float, dict[str, Any]]) -> str:
@@ -184,7 +149,7 @@ sides of a bend; a point counts when it has crossed both. When a yarn fails the 
 the other, and a point between the two is behind fabric without having moved; it is brought back ("back").
 """
 
-_FORMULATIONS = f"""
+_CONTACT = """
 The contact alone separates intact plies; a run in which intact plies interpenetrate ends with the place and the
 step. Failed fabric has free edges, turns over and meets plies through the holes of others. Beside it the positions
 of the coming step are predicted, and the smallest impulse that prevents a crossing is applied
@@ -202,34 +167,7 @@ any surface. A larger change, more than a tenth of the thickness in a step, come
 the facets that replace a torn spline, and loads no spring. The tenth lies between the few hundredths that sliding
 over the narrowest bend makes (second order) and the several tenths of another fold.
 
-## Formulation of the contact and early failure
-
-The velocity from which some yarn of four plies fails, within {TOLERANCE:g} m/s, for three formulations of the
-contact between the plies: smooth surfaces (weavecell); nodes of one ply against bilinear facets of the next; and
-nodes against the nodes that they were opposite to, along z. All have the same stiffness and damping, and signed
-depths.
-
-![Velocity at first failure for three formulations of contact](figures/packs-formulations.png)
-
-*Dashed: strike velocity that four plies stop in the thesis's simulation. A formulation below it fails yarns too early.*
-"""
-
-_CONVERGENCE = f"""
-## Numerical parameters
-
-The same velocity with one numerical parameter halved. The target is {100 * ALLOWED:g} %; larger changes are bold.
-Half the time step applies to plies and contact; the stiffness is that of the contacts between plies and with the
-projectile.
-"""
-
-_STIFFER = """
-### Stiffness, mesh and facets
-"""
-
-_FACETS = """
-Two places fail first. In S-731 it is the middle yarn at the clamp, where the stress wave doubles, whatever the
-contact. In S-726 and S-728 it is the weft of the first ply beside the middle, inside the rim of the projectile,
-which presses the first ply on the second there.
+What results depend on the stiffness of the contact, its damping, the gap and the mesh: [convergence](convergence.md).
 """
 
 _GAPS = """
@@ -255,12 +193,6 @@ angle, so that its weft, which is nearly straight, lies along the others' warp.
 """
 
 _LIMITS = """
-## Cost
-
-16 plies of S-720 at 170 m/s, 6,241 elements each, 400 µs, take 2.6 s on one core of a quiet machine, 11.7 ns an element
-and step, which is 1.23 times the 9.5 ns of a single ply (alternating 3.0 s, 1.45 times); the target is at most 2
-(`benchmarks/pack.py`). Plies that are pressed together everywhere cost 3.3 times as much.
-
 ## Limitations
 
 - Through a hole, fabric of the plies before and behind is kept from passing, at a twentieth of a thickness, by the

@@ -8,37 +8,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.files import replace_whole
-from meshing.pictures_style import BLUE, GREEN, INK, ORANGE, RED, plots
-
-_NAMES = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
-
-
-def formulations(found: dict[str, Any], single: dict[str, float], path: Path) -> None:
-    """Velocity at which the first yarn of a pack fails, against the formulation of contact.
-
-    Parameters
-    ----------
-    found : {fabric: {form: velocity}} [m/s]
-    single : {fabric: velocity} [m/s] of the caption in which four plies stop the shot in the thesis
-    """
-    with plots() as pyplot:
-        figure, axes = pyplot.subplots(figsize=(9.4, 4.8))
-        place = np.arange(len(found))
-        for column, (form, colour) in enumerate(zip(_NAMES, (BLUE, ORANGE, RED))):
-            values = [row.get(form, np.nan) for row in found.values()]
-            if np.isnan(values).all():
-                continue
-            bars = axes.bar(place + 0.27 * (column - 1), values, 0.25, color=colour, label=_NAMES[form])
-            axes.bar_label(bars, fmt="%.0f", fontsize=10, color=INK, padding=2)
-        for number, velocity in enumerate(single.values()):
-            label = "stopped in the thesis's simulation" if number == 0 else None
-            axes.plot([number - 0.42, number + 0.42], [velocity] * 2, color=INK, lw=1.6, ls="--", label=label)
-        axes.set_xticks(place, [f"4 plies of {name}" for name in found])
-        axes.set(ylabel="velocity at first failure [m/s]")
-        axes.set_ylim(0, 1.1 * max(max(row.values()) for row in found.values()))
-        axes.grid(axis="x", visible=False)
-        figure.legend(loc="outside lower center", ncols=2)
-        _save(figure, path)
+from meshing.pictures_style import BLUE, GREEN, ORANGE, RED, plots
 
 
 def velocities(runs: dict[str, Any], path: Path, note: str = "") -> None:
