@@ -80,6 +80,8 @@ class ImpactSetup:
     opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique weave
     edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
+    round : whether the opening is a circle with the diameter `opening`
+    impact_point : [m] from the middle of the opening, along its two sides
     symmetry : "quarter", "half" or "whole"
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
@@ -118,6 +120,8 @@ class ImpactSetup:
     opening: float | tuple[float, float] = 0.203
     edge: str | PullIn | Grip | tuple = "clamped"
     weave_angle: float = 0.0
+    round: bool = False
+    impact_point: tuple[float, float] = (0.0, 0.0)
     symmetry: str = "quarter"
     end_time: float = 800e-6
     elements_per_crossover: int | None = None
@@ -297,6 +301,8 @@ class ImpactSetup:
             backing=self.backing,
             jam=self.jam,
             weave_angle=self.weave_angle,
+            round=self.round,
+            impact_point=self.impact_point,
             bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),  # type: ignore[arg-type]
             grading=self.grading,
             **more,

@@ -22,7 +22,7 @@ from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import yarn_tensions
-from shellfabric.panel.boundary import loose
+from shellfabric.panel.boundary import in_frame, loose, stepped
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -203,13 +203,14 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
     """(node numbers, weights, outward normal) of the panel's sides, as EDGES names them.
 
     A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to each of its sides.
-    The sides of an oblique weave are the held nodes, each with the side of the opening that it is nearest to.
+    Where the edge is a staircase (`boundary.stepped`) its sides are the held nodes, each with the side of the opening
+    that it is nearest to.
     """
-    X, Y = panel.coordinates()
-    numbers, weight = np.arange(X.size).reshape(X.shape), 1 / panel.share
-    if panel.weave_angle:
-        return _oblique_sides(panel, X, Y, numbers)
-    on, lines = np.zeros((4, *X.shape), bool), [np.s_[-1, :], np.s_[0, :], np.s_[:, -1], np.s_[:, 0]]
+    shape, weight = tuple(n + 1 for n in panel.counts), 1 / panel.share
+    numbers = np.arange(shape[0] * shape[1]).reshape(shape)
+    if stepped(panel):
+        return _stepped_sides(panel, numbers, weight)
+    on, lines = np.zeros((4, *shape), bool), [np.s_[-1, :], np.s_[0, :], np.s_[:, -1], np.s_[:, 0]]
     mirrored = [False, panel.mirrors[0], False, panel.mirrors[1]]
     for side, line, missing in zip(on, lines, mirrored):
         side[line] = not missing
@@ -223,17 +224,27 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
     return [sides[k - 1] if mirrored[k] else side for k, side in enumerate(sides)]
 
 
-def _oblique_sides(panel, X, Y, numbers):
+def _stepped_sides(panel, numbers, weight):
     turn = np.array(
         [[cos(panel.weave_angle), -sin(panel.weave_angle)], [sin(panel.weave_angle), cos(panel.weave_angle)]]
     )
-    place = np.tensordot(turn, np.stack([X, Y]), 1) / (0.5 * np.array(panel.opening))[:, None, None]
-    nearest = np.where(np.abs(place[0]) >= np.abs(place[1]), np.where(place[0] > 0, 0, 1), np.where(place[1] > 0, 2, 3))
+    place = in_frame(panel) / (0.5 * np.array(panel.opening))[:, None, None]
+    across, along = np.abs(place)
+    nearest = np.where(across > along - 1e-9, np.where(place[0] > 0, 0, 1), np.where(place[1] > 0, 2, 3))
     held = ~loose(panel)
     normals = (turn[0], -turn[0], turn[1], -turn[1])
-    return [
-        (numbers[on], np.ones(on.sum()), n) for on, n in ((held & (nearest == k), n) for k, n in enumerate(normals))
-    ]
+    # on a plane of symmetry stands half of what a node of the whole panel takes, as in its mass
+    share = weight * np.ones(held.shape)
+    found = [(numbers[on], share[on], n) for on, n in ((held & (nearest == k), n) for k, n in enumerate(normals))]
+    return [_mirrored(found, k, panel.mirrors) for k in range(4)]
+
+
+def _mirrored(sides, k, mirrors):
+    """Side k; where the panel is mirrored across, half of the side that stands for both."""
+    if not mirrors[k // 2]:
+        return sides[k]
+    nodes, share, normal = sides[k - k % 2]
+    return nodes, 0.5 * share, normal
 
 
 def unpack(recording: Sequence[FloatArray], plies: Sequence[Panel], measure: HistoryRequest) -> tuple[Histories, ...]:

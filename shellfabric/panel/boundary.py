@@ -7,9 +7,10 @@ meet that are not free, the corner is held.
 
 Cloth that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes move in.
 
-Oblique weave. The grid follows the yarns. With the weave at an angle to the sides of the opening, the grid covers the
-opening turned by that angle, and its nodes on and beyond the sides are held: the cloth out there lies in the clamp.
-The clamped line is thus a staircase of crossovers, nowhere further from the side than the diagonal of one element.
+The grid follows the yarns, and its middle is the impact point. Where the weave is at an angle to the sides of the
+opening, the opening is round, or its middle is not the impact point, the grid covers the opening, and its nodes on and
+beyond the edge are held: the cloth out there lies in the clamp. The clamped line is thus a staircase of crossovers,
+nowhere further from the edge than the diagonal of one element.
 """
 
 from __future__ import annotations
@@ -113,38 +114,64 @@ def check(panel: Panel) -> None:
     for (low, high), mirrored in zip(given, panel.mirrors):
         if mirrored and low != high:
             raise InputError(key="edge", value=panel.edge, allowed="alike at both ends of mirrored yarns")
+    if any(offset and mirrored for offset, mirrored in zip(panel.impact_point, panel.mirrors)):
+        allowed = "0 across the planes of symmetry, or symmetry = whole"
+        raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
+    if panel.round and len(set(panel.opening)) > 1:
+        raise InputError(key="opening", value=panel.opening, allowed="one diameter of a round opening")
+    if not stepped(panel):
+        return
+    if any(side != "clamped" for pair in given for side in pair):
+        what = "oblique" if panel.weave_angle else "off the axes of the opening, or in a round one"
+        raise InputError(key="edge", value=panel.edge, allowed=f"clamped where the weave is {what}")
+    room = [0.5 * side - 2 * panel.projectile.radius for side in panel.opening]
+    inside = np.hypot(*panel.impact_point) < room[0] if panel.round else np.all(np.abs(panel.impact_point) < room)
+    if not inside:
+        allowed = "within the opening, two radii of the projectile from its edge"
+        raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if panel.weave_angle == 0:
         return
     if not abs(panel.weave_angle) < 1.5707:
         raise InputError(key="weave_angle", value=panel.weave_angle, allowed="within a right angle")
     if any(panel.mirrors):
         raise InputError(key="symmetry", value=panel.symmetry, allowed="whole where the weave is oblique")
-    if any(side != "clamped" for pair in given for side in pair):
-        raise InputError(key="edge", value=panel.edge, allowed="clamped where the weave is oblique")
+
+
+def stepped(panel: Panel) -> bool:
+    """Whether the edge of the opening is a staircase of grid lines, in place of four of them."""
+    return panel.weave_angle != 0 or panel.round or any(panel.impact_point)
 
 
 def extent(panel: Panel) -> tuple[float, ...]:
-    """(along warp, along weft) [m] that the grid has to cover."""
-    (a, b), c, s = panel.opening, cos(panel.weave_angle), abs(sin(panel.weave_angle))
+    """(along warp, along weft) [m] that the grid has to cover, its middle at the impact point."""
+    (a, b), (x, y), c, s = panel.opening, panel.impact_point, cos(panel.weave_angle), sin(panel.weave_angle)
     if s == 0:
-        return a, b
-    return tuple(side + 4 * w for side, w in zip((a * c + b * s, a * s + b * c), panel.weave.w))
+        return a + 2 * abs(x), b + 2 * abs(y)
+    wide = (a, b) if panel.round else (a * c + b * abs(s), a * abs(s) + b * c)
+    off = abs(c * x + s * y), abs(c * y - s * x)
+    return tuple(side + 2 * far + 4 * w for side, far, w in zip(wide, off, panel.weave.w))
+
+
+def in_frame(panel: Panel) -> FloatArray:
+    """(2, ni+1, nj+1) [m] places of the nodes at rest from the middle of the opening, along its two sides."""
+    (X, Y), c, s = panel.coordinates(), cos(panel.weave_angle), sin(panel.weave_angle)
+    return np.stack([c * X - s * Y + panel.impact_point[0], s * X + c * Y + panel.impact_point[1]])
 
 
 def loose(panel: Panel) -> BoolArray:
     """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
-    X, Y = panel.coordinates()
-    free = np.ones(X.shape, bool)
+    free = np.ones(tuple(n + 1 for n in panel.counts), bool)
     for axis, (pair, mirrored) in enumerate(zip(sides(panel.edge), panel.mirrors)):
         rows = np.moveaxis(free, axis, 0)
         if pair[1] != "free":
             rows[-1] = False
         if pair[0] != "free" and not mirrored:
             rows[0] = False
-    if panel.weave_angle != 0:
-        c, s, slack = cos(panel.weave_angle), sin(panel.weave_angle), 1e-9 * min(panel.spacing)
-        across, along = np.abs(c * X - s * Y), np.abs(s * X + c * Y)
-        free &= (across < 0.5 * panel.opening[0] - slack) & (along < 0.5 * panel.opening[1] - slack)
+    if stepped(panel):
+        place, slack = in_frame(panel), 1e-9 * min(panel.spacing)
+        across, along = np.abs(place)
+        inside = (across < 0.5 * panel.opening[0] - slack) & (along < 0.5 * panel.opening[1] - slack)
+        free &= np.hypot(across, along) < 0.5 * panel.opening[0] - slack if panel.round else inside
     return free
 
 

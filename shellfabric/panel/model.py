@@ -36,7 +36,7 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 
 @dataclass(frozen=True)
 class Panel:
-    """A rectangle of whole crossovers about the impact point, and the projectile before it.
+    """Whole crossovers about the impact point, and the projectile before them.
 
     Parameters
     ----------
@@ -51,6 +51,8 @@ class Panel:
     trellis : whether the fabric's shear law acts; a fabric without one has none
     failure : whether yarns fail
     weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
+    round : whether the opening is a circle, of which `opening` has the diameter twice
+    impact_point : [m] from the middle of the opening, along its two sides
     bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies between the sum over its
         fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
@@ -77,6 +79,8 @@ class Panel:
     trellis: bool = True
     failure: bool = True
     weave_angle: float = 0.0
+    round: bool = False
+    impact_point: tuple[float, float] = (0.0, 0.0)
     bending: tuple[float, float] = (0.0, 0.0)
     strength_factors: tuple | None = None
     backing: Backing | None = None

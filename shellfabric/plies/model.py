@@ -51,7 +51,7 @@ class Pack:
 
     Parameters
     ----------
-    plies : tuple of Panel, alike in opening, symmetry, projectile and numerics; see `stacked`
+    plies : tuple of Panel, alike in opening, impact point, symmetry, projectile and numerics; see `stacked`
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
     friction : [-] Coulomb's coefficient between plies; torn cloth is held apart without friction
@@ -83,7 +83,7 @@ class Pack:
         if len(self.laws) != len(self.gaps):
             raise InputError(key="laws", value=len(self.laws), allowed=f"{len(self.gaps)} of them, or none")
         first = self.plies[0]
-        for key in ("symmetry", "projectile", "opening"):
+        for key in ("symmetry", "projectile", "opening", "round", "impact_point"):
             if any(getattr(ply, key) != getattr(first, key) for ply in self.plies):
                 raise InputError(f"the plies of a pack must have one {key}")
         if any(ply.grading != first.grading for ply in self.plies):

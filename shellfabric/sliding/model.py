@@ -104,6 +104,8 @@ class SlidingPanel(Panel):
             ("elements_per_crossover", self.elements_per_crossover, self.elements_per_crossover == 1, "1"),
             ("grading", self.grading, self.grading is None, "left out"),
             ("weave_angle", self.weave_angle, self.weave_angle == 0, "0"),
+            ("opening_shape", "round", not self.round, "rectangular"),
+            ("impact_point", self.impact_point, not any(self.impact_point), "0"),
             ("edge", self.edge, not led, "clamped, free or gripped"),
             ("bending", self.bending, not any(self.bending), "0"),
             ("jam", self.jam, self.jam[0] == 0, "left out"),

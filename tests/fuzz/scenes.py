@@ -99,6 +99,11 @@ def sample(generator, name="fuzz") -> RandomScene:
         other = sample_other(draw, fabric, name)
         panel["ply"] = sample_plies(draw, panel.pop("plies"), f"{name}-other.toml", thickness)
         panel.pop("stacking", None)
+    if panel["boundary"] == "clamped" and draw.chance(0.15):
+        panel["opening_shape"] = "round"
+    if panel["boundary"] == "clamped" and draw.chance(0.15):
+        panel |= {"impact_point": [_text(0.3 * half * draw.uniform(-1, 1), "mm") for _ in range(2)]}
+        panel["symmetry"] = "whole"
     return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other)
 
 

@@ -58,6 +58,8 @@ class Keywords(TypedDict, total=False):
     weaving_damage: Mapping[str, Number | str] | None
     projectile: Mapping[str, Quantity] | str | None
     opening: Quantity | tuple[Quantity, Quantity] | list[Quantity]
+    opening_shape: Literal["rectangular", "round"]
+    impact_point: tuple[Quantity, Quantity] | list[Quantity]
     boundary: Literal["clamped", "free"] | Mapping[str, Side]
     symmetry: Literal["quarter", "half", "whole"]
     weave_angle: Quantity

@@ -43,6 +43,8 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "fabric.surface": ("left out: a card is made from compression laws", lambda ply: ply.surface is not None),
     "fabric.bending": ("0: a membrane has no bending stiffness", lambda ply: bool(np.any(ply.bending))),
     "panel.weave_angle": ("0: an oblique weave is not exported", lambda ply: ply.weave_angle != 0),
+    "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
+    "panel.impact_point": ("0", lambda ply: any(ply.impact_point)),
     "panel.crossovers": ('"pinned": no law here lets yarns slide', lambda ply: ply.crossovers is not None),
     "panel.boundary": ("clamped or free: no side that slips is exported", lambda ply: boundary.slips(ply.edge)),
     "projectile.body": ('"rigid"', lambda ply: ply.projectile.bar is not None),

@@ -38,7 +38,11 @@ PROJECTILE = of(
     "roll friction body bore_diameter",
 )
 _SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
-PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarn_failure")
+PANEL = of(
+    "panel",
+    f"opening opening_shape impact_point boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle "
+    "yarn_failure",
+)
 CROSSOVERS = of("panel", "crossovers crossover_friction crossover_cohesion")
 NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping contact_points precision threads")
 BACKING = of(
@@ -197,6 +201,8 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             edge=_edge(panel.boundary),
             symmetry=panel.symmetry,
             weave_angle=panel.weave_angle,
+            round=panel.opening_shape == "round",
+            impact_point=panel.impact_point,
             grading=panel.grading,
             plies=panel.plies,
             lay_up=case.lay_up,
@@ -281,7 +287,10 @@ def in_file(problem: InputError, file: FilePath | None) -> InputError:
     if problem.file is not None:
         return problem
     tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run", "cfl": "numerics"}
-    in_panel = "opening symmetry weave_angle grading crossovers yarn_failure plies stacking ply_gap ply_friction"
+    in_panel = (
+        "opening opening_shape impact_point symmetry weave_angle grading crossovers yarn_failure plies stacking "
+        "ply_gap ply_friction"
+    )
     tables |= dict.fromkeys(in_panel.split(), "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
     tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")

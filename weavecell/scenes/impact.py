@@ -119,6 +119,15 @@ def _opening_or_value_error(value):
         raise ValueError(str(problem)) from None
 
 
+def _place_or_value_error(value):
+    if not (isinstance(value, (list, tuple)) and len(value) == 2):
+        raise ValueError("no place")
+    try:
+        return tuple(si(text, "m") for text in value)
+    except InputError as problem:
+        raise ValueError(str(problem)) from None
+
+
 def zones(value: Any) -> tuple[tuple[float, float], ...] | None:
     """Zones (until, side) [crossovers] of a grading as they stand in a file; ValueError where they are none."""
     if value is None:
@@ -183,13 +192,19 @@ class PlyTable(Table):
 
 
 class PanelTable(Table):
-    """A panel in a rectangular opening, or a pack of several plies."""
+    """A panel in an opening, or a pack of several plies."""
 
     opening: Annotated[
         float | tuple[float, float],
         BeforeValidator(_opening_or_value_error),
         in_unit("m", 'a length above 0, such as "203 mm", or a list of two, along warp and weft'),
     ]
+    opening_shape: one_of("rectangular", "round") = "rectangular"
+    impact_point: Annotated[
+        tuple[float, float],
+        BeforeValidator(_place_or_value_error),
+        in_unit("m", 'a list of two lengths, such as ["20 mm", "0 mm"]'),
+    ] = (0.0, 0.0)
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"
     weave_angle: angle(-89, 89, "45 deg") = 0.0

@@ -8,6 +8,7 @@ from conftest_tools import bring
 
 from fabrics.errors import InputError
 from shellfabric.cloth import boundary_kernels
+from shellfabric.output import histories
 from shellfabric.panel import boundary
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.boundary import Grip, PullIn
@@ -225,3 +226,96 @@ def test_what_an_oblique_weave_needs(tables):
         oblique(table, 30.0, edge="free")
     with pytest.raises(InputError, match="weave_angle"):
         oblique(table, 95.0)
+
+
+# round openings, and impacts off the middle
+
+
+def test_loose_nodes_of_a_round_opening(tables):
+    for symmetry, degrees in (("quarter", 0.0), ("whole", 30.0)):
+        panel = Panel(tables["equilibrium"], (0.04, 0.04), symmetry=symmetry, weave_angle=radians(degrees), round=True)
+        X, Y = panel.coordinates()
+        inside = np.hypot(X, Y) < 0.02
+        inside[-1, :] = inside[:, -1] = False  # the last lines are held, as of any clamped panel
+        np.testing.assert_array_equal(boundary.loose(panel), inside)
+    assert np.prod(panel.spacing) * boundary.loose(panel).sum() == pytest.approx(np.pi * 0.02**2, rel=0.05)
+
+
+def test_loose_nodes_of_an_impact_off_the_middle(tables):
+    """The grid's middle is the impact point, 5 mm from the middle along the first side and 3 mm along the second."""
+    table, point = tables["equilibrium"], (5e-3, 3e-3)
+    plain = Panel(table, (0.04, 0.03), symmetry="whole", impact_point=point)
+    X, Y = plain.coordinates()
+    inside = (np.abs(X + 5e-3) < 0.02) & (np.abs(Y + 3e-3) < 0.015)
+    inside[-1, :] = inside[:, -1] = inside[0, :] = inside[:, 0] = False  # the last lines are held
+    np.testing.assert_array_equal(boundary.loose(plain), inside)
+    turned = oblique(table, 40.0, impact_point=point)
+    X, Y = turned.coordinates()
+    place = (X + 1j * Y) * np.exp(1j * radians(40)) + complex(*point)
+    inside = (np.abs(place.real) < 0.02) & (np.abs(place.imag) < 0.015)
+    np.testing.assert_array_equal(boundary.loose(turned), inside)
+    for rim in (inside[:1], inside[-1:], inside[:, :1].T, inside[:, -1:].T):
+        assert not rim.any()
+
+
+def test_an_edge_is_felt_by_its_distance_from_the_impact(tables):
+    """15 crossovers from the near edge and 30 from the far one: the near one feels what it does in a panel that ends at
+    15 on both sides, but for half a crossover that lies in the clamp; at 30 nothing is felt yet. Mirrored points are
+    alike."""
+    table = tables["variational"]
+    side, width = (2 * w for w in table.model.fabric.weave.w)
+
+    def pull(crossovers, point=0.0):
+        panel = Panel(table, (crossovers * side, 30 * width), symmetry="whole", impact_point=(point * side, 0.0))
+        march = PanelSolver(panel, 90.0, 14e-6).run()
+        return march.sample("reaction_warp")[-1], march.sample("v")[-1]
+
+    near, (far, last) = pull(45, 7.5), pull(45, -7.5)
+    assert near[0] == pytest.approx(pull(30)[0], rel=0.2)
+    assert near[0] > 20.0
+    assert abs(far) < 0.1
+    assert near[1] == pytest.approx(last, rel=1e-9)
+
+
+def test_half_of_a_panel_struck_on_its_axis_is_like_the_whole(tables):
+    """A point on the second axis leaves the plane x = 0 a plane of symmetry; a round opening too."""
+    given = {"impact_point": (0.0, 4e-3), "round": True}
+    half, whole = (Panel(tables["variational"], (0.04, 0.04), symmetry=s, **given) for s in ("half", "whole"))
+    speeds = [fire(panel, 90.0, 400)[2][-1, 1] for panel in (half, whole)]
+    assert speeds[0] == pytest.approx(speeds[1], rel=1e-9)
+    assert speeds[0] < 80.0
+
+
+def test_energy_and_edge_forces_of_a_round_opening(tables):
+    """The energy closes, with and without failure, and the pulls on the four parts of the edge stop the projectile as
+    their lifts say; a quarter and the whole have the same."""
+    pulls = []
+    for symmetry in ("quarter", "half", "whole"):
+        panel = Panel(tables["variational"], (0.04, 0.04), symmetry=symmetry, round=True)
+        march = PanelSolver(panel, 90.0, 30e-6).run()
+        assert np.abs(march.sample("error")).max() < 1e-3 * march.strike_energy
+        sides, state = histories.edge_nodes(panel), march.state
+        nodal = [a + b for a, b in zip(state.f_int, state.f_int_above)]
+        of = [[(weights * force[nodes]).sum() for force in nodal] for nodes, weights, _ in sides]
+        pulls.append([[-normal[0] * f[0] - normal[1] * f[1], f[2]] for f, (_, _, normal) in zip(of, sides)])
+    np.testing.assert_allclose(pulls[0], pulls[2], rtol=1e-6)
+    np.testing.assert_allclose(pulls[1], pulls[2], rtol=1e-6)
+    assert pulls[2][0][0] > 100.0
+    failing = PanelSolver(Panel(tables["variational"], (0.04, 0.04), round=True), 160.0, 100e-6).run()
+    assert failing.outcome == "perforated"
+    assert np.abs(failing.sample("error")).max() < 1e-3 * failing.strike_energy
+
+
+def test_what_stepped_edges_need(tables):
+    table = tables["equilibrium"]
+    for changes, key in (
+        ({"impact_point": (5e-3, 0.0)}, "impact_point"),
+        ({"impact_point": (0.0, 5e-3), "symmetry": "quarter"}, "impact_point"),
+        ({"impact_point": (19e-3, 0.0), "symmetry": "whole"}, "impact_point"),
+        ({"impact_point": (13e-3, 11e-3), "symmetry": "whole", "round": True}, "impact_point"),
+        ({"round": True, "opening": (0.04, 0.03)}, "opening"),
+        ({"round": True, "edge": "free"}, "edge"),
+        ({"impact_point": (5e-3, 0.0), "symmetry": "whole", "edge": PullIn(1e-3, 0.0, 1e-5)}, "edge"),
+    ):
+        with pytest.raises(InputError, match=key):
+            Panel(table, **({"opening": (0.04, 0.04)} | changes))

@@ -124,6 +124,13 @@ KINDS = {
     "weave angle": Kind(
         {"panel": {"weave_angle": "30 deg", "symmetry": "whole"}}, lambda got, plain: got.elements > 4 * plain.elements
     ),
+    "round": Kind(
+        {"panel": {"opening_shape": "round"}}, lambda got, plain: moved(got, plain) and got.elements == plain.elements
+    ),
+    "off the middle": Kind(
+        {"panel": {"impact_point": ["4 mm", "0 mm"], "symmetry": "whole"}},
+        lambda got, plain: moved(got, plain) and got.elements > 4 * plain.elements,
+    ),
     "whole": Kind({"panel": {"symmetry": "whole"}}, ratio(lambda got: got.elements, 4, 1e-9)),
     "yarns hold": Kind({"panel": {"yarn_failure": False}}, lambda got, plain: got.failed == 0 < plain.failed),
     "grading": Kind(

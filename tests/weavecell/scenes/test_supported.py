@@ -111,6 +111,8 @@ KEYS = FABRIC | SLIPS | {
     "projectile.body": ({}, "rigid", "elastic_bar"),
     "projectile.bore_diameter": ({"projectile": {"body": "elastic_bar"}}, "4.5 mm", "4.6 mm"),
     "panel.opening": ({}, "50 mm", "60 mm"),
+    "panel.opening_shape": ({}, "rectangular", "round"),
+    "panel.impact_point": ({}, ["0 mm", "0 mm"], ["5 mm", "0 mm"]),
     "panel.boundary": ({}, "clamped", "free"),
     "panel.boundary.warp": ({}, "clamped", "free"),
     "panel.boundary.weft": ({}, "clamped", "free"),
