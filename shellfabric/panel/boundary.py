@@ -115,7 +115,7 @@ def check(panel: Panel) -> None:
         if mirrored and low != high:
             raise InputError(key="edge", value=panel.edge, allowed="alike at both ends of mirrored yarns")
     if any(offset and mirrored for offset, mirrored in zip(panel.impact_point, panel.mirrors)):
-        allowed = "0 across the planes of symmetry, or symmetry = whole"
+        allowed = "0 across planes of symmetry, or symmetry = whole"
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if panel.round and len(set(panel.opening)) > 1:
         raise InputError(key="opening", value=panel.opening, allowed="one diameter of a round opening")

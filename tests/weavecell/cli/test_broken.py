@@ -67,7 +67,7 @@ SCENES = {
     "not-a-table": "fabric = 'S-720': must be a table [fabric]",
     "not-toml": "not valid TOML (Expected newline or end of document after a statement (at line 5, column 10))",
     "oblique-quarter": "panel.symmetry = 'quarter': must be whole for this shot",
-    "impact-off-the-middle": "panel.impact_point = (0.02, 0.0): must be 0 across the planes of symmetry, or symmetry = whole",
+    "off-the-middle": "panel.impact_point = (0.02, 0.0): must be 0 across planes of symmetry, or symmetry = whole",
     "round-rectangle": "panel.opening = (0.203, 0.15): must be one diameter of a round opening",
     "oblique-weave-quarter": "panel.symmetry = 'quarter': must be whole where the weave is oblique",
     "panel-too-small": "panel.opening = 0.004: must be wider than two projectiles and four crossovers",

@@ -86,7 +86,7 @@ class Model:
         """Whether the model leaves those fields as they are that the user has set by hand."""
         if self.refined and "elements_per_crossover" in fixed:
             return False
-        if self.near is not None and not {"elements_per_crossover", "grading"}.isdisjoint(fixed):
+        if self.near is not None and any(key in fixed for key in ("elements_per_crossover", "grading")):
             return False
         return all(getattr(setup, key) == value for key, value in self.changes if key in fixed)
 
