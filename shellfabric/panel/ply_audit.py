@@ -95,6 +95,11 @@ def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
     return float(z[:-1, :-1].max(initial=0.0, where=whole))
 
 
+def pull_in(const: Constants, state: State) -> float:
+    """[m] largest way of a node of a slipping side along the yarn that ends there; 0 where no side slips."""
+    return float(np.abs(np.array(state.u)[const.slip_axis, const.slip_node]).max(initial=0.0))
+
+
 def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> FloatArray:
     """(2, 4) of warp and weft: highest tension [N] of a yarn segment so far, its time [s], and where the middle of the
     segment is at rest along warp and weft [m]; NaN but for the tension where there was none.

@@ -28,7 +28,8 @@ ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *co
 OBSERVED = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft")
 SAMPLES = (*OBSERVED, *ENERGIES)
 PLY_SAMPLES = (
-    "failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy", "peak_warp", "peak_weft"
+    "failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy", "peak_warp", "peak_weft",
+    "pull_in", "slip",
 )  # fmt: skip
 
 
@@ -42,9 +43,10 @@ class ClothSolver(ExplicitSolver):
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
-    ply_samples : list of (plies, 8), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+    ply_samples : list of (plies, 10), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` the largest of its cloth (`ply_audit.deflection`), `energy` what it moves with,
-        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`)
+        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` the largest way of a
+        yarn's end out of its clamp and `slip` the longest piece of yarn that has passed through a crossover [m]
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
         of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     measure, histories : what a histories.Recorder records, where there is one, and its rows
@@ -179,17 +181,18 @@ class ClothSolver(ExplicitSolver):
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def _observe_plies(self, energies, pushes):
-        """(plies, 8) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
+        """(plies, 10) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
         rows = []
         self._held = [held(state, const) if state.counter[kernels.FAILURES] else None for _, const, state in self.parts]
-        for (panel, const, state), ends, energy, push, cloth in zip(
-            self.parts, self._ends, energies, pushes, self._held
+        for ply, ((panel, const, state), ends, energy, push, cloth) in enumerate(
+            zip(self.parts, self._ends, energies, pushes, self._held)
         ):
             failed = ply_audit.failed_segments(panel, const, state) / self.share
             reactions = ply_audit.edge_reactions(panel, const, state, ends)
             deflection = ply_audit.deflection(const, state, cloth)
             own = failed, *reactions, -push / self.share, deflection, energy / self.share
-            rows.append([*own, *state.peak_tension])
+            slip = max((float(np.abs(passed).max()) for passed in self.passed_lengths(ply)), default=0.0)
+            rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state), slip])
         return np.array(rows)
 
     def _drop_sample(self):

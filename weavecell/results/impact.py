@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from shellfabric.projectile.dynamics import BarHistory
     from shellfabric.sliding.solver import SlipSummary
 
-FORMAT = "weavecell impact 6"  # and version of the files
+FORMAT = "weavecell impact 7"  # and version of the files
 # attribute of the record: attribute of the file, and key of summary.json
 SCALARS = {
     "title": "title",

@@ -236,6 +236,8 @@ PLY_HISTORIES = keys(
     ("energy", "J", "energy that the ply moves with, stores and has lost"),
     ("peak_warp", "N", "highest tension of its warp so far, mean over a segment between crossovers"),
     ("peak_weft", "N", "the same of its weft"),
+    ("pull_in", "m", "edges that slip: largest way of a yarn's end out of its clamp"),
+    ("slip", "m", "sliding crossovers: longest piece of yarn that has passed through one"),
 )
 PLIES = keys(
     ("z_rest", "m", "middle surface of each ply at rest"),

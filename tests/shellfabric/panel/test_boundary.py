@@ -63,6 +63,16 @@ def test_energy_balances_while_edges_slip(small, tables, edge, form):
         assert not march.sample("boundary_work").any()
 
 
+def test_the_pull_in_is_sampled(small):
+    """What is prescribed, at its time; of grips what the nodes have moved, which grows; of clamps nothing."""
+    march = PanelSolver(small(edge=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
+    part = np.clip((march.sample("t") - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
+    np.testing.assert_allclose(march.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12)
+    gripped = PanelSolver(small(edge=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
+    assert gripped[-1, 0] > 1e-5
+    assert not PanelSolver(small(), 90.0, 20e-6).run().ply_sample("pull_in").any()
+
+
 def test_pull_in_softens_the_panel(small):
     """The cloth does work on the edges that give way, and slows the projectile less (source section 6.4.3)."""
     held, slipping = (fire(small(edge=edge, failure=False), 90.0, 330) for edge in ("clamped", ("clamped", SLIP)))

@@ -77,6 +77,9 @@ def test_the_energy_balance_holds(table, mu, cohesion, friction):
     assert np.all(np.diff(rubbed) > -1e-9 * run.strike_energy)
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
     assert all(summary.pulled_out_length > 1e-5 for summary in run.slip_summaries())
+    slip = run.ply_sample("slip")
+    assert slip[-1].tolist() == [summary.pulled_out_length for summary in run.slip_summaries()]
+    assert not slip[0].any()
 
 
 def test_one_and_two_threads_are_the_same_to_the_bit(table):
