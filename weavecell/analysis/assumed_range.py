@@ -66,7 +66,11 @@ class AssumedRange:
         if outcomes == ["stopped"]:
             return f"stopped in all {len(self.rows)} runs {over}"
         more = f"; {' or '.join(outcomes)}" if outcomes else ""
-        return f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}{more}"
+        known = sorted((row.velocity, row.laws) for row in self.rows if row.velocity is not None)
+        return (
+            f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over} "
+            f"(lowest: {known[0][1]}; highest: {known[-1][1]}){more}"
+        )
 
     def summary(self) -> dict:
         """As plain types."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 import csv
 import time
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -165,13 +166,21 @@ def _v50_remarks(study, scatter, batch, seed, zones):
     if study.curves["probit"].separated:
         remarks.append("No stop is faster than a perforation: the shots are too few to tell the scatter of the limit.")
     if study.doubtful:
-        remarks.append(f"{study.doubtful} of {len(study.shots)} shots are doubtful (a quality check beyond its limit).")
+        remarks.append(_doubts(study.shots))
     if study.fit is not None:
         remarks.append(f"Residual velocities, Lambert-Jonas: {parameters(study.fit)}.")
     if zones is not None:
         text = grading_text(zones)
         remarks.append(f"Sides of the elements, (until, side) in crossovers from the impact point: {text}.")
     return remarks
+
+
+def _doubts(shots):
+    """How many shots are doubtful, and by which checks."""
+    counts = Counter(name for shot in shots for name in shot.doubtful)
+    checks = ", ".join(f"{name} in {count}" for name, count in counts.most_common())
+    some = sum(bool(shot.doubtful) for shot in shots)
+    return f"{some} of {len(shots)} shots are doubtful; checks beyond their limits: {checks}."
 
 
 _IGNORED = (

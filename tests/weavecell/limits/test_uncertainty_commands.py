@@ -6,6 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fabrics.errors import InputError
+from weavecell.analysis.uncertainty import v50
 from weavecell.cli.app import app
 from weavecell.commands import uncertainty
 
@@ -54,6 +55,15 @@ def test_the_grading_of_a_v50_study(tmp_path):
     assert run.exit_code == 0, run.output
     assert json.loads((out / "v50.json").read_text())["grading"] == "[[11, 1], [inf, 1]]"
     assert "--grading &#34;[[11, 1], [inf, 1]]" in (out / "v50.html").read_text()
+
+
+def test_doubtful_shots_are_counted_by_check():
+    checks = ("viscous energy",), (), ("viscous energy", "energy error")
+    shots = [v50.Shot(n, 100.0, 0.0, False, 1.0, 1.0, 1.0, (1.0, 1.0), 0.0, names) for n, names in enumerate(checks)]
+    assert uncertainty._doubts(shots) == (
+        "2 of 3 shots are doubtful; checks beyond their limits: viscous energy in 2, energy error in 1."
+    )
+    assert v50.Study((90.0, 91.0), tuple(shots), {}, None).doubtful == 2
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.families import trellis
+from weavecell.analysis.assumed_range import AssumedRange, Row
 from weavecell.commands import calibrate
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -208,6 +209,15 @@ def test_compressible_yarns_need_one(command, tmp_path):
     assert code == 2
     assert "fabric mine has no published law; calibrate one or give a and b" in err
     assert not (tmp_path / "r").exists()
+
+
+def test_a_range_names_what_its_ends_rest_on():
+    rows = Row("nominal", "", 130.0), Row("trellis soft", "", 120.0), Row("trellis stiff", "unstable", None)
+    words = AssumedRange("critical velocity", ("the trellis law", "the crimp"), rows).words()
+    assert words == (
+        "critical velocity 120.0 to 130.0 m/s over the assumed range of the trellis law and the crimp "
+        "(lowest: trellis soft; highest: nominal); unstable"
+    )
 
 
 def test_a_law_keeps_the_range_of_an_assumed_solid(tmp_path):

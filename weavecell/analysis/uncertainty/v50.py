@@ -31,7 +31,7 @@ from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit, lambert_jonas
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.panel import boundary, quality
+from shellfabric.panel import boundary
 from weavecell.analysis.uncertainty import probit, protocol, strengths
 from weavecell.analysis.uncertainty.inputs import Scatter, changed_setup, published
 from weavecell.analysis.uncertainty.protocol import Series
@@ -56,7 +56,7 @@ class Shot:
     modulus, crimp_warp, crimp_weft : [-] factors of the panel
     weakest : (warp, weft) [-] factor on the strength of the weakest yarn
     balance : [-] error of the energy balance over the strike energy
-    doubtful : whether a quality check of the shot is beyond its limit
+    doubtful : names of the quality checks of the shot that are beyond their limits
     """
 
     number: int
@@ -68,7 +68,7 @@ class Shot:
     crimp_weft: float
     weakest: tuple[float, float]
     balance: float
-    doubtful: bool = False
+    doubtful: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class Study:
     @property
     def doubtful(self) -> int:
         """Number of shots with a quality check beyond its limit."""
-        return sum(shot.doubtful for shot in self.shots)
+        return sum(bool(shot.doubtful) for shot in self.shots)
 
     def summary(self) -> dict[str, Any]:
         """Its numbers, {name with unit: value}."""
@@ -128,7 +128,7 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
         raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
     return Shot(
         number, velocity, shot.residual_velocity, shot.perforated, **panel.factors, weakest=panel.weakest,
-        balance=shot.balance, doubtful=quality.status(shot.checks) == quality.DOUBTFUL,
+        balance=shot.balance, doubtful=tuple(check.name for check in shot.checks if check.doubtful),
     )  # fmt: skip
 
 
