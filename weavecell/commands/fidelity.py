@@ -216,24 +216,11 @@ def summary(choice: Answer | None) -> dict[str, Any]:
     }
 
 
-def _stale(choice):
-    """What is to be said of estimates for a pack, "" of one ply."""
-
-    if choice.final.option.setup.plies == 1:
-        return ""
-    return (
-        "The survey of packs was computed with an earlier contact between plies: errors that it estimates do not hold "
-        "for the present one; --uncertainty compares with a finer mesh."
-    )
-
-
 def tell(choice: Answer) -> None:
     """Print whether the promise holds, and what the target quantities are."""
     final = choice.final
     found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
     print(f"accuracy {_verdict(choice)}: {final.option.model.name}, {_symmetry(final.option)} panel; errors {found}")
-    if _stale(choice):
-        print(_stale(choice))
     if "peak_tension" in choice.targets and choice.regime == "held" and final.against:
         warp, weft = final.values["peak_tension"]
         print(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
@@ -274,8 +261,7 @@ def chapter(choice: Answer) -> Section:
         "accuracy",
         "The model that was chosen",
         f"The targets of the scene are {wanted}. Accuracy {_verdict(choice)}; {final.option.model.name}, "
-        f"{_symmetry(final.option)} panel; {choice.body}."
-        f" {_stale(choice)}".rstrip(),
+        f"{_symmetry(final.option)} panel; {choice.body}.",
         (),
         (
             Table(("model", "held against", *names, "within"), rows, "Errors that the answers stay below"),
