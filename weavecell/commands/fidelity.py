@@ -145,11 +145,16 @@ def explain(path: Path) -> None:
     options = select.options(setup, scene.accuracy.targets, fixed=by_hand(scene))
     chosen = select.pick(options)
     shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")
-    for column in ("", "model", "part", "elements", "cost", *scene.accuracy.targets):
+    targets = scene.accuracy.targets if setup.plies == 1 else {}
+    for column in ("", "model", "part", "elements", "cost", *targets):
         shown.add_column(column.replace("_", " "))
     for option in options:
-        shown.add_row("->" if option is chosen else "", *_row(option, scene.accuracy.targets))
-    known_errors = error_database.load(packs=setup.plies > 1)
+        shown.add_row("->" if option is chosen else "", *_row(option, targets))
+    if setup.plies > 1:
+        rich.print(shown)
+        print("errors of a pack are the differences of both meshes, which are known when both have been run")
+        return
+    known_errors = error_database.load()
     for name, known in known_errors.others.items():
         errors = (_percent(known["expected"][quantity]) for quantity in scene.accuracy.targets)
         shown.add_row("", name, "-", "-", f"{known['cost']:.3f}", *errors)
@@ -221,7 +226,7 @@ def tell(choice: Answer) -> None:
     final = choice.final
     found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
     print(f"accuracy {_verdict(choice)}: {final.option.model.name}, {_symmetry(final.option)} panel; errors {found}")
-    if "peak_tension" in choice.targets and choice.regime == "held" and final.against:
+    if "peak_tension" in choice.targets and choice.regime == "held" and final.partner:
         warp, weft = final.values["peak_tension"]
         print(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
     for name, share in choice.targets.items():

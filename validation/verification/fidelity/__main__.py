@@ -1,8 +1,8 @@
-"""python -m validation.verification.fidelity survey|packs|trial [--trial NAME] [--out FOLDER] [--page PAGE]
+"""python -m validation.verification.fidelity survey|trial [--trial NAME] [--out FOLDER] [--page PAGE]
 
 survey   every model of the ladder on standard and drawn scenes; --keep puts errors.json into the package
-packs    every model of the ladder of packs on drawn packs; --keep puts errors_packs.json into the package
-trial    20 random scenes of a trial, of packs 40, each answered to its targets and held against the full model
+trial    20 random scenes of a trial, of packs 40, each answered to its targets and held against the full
+         model, packs against a third mesh
 
 With --page the tables go into that page, between its marks. Runs are kept in the folder and not made twice;
 --jobs and --executor say where they are made.
@@ -25,7 +25,7 @@ from validation.verification.fidelity import cable_net, fit_error_database, leav
 from validation.verification.fidelity.trial import TRIALS
 from validation.verification.study import known
 from weavecell.analysis.fidelity import error_database
-from weavecell.analysis.fidelity.ladder import FULL, LADDER, PACK_LADDER
+from weavecell.analysis.fidelity.ladder import FULL, LADDER
 
 
 @dataclass(frozen=True)
@@ -68,16 +68,6 @@ class Study:
         print("\n".join(lines))
         page.put(self.page, "left out", lines)
 
-    def packs(self) -> None:
-        """Run the survey of packs, print what it found, and keep it."""
-        rows = self._runs(survey.pack_row, [(number,) for number in range(survey.PACK_COUNT)])
-        rows = [row for row in rows if row is not None]
-        content = fit_error_database.of(rows, PACK_LADDER) | {"others": {}}
-        self._keep(rows, content, error_database.PACK_FILE, "survey of packs")
-        lines = leave_one_out.table(leave_one_out.rows(rows, PACK_LADDER))
-        print("\n".join(lines))
-        page.put(self.page, "packs left out", lines)
-
     def _keep(self, rows, content, name, title):
         """Write what a survey found as a file `name`, and its table."""
         content = {"made": {"date": date.today().isoformat(), "scenes": len(rows)}} | content
@@ -106,7 +96,7 @@ class Study:
 
 
 def main(
-    command: Literal["survey", "packs", "trial"], *, trial: str = "everything", out: Path = Path("results/fidelity"),
+    command: Literal["survey", "trial"], *, trial: str = "everything", out: Path = Path("results/fidelity"),
     jobs: int = 1, executor: str = "local", keep: bool = False, page: Path | None = None,
 ) -> None:  # fmt: skip
     known("--trial", trial, tuple(TRIALS))

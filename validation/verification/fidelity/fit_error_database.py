@@ -1,4 +1,4 @@
-"""What a survey teaches: errors.json, or errors_packs.json, from its rows.
+"""What a survey teaches: errors.json from its rows.
 
 An error is taken as a factor times how hard the scene is (`quantities.scale`, from two scouts). A factor that is kept
 is one that 97 scenes of a hundred stay below. Peak tensions are mixed with those of the partner, in the
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, LADDER, PACK_DEFAULT, PACK_FULL, Model, partner, scouts
+from weavecell.analysis.fidelity.ladder import BY_NAME, LADDER, Model, partner, scouts
 
 SURE, OFTEN = 0.97, 0.8  # SURE: leaving out one scene at a time, 180 of 186 targets are met
 WEIGHTS = tuple(0.05 * n for n in range(9))  # of the partner's peak tensions, that are tried
@@ -98,16 +98,9 @@ def error(values: dict[str, Any], others: dict[str, Any], name: str) -> float:
 
 
 def _finest(name, full, rows):
-    """[-] what the full model is off by: what its difference from the next coarser mesh, of 2 elements a crossover or
-    of packs the default, leaves where errors fall with the side."""
-    coarser = {FULL: "2 elements", PACK_FULL: PACK_DEFAULT}[full]
-    off = [error(row[coarser]["values"], row[full]["values"], name) for row in rows if coarser in row]
+    """[-] what the full model is off by: what its difference from the mesh of 2 elements a crossover leaves where
+    errors fall with the side."""
+    off = [error(row["2 elements"]["values"], row[full]["values"], name) for row in rows if "2 elements" in row]
     off = [one for one in off if isfinite(one)]
-    fine, coarse = _side(full), _side(coarser)
+    fine, coarse = (1 / dict(BY_NAME[model].changes)["elements_per_crossover"] for model in (full, "2 elements"))
     return fine / (coarse - fine) * float(np.quantile(off, OFTEN)) if off else 0.0
-
-
-def _side(name):
-    """Side of the elements near the impact point [crossovers], or over that of the default mesh of packs."""
-    model = BY_NAME[name]
-    return 1 / (model.near or dict(model.changes)["elements_per_crossover"])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, PACK_FULL
+from weavecell.analysis.fidelity.ladder import BY_NAME, FULL
 from weavecell.report import marked_page
 
 if TYPE_CHECKING:
@@ -32,8 +32,7 @@ def survey_table(book: Book) -> list[str]:
     rows |= {f"*{name}*": (found["cost"], found["expected"]) for name, found in book.others.items()}
     for model, (cost, expected) in sorted(rows.items(), key=lambda item: item[1][0]):
         lines.append(f"| {model} | {cost:.3f} | " + " | ".join(_percent(expected[name]) for name in names) + " |")
-    full = FULL if FULL in book.models else PACK_FULL
-    lines.append(f"| {full}, itself | | " + " | ".join(_percent(book.own(name)) for name in names) + " |")
+    lines.append(f"| {FULL}, itself | | " + " | ".join(_percent(book.own(name)) for name in names) + " |")
     return lines
 
 
@@ -47,7 +46,7 @@ def trial_table(rows: list[Row]) -> list[str]:
         known = [(error, name) for name, error in row.found.items() if not isnan(error)]
         worst, name = max(known, default=(0.0, ""))
         found = "other outcome" if worst == inf else f"{_percent(worst)}{f' {_plain(name)}' if worst > 0 else ''}"
-        confirmed = "is the full model" if row.model in (FULL, PACK_FULL) else "yes" if row.confirmed else "no"
+        confirmed = "is the full model" if row.model == FULL else "yes" if row.confirmed else "no"
         lines.append(
             f"| {row.fabric}, {row.shape}, {row.velocity:.0f} m/s | {_targets_text(row.targets)} | {row.outcome}"
             f" | {row.model} | {confirmed} | {found} | {'yes' if row.met else '**no**'}"
@@ -57,7 +56,7 @@ def trial_table(rows: list[Row]) -> list[str]:
 
 
 def _summary(rows):
-    cheaper = [row for row in rows if row.model not in (FULL, PACK_FULL)]
+    cheaper = [row for row in rows if row.model != FULL]
     sure = [row for row in cheaper if row.confirmed]
     whole = [row for row in rows if isfinite(row.whole_cost)]
     lines = [

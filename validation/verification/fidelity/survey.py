@@ -1,5 +1,5 @@
-"""The surveys: every model of the ladder on standard and on drawn scenes, and of the ladder of packs on drawn packs.
-`fit_error_database` makes of them what models are chosen by.
+"""The survey: every model of the ladder on standard and on drawn scenes. `fit_error_database` makes of them what models
+are chosen by.
 
 Each run has one thread, and its cost is process time with the filling of its table.
 """
@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from fabrics.errors import UnstableError
 from shellfabric.impact.simulation import ImpactSetup, run
 from validation.verification.fidelity import scenes
 from weavecell.analysis.fidelity import quantities
@@ -19,8 +18,6 @@ from weavecell.analysis.fidelity.ladder import (
     BY_NAME,
     FULL,
     LADDER,
-    PACK_FULL,
-    PACK_LADDER,
     Model,
     Tables,
     effort,
@@ -28,8 +25,6 @@ from weavecell.analysis.fidelity.ladder import (
 )
 
 SEED, COUNT = 7, 60
-PACK_SEED, PACK_COUNT = 11, 56
-MOST_OF_PACKS = 4e8  # as MOST, of all plies
 MOST = 6e8  # elements times steps of the full model to the end: a drawn scene that could take more is left out
 LONG = ("S-731", 0), ("S-731", 1), ("S-727", 0)  # standard ones that take many minutes
 
@@ -62,25 +57,6 @@ def sample(name: str, number: int, model: str) -> dict[str, Any] | None:
     if not name and effort(BY_NAME[FULL].panel(setup, cheap), setup.end_time) > MOST:
         return None
     return None if BY_NAME[model].panel(setup, cheap) is None else timed(BY_NAME[model], setup)
-
-
-def pack_row(number: int) -> dict[str, Any] | None:
-    """{model: {"values", "seconds"}} of a drawn pack, with its velocity and plies; None of one that is left out, as too
-    long or as a run of it became unstable."""
-    setup = scenes.drawn_pack(number, PACK_SEED)
-    setup = replace(setup, numerics=replace(setup.numerics, threads=1))
-    tables = Tables()
-    setup = simplest(setup, tables)
-    cheap = tables.cheap(setup)
-    if setup.plies * effort(BY_NAME[PACK_FULL].panel(setup, cheap), setup.end_time) > MOST_OF_PACKS:
-        return None
-    found = {"fabric": setup.fabric.name, "velocity": setup.strike_velocity, "plies": setup.plies}
-    try:
-        return found | {
-            model.name: timed(model, setup) for model in PACK_LADDER if model.panel(setup, cheap) is not None
-        }
-    except UnstableError:
-        return None
 
 
 def timed(model: Model, setup: ImpactSetup) -> dict[str, Any]:

@@ -5,7 +5,8 @@ again        the same of other scenes, after what the first trial showed of the 
 scene        a scene with targets as a user may set them: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
 refined      as everything, of other scenes, with meshes among the models that are fine about the impact point alone
 refined-scene    as scene, likewise
-packs        all four quantities of drawn packs, to 5 %
+packs        all four quantities of drawn packs, to 5 %, held against a third mesh, of twice as many elements per
+             crossover near the impact point as the default has
 
 Costs are process time, of one thread, with all scouts, repeated runs and tables, over that of the full model: on the
 same part of the panel, and on the whole panel, which is run where that does not take too long. The projectile is rigid.
@@ -23,7 +24,7 @@ import numpy as np
 from shellfabric.impact import simulation
 from validation.verification.fidelity import fit_error_database, scenes
 from weavecell.analysis.fidelity import quantities, select
-from weavecell.analysis.fidelity.ladder import Tables, ladder_of, simplest
+from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Model, Tables, simplest
 
 TRIALS = {
     "everything": 101, "again": 303, "scene": 202, "refined": 505, "refined-scene": 606, "packs": 707,
@@ -31,6 +32,7 @@ TRIALS = {
 """Their seeds."""
 COUNT, PACKS = 20, 40
 PACK_TARGET = 0.05
+THIRD = Model("third mesh of packs", (("table_size", 201),), near=2.0)
 TARGETS = (0.02, 0.05, 0.1)
 LONGEST = 1.0  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
 
@@ -140,6 +142,6 @@ def _setup(trial, number):
 def _full(setup):
     """(quantities, process time [s]) of the full model on the panel of a set-up."""
     began = time.process_time()
-    this = ladder_of(setup)[-1].of(setup)
+    this = (BY_NAME[FULL] if setup.plies == 1 else THIRD).of(setup)
     result = simulation.run(this, table=this.table())
     return quantities.of(result), time.process_time() - began

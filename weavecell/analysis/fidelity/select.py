@@ -8,6 +8,9 @@ scene is not like the survey's, and the promise is void. Then the next model tha
 against is the answer before it: being the coarser, that may be off by no more than the target. Peak tensions are mixed
 with the partner's (`quantities.mixed`).
 
+A pack is answered on the finer of two meshes, and held against the coarser, its default: their difference is the error
+that the targets are compared with.
+
 A scout also tells whether a flat steel projectile may be rigid (`ImpactResult.rigidity`), where nobody has said so.
 """
 
@@ -216,7 +219,7 @@ def answer(
             setup, base = replace(setup, projectile=shot), replace(base, projectile=shot)
             seen = _look(base, tables)  # rigid scouts are no check of an elastic projectile
     on_progress(body)
-    both = tuple(scout.values for scout in seen) if seen else None
+    both = tuple(scout.values for scout in seen) if len(seen) == 2 else None
     found = options(setup, targets, fixed=fixed, tables=tables, book=book, seen=both)
     attempts, option, before = [], pick(found), None
     on_progress(_why(option))
@@ -225,10 +228,11 @@ def answer(
         values = quantities.of(result)
         other = _partner(option.model, seen)
         errors, against = _checked(option, values, before, other, seen, book)
+        weight = book.weight(option.model, quantities.regime(values))
         if other is not None:
-            values = quantities.mixed(values, other.values, book.weight(option.model, quantities.regime(values)))
+            values = quantities.mixed(values, other.values, weight)
         holds = all(errors[name] <= share for name, share in targets.items())
-        mixed = other.model.name if other is not None else ""
+        mixed = other.model.name if other is not None and weight > 0 else ""
         attempts.append(Attempt(option, result, values, against, mixed, errors, holds))
         finer = next((one for one in found if one.enough and one.cost > option.cost and one.model.answers), None)
         if holds or finer is None:
@@ -251,17 +255,18 @@ class _Scout:
 
 
 def _look(base, tables):
-    """What two scouts find, the finer first; empty where there are not two that can be meshed and run."""
+    """What two scouts find, the finer first, of a pack one; empty where one of them cannot be meshed and run."""
     meshed = [model.name for model in ladder_of(base) if model.panel(base, tables.cheap(base)) is not None]
+    wanted = scouts(meshed) if base.plies == 1 else [model for model in ladder_of(base) if not model.answers]
     found = []
-    for model in scouts(meshed):
+    for model in wanted:
         this = model.of(replace(base, snapshot_interval=None, history=None))
         try:
             result = simulation.run(this, table=tables.of(this))
         except UnstableError:
             return ()
         found.insert(0, _Scout(model, result, quantities.of(result)))
-    return tuple(found) if len(found) == 2 else ()
+    return tuple(found) if len(found) == (2 if base.plies == 1 else 1) else ()
 
 
 def _kind(shot):
@@ -279,7 +284,11 @@ def _body(shot, scout):
 
 def _partner(model, seen):
     """The scout that is next to a model; None of those that have none."""
-    if not seen or model.full or model.name == BY_HAND.name:
+    if not seen or model.name == BY_HAND.name:
+        return None
+    if len(seen) == 1:
+        return seen[0]
+    if model.full:
         return None
     wanted = partner(model, tuple(scout.model for scout in reversed(seen)))
     return next(scout for scout in seen if scout.model.name == wanted.name)
@@ -292,6 +301,8 @@ def _stays_rigid(result):
 def _checked(option, values, before, other, seen, book):
     """({quantity: [-]} what the errors are below, name of what they were held against)."""
     expected, model = option.expected, option.model
+    if model.full and other is not None:  # of a pack
+        return _apart(values, other.values, option.targets), other.model.name
     if model.full:
         return expected, ""
     if before is not None:
@@ -312,6 +323,8 @@ def _apart(values, others, names):
 
 
 def _why(option):
+    if option.model.near is not None:
+        return f"{option.model.name}: held against the default mesh"
     if not option.enough:
         name = option.model.name
         return f"{name}: no model is known to be as accurate as the targets; of none finer much more is expected"
