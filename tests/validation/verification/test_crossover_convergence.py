@@ -19,7 +19,7 @@ from unitcell3d.model.crossover import Numerics
 from validation.verification.crossover_convergence import ends, page, pictures, study, tables
 from validation.verification.crossover_convergence.axes import BASE, METHOD, axes
 from validation.verification.crossover_convergence.cases import solve
-from weavecell.analysis.pareto import non_dominated
+from validation.verification.pareto import non_dominated
 from weavecell.cli import app
 
 FABRIC, PATHS = study.scene()

@@ -12,7 +12,7 @@ from validation.verification.mesh_convergence import __main__ as command
 from validation.verification.mesh_convergence import rim, yarn
 from validation.verification.mesh_convergence.study import FINE, Strikes, mesh, quantity, study, velocities
 from validation.verification.mesh_convergence.uncertainty import uncertainty
-from weavecell.analysis.richardson import extrapolate, observed_order
+from validation.verification.richardson import extrapolate, observed_order
 
 SIZES = (1.0, 1 / 2, 1 / 3)
 

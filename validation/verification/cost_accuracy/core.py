@@ -1,6 +1,6 @@
 """The judge of all charts: what a method costs, how far it is from the limit of the finest, and which none beats.
 
-A scene's reference is not a run but the limit that its meshes extrapolate to (`weavecell.analysis.richardson`).
+A scene's reference is not a run but the limit that its meshes extrapolate to (`validation.verification.richardson`).
 Its uncertainty is given with it: the scatter of the extrapolation, a quarter of its step beyond the finest mesh,
 and by how much finer choices of everything else (time step, table, tolerance) move the value.
 
@@ -18,8 +18,8 @@ from math import isnan, nan
 from typing import Any
 
 from fabrics.errors import UnstableError
-from weavecell.analysis.pareto import non_dominated
-from weavecell.analysis.richardson import Extrapolation, extrapolate
+from validation.verification.pareto import non_dominated
+from validation.verification.richardson import Extrapolation, extrapolate
 
 MARGIN = 0.1  # a more expensive method is listed if it reduces the error by a tenth: times are no better known
 AIMED = 0.05  # [-] error whose cheapest method is named

@@ -8,7 +8,7 @@ from pathlib import Path
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from validation.verification.cost_accuracy.core import Chart, Entry, Quantity, Reference, Sample, Scene, fronts
-from weavecell.analysis.richardson import Extrapolation
+from validation.verification.richardson import Extrapolation
 from weavecell.report.marked_page import markdown
 
 SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "-": (1e2, "%"), "deg": (1.0, "°")}

@@ -16,8 +16,8 @@ from fabrics.errors import InputError
 from fabrics.units import si
 from validation.verification.crossover_convergence.axes import BASE, METHOD, Axis, axes
 from validation.verification.crossover_convergence.cases import solve
-from weavecell.analysis.pareto import non_dominated
-from weavecell.analysis.richardson import extrapolate
+from validation.verification.pareto import non_dominated
+from validation.verification.richardson import extrapolate
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric

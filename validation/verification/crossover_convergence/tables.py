@@ -12,7 +12,7 @@ from validation.verification.crossover_convergence.axes import METHOD
 from validation.verification.crossover_convergence.study import LAW, Study, measured, quantities
 
 if TYPE_CHECKING:
-    from weavecell.analysis.richardson import Extrapolation
+    from validation.verification.richardson import Extrapolation
 
 UNITS = {"a": ("a [mm]", 1e3, "{:.4f}"), "b": ("b [mm N^(1/3)]", 1e3, "{:.4f}")}
 

@@ -20,7 +20,7 @@ from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from validation.verification.mesh_convergence.uncertainty import uncertainty
-from weavecell.analysis.richardson import Extrapolation, extrapolate
+from validation.verification.richardson import Extrapolation, extrapolate
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric

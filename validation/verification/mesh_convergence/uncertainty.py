@@ -1,8 +1,8 @@
 """Discretisation uncertainty of the value on the finest of several meshes.
 
 After L. Eca and M. Hoekstra, A procedure for the estimation of the numerical uncertainty of CFD calculations, Journal
-of Computational Physics 262 (2014) 104. With the limit f0 of `weavecell.analysis.richardson`, the value f on the finest
-mesh, the residual s of the fit and the range D of the data over the number of steps,
+of Computational Physics 262 (2014) 104. With the limit f0 of `validation.verification.richardson`, the value f on the
+finest mesh, the residual s of the fit and the range D of the data over the number of steps,
 
     U = F |f - f0| + s + |f - fit|         s < D
     U = 3 s / D (|f - f0| + s + |f - fit|)   otherwise
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from weavecell.analysis.richardson import Extrapolation
+    from validation.verification.richardson import Extrapolation
 
 OBSERVED, FITTED = 1.25, 3.0
 
