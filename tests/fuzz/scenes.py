@@ -101,8 +101,11 @@ def sample(generator, name="fuzz") -> RandomScene:
         panel.pop("stacking", None)
     if panel["boundary"] == "clamped" and draw.chance(0.15):
         panel["opening_shape"] = "round"
-    if panel["boundary"] == "clamped" and draw.chance(0.15):
-        panel |= {"impact_point": [_text(0.3 * half * draw.uniform(-1, 1), "mm") for _ in range(2)]}
+    if (
+        panel["boundary"] == "clamped" and not {"plies", "ply"} & panel.keys() and draw.chance(0.15)
+    ):  # of one ply: whole
+        room = 0.6 * (half - _number(shot["diameter"]))
+        panel |= {"impact_point": [_text(room * draw.uniform(-1, 1), "mm") for _ in range(2)]}
         panel["symmetry"] = "whole"
     return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other)
 

@@ -10,6 +10,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
+from shellfabric.cloth.membrane_kernels import WARP_FAILED
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import checkpoint, snapshots
 from shellfabric.output.hooks import Progress, Snapshots
@@ -326,6 +327,7 @@ def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
     k = 12 * const.row_stride + 12
     for gone in (k, k + 1):
         state.intact_fraction[0][gone] = state.yarn_length[0][gone] = 0.0
+        state.element_flag[[gone - 1, gone]] = WARP_FAILED
     state.block_damage[:] = panel_step_kernels.DAMAGED
     pull(panel, state, 1.02, 1.015)
     cell, weave = CellModel(fabric).solve(1.02, 1.015), fabric.weave
