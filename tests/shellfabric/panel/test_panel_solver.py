@@ -289,6 +289,23 @@ def pull(panel, state, stretch1, stretch2):
     return failure_kernels.stored_energy(const, state, 0, const.ni)[0]
 
 
+@pytest.mark.parametrize("grading", [None, ((12, 0.5), (16, 1), (np.inf, 2))])
+@pytest.mark.parametrize("form", ["equilibrium", "variational"])
+def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading):
+    """Forces and tensions of a torn panel do not change where all edges are computed as those beside failed yarns."""
+    panel = Panel(tables[form], (0.06, 0.05), symmetry="whole", grading=grading)
+    march = PanelSolver(panel, 200.0, 30e-6).run()
+    state, const, work = march.state, march.const, panel.work()
+    assert 4 < march.sample("failed_yarns")[-1] < 200
+    found = []
+    for flags in (state.element_flag.copy(), state.element_flag | WARP_FAILED):
+        state.element_flag[:] = flags
+        panel_step_kernels.initial_forces(state, const, work)
+        found.append([np.array(part) for part in (state.f_int, state.T, state.N)])
+    for one, other in zip(*found):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
+
+
 @pytest.mark.parametrize("elements", [1, 2, 3])
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
 def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elements):

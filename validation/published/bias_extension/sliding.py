@@ -21,6 +21,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from shellfabric.cell.model import CellModel
+from shellfabric.cloth.membrane_kernels import WARP_FAILED
 from shellfabric.coupon import quasistatic
 from shellfabric.coupon.model import Coupon
 from shellfabric.panel.element_kernels import DAMAGED
@@ -118,7 +119,7 @@ class ObliqueStrip(SlidingSolver):
             there[slots[edges].min(axis=1)] = True
             state.yarn_length[family][~there] = 0.0
             state.intact_fraction[family][~there] = 0.0
-        state.block_damage[:] = DAMAGED
+        state.block_damage[:], state.element_flag[:] = DAMAGED, WARP_FAILED
         free = np.zeros(state.mass.size, bool)
         free[slots[self.grips == 0]] = True
         for array in (state.inverse_mass, state.dt_over_mass):
