@@ -31,7 +31,8 @@ def test_the_mesh_of_a_study(fabric):
     assert v50.graded(plain).grading == ((near[0], 1), (2 * near[0], 2), (np.inf, 4))
     drawn = strengths.drawn(v50.graded(plain), inputs.published(), 1, 5).panel
     assert max(far / step for far, step in zip(drawn.reach(), drawn.spacing)) < near[0]
-    for changes in ({"elements_per_crossover": 1}, {"edge": "free"}, {"grading": ((np.inf, 1),)}):
+    stepped = {"round": True}, {"impact_point": (5e-3, 0.0), "symmetry": "whole"}, {"weave_angle": 0.3}
+    for changes in ({"elements_per_crossover": 1}, {"edge": "free"}, {"grading": ((np.inf, 1),)}, *stepped):
         assert v50.graded(replace(plain, **changes)) == replace(plain, **changes)
     pack = replace(plain, plies=2)
     assert v50.graded(pack) is pack

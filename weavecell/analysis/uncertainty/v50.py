@@ -143,12 +143,14 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     """The set-up with the mesh of a study where it names none: elements of one crossover as far as anything can come
     under the nose of nearly all drawn panels, of two to twice that distance, of four beyond.
 
-    A pack has a graded mesh of its own. Edges that are not clamped, oblique shots and weaves, and sliding crossovers
-    have the uniform mesh; so has `elements_per_crossover = 1`.
+    A pack has a graded mesh of its own. Edges that are not clamped or no lines of the grid (oblique weaves, round
+    openings, impacts off the middle), oblique shots and sliding crossovers have the uniform mesh; so has
+    `elements_per_crossover = 1`.
     """
     given = setup.grading is not None or setup.elements_per_crossover is not None or setup.crossovers is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
-    if setup.plies > 1 or given or not clamped or setup.projectile.obliquity or setup.weave_angle:
+    stepped = setup.weave_angle != 0 or setup.round or any(setup.impact_point)
+    if setup.plies > 1 or given or not clamped or setup.projectile.obliquity or stepped:
         return setup
     near = first_zone(setup)
     return replace(setup, grading=((near, 1), (2 * near, 2), (inf, 4)))
