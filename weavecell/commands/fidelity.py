@@ -150,8 +150,10 @@ def explain(path: Path) -> None:
         shown.add_column(column.replace("_", " "))
     for option in options:
         shown.add_row("->" if option is chosen else "", *_row(option, targets))
+    wanted = ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in scene.accuracy.targets.items())
     if setup.plies > 1:
         rich.print(shown)
+        print(f"targets: {wanted}")
         print("errors of a pack are the differences of both meshes, which are known when both have been run")
         return
     known_errors = error_database.load()
@@ -159,9 +161,7 @@ def explain(path: Path) -> None:
         errors = (_percent(known["expected"][quantity]) for quantity in scene.accuracy.targets)
         shown.add_row("", name, "-", "-", f"{known['cost']:.3f}", *errors)
     rich.print(shown)
-    print(
-        "targets: " + ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in scene.accuracy.targets.items())
-    )
+    print(f"targets: {wanted}")
     print("cost: process time over that of the full model, as the survey found it (docs/reports/fidelity.md)")
     print(
         "errors: four scenes in five of the survey stay below. A run looks at its own scene first, by two scouts, and"

@@ -206,14 +206,16 @@ def test_a_pack_is_answered_as_well_as_its_scene_wants(command, scene, tmp_path)
     path = scene(outputs='["report"]', extra=accuracy)
     code, out, _ = command("impact", path, "--explain")
     assert code == 0
-    assert "2 elements, table 201" in out
+    assert "->   finer mesh of packs, table 201" in out
     assert "targets: residual velocity 10 %" in out
+    assert "errors of a pack are the differences of both meshes" in out
     code, out, err = command("impact", path, "--out", "results")
     assert code == 0, err
     told = json.loads((tmp_path / "results/summary.json").read_text())
     assert told["plies"] == 3
     assert told["accuracy"]["targets"] == {"residual_velocity": 0.1}
     assert told["accuracy"]["confirmed"] is True
-    assert f"accuracy confirmed: {told['accuracy']['model']}, quarter panel" in out or "by definition" in out
+    assert told["accuracy"]["compared_with"] == "default mesh of packs"
+    assert f"accuracy confirmed: {told['accuracy']['model']}, quarter panel" in out
     assert "The model that was chosen" in (tmp_path / "results/report.html").read_text()
     assert not list((tmp_path / "results").glob("checkpoint*"))
