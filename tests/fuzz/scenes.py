@@ -101,9 +101,8 @@ def sample(generator, name="fuzz") -> RandomScene:
         panel.pop("stacking", None)
     if panel["boundary"] == "clamped" and draw.chance(0.15):
         panel["opening_shape"] = "round"
-    if (
-        panel["boundary"] == "clamped" and not {"plies", "ply"} & panel.keys() and draw.chance(0.15)
-    ):  # of one ply: whole
+    alone = not {"plies", "ply"} & panel.keys()  # a point off the middle needs the whole panel
+    if panel["boundary"] == "clamped" and alone and draw.chance(0.05):
         room = 0.6 * (half - _number(shot["diameter"]))
         panel |= {"impact_point": [_text(room * draw.uniform(-1, 1), "mm") for _ in range(2)]}
         panel["symmetry"] = "whole"
