@@ -206,45 +206,28 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
     Where the edge is a staircase (`boundary.stepped`) its sides are the held nodes, each with the side of the opening
     that it is nearest to.
     """
-    shape, weight = tuple(n + 1 for n in panel.counts), 1 / panel.share
+    shape = tuple(n + 1 for n in panel.counts)
     numbers = np.arange(shape[0] * shape[1]).reshape(shape)
-    if stepped(panel):
-        return _stepped_sides(panel, numbers, weight)
-    on, lines = np.zeros((4, *shape), bool), [np.s_[-1, :], np.s_[0, :], np.s_[:, -1], np.s_[:, 0]]
     mirrored = [False, panel.mirrors[0], False, panel.mirrors[1]]
-    for side, line, missing in zip(on, lines, mirrored):
-        side[line] = not missing
-    share = np.where(on, weight / np.maximum(on.sum(axis=0), 1), 0.0)
+    if stepped(panel):
+        on, normals = _stepped_sides(panel)
+    else:
+        on, normals = np.zeros((4, *shape), bool), np.array([(1, 0), (-1, 0), (0, 1), (0, -1)])
+        for side, line, missing in zip(on, (np.s_[-1, :], np.s_[0, :], np.s_[:, -1], np.s_[:, 0]), mirrored):
+            side[line] = not missing
+    share = np.where(on, 1 / panel.share / np.maximum(on.sum(axis=0), 1), 0.0)
     # a side whose opposite is its mirror stands for both: half of what its weight completes
     share *= np.array([0.5 if panel.mirrors[k // 2] else 1.0 for k in range(4)])[:, None, None]
-    sides = [
-        (numbers[side], part[side], np.array(normal))
-        for side, part, normal in zip(on, share, ((1, 0), (-1, 0), (0, 1), (0, -1)))
-    ]
+    sides = [(numbers[side], part[side], normal) for side, part, normal in zip(on, share, normals)]
     return [sides[k - 1] if mirrored[k] else side for k, side in enumerate(sides)]
 
 
-def _stepped_sides(panel, numbers, weight):
-    turn = np.array(
-        [[cos(panel.weave_angle), -sin(panel.weave_angle)], [sin(panel.weave_angle), cos(panel.weave_angle)]]
-    )
-    place = in_frame(panel) / (0.5 * np.array(panel.opening))[:, None, None]
-    across, along = np.abs(place)
-    nearest = np.where(across > along - 1e-9, np.where(place[0] > 0, 0, 1), np.where(place[1] > 0, 2, 3))
-    held = ~loose(panel)
-    normals = (turn[0], -turn[0], turn[1], -turn[1])
-    # on a plane of symmetry stands half of what a node of the whole panel takes, as in its mass
-    share = weight * np.ones(held.shape)
-    found = [(numbers[on], share[on], n) for on, n in ((held & (nearest == k), n) for k, n in enumerate(normals))]
-    return [_mirrored(found, k, panel.mirrors) for k in range(4)]
-
-
-def _mirrored(sides, k, mirrors):
-    """Side k; where the panel is mirrored across, half of the side that stands for both."""
-    if not mirrors[k // 2]:
-        return sides[k]
-    nodes, share, normal = sides[k - k % 2]
-    return nodes, 0.5 * share, normal
+def _stepped_sides(panel):
+    """((4, ni+1, nj+1) held nodes of each side, (4, 2) outward normals) of a panel with a staircase for an edge."""
+    c, s = cos(panel.weave_angle), sin(panel.weave_angle)
+    x, y = in_frame(panel) / (0.5 * np.array(panel.opening))[:, None, None]
+    nearest = np.where(np.abs(x) > np.abs(y) - 1e-9, np.where(x > 0, 0, 1), np.where(y > 0, 2, 3))
+    return ~loose(panel) & (nearest == np.arange(4)[:, None, None]), np.array([(c, -s), (-c, s), (s, c), (-s, -c)])
 
 
 def unpack(recording: Sequence[FloatArray], plies: Sequence[Panel], measure: HistoryRequest) -> tuple[Histories, ...]:

@@ -9,7 +9,7 @@ Cloth that slips out of the clamp is not added to the panel: as in the thesis, t
 
 The grid follows the yarns, and its middle is the impact point. Where the weave is at an angle to the sides of the
 opening, the opening is round, or its middle is not the impact point, the grid covers the opening, and its nodes on and
-beyond the edge are held: the cloth out there lies in the clamp. The clamped line is thus a staircase of crossovers,
+beyond the edge are held: the fabric out there lies in the clamp. The clamped line is thus a staircase of crossovers,
 nowhere further from the edge than the diagonal of one element.
 """
 
@@ -126,7 +126,7 @@ def check(panel: Panel) -> None:
         raise InputError(key="edge", value=panel.edge, allowed=f"clamped where the weave is {what}")
     room = [0.5 * side - 2 * panel.projectile.radius for side in panel.opening]
     inside = np.hypot(*panel.impact_point) < room[0] if panel.round else np.all(np.abs(panel.impact_point) < room)
-    if not inside:
+    if any(panel.impact_point) and not inside:
         allowed = "within the opening, two radii of the projectile from its edge"
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if panel.weave_angle == 0:
@@ -137,8 +137,9 @@ def check(panel: Panel) -> None:
         raise InputError(key="symmetry", value=panel.symmetry, allowed="whole where the weave is oblique")
 
 
-def stepped(panel: Panel) -> bool:
-    """Whether the edge of the opening is a staircase of grid lines, in place of four of them."""
+def stepped(panel: Any) -> bool:
+    """Whether the edge of the opening is a staircase of grid lines, in place of four of them; of a Panel or an
+    ImpactSetup."""
     return panel.weave_angle != 0 or panel.round or any(panel.impact_point)
 
 

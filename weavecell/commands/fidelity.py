@@ -144,8 +144,9 @@ def explain(path: Path) -> None:
     setup = build.setup(this, path)
     options = select.options(setup, scene.accuracy.targets, fixed=by_hand(scene))
     chosen = select.pick(options)
-    shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")
-    targets = scene.accuracy.targets if setup.plies == 1 else {}
+    targets = scene.accuracy.targets if setup.plies == 1 else {}  # errors of a pack are not known before its runs
+    title = f"Models, the cheapest first{'; likely errors' if targets else ''}"
+    shown = table.Table(box=box.SIMPLE_HEAD, title=title, title_justify="left")
     for column in ("", "model", "part", "elements", "cost", *targets):
         shown.add_column(column.replace("_", " "))
     for option in options:

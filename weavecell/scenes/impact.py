@@ -119,15 +119,6 @@ def _opening_or_value_error(value):
         raise ValueError(str(problem)) from None
 
 
-def _place_or_value_error(value):
-    if not (isinstance(value, (list, tuple)) and len(value) == 2):
-        raise ValueError("no place")
-    try:
-        return tuple(si(text, "m") for text in value)
-    except InputError as problem:
-        raise ValueError(str(problem)) from None
-
-
 def zones(value: Any) -> tuple[tuple[float, float], ...] | None:
     """Zones (until, side) [crossovers] of a grading as they stand in a file; ValueError where they are none."""
     if value is None:
@@ -201,9 +192,7 @@ class PanelTable(Table):
     ]
     opening_shape: one_of("rectangular", "round") = "rectangular"
     impact_point: Annotated[
-        tuple[float, float],
-        BeforeValidator(_place_or_value_error),
-        in_unit("m", 'a list of two lengths, such as ["20 mm", "0 mm"]'),
+        quantities("m", "a list of two lengths", '["20 mm", "0 mm"]'), Field(min_length=2, max_length=2)
     ] = (0.0, 0.0)
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"

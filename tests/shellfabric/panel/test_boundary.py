@@ -297,8 +297,8 @@ def test_half_of_a_panel_struck_on_its_axis_is_like_the_whole(tables):
 
 
 def test_energy_and_edge_forces_of_a_round_opening(tables):
-    """The energy closes, with and without failure, and the pulls on the four parts of the edge stop the projectile as
-    their lifts say; a quarter and the whole have the same."""
+    """The energy closes, with and without failure; a quarter, a half and the whole have the same pull and lift at the
+    four parts of the edge."""
     pulls = []
     for symmetry in ("quarter", "half", "whole"):
         panel = Panel(tables["variational"], (0.04, 0.04), symmetry=symmetry, round=True)

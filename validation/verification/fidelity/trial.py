@@ -28,8 +28,7 @@ from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Model, Tables, sim
 
 TRIALS = {
     "everything": 101, "again": 303, "scene": 202, "refined": 505, "refined-scene": 606, "packs": 707,
-}  # fmt: skip
-"""Their seeds."""
+}  # their seeds  # fmt: skip
 COUNT, PACKS = 20, 40
 PACK_TARGET = 0.05
 THIRD = Model("third mesh of packs", (("table_size", 201),), near=2.0)

@@ -46,7 +46,7 @@ class Model:
     @property
     def coarse(self) -> bool:
         """Whether its elements are crossovers, or more, everywhere."""
-        return dict(self.changes).get("elements_per_crossover") == 1 and not self.refined and self.near is None
+        return dict(self.changes).get("elements_per_crossover") == 1 and not self.refined
 
     @property
     def refined(self) -> bool:
@@ -129,17 +129,18 @@ PACK_LADDER = (
     Model(PACK_DEFAULT, tuple(_QUICK.items()), answers=False, near=1.0),
     Model(PACK_FULL, (("table_size", 201),), near=1.5),
 )
-BY_NAME = {model.name: model for model in (*PACK_LADDER, *LADDER)}
-_SCOUTS = SCOUT, "graded", "1 element"
+BY_NAME = {model.name: model for model in (*LADDER, *PACK_LADDER)}
+_SCOUTS = SCOUT, "graded", "1 element", PACK_DEFAULT
 
 
-def scouts(known: Container[str]) -> tuple[Model, Model]:
-    """The two cheapest meshes, coarser first, of those whose names are `known`: what tells how hard a scene is."""
+def scouts(known: Container[str]) -> tuple[Model, ...]:
+    """The two cheapest meshes, coarser first, of those whose names are `known`, which tell how hard a scene is; of a
+    pack its default mesh."""
     found = [BY_NAME[name] for name in _SCOUTS if name in known]
     return tuple(found[:2])
 
 
-def partner(model: Model, two: tuple[Model, Model]) -> Model:
+def partner(model: Model, two: tuple[Model, ...]) -> Model:
     """The scout that a model's answer is held against, and mixed with: of two, the next coarser mesh."""
     coarse, fine = two
     return coarse if model.coarse else fine

@@ -255,18 +255,17 @@ class _Scout:
 
 
 def _look(base, tables):
-    """What two scouts find, the finer first, of a pack one; empty where one of them cannot be meshed and run."""
+    """What the pilot runs find, the finer first; empty where not all of them can be meshed and run."""
     meshed = [model.name for model in ladder_of(base) if model.panel(base, tables.cheap(base)) is not None]
-    wanted = scouts(meshed) if base.plies == 1 else [model for model in ladder_of(base) if not model.answers]
     found = []
-    for model in wanted:
+    for model in scouts(meshed):
         this = model.of(replace(base, snapshot_interval=None, history=None))
         try:
             result = simulation.run(this, table=tables.of(this))
         except UnstableError:
             return ()
         found.insert(0, _Scout(model, result, quantities.of(result)))
-    return tuple(found) if len(found) == (2 if base.plies == 1 else 1) else ()
+    return tuple(found) if len(found) == 2 or base.plies > 1 else ()
 
 
 def _kind(shot):
