@@ -109,7 +109,7 @@ def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
     ------
     InputError : an unknown keyword, or a value that is not allowed; one line that names the keyword
     """
-    from weavecell.commands import impact
+    from weavecell.commands.impact import SUPPORT
     from weavecell.scenes import impact as scenes_impact
 
     given = DEFAULTS | {key: value for key, value in options.items() if value is not None}
@@ -136,21 +136,11 @@ def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
     table["projectile"] = {**table["projectile"], **struck}
     written = _written(table, scenes_impact.Scene)
     written["fabric"] |= {"name": fabric}
+    rejected = dict(SUPPORT.rejected) | {"history.report_positions": "left out: `weavecell.setup` does not support it"}
     try:
-        return scenes_impact.check(written, None, _support(impact.support))
+        return scenes_impact.check(written, None, replace(SUPPORT, rejected=rejected))
     except InputError as problem:
         raise named(problem) from None
-
-
-def _support(of_scene):
-    """The declaration of the commands without what only a report shows."""
-
-    def support(checked):
-        found = of_scene(checked)
-        kept = tuple(key for key in found.supported if key != "history.report_positions")
-        return replace(found, command="weavecell.setup", supported=kept)
-
-    return support
 
 
 def _stand_in(value):

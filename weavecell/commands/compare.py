@@ -10,6 +10,7 @@ The folder of `weavecell compare`
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +18,12 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.files import write_whole
+from weavecell.commands import critical_velocity
 from weavecell.report import checks, pictures
 from weavecell.results import json_file, progress, provenance
 from weavecell.scenes import target
-from weavecell.scenes.supported import of
 
-SUPPORT = target.support(
-    "weavecell compare",
-    ignored=(
-        "title", "projectile.strike_velocity",
-        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
-    ),
-    rejected={"history": "left out: the shots record nothing along yarns; `weavecell impact` does"},
-)  # fmt: skip
+SUPPORT = replace(critical_velocity.SUPPORT, command="weavecell compare")
 _HEADS = (
     "velocity [m/s]", "tested", "computed", "tested residual velocity [m/s]", "computed residual velocity [m/s]",
     "checks",

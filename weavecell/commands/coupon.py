@@ -48,15 +48,6 @@ WORDS = {
 SUPPORT = Support(
     "weavecell coupon",
     scenes_coupon.CouponScene,
-    (
-        "title", *build.CLOTH, "fabric.fibre_slack", "fabric.bending",
-        *of("bias_extension", "length width elongation trellis"),
-        *of("picture_frame", "shear_angle crossovers"),
-        *of("uniaxial", "direction length width strain failure"),
-        *of("biaxial", "strain centre arm cross_yarns_removed failure"),
-        *of("pull_out", " ".join(scenes_coupon.PullOutTable.model_fields)),
-        *of("run", "steps elements_per_crossover tolerance max_iterations outputs"),
-    ),
     rejected={
         "fabric.surface": "left out: the cell of a coupon is made from laws",
     },

@@ -23,19 +23,13 @@ from fabrics.files import write_whole
 from weavecell.report import chapters_assumed, checks, pictures
 from weavecell.results import json_file, progress, provenance
 from weavecell.scenes import target
-from weavecell.scenes.supported import of
 
 if TYPE_CHECKING:
     from shellfabric.impact.lambert_jonas import LambertJonas
 
 SUPPORT = target.support(
-    "weavecell critical-velocity",
-    ignored=(
-        "title", "projectile.strike_velocity",
-        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
-    ),
-    rejected={"history": "left out: the shots record nothing along yarns; `weavecell impact` does"},
-)  # fmt: skip
+    "weavecell critical-velocity", ignored=("title", *target.UNWRITTEN, "projectile.strike_velocity", "run.end_time")
+)
 _COLUMNS = {
     "strike velocity [m/s]": lambda shot: f"{shot.strike_velocity:.4f}",
     "outcome": lambda shot: shot.outcome,

@@ -31,7 +31,6 @@ from weavecell.report.page import Card, Figure, Report, Section, Table
 from weavecell.results import deck, deck_abaqus, deck_ls_dyna, deck_radioss, json_file, provenance
 from weavecell.scenes import target
 from weavecell.scenes.impact import SlipTable
-from weavecell.scenes.supported import of
 
 
 @dataclass(frozen=True)
@@ -68,11 +67,7 @@ ROWS = {
 _NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
 _SIDES = [f"panel.boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields]
 SUPPORT = target.support(
-    "weavecell export", honoured=("title", "projectile.strike_velocity", "run.end_time"),
-    ignored=(
-        *of("run", "snapshot_interval checkpoint_interval outputs"),
-        *of("history", "interval warp weft report_positions"),
-    ),
+    "weavecell export", ignored=(*target.UNWRITTEN, "history"),
     rejected={key: allowed for key, (allowed, _) in deck.REFUSED.items() if key != "panel.boundary"}
     | dict.fromkeys(_SIDES, deck.REFUSED["panel.boundary"][0]),
 )  # fmt: skip

@@ -9,38 +9,21 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError, UnstableError
 from weavecell.report.page import Section, Table
-from weavecell.scenes import build
+from weavecell.scenes import build, target
 from weavecell.scenes import impact as scenes_impact
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.supported import Support, of
+from weavecell.scenes.supported import Support
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.analysis.fidelity.select import Answer
 
-_CHOSEN = "left out in a scene with [accuracy], whose mesh is chosen"
 SUPPORT = Support(
-    "weavecell impact",
-    scenes_impact.Scene,
-    (
-        "title", *build.SHOT, "projectile.strike_velocity",
-        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
-        *of("history", "interval warp weft report_positions"),
-        *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
-    ),
-    rejected=build.NO_SLACK | build.PINNED | {"panel.grading": _CHOSEN},
-    rules=build.SHOT_RULES,
+    "weavecell impact", scenes_impact.Scene, rules=build.SHOT_RULES,
+    rejected=build.NO_SLACK | build.PINNED
+    | {"panel.grading": "left out in a scene with [accuracy], whose mesh is chosen"},
 )  # fmt: skip
-_OF_A_RUN = (
-    "title", *of("run", "snapshot_interval checkpoint_interval outputs"),
-    *of("history", "interval warp weft report_positions"),
-)  # fmt: skip
-EXPLAIN = replace(
-    SUPPORT,
-    command="weavecell impact --explain",
-    supported=tuple(key for key in SUPPORT.supported if key not in _OF_A_RUN),
-    ignored=_OF_A_RUN,
-)
+EXPLAIN = replace(SUPPORT, command="weavecell impact --explain", ignored=("title", *target.UNWRITTEN, "history"))
 
 # keys of a scene that a model of the ladder would change; what is given there stays
 _BY_HAND = {

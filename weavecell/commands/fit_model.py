@@ -25,7 +25,6 @@ from weavecell.analysis.uncertainty import inputs
 from weavecell.commands import coupon
 from weavecell.commands.compare import SUPPORT as COMPARE
 from weavecell.commands.sweep import alone
-from weavecell.commands.uncertainty import OF_SHOTS
 from weavecell.scenes import build, supported, target
 from weavecell.scenes import coupon as scenes_coupon
 from weavecell.scenes import impact as scenes
@@ -52,14 +51,11 @@ NUMBERS = {
     "trellis_angles": (("shear.gamma1", None, "gamma1", ""), ("shear.gamma2", None, "gamma2", "")),
 }
 SHOTS = target.support(
-    "weavecell fit", honoured=("projectile.strike_velocity", "run.end_time"), ignored=OF_SHOTS,
+    "weavecell fit",
     rejected={"history": "left out: the runs record nothing along yarns; `weavecell impact` does"},
-)  # fmt: skip
+)
 TESTS = replace(COMPARE, command="weavecell fit")
-COUPONS = replace(
-    coupon.SUPPORT, command="weavecell fit", ignored=("title", "run.outputs"),
-    supported=tuple(key for key in coupon.SUPPORT.supported if key not in ("title", "run.outputs")),
-)  # fmt: skip
+COUPONS = replace(coupon.SUPPORT, command="weavecell fit", ignored=("title", "run.outputs"))
 
 
 @dataclass(frozen=True)

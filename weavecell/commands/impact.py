@@ -36,7 +36,7 @@ from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
-from weavecell.scenes.supported import Support, of
+from weavecell.scenes.supported import Support
 from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
@@ -46,18 +46,7 @@ if TYPE_CHECKING:
     from weavecell.analysis.discretisation import Discretisation
     from weavecell.analysis.fidelity.select import Answer
 
-SUPPORT = Support(
-    "weavecell impact",
-    scenes_impact.Scene,
-    (
-        "title", *build.SHOT, "projectile.strike_velocity", "panel.grading", *build.CROSSOVERS,
-        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
-        *of("history", "interval warp weft report_positions"),
-        *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
-    ),
-    rejected=build.NO_SLACK,
-    rules=build.SHOT_RULES,
-)  # fmt: skip
+SUPPORT = Support("weavecell impact", scenes_impact.Scene, rejected=build.NO_SLACK, rules=build.SHOT_RULES)
 
 
 def support(scene: scenes_impact.Scene) -> Support:

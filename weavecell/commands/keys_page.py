@@ -92,9 +92,9 @@ def _commands(key, model):
     """Who uses a key, ignores it and refuses it; keys of [fabric] are also those of coupons."""
     both = key.startswith("fabric.")
     of = {name: each for name, each in COMMANDS.items() if each.model is model or both}
-    ignored = [name for name, each in of.items() if key in each.ignored]
-    used = [name for name, each in of.items() if key in each.supported]
-    refused = [name for name in of if name not in (*ignored, *used)]
+    used, ignored, refused = (
+        [name for name, each in of.items() if each.use_of(key) == use] for use in ("used", "ignored", "refused")
+    )
     parts = ["all" if len(used) == len(of) > 1 else ", ".join(used) or "none"]
     parts += [f"{verb} by {', '.join(each)}" for verb, each in (("ignored", ignored), ("refused", refused)) if each]
     return "; ".join(parts)

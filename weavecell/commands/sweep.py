@@ -20,7 +20,7 @@ from fabrics.errors import InputError
 from fabrics.files import write_whole
 from weavecell.analysis import sweep as analysis
 from weavecell.analysis.sweep import QUANTITIES, Wanted
-from weavecell.commands.uncertainty import OF_SHOTS, OF_V50, RUNS
+from weavecell.commands.uncertainty import OF_V50, RUNS
 from weavecell.report import pictures_uncertainty
 from weavecell.results import json_file, parquet, progress, provenance
 from weavecell.results.parquet import Column
@@ -28,9 +28,9 @@ from weavecell.scenes import impact as scenes
 from weavecell.scenes import supported, target
 
 OF_SWEEP = target.support(
-    "weavecell sweep", honoured=("projectile.strike_velocity", "run.end_time"), ignored=OF_SHOTS,
+    "weavecell sweep",
     rejected={"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"},
-)  # fmt: skip
+)
 
 
 def sweep(

@@ -24,27 +24,19 @@ from shellfabric.panel import grading as panel_grading
 from weavecell.analysis.uncertainty import draws as draws_of
 from weavecell.analysis.uncertainty import inputs, protocol, sobol, v50
 from weavecell.commands import impact as commands_impact
-from weavecell.commands.critical_velocity import parameters
+from weavecell.commands.critical_velocity import SUPPORT, parameters
 from weavecell.report import marked_page, pictures_uncertainty
 from weavecell.results import json_file, progress, provenance
 from weavecell.scenes import build, target
 from weavecell.scenes import impact as impact_scenes
-from weavecell.scenes.supported import of
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
 RUNS = "runs"
 STRIKES = 92.5, 170.0  # [m/s] of a fabric's sensitivities
-OF_SHOTS = "title", *of("run", "snapshot_interval checkpoint_interval outputs")  # what repeated shots do not write
-_NOTHING_ALONG_YARNS = {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
-OF_V50 = target.support(
-    "weavecell v50", ignored=(*OF_SHOTS, "projectile.strike_velocity", "run.end_time"), rejected=_NOTHING_ALONG_YARNS
-)
-OF_SOBOL = target.support(
-    "weavecell sensitivity", honoured=("projectile.strike_velocity", "run.end_time"), ignored=OF_SHOTS,
-    rejected=_NOTHING_ALONG_YARNS,
-)  # fmt: skip
+OF_V50 = replace(SUPPORT, command="weavecell v50")
+OF_SOBOL = target.support("weavecell sensitivity")
 
 
 def sensitivity(
@@ -183,15 +175,9 @@ def _doubts(shots):
     return f"{some} of {len(shots)} shots are doubtful; checks beyond their limits: {checks}."
 
 
-_IGNORED = (
-    "panel.symmetry", *of("run", "snapshot_interval checkpoint_interval outputs"),
-    *of("history", "interval warp weft report_positions"),
-)  # fmt: skip
 DRAWS = replace(
-    commands_impact.SUPPORT, command="weavecell impact --draws", ignored=_IGNORED,
-    supported=tuple(
-        key for key in commands_impact.SUPPORT.supported if key not in _IGNORED and not key.startswith("accuracy.")
-    ),
+    commands_impact.SUPPORT, command="weavecell impact --draws",
+    ignored=("panel.symmetry", *target.UNWRITTEN, "history"),
     rejected=build.NO_SLACK | {"accuracy": "left out with --draws, which runs the mesh of the scene"},
 )  # fmt: skip
 

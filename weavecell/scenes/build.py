@@ -18,49 +18,22 @@ from fabrics.ply_law import PlyLaw
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from fabrics.yarn import WeavingDamage
-from weavecell.scenes.impact import BackingTable, ProjectileTable, SlipTable
-from weavecell.scenes.schema import FabricTable, InlineLaw
+from weavecell.scenes.impact import Scene
+from weavecell.scenes.schema import FabricTable, InlineLaw, tables_in
 from weavecell.scenes.supported import Rule, of
 from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup, Ply
 
-# keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
-CLOTH = of(
-    "fabric",
-    "name file linear_density weaving_damage.modulus weaving_damage.strength weaving_damage.source "
-    "weaving_damage.status law law.a law.b law.form cell_model cell_formulation cell_profile crossover_gap",
-)
-PROJECTILE = of(
-    "projectile",
-    "name mass diameter edge_radius shape length half_angle tip_radius flat_width flat_angle obliquity azimuth yaw "
-    "roll friction body bore_diameter",
-)
-_SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
-PANEL = of(
-    "panel",
-    f"opening opening_shape impact_point boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle "
-    "yarn_failure",
-)
-CROSSOVERS = of("panel", "crossovers crossover_friction crossover_cohesion")
-NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping contact_points precision threads")
-BACKING = of(
-    "backing",
-    "material size standoff modulus density poisson yield_stress hardening erosion_strain rate_exponent reference_rate "
-    "outer_boundary min_size refined_depth growth",
-)
 _OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")
-_LAY_UP = of("panel", "ply.name ply.file ply.law ply.law.a ply.law.b ply.law.form ply.angle ply.gap ply.count")
-SHOT = (
-    *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "panel.plies", *_LAY_UP, *_OF_A_PACK,
-    "run.elements_per_crossover", *NUMERICS, *BACKING,
-)  # fmt: skip
 # keys whose field in the objects of shellfabric has another name
 FIELDS = {
     "fabric.cell_formulation": "form",
     "fabric.crossover_gap": "gap",
+    "fabric.cell_profile": "profile",
     "panel.boundary": "edge",
+    "panel.yarn_failure": "failure",
 }
 NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
 # of sliding crossovers, which need a mesh of one element a crossover
@@ -189,41 +162,26 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     from shellfabric.output.histories import HistoryRequest
     from shellfabric.panel.model import Numerics
 
-    shot, panel, run = case.scene.projectile, case.scene.panel, case.scene.run
-    history = case.scene.history
+    scene, panel = case.scene, case.scene.panel
+    of_setup = {field.name for field in fields(ImpactSetup)}
+    given: dict[str, Any] = {}
+    for name in ("fabric", "panel", "run"):
+        given |= {key: value for key, value in _given(getattr(scene, name), name).items() if key in of_setup}
     try:
-        return ImpactSetup(
-            fabric=case.fabric,
-            strike_velocity=shot.strike_velocity,
-            laws=case.laws,
-            projectile=_projectile(shot),
-            opening=panel.opening,
-            edge=_edge(panel.boundary),
-            symmetry=panel.symmetry,
-            weave_angle=panel.weave_angle,
-            round=panel.opening_shape == "round",
-            impact_point=panel.impact_point,
-            grading=panel.grading,
-            plies=panel.plies,
-            lay_up=case.lay_up,
-            stacking=panel.stacking,
-            ply_gap=panel.ply_gap,
-            ply_friction=panel.ply_friction,
-            end_time=run.end_time,
-            elements_per_crossover=run.elements_per_crossover,
-            cell_model=case.scene.fabric.cell_model,
-            form=case.scene.fabric.cell_formulation,
-            gap=case.scene.fabric.crossover_gap,
-            profile=case.scene.fabric.cell_profile,
-            bending=case.scene.fabric.bending,
-            surface=case.surface,
-            snapshot_interval=run.snapshot_interval,
-            failure=panel.yarn_failure,
-            backing=_backing(case.scene.backing),
-            history=HistoryRequest(history.interval, history.warp, history.weft) if history else None,
-            numerics=Numerics(**_given(case.scene.numerics, "numerics")),
-            crossovers=_crossovers(panel),
-        )
+        return ImpactSetup(**given | {  # in place of texts and tables the objects that they describe
+            "fabric": case.fabric,
+            "laws": case.laws,
+            "surface": case.surface,
+            "lay_up": case.lay_up,
+            "strike_velocity": scene.projectile.strike_velocity,
+            "projectile": _projectile(scene.projectile),
+            "edge": _edge(panel.boundary),
+            "round": panel.opening_shape == "round",
+            "crossovers": _crossovers(panel),
+            "backing": _backing(scene.backing),
+            "history": scene.history and HistoryRequest(**_given(scene.history, "history", but=("report_positions",))),
+            "numerics": Numerics(**_given(scene.numerics, "numerics")),
+        })  # fmt: skip
     except InputError as problem:
         raise in_file(problem, file) from None
 
@@ -286,16 +244,14 @@ def in_file(problem: InputError, file: FilePath | None) -> InputError:
     """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
-    tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run", "cfl": "numerics"}
-    in_panel = (
-        "opening opening_shape impact_point symmetry weave_angle grading crossovers yarn_failure plies stacking "
-        "ply_gap ply_friction"
-    )
-    tables |= dict.fromkeys(in_panel.split(), "panel")
-    tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
-    tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")
-    key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
-    key = next((name for name, field in FIELDS.items() if field == problem.key), key)
+    keys = {
+        key: f"{name}.{key}"
+        for name, entry in Scene.model_fields.items()
+        for table in tables_in(entry.annotation)
+        for key in table.model_fields
+    }
+    keys |= {"model": "fabric.cell_model"} | {field: key for key, field in FIELDS.items()}
+    key = keys.get(problem.key or "", problem.key)
     if key is None:
         return InputError(str(problem), file=file)
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)

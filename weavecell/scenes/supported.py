@@ -1,9 +1,9 @@
 """Which keys of a scene a command supports. A key that is set and not supported is rejected; none is passed over.
 
-Each command declares, beside its code, a `Support`: every key of the scene's schema is supported, ignored or rejected.
-Keys are dotted ("panel.boundary.warp.clamp_force"); a table may be rejected as a whole ("history"). `check` runs before
-anything is computed or written. A key that is in no declaration is rejected by every command, so that a key added to
-the schema cannot be passed over; tests find it.
+Each command declares, beside its code, a `Support`: what it ignores and what it rejects of the scene's schema; it
+supports all other keys, a new one too. A test finds a supported key that does not reach the solver. Keys are dotted
+("panel.boundary.warp.clamp_force"); a table may be named as a whole ("history"). `check` runs before anything is
+computed or written.
 
 A key at its default value counts as not set: it changes nothing, since every command does what the defaults of the keys
 that it rejects describe (one ply, no block, no [history]).
@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import accumulate
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
@@ -50,18 +51,28 @@ class Support:
     ----------
     command : as it is called, "weavecell impact"
     model : the Table of its scenes
-    supported : keys that it honours
-    ignored : keys that mean nothing to it, each named in its help
+    ignored : keys or tables that mean nothing to it, each key named in its help
     rejected : {key or table: what is allowed}, completing "must be ..."
     rules : rejections that depend on other keys
     """
 
     command: str
     model: type[Table]
-    supported: tuple[str, ...]
     ignored: tuple[str, ...] = ()
     rejected: Mapping[str, str] = field(default_factory=dict)
     rules: tuple[Rule, ...] = ()
+
+    def use_of(self, key: str) -> str:
+        """What it does with a key: "used", "ignored" or "refused" (in any scene)."""
+        named = with_tables(key)
+        if any(name in self.rejected for name in named):
+            return "refused"
+        return "ignored" if any(name in self.ignored for name in named) else "used"
+
+    @property
+    def supported(self) -> tuple[str, ...]:
+        """Keys that it honours: all that it neither ignores nor rejects."""
+        return tuple(key for key in keys(self.model) if self.use_of(key) == "used")
 
 
 def of(table: str, names: str) -> tuple[str, ...]:
@@ -83,17 +94,15 @@ def check(scene: Any, table: dict[str, Any], file: FilePath | None, support: Sup
     ------
     InputError : one line naming the file, the first such key, its value and what is allowed
     """
-    known = {*support.supported, *support.ignored}
-    for key in changed(scene):
-        parts = key.split(".")
-        above = [".".join(parts[: n + 1]) for n in range(len(parts))]
-        for name in above:
-            allowed = support.rejected.get(name) or _ruled(scene, name, support.rules)
-            if allowed:
-                raise InputError(file=file, key=name, value=_written(table, name), allowed=allowed)
-        if key not in known and not any(name.startswith(f"{key}.") for name in known):
-            allowed = f"left out: `{support.command}` does not support it"
-            raise InputError(file=file, key=key, value=_written(table, key), allowed=allowed)
+    for name in (name for key in changed(scene) for name in with_tables(key)):
+        allowed = support.rejected.get(name) or _ruled(scene, name, support.rules)
+        if allowed:
+            raise InputError(file=file, key=name, value=_written(table, name), allowed=allowed)
+
+
+def with_tables(key: str) -> list[str]:
+    """The tables that a dotted key is in, from the outermost, and the key."""
+    return list(accumulate(key.split("."), "{}.{}".format))
 
 
 def _ruled(scene, key, rules):

@@ -19,9 +19,11 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes
-from weavecell.scenes.supported import Support
+from weavecell.scenes.supported import Support, of
 
 ALLOWED = "an input file or fabric file (*.toml), or one of "
+UNWRITTEN = of("run", "snapshot_interval checkpoint_interval outputs")  # by commands that shoot many times
+NO_HISTORY = {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
 _OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
 
 
@@ -62,20 +64,12 @@ class Target:
 
 
 def support(
-    command: str, *, honoured: tuple[str, ...] = (), ignored: tuple[str, ...] = (),
-    rejected: Mapping[str, str] | None = None,
-) -> Support:  # fmt: skip
-    """The Support of a command that shoots at a target many times.
-
-    Parameters
-    ----------
-    command, ignored, rejected : as of Support
-    honoured : keys beside those of `build.SHOT`, grading and crossovers
-    """
-    keys = (*build.SHOT, "panel.grading", *build.CROSSOVERS, *honoured)
-    refused = build.NO_SLACK | dict(rejected or {})
+    command: str, *, ignored: tuple[str, ...] = ("title", *UNWRITTEN), rejected: Mapping[str, str] = NO_HISTORY
+) -> Support:
+    """The Support of a command that shoots at a target many times; its parameters are those of Support."""
+    refused = build.NO_SLACK | dict(rejected)
     refused |= {"accuracy": "left out: the shots are computed on the mesh of the scene"}
-    return Support(command, scenes.Scene, keys, ignored, refused, build.SHOT_RULES)
+    return Support(command, scenes.Scene, ignored, refused, build.SHOT_RULES)
 
 
 def read(
