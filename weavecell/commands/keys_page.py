@@ -5,6 +5,7 @@ python -m weavecell.commands.keys_page [docs/reference/input.md]
 
 from __future__ import annotations
 
+import inspect
 import sys
 from dataclasses import fields
 from pathlib import Path
@@ -15,7 +16,7 @@ from weavecell.results import keys
 from weavecell.scenes import build, supported
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.reference import meanings, tables
+from weavecell.scenes.schema import Table
 
 PAGE = Path("docs") / "reference" / "input.md"
 HEAD = f"""---
@@ -71,21 +72,27 @@ def page() -> str:
 
 def _tables(model, *left_out):
     """A section for each table of an input file, an entry for each of its keys."""
-    defaults, words, about = _solver_defaults(), meanings(model), tables(model)
-    groups = {}
-    for key, entry in supported.entries(model).items():
-        groups.setdefault(key.rpartition(".")[0], []).append((key, entry))
-    for table, group in groups.items():
-        if (table.partition(".")[0] or "title") in left_out:
+    defaults, shown = _solver_defaults(), {}
+    entries = supported.entries(model)
+    for name, table in supported.tables(model).items():
+        if (name.partition(".")[0] or "title") in left_out:
             continue
-        yield f"### Table [{table}]" if table else "### Before the tables"
-        yield f"{about[table]['about'].strip()}\n\n```toml\n{about[table]['example'].strip()}\n```"
-        for key, entry in group:
+        yield f"### Table [{name}]" if name else "### Before the tables"
+        yield f"As [{shown[table]}]." if table in shown else "{}\n\n```toml\n{}\n```".format(*about(table))
+        shown.setdefault(table, name)
+        for key, entry in entries.items():
+            if key.rpartition(".")[0] != name:
+                continue
             unit = (entry.json_schema_extra or {}).get("unit", "1")
             parts = {"Allowed": entry.description, "Unit": unit, "Default": defaults.get(key) or _default(entry)}
             parts["Commands"] = _commands(key, model)
-            yield f"#### {key}\n\n{words[key][0].upper()}{words[key][1:]}."
+            yield f"#### {key}\n\n{entry.title[0].upper()}{entry.title[1:]}."
             yield " ".join(f"*{name}:* {text}." for name, text in parts.items() if (name, text) != ("Unit", "1"))
+
+
+def about(table: type[Table]) -> list[str]:
+    """What a table is and lines of TOML with an example: its docstring, before and after the first empty line."""
+    return inspect.cleandoc(table.__doc__ or "").split("\n\n", 1)
 
 
 def _commands(key, model):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
@@ -16,86 +16,124 @@ from weavecell.scenes.schema import (
     anchored,
     angle,
     exactly_one,
+    flag,
+    number,
     one_of,
     quantities,
     quantity,
     read_toml,
+    some_of,
+    string,
     validated,
     whole,
 )
 
-YES = Annotated[bool, Field(description="true or false")]
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
 TOLERANCE = 1e-3  # [-] of the out-of-balance force over the reaction, by default (docs/coupons.md)
 
 
 class BiasTable(Table):
-    """A coupon cut at 45 degrees to its yarns, pulled by two clamps (thesis section 4.4.3)."""
+    """A strip cut at 45 degrees to its yarns, pulled by two clamps (thesis section 4.4.3).
 
-    length: quantity("m", "a length above 0", "143.5 mm", above=0.0)
-    width: quantity("m", "a length above 0", "74 mm", above=0.0)
-    elongation: quantity("m", "a length above 0", "10 mm", above=0.0)
-    trellis: YES = True
+    [bias_extension]
+    length = "143.5 mm"
+    width = "74 mm"
+    elongation = "10 mm"
+    """
+
+    length: quantity("length of the coupon between the clamps", "m", "143.5 mm")
+    width: quantity("width of the coupon", "m", "74 mm")
+    elongation: quantity("displacement of the moving clamp at the end", "m", "10 mm")
+    trellis: flag("whether the trellis shear law acts") = True
 
 
 class FrameTable(Table):
-    """A square of cloth in a hinged frame (thesis Figure 4-24)."""
+    """A square of fabric sheared in a hinged frame (thesis Figure 4-24).
 
-    shear_angle: angle(0.1, 89, "35 deg")
-    crossovers: whole(2, 400) = 8
+    [picture_frame]
+    shear_angle = "35 deg"
+    """
+
+    shear_angle: angle("shear angle at the end", 0.1, 89, "35 deg")
+    crossovers: whole("crossovers along each side of the frame", 2, 400) = 8
 
 
 class UniaxialTable(Table):
-    """A strip pulled along its warp or its weft, its sides free."""
+    """A strip pulled along its warp or its weft, its long sides free.
 
-    direction: one_of("warp", "weft")
-    length: quantity("m", "a length above 0", "100 mm", above=0.0)
-    width: quantity("m", "a length above 0", "30 mm", above=0.0)
-    strain: quantity("", "a strain above 0", "5 %", above=0.0)
-    failure: YES = True
+    [uniaxial]
+    direction = "warp"
+    length = "100 mm"
+    width = "30 mm"
+    strain = "5 %"
+    """
+
+    direction: one_of("yarns along which the strip is pulled", "warp", "weft")
+    length: quantity("length of the strip between the clamps", "m", "100 mm")
+    width: quantity("width of the strip", "m", "30 mm")
+    strain: quantity("nominal strain at the end", "", "5 %")
+    failure: flag("whether the run ends where a yarn reaches its strength") = True
 
 
 class BiaxialTable(Table):
-    """A cross pulled by its four arms (thesis section 5.3)."""
+    """A cross pulled by its four arms (thesis section 5.3).
 
-    strain: quantities("", "a list of two strains of at least 0, one of them above, of warp and weft", '["2 %", "1 %"]')
-    centre: whole(2, 400) = 12
-    arm: whole(1, 400) = 8
-    cross_yarns_removed: YES = True
-    failure: YES = True
+    [biaxial]
+    strain = ["2 %", "1 %"]
+    """
+
+    strain: quantities(
+        "nominal strains of the arms at the end",
+        "", "a list of two strains of at least 0, one of them above, of warp and weft", '["2 %", "1 %"]',
+    )  # fmt: skip
+    centre: whole("crossovers along each side of the central square", 2, 400) = 12
+    arm: whole("crossovers along each arm", 1, 400) = 8
+    cross_yarns_removed: flag(
+        "whether the transverse yarns of the arms are removed, so that the arms carry no transverse load"
+    ) = True
+    failure: flag("whether the run ends where a yarn reaches its strength") = True
 
 
 class PullOutTable(Table):
-    """A yarn of the warp drawn out of held crossovers by a crosshead, the yarns that it crosses in tension."""
+    """One warp yarn drawn out of crossovers that are held; the yarns that it crosses are in tension.
 
-    crossings: whole(8, 400) = 20
-    displacement: quantity("m", "a length above 0", "5 mm", above=0.0)
-    velocity: quantity("m/s", "a velocity above 0", "2 m/s", above=0.0) = 2.0
-    pre_tension: quantity("N", "a force of at least 0", "10 N", at_least=0.0) = 0.0
-    crossover_friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.2
-    crossover_cohesion: quantity("N", "a force of at least 0", "0.1 N", at_least=0.0) = 0.0
-    all_yarns: YES = False
-    samples: whole(10, 100_000) = 500
+    [pull_out]
+    displacement = "5 mm"
+    pre_tension = "10 N"
+    """
+
+    crossings: whole("crossovers that the yarn is pulled through", 8, 400, 10) = 20
+    displacement: quantity("displacement of the crosshead at the end", "m", "5 mm")
+    velocity: quantity("velocity of the crosshead", "m/s", "2 m/s", kind="a velocity {}") = 2.0
+    pre_tension: quantity("tension of each crossing yarn before the pull", "N", "10 N", zero=True) = 0.0
+    crossover_friction: number("Coulomb coefficient of yarn on yarn (assumed)", 0.3, ge=0.0, le=2.0) = 0.2
+    crossover_cohesion: quantity("friction of a crossover without contact force", "N", "0.1 N", zero=True) = 0.0
+    all_yarns: flag("whether all warp yarns are pulled by the same displacement, or one alone") = False
+    samples: whole("samples of the load that are kept", 10, 100_000, 100) = 500
 
 
 class CouponRunTable(Table):
-    """In how many steps, how fine, how close to equilibrium, and what is written."""
+    """Load steps, mesh, tolerance, and the files that are written.
 
-    steps: whole(1, 1000) = 20
-    elements_per_crossover: whole(1, 8) = 1
-    tolerance: Annotated[float, Field(gt=0.0, le=0.1, description="a number above 0 and at most 0.1")] = TOLERANCE
-    max_iterations: whole(10, 10_000_000) = 50_000
-    outputs: Annotated[
-        tuple[Literal["pictures", "report"], ...],
-        BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value),
-        Field(description='a list of "pictures", "report"'),
-    ] = ("pictures", "report")
+    [run]
+    steps = 20
+    tolerance = 1e-3
+    """
+
+    steps: whole("load steps; not used in a pull-out", 1, 1000) = 20
+    elements_per_crossover: whole("elements along each side of a crossover", 1, 8) = 1
+    tolerance: number("convergence: out-of-balance force over the reaction", 1e-2, gt=0.0, le=0.1) = TOLERANCE
+    max_iterations: whole("iterations of dynamic relaxation in a load step at most", 10, 10_000_000, 100) = 50_000
+    outputs: some_of("which outputs are written beside `histories.h5` and `summary.json`", "pictures", "report") = (
+        "pictures",
+        "report",
+    )
 
 
 class CouponScene(Table):
     """One test on one coupon."""
 
-    title: Annotated[str, Field(description="a text")] = ""
+    title: string("heading of the report", "a text") = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     bias_extension: Annotated[BiasTable | None, Field(description="a table [bias_extension]")] = None
     picture_frame: Annotated[FrameTable | None, Field(description="a table [picture_frame]")] = None

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
 
 from fabrics import backings, projectiles
 from fabrics.checks import FilePath
@@ -15,18 +15,24 @@ from fabrics.units import si
 from weavecell.scenes import supported
 from weavecell.scenes.schema import (
     LAW,
+    TEXT_OR_TWO,
     FabricTable,
     Law,
     Table,
     anchored,
     angle,
+    as_tuple,
+    described,
     exactly_one,
-    in_unit,
+    flag,
+    from_text,
     number,
     one_of,
     quantities,
     quantity,
     read_toml,
+    some_of,
+    string,
     validated,
     whole,
 )
@@ -44,38 +50,65 @@ def _name_or_size(schema):
 
 
 class ProjectileTable(Table):
-    """A projectile of one of the SHAPES, flying at the panel's centre; rigid, or a steel bar along its axis."""
+    """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the panel. It is rigid
+    unless `body` says otherwise.
+
+    [projectile]
+    name = "FSP 1.10 g"
+    strike_velocity = "200 m/s"
+    friction = 0.1
+    """
 
     model_config = ConfigDict(json_schema_extra=_name_or_size)
 
-    name: Annotated[str | None, Field(description="the name of a projectile")] = None
-    mass: quantity("kg", "a mass above 0", "3 g", above=0.0)
-    diameter: quantity("m", "a length above 0", "5.5 mm", above=0.0)
-    edge_radius: quantity("m", "a length above 0", "0.3 mm", above=0.0) = None
-    strike_velocity: quantity("m/s", "a speed above 0 and at most 1000 m/s", "92.5 m/s", above=0.0, at_most=1000.0)
-    shape: one_of(*SHAPES) = "flat"
-    length: quantity("m", "a length above 0", "8 mm", above=0.0) = None
-    half_angle: angle(5, 85, "45 deg") = None
-    tip_radius: quantity("m", "a length above 0", "0.5 mm", above=0.0) = None
-    flat_width: quantity("m", "a length above 0", "2.5 mm", above=0.0) = None
-    flat_angle: angle(5, 85, "35 deg") = None
-    obliquity: angle(0, 75, "30 deg") = 0.0
-    azimuth: angle(-360, 360, "90 deg") = 0.0
-    yaw: angle(-75, 75, "5 deg") = 0.0
-    roll: angle(-360, 360, "45 deg") = 0.0
-    friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.0
-    body: one_of("rigid", "elastic_bar") = "rigid"
-    bore_diameter: quantity("m", "a length above 0", "4.5 mm", above=0.0) = None
+    name: string(
+        "projectile of `weavecell projectiles list`; its data stand for keys that are not given, required ones too",
+        "the name of a projectile",
+    ) = None  # fmt: skip
+    mass: quantity("mass", "kg", "3 g")
+    diameter: quantity("diameter", "m", "5.5 mm")
+    edge_radius: quantity("rounding of the edges; required except for a sphere", "m", "0.3 mm") = None
+    strike_velocity: quantity("speed along the line of flight", "m/s", "92.5 m/s", most="1000 m/s")
+    shape: one_of("shape of the nose", *SHAPES) = "flat"
+    length: quantity(
+        "overall length; without it a cylinder has no rear end, and the elastic bar has the length given in the "
+        "thesis", "m", "8 mm",
+    ) = None  # fmt: skip
+    half_angle: angle("angle between axis and flank of a cone; required for a cone", 5, 85, "45 deg") = None
+    tip_radius: quantity("rounding of the tip of a cone; required for a cone", "m", "0.5 mm") = None
+    flat_width: quantity("width of the flat strip across a chisel nose; required for a chisel", "m", "2.5 mm") = None
+    flat_angle: angle(
+        "angle of a chisel's two flats against the plane of the nose; required for a chisel", 5, 85, "35 deg"
+    ) = None
+    obliquity: angle("angle between line of flight and normal of the panel", 0, 75, "30 deg") = 0.0
+    azimuth: angle("direction of the obliquity in the plane of the panel, from the warp", -360, 360, "90 deg") = 0.0
+    yaw: angle("angle between axis and line of flight", -75, 75, "5 deg") = 0.0
+    roll: angle("rotation about the axis", -360, 360, "45 deg") = 0.0
+    friction: number("Coulomb coefficient between projectile and fabric", 0.2, ge=0.0, le=2.0) = 0.0
+    body: one_of(
+        "rigid body, or elastic-plastic steel bar along the axis (one-dimensional waves)", "rigid", "elastic_bar"
+    ) = "rigid"
+    bore_diameter: quantity(
+        "diameter of a bore into the rear of the elastic bar; its depth follows from the mass", "m", "4.5 mm"
+    ) = None
 
 
 class SlipTable(Table):
-    """A side that slips: a friction clamp, or a prescribed pull-in (thesis section 6.4.3)."""
+    """Yarns that slip in their clamps (thesis section 6.4.3): either `clamp_force`, a friction clamp, or `pull_in` with
+    `start` and `end`, a prescribed slip. A list of two tables holds for their two ends.
 
-    clamp_force: quantity("N", "a force above 0", "20 N", above=0.0) = None
-    pull_in: quantity("m", "a length above 0", "5 mm", above=0.0) = None
-    start: quantity("s", "a time of at least 0", "200 us", at_least=0.0) = None
-    end: quantity("s", "a time above 0", "650 us", above=0.0) = None
-    zone: quantity("m", "a length above 0", "60 mm", above=0.0) = None
+    [panel.boundary]
+    warp = [{ clamp_force = "20 N" }, { clamp_force = "40 N" }]
+    weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
+    """
+
+    clamp_force: quantity("friction-limited clamp: tension of a yarn at which it slips", "N", "20 N") = None
+    pull_in: quantity("prescribed slip of the yarn in the middle of the zone, into the panel", "m", "5 mm") = None
+    start: quantity("time at which the prescribed slip begins", "s", "200 us", zero=True) = None
+    end: quantity("time at which the prescribed slip ends", "s", "650 us") = None
+    zone: quantity(
+        "width of the triangular zone of the side that slips, about its middle; 60 mm where not given", "m", "60 mm"
+    ) = None
 
 
 _SIDE = (
@@ -91,15 +124,20 @@ def _kind(value):
 
 _Text = Annotated[Literal["clamped", "free"], Tag("text")]
 _One = Annotated[_Text | Annotated[SlipTable, Tag("inline")], Discriminator(_kind)]
-_Pair = Annotated[tuple[_One, _One], BeforeValidator(lambda value: tuple(value)), Tag("pair")]
+_Pair = Annotated[tuple[_One, _One], BeforeValidator(tuple), Tag("pair")]
 Side = Annotated[_Text | Annotated[SlipTable, Tag("inline")] | _Pair, Discriminator(_kind)]
 
 
 class BoundaryTable(Table):
-    """The sides at which warp and weft yarns end."""
+    """Different conditions for the ends of warp and weft, in place of `boundary = ...`.
 
-    warp: Annotated[Side, Field(description=_SIDE)] = "clamped"
-    weft: Annotated[Side, Field(description=_SIDE)] = "clamped"
+    [panel.boundary]
+    warp = "clamped"
+    weft = "free"
+    """
+
+    warp: Annotated[Side, described("how the warp yarns end at the frame", _SIDE)] = "clamped"
+    weft: Annotated[Side, described("how the weft yarns end at the frame", _SIDE)] = "clamped"
 
 
 Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discriminator(_kind)]
@@ -110,13 +148,6 @@ def _opening(value):
     if min(sides) <= 0:
         raise ValueError("out of range")
     return sides[0] if len(sides) == 1 else tuple(sides)
-
-
-def _opening_or_value_error(value):
-    try:
-        return _opening(value)
-    except InputError as problem:
-        raise ValueError(str(problem)) from None
 
 
 def zones(value: Any) -> tuple[tuple[float, float], ...] | None:
@@ -139,6 +170,7 @@ def _crossovers(value):
     return int(over) / int(under)
 
 
+_ZONE = {"type": "array", "prefixItems": [{"type": ["number", "string"]}] * 2, "minItems": 2, "maxItems": 2}
 _PLY_CONTACT = '"solid", "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv'
 
 
@@ -155,126 +187,210 @@ def _right_angle(text):
     return degrees == 90
 
 
-def _right_angle_or_value_error(text):
-    try:
-        return _right_angle(text)
-    except InputError as problem:
-        raise ValueError(str(problem)) from None
-
-
 MOST_PLIES = 32
 
 
-def _tuple(value):
-    return tuple(value) if isinstance(value, list) else value
-
-
 class PlyTable(Table):
-    """One ply of a lay-up, or several alike; what it leaves out is that of the table [fabric]."""
+    """One table for each group of plies that are alike, from the struck side to the back. `panel.plies` and
+    `panel.stacking` are then left out.
 
-    name: Annotated[str | None, Field(description="the name of a fabric of the catalogue")] = None
-    file: Annotated[str | None, Field(description="the path of a fabric file (*.toml)")] = None
-    law: Annotated[Law | None, Field(description=LAW)] = None
-    angle: Annotated[
-        bool, BeforeValidator(_right_angle_or_value_error), in_unit("rad", '"0 deg" or "90 deg", of the warp')
-    ] = False
-    gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
-    count: whole(1, MOST_PLIES) = 1
+    [[panel.ply]]
+    count = 2
+
+    [[panel.ply]]
+    name = "S-726"
+    angle = "90 deg"
+    gap = "0.1 mm"
+    """
+
+    name: string(
+        "fabric of the catalogue; without name and file the fabric of the table [fabric]",
+        "the name of a fabric of the catalogue",
+    ) = None  # fmt: skip
+    file: string("fabric file; its path is relative to the input file", "the path of a fabric file (*.toml)") = None
+    law: Annotated[Law | None, described(
+        "compression law of the ply; where not given `published`, for plies of [fabric] the law of `fabric.law`", LAW,
+    )] = None  # fmt: skip
+    angle: from_text(bool, _right_angle, "angle of the warp of the ply", '"0 deg" or "90 deg", of the warp', "rad") = (
+        False
+    )
+    gap: quantity(
+        "clearance to the next ply at rest; where not given `panel.ply_gap`, else the mean of the gaps of both "
+        "fabrics", "m", "0.12 mm", zero=True,
+    ) = None  # fmt: skip
+    count: whole("number of plies that are alike", 1, MOST_PLIES) = 1
 
 
 class PanelTable(Table):
-    """A panel in an opening, or a pack of several plies."""
+    """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables `[[panel.ply]]`.
 
-    opening: Annotated[
-        float | tuple[float, float],
-        BeforeValidator(_opening_or_value_error),
-        in_unit("m", 'a length above 0, such as "203 mm", or a list of two, along warp and weft'),
-    ]
-    opening_shape: one_of("rectangular", "round") = "rectangular"
+    [panel]
+    opening = "150 mm"
+    boundary = "clamped"
+    plies = 4
+    """
+
+    opening: from_text(
+        float | tuple[float, float], _opening,
+        "side of the square opening of the frame, or both sides; diameter of a round one",
+        'a length above 0, such as "203 mm", or a list of two, along warp and weft', "m", "203 mm", TEXT_OR_TWO,
+    )  # fmt: skip
+    opening_shape: one_of("shape of the opening; a round one needs clamped edges", "rectangular", "round") = (
+        "rectangular"
+    )
     impact_point: Annotated[
-        quantities("m", "a list of two lengths", '["20 mm", "0 mm"]'), Field(min_length=2, max_length=2)
-    ] = (0.0, 0.0)
-    boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
-    symmetry: one_of("quarter", "half", "whole") = "quarter"
-    weave_angle: angle(-89, 89, "45 deg") = 0.0
-    plies: whole(1, MOST_PLIES) = 1
-    ply: Annotated[tuple[PlyTable, ...], BeforeValidator(_tuple), Field(description="tables [[panel.ply]]")] = ()
-    stacking: one_of("aligned", "alternating") = "aligned"
-    ply_gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
-    ply_contact: Annotated[str | None, BeforeValidator(_ply_contact), Field(description=_PLY_CONTACT)] = None
-    ply_friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.0
-    yarn_failure: Annotated[bool, Field(description="true or false")] = True
+        quantities(
+            "where the projectile hits, from the middle of the opening along its two sides; needs clamped edges, and a "
+            "symmetry across which it is 0: `half` for a point on the second axis, else `whole`",
+            "m", "a list of two lengths", '["20 mm", "0 mm"]',
+        ),
+        Field(min_length=2, max_length=2),
+    ] = (0.0, 0.0)  # fmt: skip
+    boundary: Annotated[Boundary, described("how the yarns end at the frame", _BOUNDARY)] = "clamped"
+    symmetry: one_of(
+        "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg)",
+        "quarter", "half", "whole",
+    ) = "quarter"  # fmt: skip
+    weave_angle: angle("angle of the warp to the sides of the opening", -89, 89, "45 deg") = 0.0
+    plies: whole("number of plies; above 1 a pack with contact between plies", 1, MOST_PLIES) = 1
+    ply: Annotated[
+        tuple[PlyTable, ...], BeforeValidator(as_tuple), described("lay-up of a pack", "tables [[panel.ply]]")
+    ] = ()
+    stacking: one_of("pack: all plies alike, or every second one turned by 90 degrees", "aligned", "alternating") = (
+        "aligned"
+    )
+    ply_gap: quantity(
+        "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
+        "a range ([Packs](../pack.md))", "m", "0.12 mm", zero=True,
+    ) = None  # fmt: skip
+    ply_contact: Annotated[str | None, BeforeValidator(_ply_contact), described(
+        "pack: law of pressure against closure between two plies; where not given the law in the file of "
+        "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
+        _PLY_CONTACT,
+    )] = None  # fmt: skip
+    ply_friction: number("pack: Coulomb coefficient between plies", 0.2, ge=0.0, le=2.0) = 0.0
+    yarn_failure: flag("whether a yarn fails at its strength") = True
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(zones),
-        Field(
-            description='zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]'
+        WithJsonSchema({"type": "array", "items": _ZONE}),
+        described(
+            "coarser mesh with the distance from the impact point: zones of distance and element side, in crossovers",
+            'zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]',
         ),
     ] = None
-    crossovers: one_of("pinned", "sliding") = "pinned"
-    crossover_friction: number("a number from 0 to 2", ge=0.0, le=2.0) = None
-    crossover_cohesion: quantity("N", "a force of at least 0", "0.1 N", at_least=0.0) = None
-
-
-_Outer = Literal["fixed", "absorbing", "free"] | None
+    crossovers: one_of(
+        "whether warp and weft are pinned to each other where they cross, or slide against friction "
+        "([sliding](../reports/sliding.md))", "pinned", "sliding",
+    ) = "pinned"  # fmt: skip
+    crossover_friction: number(
+        "sliding crossovers: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given", 0.3, ge=0.0, le=2.0
+    ) = None
+    crossover_cohesion: quantity(
+        "sliding crossovers: friction of a crossover without contact force; 0 where not given", "N", "0.1 N", zero=True
+    ) = None
 
 
 class BackingTable(Table):
-    """A block behind the panel: a material by name or by its data (defaults: thesis Table 6-1), and its mesh."""
+    """A block behind the last ply: a material by name, or by its data.
 
-    material: Annotated[str | None, Field(description="the name of a backing")] = None
-    size: quantities("m", "a list of three lengths", '["300 mm", "300 mm", "180 mm"]') = None
-    standoff: quantity("m", "a length of at least 0", "0.5 mm", at_least=0.0) = 0.0
-    modulus: quantity("Pa", "a stress above 0", "100 MPa", above=0.0) = None
-    density: quantity("kg/m^3", "a density above 0", "3 g/cm^3", above=0.0) = None
-    poisson: number("a number from 0 to below 0.5", ge=0.0, lt=0.5) = None
-    yield_stress: quantity("Pa", "a stress above 0", "20 MPa", above=0.0) = None
-    hardening: quantity("Pa", "a stress of at least 0", "0 Pa", at_least=0.0) = None
-    erosion_strain: number("a number above 0", gt=0.0) = None
-    rate_exponent: number("a number from 0 to 1", ge=0.0, le=1.0) = None
-    reference_rate: quantity("1/s", "a rate above 0", "1 / s", above=0.0) = None
-    outer_boundary: Annotated[_Outer, Field(description="fixed, absorbing or free")] = None
-    min_size: quantity("m", "a length above 0", "1 mm", above=0.0) = None
-    refined_depth: quantity("m", "a length above 0", "8 mm", above=0.0) = None
-    growth: number("a number of at least 1", ge=1.0) = None
+    [backing]
+    material = "Roma Plastilina No. 1"
+    size = ["150 mm", "150 mm", "60 mm"]
+    """
+
+    material: string(
+        "backing of `weavecell backings list`; its data stand for keys of the material that are not given",
+        "the name of a backing",
+    ) = None  # fmt: skip
+    size: quantities(
+        "length, width and thickness of the block", "m", "a list of three lengths", '["300 mm", "300 mm", "180 mm"]'
+    ) = None
+    standoff: quantity("clearance between last ply and face of the block", "m", "0.5 mm", zero=True) = 0.0
+    modulus: quantity("Young's modulus of the block", "Pa", "100 MPa") = None
+    density: quantity("density of the block", "kg/m^3", "3 g/cm^3") = None
+    poisson: number("Poisson's ratio of the block", 0.4, ge=0.0, lt=0.5) = None
+    yield_stress: quantity("initial yield stress of the block at slow rates (J2 plasticity)", "Pa", "20 MPa") = None
+    hardening: quantity("isotropic hardening modulus of the block", "Pa", "0 Pa", zero=True) = None
+    erosion_strain: number("effective plastic strain at which an element is eroded", 0.9, gt=0.0) = None
+    rate_exponent: number(
+        "exponent m of the rate: the yield stress is multiplied by (1 + rate / reference_rate)^m", 0.1, ge=0.0, le=1.0
+    ) = None
+    reference_rate: quantity("reference_rate in that formula, a rate of effective plastic strain", "1/s", "1 / s") = (
+        None
+    )
+    outer_boundary: one_of(
+        "condition on the faces other than the struck one: fixed, absorbing (dashpots) or free",
+        "fixed", "absorbing", "free",
+    ) = None  # fmt: skip
+    min_size: quantity("edge length of the smallest elements, under the impact point", "m", "1 mm") = None
+    refined_depth: quantity("extent of the smallest elements from the axis and from the face", "m", "8 mm") = None
+    growth: number("ratio of the edge lengths of neighbouring elements outside the refined region", 1.3, ge=1.0) = None
 
 
 class RunTable(Table):
-    """How long, how fine, and what is written."""
+    """End of the run, mesh, and the files that are written.
 
-    end_time: quantity("s", "a time above 0 and at most 10 ms", "250 us", above=0.0, at_most=1e-2)
-    elements_per_crossover: Annotated[int | None, Field(description="a whole number from 1 to 8", ge=1, le=8)] = None
-    snapshot_interval: quantity("s", "a time above 0", "10 us", above=0.0) = 1e-5
-    checkpoint_interval: quantity("s", "a time above 0", "50 us", above=0.0) = 5e-5
-    outputs: Annotated[
-        tuple[Literal["paraview", "pictures", "report"], ...],
-        BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value),
-        Field(description='a list of "paraview", "pictures", "report"'),
-    ] = ("paraview", "pictures", "report")
+    [run]
+    end_time = "400 us"
+    elements_per_crossover = 1
+    outputs = ["paraview", "report"]
+    """
+
+    end_time: quantity(
+        "latest end of the run; it ends earlier when the projectile stops or has perforated",
+        "s", "250 us", most="10 ms",
+    )  # fmt: skip
+    elements_per_crossover: whole(
+        "elements along each side of a crossover; where not given, 1 for one ply, and for a pack 2 about the impact "
+        "point and longer ones outside", 1, 8,
+    ) = None  # fmt: skip
+    snapshot_interval: quantity("time between the shapes kept for ParaView and the pictures", "s", "10 us") = 1e-5
+    checkpoint_interval: quantity(
+        "time between checkpoints for `--resume`; in the first 10 s of wall time, and within 10 s of the last, none "
+        "is written", "s", "50 us",
+    ) = 5e-5  # fmt: skip
+    outputs: some_of(
+        "which outputs are written beside `histories.h5` and `summary.json`", "paraview", "pictures", "report"
+    ) = ("paraview", "pictures", "report")
 
 
-_POSITIONS = (5e-3, 20e-3, 50e-3, 80e-3)
+_YARNS = "a list of distances of {} yarns from the impact point"
 
 
 class HistoryTable(Table):
-    """What is recorded along yarns and at the edges, and reported."""
+    """Tension, strain and position along single yarns, and reactions at the edges, against time.
 
-    interval: quantity("s", "a time above 0", "1 us", above=0.0) = 1e-6
-    warp: quantities("m", "a list of distances of warp yarns from the impact point", '["0 mm", "10 mm"]') = (0.0,)
-    weft: quantities("m", "a list of distances of weft yarns from the impact point", '["0 mm", "10 mm"]') = (0.0,)
-    report_positions: quantities("m", "a list of positions along the yarns", '["5 mm", "50 mm"]') = _POSITIONS
+    [history]
+    warp = ["0 mm", "10 mm"]
+    report_positions = ["5 mm", "50 mm"]
+    """
+
+    interval: quantity("time between samples along yarns and at the edges", "s", "1 us") = 1e-6
+    warp: quantities("warp yarns that are recorded", "m", _YARNS.format("warp"), '["0 mm", "10 mm"]') = (0.0,)
+    weft: quantities("weft yarns that are recorded", "m", _YARNS.format("weft"), '["0 mm", "10 mm"]') = (0.0,)
+    report_positions: quantities(
+        "positions along the yarns at which the report plots tension and strain",
+        "m", "a list of positions along the yarns", '["5 mm", "50 mm"]',
+    ) = (5e-3, 20e-3, 50e-3, 80e-3)  # fmt: skip
 
 
-_Share = quantity("", "a share above 0 and at most 50 %", "2 %", above=0.0, at_most=0.5)
+def _share(meaning):
+    return quantity(meaning, "", "2 %", most="50 %", kind="a share {}")
 
 
 class AccuracyTable(Table):
-    """What the scene wants to know, and how well; the model is then chosen (`weavecell.analysis.fidelity`)."""
+    """Largest errors that the results may have; the command chooses the mesh by them.
 
-    residual_velocity: _Share = None
-    absorbed_energy: _Share = None
-    deflection: _Share = None
-    peak_tension: _Share = None
+    [accuracy]
+    residual_velocity = "2 %"
+    deflection = "5 %"
+    """
+
+    residual_velocity: _share("target: error at most, over the strike velocity") = None
+    absorbed_energy: _share("target: error at most, over the strike energy") = None
+    deflection: _share("target: relative error of the maximum deflection at most") = None
+    peak_tension: _share("target: relative error of the peak tension at most") = None
 
     @property
     def targets(self) -> dict[str, float]:
@@ -283,21 +399,39 @@ class AccuracyTable(Table):
 
 
 class NumericsTable(Table):
-    """Numerical parameters of the shell; defaults: `shellfabric.panel.model.Numerics`."""
+    """Parameters of the time integration and of the contact with the projectile. The defaults fit all fabrics.
 
-    cfl: number("a number above 0 and at most 1", gt=0.0, le=1.0) = None
-    stretch_viscosity: number("a number from 0 to 1", ge=0.0, le=1.0) = None
-    penalty: number("a number above 0", gt=0.0) = None
-    contact_damping: number("a number of at least 0", ge=0.0) = None
-    contact_points: Annotated[int | None, Field(description="a whole number from 1 to 64", ge=1, le=64)] = None
-    precision: Annotated[Literal["double", "single"] | None, Field(description="double or single")] = None
-    threads: Annotated[int | None, Field(description="a number of threads", ge=1)] = None
+    [numerics]
+    cfl = 0.8
+    threads = 1
+    """
+
+    cfl: number("time step over its stability bound (Courant factor)", 0.5, gt=0.0, le=1.0) = None
+    stretch_viscosity: number("damping ratio of the highest mode along a yarn", 0.2, ge=0.0, le=1.0) = None
+    penalty: number(
+        "stiffness of the contact between projectile and fabric, in units of nodal mass over the square of the time "
+        "step", 0.3, gt=0.0,
+    ) = None  # fmt: skip
+    contact_damping: number("damping ratio of the contact between projectile and fabric", 0.6, ge=0.0) = None
+    contact_points: whole(
+        "contact points along each side of a crossover; where not given 8, and more under a sharp nose", 1, 64
+    ) = None
+    precision: one_of(
+        "precision in which forces are stored between steps; all arithmetic is in double precision", "double", "single"
+    ) = None
+    threads: Annotated[int | None, described(
+        "threads of the time integration; where not given, chosen by the size of the model. Results do not depend on "
+        "it", "a number of threads", ge=1,
+    )] = None  # fmt: skip
 
 
 class Scene(Table):
-    """One impact on one panel."""
+    """The title, a key before the first table:
 
-    title: Annotated[str, Field(description="a text")] = ""
+    title = "S-728, 1.10 g FSP at 200 m/s"
+    """
+
+    title: string("heading of the report", "a text") = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
     panel: Annotated[PanelTable, Field(description="a table [panel]")]

@@ -1,20 +1,32 @@
 """What all scenes are made of: tables of quantities with units as text, the fabric's table, the one line of an error.
 
-Each field carries, as its description, what is allowed in it. For each value that is wrong the user gets one line: the
-file, the key, the value as written, and that description.
+A field of a table is all that is said of its key: type, unit, limits, default, what it means (`title`) and what is
+allowed (`description`). For each value that is wrong the user gets one line: the file, the key, the value as written,
+and what is allowed. The docstring of a table is a sentence about it and, after an empty line, an example. The page of
+keys, the JSON Schemas and what Python takes are made from them.
 """
 
 from __future__ import annotations
 
 import difflib
+import json
 import math
 import os
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    WithJsonSchema,
+)
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, together
@@ -31,60 +43,156 @@ class Table(BaseModel):
 Kind = TypeVar("Kind", bound=Table)
 
 
-def in_unit(unit: str, description: str) -> Any:
-    """A Field whose value is in SI `unit`; the unit is for docs/reference/input.md."""
-    return Field(description=description, json_schema_extra={"unit": unit or "1"})
+def described(meaning: str, allowed: str, unit: str | None = None, example: Any = None, **limits: Any) -> Any:
+    """A Field whose `title` is what the key means, its `description` what is allowed, its extra "unit" the SI unit.
+
+    `unit` is None of what is no quantity; `example` is as it stands in a file.
+    """
+    extra: Any = None if unit is None else {"unit": unit or "1"}
+    examples = None if example is None else [example]
+    return Field(title=meaning, description=allowed, examples=examples, json_schema_extra=extra, **limits)
+
+
+TEXT = {"type": "string"}
+TEXT_OR_TWO = {"anyOf": [TEXT, {"type": "array", "prefixItems": [TEXT, TEXT], "minItems": 2, "maxItems": 2}]}
+
+
+def from_text(
+    kind: Any, convert: Callable[[Any], Any], meaning: str, allowed: str, unit: str, example: Any = None,
+    written: dict[str, Any] = TEXT,
+) -> Any:  # fmt: skip
+    """A `kind` in SI `unit` that `convert` makes of what stands in a file, of which `written` is the JSON Schema."""
+
+    def value_error(text):
+        try:
+            return convert(text)
+        except InputError as problem:
+            raise ValueError(str(problem)) from None
+
+    field = described(meaning, allowed, unit, example)
+    return Annotated[kind, BeforeValidator(value_error), WithJsonSchema(written), field]
+
+
+_KINDS = {
+    "": "a strain", "kg": "a mass", "m": "a length", "s": "a time", "m/s": "a speed", "N": "a force", "Pa": "a stress",
+    "1/s": "a rate", "kg/m^3": "a density", "N m^2": "a bending stiffness",
+}  # fmt: skip
 
 
 def quantity(
-    unit: str, what: str, example: str, *, above: float | None = None, at_least: float | None = None,
-    at_most: float | None = None,
-) -> Any:  # fmt: skip
-    """A float in SI `unit`, written as text; `what` says in words which values are allowed."""
+    meaning: str, unit: str, example: str, *, zero: bool = False, most: str | None = None, kind: str | None = None
+) -> Any:
+    """A float in SI `unit`, written as text: above 0, or of at least 0 where `zero`, and at most `most`.
+
+    `kind` is what it is, in words with {} for these limits; None takes what its unit says.
+    """
+    highest = math.inf if most is None else si(most, unit)
 
     def convert(text):
-        try:
-            number = si(text, unit)
-        except InputError as problem:
-            raise ValueError(str(problem)) from None
-        low = (above is not None and number <= above) or (at_least is not None and number < at_least)
-        if low or (at_most is not None and number > at_most):
+        value = si(text, unit)
+        if not (value >= 0 if zero else value > 0) or value > highest:
             raise ValueError("out of range")
-        return number
+        return value
 
-    return Annotated[float, BeforeValidator(convert), in_unit(unit, f'{what}, such as "{example}"')]
+    bounds = ("of at least 0" if zero else "above 0") + (f" and at most {most}" if most else "")
+    words = (kind or f"{_KINDS[unit]} {{}}").format(bounds)
+    return from_text(float, convert, meaning, f'{words}, such as "{example}"', unit, example)
 
 
-def quantities(unit: str, what: str, example: str) -> Any:
+def angle(meaning: str, low: float, high: float, example: str) -> Any:
+    """An angle [rad], written as text, from `low` to `high` [deg]."""
+
+    def convert(text):
+        value = si(text, "rad")
+        if not math.radians(low) <= value <= math.radians(high):
+            raise ValueError("out of range")
+        return value
+
+    allowed = f'an angle from {low} to {high} deg, such as "{example}"'
+    return from_text(float, convert, meaning, allowed, "rad", example)
+
+
+def quantities(meaning: str, unit: str, what: str, example: str) -> Any:
     """A tuple of floats in SI `unit`, written as a list of texts."""
 
     def convert(texts):
         if not isinstance(texts, list):
             raise ValueError("not a list")
-        try:
-            return tuple(si(text, unit) for text in texts)
-        except InputError as problem:
-            raise ValueError(str(problem)) from None
+        return tuple(si(text, unit) for text in texts)
 
-    return Annotated[tuple[float, ...], BeforeValidator(convert), in_unit(unit, f"{what}, such as {example}")]
-
-
-def whole(low: int, high: int) -> Any:
-    """A field for a whole number."""
-    return Annotated[int, Field(ge=low, le=high, description=f"a whole number from {low} to {high}")]
+    written = {"type": "array", "items": TEXT}
+    allowed = f"{what}, such as {example}"
+    return from_text(tuple[float, ...], convert, meaning, allowed, unit, json.loads(example), written)
 
 
-def one_of(*names: str) -> Any:
-    """A field for one of some texts."""
-    return Annotated[Literal[names], Field(description="one of " + ", ".join(f'"{name}"' for name in names))]
+def number(meaning: str, example: float, **limits: Any) -> Any:
+    """A plain number within pydantic's limits gt, ge, lt, le."""
+    match limits:
+        case {"gt": low, "le": high}:
+            bounds = f"above {low:g} and at most {high:g}"
+        case {"gt": low}:
+            bounds = f"above {low:g}"
+        case {"ge": low, "le": high}:
+            bounds = f"from {low:g} to {high:g}"
+        case {"ge": low, "lt": high}:
+            bounds = f"from {low:g} to below {high:g}"
+        case _:
+            bounds = f"of at least {limits['ge']:g}"
+    return Annotated[float, described(meaning, f"a number {bounds}", example=example, **limits)]
+
+
+def whole(meaning: str, low: int, high: int, example: int = 2) -> Any:
+    """A whole number from `low` to `high`."""
+    return Annotated[int, described(meaning, f"a whole number from {low} to {high}", example=example, ge=low, le=high)]
+
+
+def one_of(meaning: str, *names: str) -> Any:
+    """One of some texts."""
+    return Annotated[Literal[names], described(meaning, f"one of {_quoted(names)}", example=names[-1])]
+
+
+def some_of(meaning: str, *names: str) -> Any:
+    """Any of some texts, written as a list."""
+    field = described(meaning, f"a list of {_quoted(names)}")
+    return Annotated[tuple[Literal[names], ...], BeforeValidator(as_tuple), field]
+
+
+def string(meaning: str, allowed: str) -> Any:
+    """A text."""
+    return Annotated[str, described(meaning, allowed)]
+
+
+def flag(meaning: str) -> Any:
+    """True or false."""
+    return Annotated[bool, described(meaning, "true or false")]
+
+
+def as_tuple(value: Any) -> Any:
+    """A list as a tuple, all else as it is."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _quoted(names):
+    return ", ".join(f'"{name}"' for name in names)
 
 
 class InlineLaw(Table):
-    """A compression law given by its two parameters (thesis eq. 4-12; erratum E-05 for the regularised form)."""
+    """Compression law given by its two coefficients, in place of `law = ...`, for both families.
 
-    a: quantity("m", "a length of at least 0", "0.045 mm", at_least=0.0)
-    b: quantity("m N^(1/3)", "a value of at least 0 in mm N^(1/3)", "0.058 mm N^(1/3)", at_least=0.0)
-    form: one_of("regularised", "printed") = "regularised"
+    [fabric.law]
+    a = "0.045 mm"
+    b = "0.058 mm N^(1/3)"
+    """
+
+    a: quantity("thickness reduction of a yarn at large contact force, thesis eq. 4-12", "m", "0.045 mm", zero=True)
+    b: quantity(
+        "coefficient of the cube root of the contact force, thesis eq. 4-12",
+        "m N^(1/3)", "0.058 mm N^(1/3)", zero=True, kind="a value {} in mm N^(1/3)",
+    )  # fmt: skip
+    form: one_of(
+        "behaviour at zero contact force: `regularised` (finite stiffness, erratum E-05) or as `printed` in the "
+        "thesis", "regularised", "printed",
+    ) = "regularised"  # fmt: skip
 
 
 _NAMED_LAWS = "published", "solid", "pressure_law"
@@ -109,59 +217,76 @@ Law = Annotated[
 
 def _toe(value):
     pair = isinstance(value, (list, tuple))
-    try:
-        toes = [si(part, "") for part in (value if pair else (value,))]
-    except InputError as problem:
-        raise ValueError(str(problem)) from None
+    toes = [si(part, "") for part in (value if pair else (value,))]
     if len(toes) != 1 + pair or not all(0 <= toe <= 0.1 for toe in toes):
         raise ValueError("out of range")
     return tuple(toes) if pair else toes[0]
 
 
-_SHARE = Annotated[float, Field(gt=0.0, le=1.0, description="a number above 0, at most 1")]
-
-
 class WeavingDamageTable(Table):
-    """What weaving leaves of modulus and strength of the yarns: `fabrics.yarn.WeavingDamage` (thesis section 5.2.3)."""
+    """Modulus and strength of the woven yarn over those of the virgin yarn (thesis section 5.2.3), where yarns drawn
+    from the fabric were tested.
 
-    modulus: _SHARE = 1.0
-    strength: _SHARE = 1.0
-    source: Annotated[str, Field(min_length=1, description="a text: where the shares come from")]
-    status: one_of(*STATUSES) = "assumed"
+    [fabric.weaving_damage]
+    modulus = 0.95
+    strength = 0.9
+    source = "yarns drawn from the fabric, 20 tests"
+    status = "measured"
+    """
+
+    modulus: number("modulus of the woven yarn over that of the virgin yarn", 0.9, gt=0.0, le=1.0) = 1.0
+    strength: number("strength of the woven yarn over that of the virgin yarn", 0.8, gt=0.0, le=1.0) = 1.0
+    source: Annotated[str, described(
+        "origin of the two ratios, kept in the results", "a text: where the shares come from", min_length=1,
+    )]  # fmt: skip
+    status: one_of("whether the ratios are measured or assumed, kept in the results", *STATUSES) = "assumed"
 
 
 class FabricTable(Table):
-    """Which fabric, with which compression law and which model of its cell."""
+    """The fabric of all plies that name no other, its compression law and the model of its unit cell. The first two
+    lines are all that most input files need.
 
-    name: Annotated[str | None, Field(description="the name of a fabric of the catalogue")] = None
-    file: Annotated[str | None, Field(description="the path of a fabric file (*.toml)")] = None
-    linear_density: one_of("effective", "nominal") = "effective"
+    [fabric]
+    name = "S-728"
+    law = "published"
+    """
+
+    name: string(
+        "fabric of the catalogue (`weavecell fabrics list`); either this or `fabric.file`",
+        "the name of a fabric of the catalogue",
+    ) = None  # fmt: skip
+    file: string("fabric file of the user; either this or `fabric.name`", "the path of a fabric file (*.toml)") = None
+    linear_density: one_of(
+        "the linear density that is used where a fabric file has two: `effective`, from the areal density of the runs "
+        "of the thesis (erratum E-07), or `nominal`, of the data sheet", "effective", "nominal",
+    ) = "effective"  # fmt: skip
     weaving_damage: Annotated[
         WeavingDamageTable | None, Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }')
     ] = None
-    law: Annotated[Law, Field(description=LAW)] = "published"
-    cell_model: one_of("compressible", "incompressible", "decoupled") = "compressible"
-    cell_formulation: one_of("variational", "equilibrium", "direct") = "variational"
-    cell_profile: one_of("cosine", "straight") = "cosine"
-    fibre_slack: Annotated[
-        float | tuple[float, float],
-        BeforeValidator(_toe),
-        in_unit("", 'a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft'),
-    ] = 0.0
-    surface: Annotated[str | None, Field(description="the path of a surface written by `weavecell surface`")] = None
-    crossover_gap: quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0
-    bending: quantity("N m^2", "a bending stiffness of at least 0", "1e-6 N m^2", at_least=0.0) = 0.0
-
-
-def angle(low: float, high: float, example: str) -> Any:
-    """A field for an angle, low to high [deg], written as text."""
-    what = f"an angle from {low} to {high} deg"
-    return quantity("rad", what, example, at_least=math.radians(low), at_most=math.radians(high))
-
-
-def number(what: str, **limits: Any) -> Any:
-    """A field for a plain number, or for none."""
-    return Annotated[float | None, Field(description=what, **limits)]
+    law: Annotated[Law, described(
+        "compression law of warp and weft; needed for a fabric without a published one, such as your own", LAW,
+    )] = "published"  # fmt: skip
+    cell_model: one_of(
+        "unit cell: yarns that compress, incompressible yarns, or warp and weft without interaction",
+        "compressible", "incompressible", "decoupled",
+    ) = "compressible"  # fmt: skip
+    cell_formulation: one_of(
+        "how forces follow from the state of the cell: gradient of the stored energy (`variational`), force "
+        "equilibrium as in the thesis (`equilibrium`), or interpolated tensions of a response surface (`direct`)",
+        "variational", "equilibrium", "direct",
+    ) = "variational"  # fmt: skip
+    cell_profile: one_of("centre line of a crimped yarn in the cell", "cosine", "straight") = "cosine"
+    fibre_slack: from_text(
+        float | tuple[float, float], _toe,
+        "mean slack of the fibres of a yarn, which become taut one after another (toe of the tensile curve)",
+        'a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft', "", "0.1 %", TEXT_OR_TWO,
+    ) = 0.0  # fmt: skip
+    surface: string(
+        "response surface of the 3D crossover, which replaces the analytical cell and `fabric.law`",
+        "the path of a surface written by `weavecell surface`",
+    ) = None  # fmt: skip
+    crossover_gap: quantity("play between warp and weft at a crossover before they touch", "m", "0 mm", zero=True) = 0.0
+    bending: quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True) = 0.0
 
 
 def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:

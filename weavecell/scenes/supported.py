@@ -128,6 +128,15 @@ def keys(model: type[Table]) -> tuple[str, ...]:
     return tuple(entries(model))
 
 
+def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
+    """{dotted name: table} of a schema, "" for the schema itself."""
+    found = {name: model}
+    for key, entry in model.model_fields.items():
+        for kind in dict.fromkeys(tables_in(entry.annotation)):
+            found |= tables(kind, f"{name}.{key}".lstrip("."))
+    return found
+
+
 def entries(model: type[Table], prefix: str = "") -> dict[str, FieldInfo]:
     """{key: its field} of all keys of a schema, without the tables that hold them."""
     found = {}
