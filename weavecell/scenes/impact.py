@@ -421,7 +421,7 @@ class NumericsTable(Table):
     ) = None
     threads: Annotated[int | None, described(
         "threads of the time integration; where not given, chosen by the size of the model. Results do not depend on "
-        "it", "a number of threads", ge=1,
+        "it", "a number of threads", example=1, ge=1,
     )] = None  # fmt: skip
 
 
