@@ -156,7 +156,7 @@ def _written(values, model):
 
 
 def _text(value, entry):
-    from weavecell.scenes.schema import tables_in
+    from weavecell.scenes.schema import tables_in, unit_of
 
     value = value.item() if hasattr(value, "item") else value.tolist() if hasattr(value, "tolist") else value
     if isinstance(value, Path):
@@ -167,7 +167,7 @@ def _text(value, entry):
         return {key: _text(each, fields.get(key)) for key, each in value.items() if each is not None}
     if isinstance(value, (list, tuple)):
         return [_text(each, entry) for each in value]
-    unit = (getattr(entry, "json_schema_extra", None) or {}).get("unit")
+    unit = unit_of(entry)
     if unit is None or isinstance(value, bool) or not isinstance(value, (int, float)):
         return value
     return repr(value) if unit == "1" else f"{value!r} {unit}"

@@ -70,7 +70,7 @@ def coupon(
         return pulled
     cloth = assumed.with_shear(cloth) if test in ("bias_extension", "picture_frame") else cloth
     run, began = getattr(quasistatic, test), time.perf_counter()
-    defaults = _checked(run, options)
+    defaults = _checked(run, options, test)
     laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
     table = CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE)
     options.setdefault("tolerance", TOLERANCE)
@@ -91,7 +91,7 @@ def coupon(
     return done
 
 
-def _checked(run, options):
+def _checked(run, options, test):
     """{option: its default} of a test; `options` become SI numbers of known names. InputError: an unknown one."""
     if "crossovers" in options:
         options["cells"] = options.pop("crossovers")
@@ -99,9 +99,19 @@ def _checked(run, options):
     allowed = {*defaults, "tolerance", "max_iterations"}
     for key in sorted(set(options) - allowed):
         raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(sorted(allowed))}")
-    units = {"length": "m", "width": "m", "elongation": "m", "shear_angle": "rad"}
-    options |= {key: quantities.number(options[key], unit, key) for key, unit in units.items() if key in options}
+    _to_si(options, test)
     return defaults
+
+
+def _to_si(options, test):
+    """Numbers in SI units in place of the quantities among the `options` of a test."""
+    from weavecell.scenes.coupon import CouponScene
+    from weavecell.scenes.schema import unit_of
+    from weavecell.scenes.supported import tables
+
+    for key, entry in tables(CouponScene)[test].model_fields.items():
+        if key in options and unit_of(entry) not in (None, "1"):
+            options[key] = quantities.number(options[key], unit_of(entry), key)
 
 
 def _pull_out(cloth, law, cell_model, options):
@@ -116,8 +126,7 @@ def _pull_out(cloth, law, cell_model, options):
         raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(entries)} and bending")
     if "displacement" not in options:
         raise InputError("is missing", key="displacement", allowed=entries["displacement"].description)
-    units = {"displacement": "m", "velocity": "m/s", "pre_tension": "N", "crossover_cohesion": "N"}
-    options |= {key: quantities.number(options[key], unit, key) for key, unit in units.items() if key in options}
+    _to_si(options, "pull_out")
     inputs = SimpleNamespace(**{key: entry.default for key, entry in entries.items()} | options)
     laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
     curve = pull_out.run(CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE), inputs, bending=bending)

@@ -126,18 +126,15 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     fabric : Fabric, or what `weavecell.fabric` takes
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
     options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
-        [fabric], [panel] and [run] are keywords: law, cell_model, cell_formulation, cell_profile, crossover_gap,
-        surface, bending, weaving_damage; opening (default 203 mm), opening_shape, impact_point, boundary, symmetry,
-        weave_angle, plies, stacking, ply (a list of dicts, as [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726",
-        "angle": "90 deg"}]), ply_gap, ply_contact, ply_friction, yarn_failure, grading, crossovers, crossover_friction,
-        crossover_cohesion; end_time (default 800 us), elements_per_crossover, snapshot_interval (default: only the
-        shape at the end). The tables [projectile], [history], [numerics] and [backing] are dicts: projectile={"mass":
-        "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"}, whose three keys are required as in the file;
-        projectile="FSP 1.10 g" or {"name": "FSP 1.10 g", ...} is one of `projectiles`; without it the projectile is the
-        flat cylinder of 3 g and 5.5 mm with an edge radius of 0.3 mm. backing="gelatine 10 %" or {"material": "gelatine
-        10 %", ...} is one of `backings`. law is a CompressionLaw of both families, a pair (warp, weft), the path of a
-        law.json, a dict {"a": ..., "b": ...} or a CalibrationResult; without it that of the fabric. surface may be a
-        ResponseSurface, ply_contact a PlyLaw
+        [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time
+        800 us where not given, without snapshot_interval only the shape at the end is kept, ply is a list of dicts, as
+        [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]. The tables [projectile], [history],
+        [numerics] and [backing] are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"},
+        whose three keys are required as in the file; projectile="FSP 1.10 g" or {"name": "FSP 1.10 g", ...} is one of
+        `projectiles`; without it the projectile is the flat cylinder of 3 g and 5.5 mm with an edge radius of 0.3 mm.
+        backing="gelatine 10 %" or {"material": "gelatine 10 %", ...} is one of `backings`. law is a CompressionLaw of
+        both families, a pair (warp, weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult;
+        without it that of the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
 
     Raises
     ------

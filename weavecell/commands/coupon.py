@@ -94,7 +94,7 @@ def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False)
     try:
         result, table, failure = _pull(this, title, checkpoint, resume)
     except InputError as problem:
-        raise _in_file(problem, scene, path) from None
+        raise build.in_file(problem, path, {scene.test: type(scene.test_table)}) from None
     except KeyboardInterrupt:
         hint = "; --resume goes on from its last step" if checkpoint.exists() else ""
         raise Interrupted(f"interrupted{hint}") from None
@@ -123,7 +123,7 @@ def _pull_out(this, path, title, text, out, strict):
             hooks = [lambda solver: advance(solver.time / solver.end_time)]
             curve = pull_out.run(_table(this), scene.pull_out, hooks, scene.fabric.bending)
         except InputError as problem:
-            raise _in_file(problem, scene, path) from None
+            raise build.in_file(problem, path, {scene.test: type(scene.test_table)}) from None
         except UnstableError as problem:
             failure, curve = problem, problem.result
     record = pull_out.PullOutRecord.of(
@@ -214,24 +214,6 @@ def _stamp(table, scene):
     inputs = (scene.test, scene.test_table.model_dump(), scene.run.model_dump(exclude={"outputs"}))
     inputs += (fabric.weave, fabric.shear, table.model.toes, table.potential)
     return run_cache.stamp(inputs, "shellfabric.coupon.quasistatic")
-
-
-def _in_file(problem, scene, file):
-    """An InputError of an object that does not know its file, with the scene's file and key in it."""
-    if problem.file is not None:
-        return problem
-    keys = {
-        "form": "fabric.cell_formulation",
-        "gap": "fabric.crossover_gap",
-        "model": "fabric.cell_model",
-        "cells": "crossovers",
-    }
-    key = keys.get(problem.key, problem.key)
-    if key in type(scene.test_table).model_fields:
-        key = f"{scene.test}.{key}"
-    if key is None:
-        return InputError(str(problem), file=file)
-    return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
 
 
 def _write(out, this, record, text, advance):

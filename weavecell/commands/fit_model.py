@@ -28,6 +28,7 @@ from weavecell.commands.sweep import alone
 from weavecell.scenes import build, supported, target
 from weavecell.scenes import coupon as scenes_coupon
 from weavecell.scenes import impact as scenes
+from weavecell.scenes.schema import unit_of
 
 RANGE = 0.5, 2.0  # of what the file has, where a parameter is sought if nothing else is given
 # columns of a coupon's table: what is prescribed, then loads, with their SI units
@@ -217,7 +218,7 @@ class Model:
     def _key(self, name):
         """(value or None, unit, conversion from text) of a numeric key of the input file."""
         entry = supported.entries(type(self.case.scene)).get(name)
-        value, unit = self.case.scene, _unit(entry)
+        value, unit = self.case.scene, unit_of(entry)
         for part in name.split("."):
             value = getattr(value, part, None)
         wrong = isinstance(value, (bool, str, tuple)) or (
@@ -250,7 +251,7 @@ class Model:
         entries, found = supported.entries(type(self.case.scene)) if values else {}, {}
         for name, value in values.items():
             if name not in NUMBERS:
-                unit = _unit(entries[name])
+                unit = unit_of(entries[name])
                 found[name] = value if unit is None else f"{value:.9g} {'' if unit == '1' else unit}".strip()
         return found
 
@@ -266,11 +267,6 @@ class Model:
             text, table = scenes.read_toml(self.name, what="scene")
             scene = scenes_coupon.check(target.changed(table, changes), self.name, COUPONS)
             return build.build(scene, Path(self.name), Path(self.name).stem), None, text
-
-
-def _unit(entry: Any) -> str | None:
-    """SI unit of the field of a key, "1" of a ratio; None of one that has none."""
-    return None if entry is None else (entry.json_schema_extra or {}).get("unit")
 
 
 def heading_of(data: FilePath) -> list[str]:

@@ -16,7 +16,7 @@ from weavecell.results import keys
 from weavecell.scenes import build, supported
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.schema import Table
+from weavecell.scenes.schema import Table, unit_of
 
 PAGE = Path("docs") / "reference" / "input.md"
 HEAD = f"""---
@@ -83,9 +83,8 @@ def _tables(model, *left_out):
         for key, entry in entries.items():
             if key.rpartition(".")[0] != name:
                 continue
-            unit = (entry.json_schema_extra or {}).get("unit", "1")
-            parts = {"Allowed": entry.description, "Unit": unit, "Default": defaults.get(key) or _default(entry)}
-            parts["Commands"] = _commands(key, model)
+            parts = {"Allowed": entry.description, "Unit": unit_of(entry) or "1"}
+            parts |= {"Default": defaults.get(key) or _default(entry), "Commands": _commands(key, model)}
             yield f"#### {key}\n\n{entry.title[0].upper()}{entry.title[1:]}."
             yield " ".join(f"*{name}:* {text}." for name, text in parts.items() if (name, text) != ("Unit", "1"))
 

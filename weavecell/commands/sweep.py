@@ -26,6 +26,7 @@ from weavecell.results import json_file, parquet, progress, provenance
 from weavecell.results.parquet import Column
 from weavecell.scenes import impact as scenes
 from weavecell.scenes import supported, target
+from weavecell.scenes.schema import unit_of
 
 OF_SWEEP = target.support(
     "weavecell sweep",
@@ -151,5 +152,5 @@ def _abscissa(targets, key, table):
         values.append(value)
     if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
         return [str(row[key]) for row in table], key
-    unit = (supported.entries(scenes.Scene)[key].json_schema_extra or {}).get("unit", "")
-    return values, f"{key} [{unit}]" if unit not in ("", "1") else key
+    unit = unit_of(supported.entries(scenes.Scene)[key])
+    return values, f"{key} [{unit}]" if unit not in (None, "1") else key

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,8 +18,9 @@ from fabrics.ply_law import PlyLaw
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from fabrics.yarn import WeavingDamage
+from weavecell.scenes import supported
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.schema import FabricTable, InlineLaw, tables_in
+from weavecell.scenes.schema import FabricTable, InlineLaw, Table
 from weavecell.scenes.supported import Rule, of
 from weavecell.scenes.words import shot_in_words
 
@@ -34,6 +35,7 @@ FIELDS = {
     "fabric.cell_profile": "profile",
     "panel.boundary": "edge",
     "panel.yarn_failure": "failure",
+    "picture_frame.crossovers": "cells",
 }
 NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
 # of sliding crossovers, which need a mesh of one element a crossover
@@ -240,16 +242,18 @@ def _side(side):
     return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
 
 
-def in_file(problem: InputError, file: FilePath | None) -> InputError:
-    """An InputError of an object that does not know its file, with the scene's file and key in it."""
+def in_file(problem: InputError, file: FilePath | None, tables: Mapping[str, type[Table]] | None = None) -> InputError:
+    """An InputError of an object that does not know its file, with the scene's file and key in it.
+
+    Parameters
+    ----------
+    tables : {name: table} of the scene whose keys the object may name; None: those of an impact
+    """
     if problem.file is not None:
         return problem
-    keys = {
-        key: f"{name}.{key}"
-        for name, entry in Scene.model_fields.items()
-        for table in tables_in(entry.annotation)
-        for key in table.model_fields
-    }
+    if tables is None:
+        tables = {name: table for name, table in supported.tables(Scene).items() if name and "." not in name}
+    keys = {key: f"{name}.{key}" for name, table in tables.items() for key in table.model_fields}
     keys |= {"model": "fabric.cell_model"} | {field: key for key, field in FIELDS.items()}
     key = keys.get(problem.key or "", problem.key)
     if key is None:

@@ -383,6 +383,11 @@ def _inner(field):
     return next(tables_in(field.annotation), None)
 
 
+def unit_of(entry: Any) -> str | None:
+    """SI unit of a field, "1" of a ratio; None of one that is no quantity, or of no field."""
+    return (getattr(entry, "json_schema_extra", None) or {}).get("unit")
+
+
 def tables_in(kind: Any) -> Iterator[type[Table]]:
     """The tables in a type, through its unions and tuples."""
     if isinstance(kind, type) and issubclass(kind, Table):
