@@ -10,7 +10,6 @@ The folder of `weavecell compare`
 from __future__ import annotations
 
 import csv
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +17,11 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.files import write_whole
-from weavecell.commands import critical_velocity
+from weavecell.commands.critical_velocity import SUPPORT
 from weavecell.report import checks, pictures
 from weavecell.results import json_file, progress, provenance
 from weavecell.scenes import target
 
-SUPPORT = replace(critical_velocity.SUPPORT, command="weavecell compare")
 _HEADS = (
     "velocity [m/s]", "tested", "computed", "tested residual velocity [m/s]", "computed residual velocity [m/s]",
     "checks",

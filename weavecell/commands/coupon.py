@@ -46,7 +46,6 @@ WORDS = {
     "biaxial": "biaxial tension", "pull_out": "yarn pull-out",
 }  # fmt: skip
 SUPPORT = Support(
-    "weavecell coupon",
     scenes_coupon.CouponScene,
     rejected={
         "fabric.surface": "left out: the cell of a coupon is made from laws",

@@ -27,9 +27,7 @@ from weavecell.scenes import target
 if TYPE_CHECKING:
     from shellfabric.impact.lambert_jonas import LambertJonas
 
-SUPPORT = target.support(
-    "weavecell critical-velocity", ignored=("title", *target.UNWRITTEN, "projectile.strike_velocity", "run.end_time")
-)
+SUPPORT = target.support(ignored=("title", *target.UNWRITTEN, "projectile.strike_velocity", "run.end_time"))
 _COLUMNS = {
     "strike velocity [m/s]": lambda shot: f"{shot.strike_velocity:.4f}",
     "outcome": lambda shot: shot.outcome,

@@ -67,7 +67,7 @@ ROWS = {
 _NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
 _SIDES = [f"panel.boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields]
 SUPPORT = target.support(
-    "weavecell export", ignored=(*target.UNWRITTEN, "history"),
+    ignored=(*target.UNWRITTEN, "history"),
     rejected={key: allowed for key, (allowed, _) in deck.REFUSED.items() if key != "panel.boundary"}
     | dict.fromkeys(_SIDES, deck.REFUSED["panel.boundary"][0]),
 )  # fmt: skip

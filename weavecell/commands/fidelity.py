@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from weavecell.analysis.fidelity.select import Answer
 
 SUPPORT = Support(
-    "weavecell impact", scenes_impact.Scene, rules=build.SHOT_RULES,
+    scenes_impact.Scene, rules=build.SHOT_RULES,
     rejected=build.NO_SLACK | build.PINNED
     | {"panel.grading": "left out in a scene with [accuracy], whose mesh is chosen"},
 )  # fmt: skip
-EXPLAIN = replace(SUPPORT, command="weavecell impact --explain", ignored=("title", *target.UNWRITTEN, "history"))
+EXPLAIN = replace(SUPPORT, ignored=("title", *target.UNWRITTEN, "history"))
 
 # keys of a scene that a model of the ladder would change; what is given there stays
 _BY_HAND = {

@@ -23,7 +23,7 @@ from weavecell.analysis import fit as analysis
 from weavecell.analysis.fit import Fit, Parameter
 from weavecell.analysis.uncertainty import inputs
 from weavecell.commands import coupon
-from weavecell.commands.compare import SUPPORT as COMPARE
+from weavecell.commands.compare import SUPPORT as TESTS
 from weavecell.commands.sweep import alone
 from weavecell.scenes import build, supported, target
 from weavecell.scenes import coupon as scenes_coupon
@@ -52,11 +52,9 @@ NUMBERS = {
     "trellis_angles": (("shear.gamma1", None, "gamma1", ""), ("shear.gamma2", None, "gamma2", "")),
 }
 SHOTS = target.support(
-    "weavecell fit",
     rejected={"history": "left out: the runs record nothing along yarns; `weavecell impact` does"},
 )
-TESTS = replace(COMPARE, command="weavecell fit")
-COUPONS = replace(coupon.SUPPORT, command="weavecell fit", ignored=("title", "run.outputs"))
+COUPONS = replace(coupon.SUPPORT, ignored=("title", "run.outputs"))
 
 
 @dataclass(frozen=True)

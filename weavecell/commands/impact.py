@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from weavecell.analysis.discretisation import Discretisation
     from weavecell.analysis.fidelity.select import Answer
 
-SUPPORT = Support("weavecell impact", scenes_impact.Scene, rejected=build.NO_SLACK, rules=build.SHOT_RULES)
+SUPPORT = Support(scenes_impact.Scene, rejected=build.NO_SLACK, rules=build.SHOT_RULES)
 
 
 def support(scene: scenes_impact.Scene) -> Support:

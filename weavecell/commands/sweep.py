@@ -29,7 +29,6 @@ from weavecell.scenes import supported, target
 from weavecell.scenes.schema import unit_of
 
 OF_SWEEP = target.support(
-    "weavecell sweep",
     rejected={"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"},
 )
 

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 RUNS = "runs"
 STRIKES = 92.5, 170.0  # [m/s] of a fabric's sensitivities
-OF_V50 = replace(SUPPORT, command="weavecell v50")
-OF_SOBOL = target.support("weavecell sensitivity")
+OF_V50 = SUPPORT
+OF_SOBOL = target.support()
 
 
 def sensitivity(
@@ -176,7 +176,7 @@ def _doubts(shots):
 
 
 DRAWS = replace(
-    commands_impact.SUPPORT, command="weavecell impact --draws",
+    commands_impact.SUPPORT,
     ignored=("panel.symmetry", *target.UNWRITTEN, "history"),
     rejected=build.NO_SLACK | {"accuracy": "left out with --draws, which runs the mesh of the scene"},
 )  # fmt: skip

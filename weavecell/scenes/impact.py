@@ -253,9 +253,7 @@ class PanelTable(Table):
     ) = "quarter"  # fmt: skip
     weave_angle: angle("angle of the warp to the sides of the opening", -89, 89, "45 deg") = 0.0
     plies: whole("number of plies; above 1 a pack with contact between plies", 1, MOST_PLIES) = 1
-    ply: Annotated[
-        tuple[PlyTable, ...], BeforeValidator(as_tuple), described("lay-up of a pack", "tables [[panel.ply]]")
-    ] = ()
+    ply: Annotated[tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")] = ()
     stacking: one_of("pack: all plies alike, or every second one turned by 90 degrees", "aligned", "alternating") = (
         "aligned"
     )

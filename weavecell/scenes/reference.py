@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from weavecell.scenes import supported
 from weavecell.scenes.schema import Table
 
 
@@ -14,13 +15,13 @@ def json_schema(model: type[Table]) -> dict[str, Any]:
     ----------
     model : Scene or CouponScene
     """
-    schema = model.model_json_schema()
+    schema, meanings = model.model_json_schema(), {entry.title for entry in supported.entries(model).values()}
     for table in (schema, *schema["$defs"].values()):
         for entry in table["properties"].values():
             unit = entry.pop("unit", None)
             if unit is not None:
                 entry.pop("default", None)  # a number
-            if "title" in entry:
+            if entry.get("title") in meanings:
                 ends = f" [{unit}]" if unit else ""
                 entry["description"] = f"{entry.pop('title')}{ends}; {entry['description']}"
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"

@@ -17,8 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import accumulate
-from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Any
 
 from pydantic.fields import FieldInfo
 
@@ -49,14 +48,12 @@ class Support:
 
     Parameters
     ----------
-    command : as it is called, "weavecell impact"
     model : the Table of its scenes
     ignored : keys or tables that mean nothing to it, each key named in its help
     rejected : {key or table: what is allowed}, completing "must be ..."
     rules : rejections that depend on other keys
     """
 
-    command: str
     model: type[Table]
     ignored: tuple[str, ...] = ()
     rejected: Mapping[str, str] = field(default_factory=dict)
@@ -137,25 +134,14 @@ def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
     return found
 
 
-def entries(model: type[Table], prefix: str = "") -> dict[str, FieldInfo]:
-    """{key: its field} of all keys of a schema, without the tables that hold them."""
-    found = {}
-    for name, entry in model.model_fields.items():
-        key, inner = prefix + name, list(dict.fromkeys(tables_in(entry.annotation)))
-        if not inner or _plain(entry.annotation):
-            found[key] = entry
-        for kind in inner:
-            found |= entries(kind, f"{key}.")
-    return found
-
-
-def _plain(kind):
-    """Whether a type takes values that are no tables, such as a text."""
-    if get_origin(kind) is Annotated:
-        return _plain(get_args(kind)[0])
-    if get_origin(kind) in (Union, UnionType, tuple):
-        return any(_plain(part) for part in get_args(kind) if part not in (Ellipsis, type(None)))
-    return not (isinstance(kind, type) and issubclass(kind, Table))
+def entries(model: type[Table]) -> dict[str, FieldInfo]:
+    """{key: its field} of all keys of a schema: the fields that have a meaning, not those that only hold tables."""
+    return {
+        f"{name}.{key}".lstrip("."): entry
+        for name, table in tables(model).items()
+        for key, entry in table.model_fields.items()
+        if entry.title
+    }
 
 
 def _written(table, key):

@@ -63,13 +63,11 @@ class Target:
         return build.in_file(problem, self.name)
 
 
-def support(
-    command: str, *, ignored: tuple[str, ...] = ("title", *UNWRITTEN), rejected: Mapping[str, str] = NO_HISTORY
-) -> Support:
+def support(*, ignored: tuple[str, ...] = ("title", *UNWRITTEN), rejected: Mapping[str, str] = NO_HISTORY) -> Support:
     """The Support of a command that shoots at a target many times; its parameters are those of Support."""
     refused = build.NO_SLACK | dict(rejected)
     refused |= {"accuracy": "left out: the shots are computed on the mesh of the scene"}
-    return Support(command, scenes.Scene, ignored, refused, build.SHOT_RULES)
+    return Support(scenes.Scene, ignored, refused, build.SHOT_RULES)
 
 
 def read(

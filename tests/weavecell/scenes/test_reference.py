@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from weavecell.scenes import coupon, impact, reference, supported
+from weavecell.scenes.schema import tables_in
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 TYPES = {"string": str, "number": (int, float), "integer": int, "boolean": bool, "array": list, "object": dict}
@@ -41,8 +42,13 @@ def problems(value, schema, root, at=""):
 
 @pytest.mark.parametrize("model", [impact.Scene, coupon.CouponScene])
 def test_every_key_has_a_meaning(model):
-    meanings = {key: entry.title or "" for key, entry in supported.entries(model).items()}
-    assert [key for key, meaning in meanings.items() if len(meaning) <= 3 or meaning[-1] == "."] == []
+    for name, table in supported.tables(model).items():
+        for key, entry in table.model_fields.items():
+            if entry.title is None:
+                assert list(tables_in(entry.annotation)), f"{name}.{key}"
+            else:
+                assert len(entry.title) > 3, f"{name}.{key}"
+                assert entry.title[-1] != ".", f"{name}.{key}"
 
 
 @pytest.mark.parametrize("file", sorted(EXAMPLES.glob("*.toml")), ids=lambda file: file.stem)
