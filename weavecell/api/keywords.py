@@ -30,8 +30,11 @@ __all__ = ["DEFAULTS", "Keywords", "scene"]
 
 FLAT = ("fabric", "panel", "run")
 GROUPS = ("projectile", "history", "numerics", "backing")
-# keys of the file that Python has not: the fabric is an argument, and nothing is written or resumed
-NOT_HERE = ("fabric.name", "fabric.file", "fabric.linear_density", "run.checkpoint_interval", "run.outputs")
+# keys of the file that Python has not: the fabric is an argument, nothing is written or resumed, shots have no slack
+NOT_HERE = (
+    "fabric.name", "fabric.file", "fabric.linear_density", "fabric.fibre_slack", "run.checkpoint_interval",
+    "run.outputs",
+)  # fmt: skip
 DEFAULTS: dict[str, Any] = {  # of keys that the input file requires
     "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"},
     "opening": "203 mm",
@@ -84,16 +87,11 @@ class Keywords(TypedDict, total=False):
 
 def tables() -> dict[str, str]:
     """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
-    from weavecell.commands.impact import SUPPORT
+    from weavecell.scenes import impact, supported
 
-    found = {}
-    for key in SUPPORT.supported:
-        table, _, rest = key.partition(".")
-        if table in FLAT and key not in NOT_HERE:
-            found[rest.partition(".")[0]] = table
-        elif table in GROUPS:
-            found[table] = ""
-    return found
+    of = supported.tables(impact.Scene)
+    flat = {key: name for name in FLAT for key in of[name].model_fields if f"{name}.{key}" not in NOT_HERE}
+    return flat | dict.fromkeys(GROUPS, "")
 
 
 def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
@@ -175,12 +173,13 @@ def _text(value, entry):
 
 def _unknown(key, value, known):
     """The error of a keyword that is none."""
-    from weavecell.scenes.impact import Scene
-    from weavecell.scenes.schema import tables_in
+    from weavecell.scenes import impact, supported
 
     for group in GROUPS:
-        (kind,) = tables_in(Scene.model_fields[group].annotation)
-        if key in kind.model_fields and f"{group}.{key}" != "projectile.strike_velocity":
+        if (
+            key in supported.tables(impact.Scene)[group].model_fields
+            and f"{group}.{key}" != "projectile.strike_velocity"
+        ):
             return InputError(f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value)
     near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
     hint = f", did you mean {near[0]}?" if near else ";"
