@@ -6,8 +6,9 @@ The space
                 of the yarn's thickness, trellis shear law up to the locking modulus, gap at the crossovers
     projectile  five noses with all their parameters, 0.2 to 20 g, 3 to 15 mm, 20 to 700 m/s, friction, straight or
                 oblique with yaw and roll
-    panel       1 to 4 plies, aligned, alternating or a lay-up of two fabrics at right angles, clamped, free or one pair
-                of sides each, 12 to 40 crossovers from the centre to an edge, weave along the sides or oblique
+    panel       1 to 4 plies (packs: 2 to 8), aligned, alternating or a lay-up of two fabrics at right angles, clamped,
+                free or one pair of sides each, 12 to 40 crossovers from the centre to an edge, weave along the sides or
+                oblique
     run         until the projectile has flown some millimetres, within a budget of element updates
 
 All numbers come from the `random()` of one generator. With `random.Random` a scene depends on (seed, index) alone,
@@ -32,13 +33,14 @@ FIBRES = {
     "carbon": ((1.70, 1.85), (200.0, 270.0), (1.5, 2.1)),
 }
 BODIES = (7.8, 2.7, 17.0)  # [g/cm3] steel, aluminium, tungsten alloy
+PLIES, PACKS = (1, 1, 2, 3, 4), (2, 3, 4, 5, 6, 8)
 SHAPES = ("flat", "sphere", "hemisphere", "cone", "chisel")
 # as Kevlar 129 in the thesis
 _SOLID = {"E_a": "1 MPa", "E_c": "2 GPa", "K_r": 0.02, "K_G": 0.001, "V_c": 1.0, "Vf0": 0.7}
 _PACKING, _FLATNESS = 0.65, 4.5  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
 UPDATES = 1.2e7  # element updates that a scene may cost: about a second of one core for one ply
 _PACK_COST = 3.0  # of an element update in a pack, over that of a single ply
-_FINE_PACK = 8.0  # budgets that a pack on its default mesh may cost
+_FINE_PACK, _SHORTEST = 3.0, 30.0  # budgets that a pack on its default mesh may cost, if these microseconds fit in
 
 
 @dataclass(frozen=True)
@@ -70,8 +72,9 @@ class RandomScene:
 
 
 def scene(seed, index) -> RandomScene:
-    """Scene number `index` of the sequence `seed`."""
-    return sample(random.Random(f"{seed}/{index}"), f"fuzz-{seed}-{index}")
+    """Scene number `index` of the sequence `seed`; where its name begins with "packs", a pack of 2 to 8 plies."""
+    plies = PACKS if str(seed).startswith("packs") else PLIES
+    return sample(random.Random(f"{seed}/{index}"), f"fuzz-{seed}-{index}", plies)
 
 
 def scenes():
@@ -81,8 +84,8 @@ def scenes():
     return strategies.randoms(use_true_random=False).map(sample)
 
 
-def sample(generator, name="fuzz") -> RandomScene:
-    """Draw a scene with the generator's `random()`."""
+def sample(generator, name="fuzz", plies=PLIES) -> RandomScene:
+    """Draw a scene with the generator's `random()`; plies : numbers to choose from."""
     draw = Draw(generator)
     fabric = sample_fabric(draw, name)
     cells, thickness = _geometry(fabric)
@@ -90,7 +93,7 @@ def sample(generator, name="fuzz") -> RandomScene:
     half = draw.uniform(12, 40) * max(cells)
     half = max(half, 3.3, 14 * max(cells))
     shot = sample_projectile(draw, half)
-    panel = sample_panel(draw, shot, thickness)
+    panel = sample_panel(draw, shot, thickness, draw.choice(plies))
     run = sample_run(draw, fabric, cells, half, shot, panel)
     if "plies" in panel and draw.chance(0.4):  # last, so that scenes without it are what they were
         panel["ply_friction"] = round(draw.uniform(0, 0.6), 3)
@@ -229,9 +232,8 @@ def sample_projectile(draw, half) -> dict:
     return found
 
 
-def sample_panel(draw, shot, thickness) -> dict:
+def sample_panel(draw, shot, thickness, plies) -> dict:
     """The table [panel] but for its opening."""
-    plies = draw.choice((1, 1, 2, 3, 4))
     found = {"boundary": draw.choice(("clamped", "clamped", "free"))}
     if draw.chance(0.15):
         found["boundary"] = dict(zip(("warp", "weft"), draw.choice((("clamped", "free"), ("free", "clamped")))))
@@ -286,7 +288,8 @@ def sample_run(draw, fabric, cells, half, shot, panel) -> dict:
     if fine < UPDATES * step and draw.chance(0.3):
         found["elements_per_crossover"] = 2
     elif plies > 1 and fine > _FINE_PACK * UPDATES * step:
-        found["elements_per_crossover"] = 1
+        end *= _FINE_PACK * UPDATES * step / fine
+        found |= {"end_time": _text(end, "us")} if end > _SHORTEST else {"elements_per_crossover": 1}
     return found
 
 

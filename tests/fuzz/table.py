@@ -47,6 +47,8 @@ def summary(rows) -> str:
     lines = [f"{len(rows)} scenes: " + ", ".join(f"{n} {name}" for name, n in count.most_common())]
     ends = Counter(row["end"] for row in rows if row["outcome"] == "ok")
     lines.append("normal terminations: " + ", ".join(f"{n} {name}" for name, n in ends.most_common()))
+    torn = sum(bool(row.get("failed_yarns")) for row in rows)
+    lines.append(f"with failed yarns: {torn}")
     errors = sorted(row["energy_error"] for row in rows if row["outcome"] == "ok")
     if errors:
         lines.append("energy error: " + _quantiles([100 * e for e in errors], "%"))
