@@ -15,32 +15,32 @@ import time
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.jit.compile import entry
-from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile import contact_kernels
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import PackSolver
 
 
 @entry()
 def many(state, times):
-    """What `panel.step_kernels.run_thread` adds to a step, so many times."""
+    """What `step_kernels.run_thread` adds to a step, so many times."""
     exchanged, before = 0.0, 0.0
     for _ in range(times):
         state.contact_energy[contact_kernels.CONTACT] += 1.0
-        now = panel_step_kernels.internal_work(state)
+        now = ply_kernels.internal_work(state)
         exchanged, before = exchanged + abs(now - before), now
     return exchanged
 
 
 def shares(panel, velocity, interval):
     """(monitor, checks, kernel) as shares of the CPU time of one run [-], and how many checks there were."""
-    march, spent = PanelSolver(panel, velocity, 250e-6, interval=interval), {"sampled": 0.0, "_check_energy": 0.0}
+    march, spent = PackSolver(panel, velocity, 250e-6, interval=interval), {"sampled": 0.0, "_check_energy": 0.0}
     for owner, name in ((march.monitor, "sampled"), (march, "_check_energy")):
         setattr(owner, name, _timed(getattr(owner, name), spent, name))
     start = time.process_time()
     march.run()
     total = time.process_time() - start
-    panel_step_kernels.internal_work(march.state)
+    ply_kernels.internal_work(march.state)
     many(march.state, 1)
     start = time.process_time()
     many(march.state, 100_000)

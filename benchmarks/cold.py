@@ -41,14 +41,14 @@ def stages(end_time):
 
     from fabrics import catalogue
     from shellfabric.impact import simulation
-    from shellfabric.panel.solver import PanelSolver
+    from shellfabric.solver.pack_solver import PackSolver
 
     note("import")
     setup = simulation.ImpactSetup(catalogue.load("S-720").with_effective_density(), 92.5, end_time=end_time)
     table = setup.table()
     note("table")
     panel = setup.panel(table)
-    solver = PanelSolver(panel, setup.strike_velocity, end_time)
+    solver = PackSolver(panel, setup.strike_velocity, end_time)
     note("state and first sample")
     solver.run()
     note("run")

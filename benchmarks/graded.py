@@ -28,11 +28,10 @@ from fabrics.errors import InputError
 from fabrics.variants import with_straight_yarns
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity
-from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import PackSolver, run_steps
 
 ZONES = {
     "1": None,
@@ -73,7 +72,7 @@ def shot(panel, strike_velocity):
     costs = []
     for _ in range(2):
         begun = time.process_time()
-        march = PanelSolver(panel, strike_velocity, 1.5e-3).run()
+        march = PackSolver(panel, strike_velocity, 1.5e-3).run()
         costs.append(time.process_time() - begun)
     return {
         "outcome": march.outcome,
@@ -96,7 +95,7 @@ def refined_shots():
     for cloth, velocities in REFINED_SHOTS.items():
         for name, mesh in REFINED.items():
             panel = Panel(tables[cloth], numerics=Numerics(threads=1), **mesh)
-            PanelSolver(panel, velocities[0], 1e-6).run()  # compiled before
+            PackSolver(panel, velocities[0], 1e-6).run()  # compiled before
             shots = [absorbing(panel, v) for v in velocities]
             found.setdefault(cloth, {})[name] = {"elements": panel.elements, "shots": shots}
             print(cloth, name, json.dumps(found[cloth][name]), flush=True)
@@ -127,7 +126,7 @@ def shots(panel, velocities):
     found = {}
     for name, zones in fitting(panel):
         graded = replace(panel, grading=zones)
-        PanelSolver(graded, velocities[0], 1e-6).run()  # compiled before
+        PackSolver(graded, velocities[0], 1e-6).run()  # compiled before
         found[name] = {"elements": graded.elements, "shots": [shot(graded, v) for v in velocities]}
         print(name, json.dumps(found[name]), flush=True)
     return found
@@ -145,7 +144,7 @@ def pack_shot(pack, strike_velocity):
         "time_us": 1e6 * solver.time,
         "residual_velocity": float(solver.sample("v")[-1]),
         "deflection_mm": 1e3 * float(solver.ply_sample("deflection").max()),
-        "peak_N": [float(peak) for peak in solver.peaks.max(axis=0)],
+        "peak_N": [float(peak) for peak in solver.peak_tensions[..., 0].max(axis=0)],
         "failed_by_ply": [float(count) for count in solver.ply_sample("failed_yarns")[-1]],
         "deepest": float(solver.deepest.max()),
         "balance": float(np.abs(solver.sample("error")).max() / solver.strike_energy),
@@ -199,9 +198,9 @@ def behind(table, zones, crossovers):
     at = lambda x: np.clip(x - start, -half, half)  # noqa: E731
     state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
     state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
-    panel_step_kernels.initial_forces(state, const, work)
+    ply_kernels.initial_forces(state, const, None, work)
     steps = int((100 + crossovers) * d / speed / const.dt)
-    panel_step_kernels.run_steps(state, const, work, steps, np.empty((steps, 3)))
+    run_steps(state, const, work, steps, np.empty((steps, 3)))
     kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
     return float(kinetic[X[:, 0] < 99 * d].sum() / kinetic.sum())
 

@@ -29,7 +29,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.published.ply_friction import page as friction_page
 from weavecell.report.marked_page import put
 from weavecell.results.provenance import stamp
@@ -67,7 +67,7 @@ def hold(march):
     the march in every step, and at each end all tensions are looked up that no step has needed."""
     march.stack.projectile_velocity[2] = 1e-3
     consts = Items([const._replace(projectile_mass=1e9) for const in march.consts])
-    march._lists = march._lists[0], consts, march._lists[2]
+    march._plies = march._plies[0], consts
 
 
 def pressed(pack, steps):

@@ -27,11 +27,12 @@ from shell import machine, one_core, publish
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.jit.compile import entry
-from shellfabric.panel import step_kernels
 from shellfabric.panel.element_kernels import element_forces
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import move_rows
 from shellfabric.projectile import contact_kernels
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import run_steps
 
 plain = njit(cache=True, error_model="numpy", fastmath=True)
 
@@ -204,13 +205,13 @@ def nose_only(state, const, work, times):
 @entry(_nrt=False)
 def failure_only(state, const, work, times):
     for _ in range(times):
-        step_kernels.apply_failure(state, const, work)
+        ply_kernels.apply_failure(state, const, None, work)
 
 
 @entry()
 def audit_only(state, const, out, times):
     for _ in range(times):
-        step_kernels.energies(state, const, out)
+        ply_kernels.energies(state, const, None, out)
 
 
 def cpu(function, *arguments):
@@ -225,7 +226,7 @@ def shaken(panel):
     for part in state.v:
         part[: state.mass.size] = np.where(state.dt_over_mass > 0, rng.uniform(-0.5, 0.5, state.mass.size), 0.0)
     state.active_rows[:] = 0, panel.counts[0]
-    step_kernels.run_steps(state, panel.constants(), panel.work(), 40, np.empty((40, 3)))
+    run_steps(state, panel.constants(), panel.work(), 40, np.empty((40, 3)))
     return state
 
 
@@ -265,7 +266,7 @@ def main():
             state.v[2][0] = other.v[2, 0, 0] = 92.5
             parts = {
                 "plain": (other.run, steps),
-                "kernels": (step_kernels.run_steps, state, const, work, steps, history),
+                "kernels": (run_steps, state, const, work, steps, history),
                 "elements": (elements_only, state, const, work, steps),
                 "nose": (nose_only, state, const, work, steps),
                 "failure": (failure_only, state, const, work, steps),

@@ -30,9 +30,9 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity, shoot
-from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import PackSolver, run_steps
 
 END = 250e-6
 FORMS = ("equilibrium", "variational")
@@ -81,9 +81,9 @@ def march(panel, strike_velocity, steps, everywhere):
     if everywhere:
         state.active_rows[:] = 0, const.ni
     fine = np.empty((max(steps, FIRST), 3))
-    panel_step_kernels.run_steps(state, const, work, FIRST if everywhere else 0, fine)
+    run_steps(state, const, work, FIRST if everywhere else 0, fine)
     wall, cpu = time.perf_counter(), time.process_time()
-    made, _ = panel_step_kernels.run_steps(state, const, work, steps, fine)
+    made, _ = run_steps(state, const, work, steps, fine)
     return (time.perf_counter() - wall) / made * steps, (time.process_time() - cpu) / made * steps
 
 
@@ -107,10 +107,10 @@ def measure(panel, repeats, steps=None, everywhere=False):
 def audit(panel, repeats=50):
     """ns per element of the energies of one audit, of which a run has one every 2 us."""
     state, const, out = panel.state(92.5), panel.constants(), np.empty(5)
-    panel_step_kernels.energies(state, const, out)
+    ply_kernels.energies(state, const, None, out)
     cpu = time.process_time()
     for _ in range(repeats):
-        panel_step_kernels.energies(state, const, out)
+        ply_kernels.energies(state, const, None, out)
     return round((time.process_time() - cpu) / repeats * 1e9 / panel.elements, 1)
 
 
@@ -131,7 +131,7 @@ def threads(table, repeats):
     walls, ends = {1: [], 2: []}, {}
     for _ in range(repeats):
         for count in walls:
-            run = PanelSolver(with_knobs(panel, threads=count), 92.5, END).run()
+            run = PackSolver(with_knobs(panel, threads=count), 92.5, END).run()
             walls[count].append(run.wall_time)
             ends[count] = run.state
     same = all(np.array_equal(one, two) for one, two in zip(ends[1], ends[2]))

@@ -45,7 +45,7 @@ def parts(fabric, scatter, shots, grading):
         for method in ("nested", "newton"):
             setup.table(method=method)
             marks.append(time.process_time())
-        panel = strengths.drawn(replace(setup, opening=OPENING, grading=grading), scatter, 1, number).panel
+        panel = strengths.drawn(replace(setup, opening=OPENING, grading=grading), scatter, 1, number).pack
         marks.append(time.process_time())
         ballistic_limit.shoot(panel, (float(velocity),))
         marks.append(time.process_time())

@@ -31,7 +31,6 @@ MODELS = {
     "shellfabric.panel": ("a ply", "about half a minute"),
     "shellfabric.plies": ("packs", "about 1 minute"),
     "shellfabric.sliding": ("sliding crossovers", "some minutes"),
-    "shellfabric.sliding_plies": ("packs with sliding crossovers", "some minutes"),
     "shellfabric.backing": ("a block behind the panel", "a minute or two"),
     "shellfabric.coupon": ("coupons", "a minute or two"),
     "shellfabric.cable": ("the cable net", "a minute or two"),

@@ -21,8 +21,8 @@ FLOORS = {"fabrics": 0, "meshing": 1, "unitcell3d": 2, "shellfabric": 2, "weavec
 # inside a package, lowest first: a file imports from its own folder and from lower ones
 LAYERS = {
     "shellfabric": (
-        {"jit"}, {"driver"}, {"cell"}, {"cloth"}, {"projectile", "coupon"}, {"solid"}, {"backing"}, {"panel"},
-        {"sliding"}, {"plies", "cable", "output"}, {"sliding_plies"}, {"impact"},
+        {"jit"}, {"driver"}, {"cell"}, {"cloth"}, {"projectile"}, {"solid"}, {"backing"}, {"panel"}, {"sliding"},
+        {"plies", "cable", "output"}, {"solver"}, {"impact", "coupon"},
     ),
     "unitcell3d": (
         {"assembly", "material"}, {"contact"}, {"model"}, {"solver"}, {"cases"}, {"identify"},
@@ -409,7 +409,7 @@ PLANTED = [
     ("imports_that_run_upwards", HERE, "from . import pictures_cell\n"),
     ("imports_that_run_upwards", "weavecell/cli/app.py", "from validation.commands import claims\n"),
     ("imports_against_the_layers", HERE, "from shellfabric.panel import model\n"),
-    ("imports_against_the_layers", "shellfabric/coupon/new.py", "from shellfabric.projectile.new import x\n"),
+    ("imports_against_the_layers", "shellfabric/coupon/new.py", "from shellfabric.impact.new import x\n"),
     ("imports_against_the_layers", "unitcell3d/contact/new.py", "def f():\n    import unitcell3d.solver.newton\n"),
     ("imports_against_the_layers", "shellfabric/elsewhere/new.py", ""),
     ("imports_against_the_layers", "shellfabric/new.py", ""),

@@ -42,7 +42,7 @@ def folders(package):
 def kernels():
     """Kernel files behind the step of one ply, in the order of their names."""
     start = ROOT / "shellfabric" / "__init__.py"
-    files = source_code.closure(["shellfabric.panel.step_kernels"], ROOT, ("shellfabric",), ends=[start])
+    files = source_code.closure(["shellfabric.solver.step_kernels"], ROOT, ("shellfabric",), ends=[start])
     return sorted(str(file.relative_to(ROOT)) for file in files if file.stem.endswith("_kernels"))
 
 
@@ -129,7 +129,7 @@ def text():
         "",
         "## Kernels of one ply",
         "",
-        "Files behind `shellfabric/panel/step_kernels.py`, which makes the steps:",
+        "Files behind `shellfabric/solver/step_kernels.py`, which makes the steps:",
         "",
     ]
     lines += [f"- `{name}`" for name in kernels()]

@@ -3,7 +3,7 @@
 After every step of the cloth the block takes its contacts with cloth and projectile at the same instant and then its
 own step, so that it is one step ahead and its energies are those of the cloth's instant. What the contacts give to
 cloth and projectile waits in state.f_block_cloth and state.f_block_nose for the cloth's next step
-(`panel.step_kernels.apply_backing_impulse`).
+(`solver.ply_kernels.apply_backing_impulse`).
 
 The cloth bears on the block at p x p points of each element, like on a projectile: x = sum N_i x_i, with the penalty
 and damping of the point's own mass. They keep half of the ply's thickness from the face. Points of eroded elements do

@@ -27,7 +27,7 @@ from shellfabric.impact.bracket import STEP, Bracket
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
 from shellfabric.plies.model import Pack
-from shellfabric.sliding_plies.solver import solver_of
+from shellfabric.solver.pack_solver import PackSolver
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
 _AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them
@@ -119,18 +119,14 @@ class Limit:
         return self.mixed_zone is None
 
 
-def plies(panel: Panel | Pack) -> tuple[Panel, ...]:
-    """The plies of a pack, or the one of a panel."""
-    return panel.plies if isinstance(panel, Pack) else (panel,)
-
-
 def first_guess(panel: Panel | Pack) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
     from shellfabric.cable.smith import striking_velocity  # with the kernels of the cable net, which no panel uses
 
-    own = {id(ply.fabric): ply.fabric for ply in plies(panel)}.values()
+    plies = Pack.of(panel).plies
+    own = {id(ply.fabric): ply.fabric for ply in plies}.values()
     alone = min(striking_velocity(y.wave_speed, y.failure_strain) for fabric in own for y in fabric.weave.yarns)
-    return _GUESS * alone * len(plies(panel)) ** _RISES
+    return _GUESS * alone * len(plies) ** _RISES
 
 
 def critical_velocity(
@@ -284,20 +280,19 @@ class _Range:
 
 
 def _on_one_thread(panel):
-    """The same where no number of threads is given; plies that are one stay one."""
-    own = {id(ply): ply for ply in plies(panel)}
+    """The pack with one thread where no number is given; plies that are one stay one."""
+    pack = Pack.of(panel)
+    own = {id(ply): ply for ply in pack.plies}
     for key, ply in own.items():
         own[key] = replace(ply, numerics=replace(ply.numerics, threads=ply.numerics.threads or 1))
-    if isinstance(panel, Pack):
-        return replace(panel, plies=tuple(own[id(ply)] for ply in panel.plies))
-    return own[id(panel)]
+    return replace(pack, plies=tuple(own[id(ply)] for ply in pack.plies))
 
 
 def _round_trip(panel):
     """[s] of a stress wave from the impact point to the further edge and back: sqrt 2 longer than along a lone yarn."""
     return max(
         2 * sqrt(2) * abs(x).max() / yarn.wave_speed
-        for ply in plies(panel) for x, yarn in zip(ply.lines(), ply.weave.yarns)
+        for ply in Pack.of(panel).plies for x, yarn in zip(ply.lines(), ply.weave.yarns)
     )  # fmt: skip
 
 
@@ -312,7 +307,7 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
             if failed[0] == failed[-1]:
                 solver.reason = STOPPED
 
-    solver = solver_of(panel, velocity, UNDECIDED, interval=_AUDIT)
+    solver = PackSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
     solver.run((hook,))
     if solver.outcome == "in flight":
         problem = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"

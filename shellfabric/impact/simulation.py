@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import groupby
 from math import ceil, inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -29,20 +29,15 @@ from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.hooks import Snapshots
 from shellfabric.output.snapshots import Snapshot
-from shellfabric.panel import boundary, compile_ahead, quality
+from shellfabric.panel import boundary, quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PLY_SAMPLES, ClothSolver
+from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding import solver as sliding
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
-from shellfabric.sliding.solver import SlipSummary
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, SlipSummary
+from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver, begin_compiling
 
-if TYPE_CHECKING:
-    from shellfabric.plies.model import Pack, PlyContact
-
-_SMALL = 11  # samples a side of a cell's table that no run uses
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 PACK_ELEMENTS, NEAR = 2, 10  # of packs, per crossover about the impact point, and to how many crossovers at least
@@ -225,11 +220,10 @@ class ImpactSetup:
         clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
         if not clamped or self.projectile.obliquity != 0:
             return replace(self, elements_per_crossover=sides)
-        coarse = [replace(one, elements_per_crossover=1, table_size=_SMALL) for one in self.kinds]
+        coarse = [replace(one, elements_per_crossover=1) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
             coarse += [replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in coarse]
-        # the reach does not depend on the values of the table
-        plain = [one.panel(CellTable.straight(one.cell()) if one.surface is None else None) for one in coarse]  # type: ignore[arg-type]
+        plain = [one.panel(one.plain_table()) for one in coarse]  # the reach does not depend on the values of the table
         near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))
         return replace(self, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
 
@@ -264,6 +258,11 @@ class ImpactSetup:
             self.begin_compiling()
         return table_cache.table(cell, self.table_size, method) if kept else cell.table(self.table_size, method)  # type: ignore[arg-type, call-arg]
 
+    def plain_table(self) -> CellTable:
+        """A coarse table, of straight yarns where it is no response surface's: for the geometry of a panel alone."""
+        cell = self.cell()
+        return cell.table(11) if isinstance(cell, SurfaceCell) else CellTable.straight(cell)
+
     def begin_compiling(self) -> None:
         """Begin to compile the kernels of one ply, whose types do not depend on the values of a table, before that is
         filled; only where the kernel that fills it is not compiled either."""
@@ -273,8 +272,7 @@ class ImpactSetup:
             and self.surface is None
             and compile_in_child.is_cold(FILLS[FILL])
         ):
-            panel = self.panel(CellTable.straight(self.cell()))  # type: ignore[arg-type]
-            compile_ahead.begin(panel.state(self.strike_velocity), panel.constants(), panel.work())
+            begin_compiling(self.panel(self.plain_table()))
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """One ply, of several the first, with its own table or one that a like set-up has filled.
@@ -308,20 +306,14 @@ class ImpactSetup:
             **more,
         )
 
-    def target(self, table: CellTable | None = None) -> Panel | Pack:
-        """What the projectile strikes: the panel of one ply, or the pack of several; `table` as of `panel`.
-
-        The solver of packs is loaded with the first pack; one ply needs none.
+    def target(self, table: CellTable | None = None) -> Pack:
+        """What the projectile strikes, of one ply or several; `table` as of `panel`.
 
         Raises
         ------
         InputError : as `panel`, Pack and Pack.stacked
         """
         panel = self.panel(table)
-        if self.plies == 1:
-            return panel
-        from shellfabric.sliding_plies.solver import laid_up, pack_of
-
         if self.lay_up:
             used = self.meshed
             kinds = [
@@ -330,11 +322,11 @@ class ImpactSetup:
             ]
             panels = [panel, *(one.panel() for one in kinds[1:])]
             numbers = [kinds.index(replace(kinds[0], fabric=ply.fabric, laws=ply.laws)) for ply in self.lay_up]
-            return laid_up(
+            return Pack.laid_up(
                 [(panels[number], ply.turned) for number, ply in zip(numbers, self.lay_up)],
                 gaps=[ply.gap for ply in self.lay_up[:-1]], contact=self.contact, friction=self.ply_friction,
             )  # fmt: skip
-        return pack_of(
+        return Pack.stacked(
             panel, self.plies, stacking=self.stacking, gap=self.ply_gap, contact=self.contact,
             friction=self.ply_friction,
         )  # fmt: skip
@@ -347,17 +339,17 @@ class ImpactResult(Outcome):
     Parameters
     ----------
     setup : what was run
-    target : the Panel of one ply, or the Pack of several
+    target : Pack, of one ply or several
     outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile has stopped when it no
         longer moves along the panel's normal, though it may slide on
     residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has stopped
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
     t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point of the projectile
-    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before (ClothSolver)
+    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before (PackSolver)
     deflection : (n,) [m] largest of the last ply, along the normal (`ply_audit.deflection`)
     energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less the energy at the
         start
-    plies : {name: (n, plies)} with the names of panel.solver.PLY_SAMPLES
+    plies : {name: (n, plies)} with the names of solver.pack_solver.PLY_SAMPLES
     peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time [s], and its place at
         rest along warp and weft from the impact point [m]; NaN but for the tension where there was none
     deepest, held_apart : (plies - 1,) and (2,) [-] see PackSolver
@@ -371,11 +363,11 @@ class ImpactResult(Outcome):
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
-    slips : (plies,) sliding.solver.SlipSummary of sliding crossovers; empty of pinned ones
+    slips : (plies,) sliding.model.SlipSummary of sliding crossovers; empty of pinned ones
     """
 
     setup: ImpactSetup
-    target: Panel | Pack
+    target: Pack
     outcome: str
     residual_velocity: float
     velocity: np.ndarray
@@ -406,7 +398,7 @@ class ImpactResult(Outcome):
     @property
     def panels(self) -> tuple[Panel, ...]:
         """(plies,) the Panel of each ply."""
-        return (self.target,) if isinstance(self.target, Panel) else self.target.plies
+        return self.target.plies
 
     @property
     def panel(self) -> Panel:
@@ -437,7 +429,7 @@ class ImpactResult(Outcome):
 
 def run(
     setup: ImpactSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None,
-    target: Panel | Pack | None = None,
+    target: Pack | None = None,
 ) -> ImpactResult:  # fmt: skip
     """Run an impact.
 
@@ -486,17 +478,12 @@ def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
         return problem.result, str(problem)
 
 
-def solver_of(target: Panel | Pack, setup: ImpactSetup) -> ClothSolver:
+def solver_of(target: Pack, setup: ImpactSetup) -> PackSolver:
     """The solver of the target of a set-up."""
-    shot = {"strike_velocity": setup.strike_velocity, "end_time": setup.end_time, "interval": setup.sample_interval}
-    if isinstance(target, Panel):
-        return sliding.solver_of(target, **shot)
-    from shellfabric.sliding_plies import solver as sliding_plies
-
-    return sliding_plies.solver_of(target, **shot)
+    return PackSolver(target, setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
 
 
-def collect_result(setup: ImpactSetup, solver: ClothSolver) -> ImpactResult:
+def collect_result(setup: ImpactSetup, solver: PackSolver) -> ImpactResult:
     """Gather what a run has recorded."""
     panels = [panel for panel, _, _ in solver.parts]
     elements = sum(panel.elements for panel in panels)
@@ -507,7 +494,7 @@ def collect_result(setup: ImpactSetup, solver: ClothSolver) -> ImpactResult:
     last = output_snapshots.of_plies(solver)
     return ImpactResult(
         setup=setup,
-        target=solver.target,
+        target=solver.pack,
         outcome=solver.outcome,
         residual_velocity=solver.residual_velocity,
         velocity=dynamics.velocity(solver.state, solver.const),

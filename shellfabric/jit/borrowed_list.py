@@ -17,7 +17,6 @@ from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.core.typing.typeof import typeof_impl
 from numba.extending import NativeValue, intrinsic, lower_builtin, register_model, unbox
 
 from shellfabric.jit.by_reference import Reference, referred
@@ -37,6 +36,7 @@ class Items:
         if len(kinds) != 1:
             raise TypeError(f"{len(kinds)} types in one list")
         (self.kind,) = kinds
+        self._numba_type_ = ItemsType(self.kind)  # where numba looks first: a call costs no search for it
         self._memory = [_in_memory(self.kind, value) for value in self.values]
         self._addresses = np.array([memory.ctypes.data for memory in self._memory], np.int64)
         self.address, self.count = self._addresses.ctypes.data, len(self.values)
@@ -87,11 +87,6 @@ class ItemsType(types.Type):
     @property
     def mangling_args(self):
         return self.name, ()
-
-
-@typeof_impl.register(Items)
-def _typeof(value, c):
-    return ItemsType(value.kind)
 
 
 @register_model(ItemsType)

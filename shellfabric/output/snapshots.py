@@ -55,8 +55,8 @@ def snapshot(
 
     Parameters
     ----------
-    pressing : of `panel.solver.ClothSolver.normal_contact_forces`
-    passed : of `panel.solver.ClothSolver.passed_lengths`
+    pressing : of `solver.pack_solver.PackSolver.normal_contact_forces`
+    passed : of `solver.pack_solver.PackSolver.passed_lengths`
     """
     X, Y = panel.coordinates()
     nodes = _stacked(panel, state.u)
@@ -82,7 +82,7 @@ def _stacked(panel, arrays):
 
 
 def of_plies(solver: Any) -> tuple[Snapshot, ...]:
-    """(plies,) snapshots of the plies of a ClothSolver, counted from the plane of the first ply at rest."""
+    """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at rest."""
     found, nose = [], solver.state.projectile_position
     for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
         touched = solver.normal_contact_forces(ply), solver.passed_lengths(ply)

@@ -1,1 +1,1 @@
-"""One ply: its arrays, boundary conditions, time step, grading, explicit time integration and quality indicators."""
+"""One ply: its arrays, boundary conditions, time step, grading, motion and quality indicators."""

@@ -11,7 +11,8 @@ import numpy as np
 from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.by_reference import by_reference
-from shellfabric.panel import boundary, grading, step_kernels
+from shellfabric.panel import boundary, grading
+from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.projectile import contact, dynamics, window_kernels
 
 if TYPE_CHECKING:
@@ -173,7 +174,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         projectile_position=panel.projectile.start(), projectile_velocity=strike_velocity * panel.projectile.flight,
         f_contact_nose=np.zeros(3),
         contact_energy=np.zeros(5), active_rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]),
-        counter=np.array([step_kernels.AT_REST, 0, 0]),
+        counter=np.array([AT_REST, 0, 0]),
         energy_sums=np.zeros((blocks, 5)), peak_tension=np.zeros(2), peak_segment=np.zeros((2, 2), np.int64),
         contact_window=np.array(const.window_limits),
         slip_force=np.zeros(const.slip_node.size), slip_energy=np.zeros(3),

@@ -9,6 +9,8 @@ import numpy as np
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, fabs, fma, greater, load, masked_store, where
 
+STEP, IDLE, FAILURES = 0, 1, 2  # of state.counter
+AT_REST = -1  # of state.counter[STEP], until the initial forces are computed
 _MIN_VELOCITY = 1e-60
 
 

@@ -11,19 +11,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fabrics.checks import FloatArray
 from shellfabric.panel import quality_kernels as kernels
+from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.panel.quality_kernels import DEPTH
-from shellfabric.panel.step_kernels import FAILURES
 from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 from shellfabric.solid.hex8 import PATTERNS, Bricks
-
-if TYPE_CHECKING:
-    from shellfabric.panel.solver import ClothSolver
 
 OK, NOTED, DOUBTFUL = "ok", "noted", "doubtful"
 _T = ("T1", "T2")
@@ -138,7 +135,7 @@ class Monitor:
 
     Parameters
     ----------
-    solver : panel.solver.PanelSolver or plies.solver.PackSolver
+    solver : PackSolver
 
     Attributes
     ----------
@@ -147,7 +144,7 @@ class Monitor:
         has given way, over the thickness [-]
     """
 
-    def __init__(self, solver: ClothSolver) -> None:
+    def __init__(self, solver: Any) -> None:
         self.solver = solver
         self.found = np.zeros((len(solver.parts), 3))
         plies = [panel for panel, _, _ in solver.parts]
@@ -162,7 +159,7 @@ class Monitor:
         for (_, const, state), row, (i, j), light in zip(parts, self.found, self._places, self._light):
             kernels.sample(state, const, i, j, *light, row)
         if len(parts) > 1:
-            self.found[:-1, DEPTH] = self.solver.squeezed  # type: ignore[attr-defined]
+            self.found[:-1, DEPTH] = self.solver.squeezed
 
     @property
     def oscillation(self) -> float:
@@ -171,8 +168,8 @@ class Monitor:
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 
-def of_solver(solver: ClothSolver) -> tuple[Indicator, ...]:
-    """Tuple of Indicator of a run of one ply or a pack, a `panel.solver.PanelSolver` or `plies.solver.PackSolver`."""
+def of_solver(solver: Any) -> tuple[Indicator, ...]:
+    """Tuple of Indicator of a run of a `solver.pack_solver.PackSolver`."""
     panel, shot = solver.panel, solver.panel.projectile
     strike = solver.strike_energy
     energies = {name: solver.sample(name) for name in solver.energy_names}

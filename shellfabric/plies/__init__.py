@@ -1,1 +1,1 @@
-"""Packs of plies: contact between plies, non-penetration of torn plies, explicit time integration."""
+"""Packs of plies: contact between plies, non-penetration of torn plies."""

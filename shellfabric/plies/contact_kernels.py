@@ -39,7 +39,7 @@ from shellfabric.jit.simd import (
     reduce_max,
     where,
 )
-from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies.contact_simd_kernels import (
     MAX_DEPTH,
     MAX_DEPTH_POINT,

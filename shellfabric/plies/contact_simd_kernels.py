@@ -28,7 +28,7 @@ from shellfabric.jit.simd import (
     sqrt,
     where,
 )
-from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies.graded_kernels import (
     add_column_offset8,
     add_row_offset8,

@@ -30,7 +30,7 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
-from shellfabric.panel.step_kernels import AT_REST
+from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.plies import friction
 from shellfabric.plies.arrays import Pair, Stack, TornContact, torn_contact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
@@ -39,6 +39,7 @@ from shellfabric.plies.grading import area_factors
 from shellfabric.plies.numerics import FORMS, PlyContact, law_table
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.contact import PREDICTED
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip
 
 STACKINGS = ("aligned", "alternating")
 _FASTER = 1.5  # than the projectile cloth before its nose may become
@@ -90,6 +91,8 @@ class Pack:
             raise InputError("the plies of a pack must have one grading")
         if len({ply.table.model.form for ply in self.plies}) > 1 or len({ply.trellis for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
+        if len({isinstance(ply, SlidingPanel) for ply in self.plies}) > 1:
+            raise InputError(key="crossovers", value="sliding", allowed="sliding in all plies of a pack, or in none")
         friction.check(self.friction, first.numerics.cfl)
 
     @classmethod
@@ -153,6 +156,16 @@ class Pack:
             tuple(made[id(panel), is_turned] for panel, is_turned in plies), chosen, contact or PlyContact(), friction
         )
 
+    @classmethod
+    def of(cls, target: Panel | Pack) -> Pack:
+        """The pack itself, or that of a single ply."""
+        return target if isinstance(target, Pack) else cls((target,))
+
+    @property
+    def crossovers(self) -> tuple[CrossoverFriction, ...]:
+        """(plies,) of sliding crossovers; empty of pinned ones."""
+        return tuple(ply.friction for ply in self.plies if isinstance(ply, SlidingPanel))
+
     @property
     def elements(self) -> int:
         """Number of elements of all plies."""
@@ -200,10 +213,7 @@ class Pack:
         return float(np.mean([ply.weave.thickness for ply in self.plies[p : p + 2]]))
 
     def _firmer(self, ply):
-        """Stiffness of the nose's contact with a ply of the pack, over that of a single ply; 0 of a pack of one, which
-        has that of a single ply."""
-        if len(self.plies) == 1:
-            return 0.0
+        """Stiffness of the nose's contact with a ply of the pack, over that of a single ply."""
         knobs = ply.numerics
         plain = knobs.penalty * ply.weave.areal_density / ply.step_of_bound**2
         return self.contact.stiffness * 2 * max(law.stiffness for law in self.laws) / plain
@@ -220,6 +230,8 @@ class Pack:
 
     def constants(self) -> tuple[Constants, ...]:
         """(plies,) what the kernels need to know of each ply, all at one time step."""
+        if len(self.plies) == 1:
+            return (self.plies[0].constants(),)
         found, out_of_plane = {}, any(has_out_of_plane(ply) for ply in self.plies)
         for ply in self.plies:
             if id(ply) not in found:
@@ -264,13 +276,16 @@ class Pack:
                 found[id(ply)] = ply.work()
         return tuple(found[id(ply)] for ply in self.plies)
 
+    def slips(self, states: Sequence[State]) -> tuple[Slip, ...]:
+        """(plies,) slip of sliding crossovers, at rest; empty of pinned ones."""
+        return tuple(ply.slip(state) for ply, state in zip(self.plies, states) if isinstance(ply, SlidingPanel))
+
     def pairs(self, consts: Sequence[Constants], states: Sequence[State]) -> tuple[Pair, ...]:
         """The contact of each two neighbouring plies, at rest, first of the one in front on the one behind, then of all
-        those behind on the one in front; a pack of one ply has one of each that nobody looks at."""
-        count = len(self.plies)
-        both = [(p, min(p + 1, count - 1)) for p in range(max(1, count - 1))]
-        on_next = [self._pair(p, q, self._between(p), consts, states) for p, q in both]
-        return (*on_next, *(self._pair(q, p, -self._between(p), consts, states) for p, q in both))
+        those behind on the one in front."""
+        both, apart = [(p, p + 1) for p in range(len(self.gaps))], self._apart
+        on_next = [self._pair(p, q, apart(p), consts, states) for p, q in both]
+        return (*on_next, *(self._pair(q, p, -apart(p), consts, states) for p, q in both))
 
     def stops(self, consts: Sequence[Constants], states: Sequence[State]) -> TornContact:
         """What keeps torn cloth apart, at rest."""
@@ -281,10 +296,6 @@ class Pack:
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
         return self._thickness(p) + self.gaps[p]
 
-    def _between(self, p):
-        """[m] `_apart`, and something for the ply that is alone."""
-        return self._apart(p) if p < len(self.gaps) else self.plies[p].weave.thickness
-
     def _in_step(self, ply):
         """A ply with the Courant factor that gives it the pack's time step."""
         return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
@@ -294,8 +305,7 @@ class Pack:
         form, first = FORMS[knobs.form], min(p, q)
         n, start = (knobs.points, 0.5) if form == FORMS["smooth"] else (1, 0.0)
         area, thickness = front.dx * front.dy / n**2, self._thickness(first)
-        law = self.laws[first] if self.laws else None
-        table, cell = law_table(law, area, self._density(first), knobs)
+        table, cell = law_table(self.laws[first], area, self._density(first), knobs)
         nothing = lambda c: np.array([c.ni + 1, 0, c.row_stride, 0])  # noqa: E731
         nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
         sub = (np.arange(n) + start) / n
@@ -324,6 +334,9 @@ class Pack:
         )  # fmt: skip
 
     def _slip_constants(self, mass, stiffness):
+        """Stick between plies is bounded by the mass of one family alone, where the other slides through the nodes."""
+        sliding = [ply for ply in self.plies if isinstance(ply, SlidingPanel)]
+        mass *= min((min(ply.own_masses) for ply in sliding if not ply.friction.pins), default=1.0)
         cfl = self._in_step(self.plies[0]).numerics.cfl
         return friction.slip_constants(cfl, mass, self.time_step, stiffness, self.contact.damping)
 

@@ -65,18 +65,16 @@ class PlyContact:
             raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
 
 
-def law_table(law: PlyLaw | None, area: float, density: float, contact: PlyContact) -> tuple[FloatArray, float]:
+def law_table(law: PlyLaw, area: float, density: float, contact: PlyContact) -> tuple[FloatArray, float]:
     """(cells + 1, 4) table of a contact point for `law_kernels`, and the width [m] of its cells.
 
     Parameters
     ----------
-    law : PlyLaw, or None of a pack of one ply, where nothing touches
+    law : PlyLaw
     area : [m2] that a point stands for
     density : [kg/m2] of a ply
     contact : PlyContact, of which factor on the stiffness and damping are taken
     """
-    if law is None:
-        return np.zeros((2, 4)), 1.0
     law = law.scaled(contact.stiffness)
     cells = 1 if law.closure.size == 2 else _CELLS
     at = np.linspace(0.0, law.travel, cells + 1)

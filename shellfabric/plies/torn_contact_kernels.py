@@ -26,7 +26,7 @@ from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import kernel
-from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies.broad_phase_kernels import (
     CORRECTIONS,
     ELEMENTS,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from shellfabric.projectile.bar import Bar
     from shellfabric.projectile.projectile import Projectile
 
-RIGID = ("z", "v", "force")  # columns of the step history, `panel.step_kernels.record_step`
+RIGID = ("z", "v", "force")  # columns of the step history, `solver.step_kernels.record_step`
 STATE = ("bar_u", "bar_v", "bar_plastic", "bar_stress", "bar_energy")  # fields of a State that are the body's
 BAR = (*RIGID, "tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
 

@@ -7,6 +7,9 @@ before it becomes the tail.
 Open windows. The projectile touches a closed surface through the nodes. Where yarns have been drawn apart, only what
 lies near one of them is left of it (`projectile.window_kernels.cover_at_point`); an element between whose four yarns
 the whole projectile fits is taken out of contact.
+
+Open windows and segments that a yarn's end has left count as failures of their ply: there the contact between plies
+looks for edges and holes, and the projectile for a way through.
 """
 
 import numpy as np
@@ -15,11 +18,11 @@ from shellfabric.cloth import failure_kernels
 from shellfabric.cloth.membrane_kernels import ERODED, WINDOW
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, any_lane, fabs, fma, greater, load, masked_store, where
+from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.projectile import window_kernels
 
 WARP, WEFT = 0, 1
-# of slip.counter: a tail is used up, segments pulled out, ends of yarn, open windows
-EMPTIED, PULLED_OUT, TAILS, OPENED = 0, 1, 2, 3
+EMPTIED, PULLED_OUT, TAILS = 0, 1, 2  # of slip.counter: a tail is used up, segments pulled out, ends of yarn
 REMOVED_NOW = np.uint8(2)  # of slip.removed: in this step; 1 in an earlier one
 
 
@@ -91,6 +94,7 @@ def pull_out(state, const, slip, family, i, j):
     state.yarn_length[family][k] = 0.0
     failure_kernels.flag_elements(const, state, family, i, j)
     slip.counter[PULLED_OUT] += 1
+    state.counter[FAILURES] += 1
     slip.removed[family][k] = REMOVED_NOW
 
 
@@ -112,7 +116,7 @@ def open_windows(state, const, slip):
                 continue
             if not state.element_flag[k] & WINDOW:
                 state.element_flag[k] |= WINDOW
-                slip.counter[OPENED] += 1
+                state.counter[FAILURES] += 1
             if min(L1[k], L1[k + one]) > wide1 and min(L2[k], L2[k + s]) > wide2:
                 state.element_flag[k] |= ERODED
 

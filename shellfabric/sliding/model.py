@@ -31,6 +31,7 @@ from shellfabric.panel import boundary
 from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
 from shellfabric.sliding import contact_force
+from shellfabric.sliding.flow_kernels import PULLED_OUT
 
 DATA = tomllib.loads((Path(__file__).parent / "friction.toml").read_text("utf-8"))  # values, ranges, sources, status
 HEXAGONAL = pi / sqrt(12)  # densest packing of round fibres
@@ -204,7 +205,7 @@ class SlidingPanel(Panel):
             part[nodes] = 0.0
         zeros = aligned_zeros(14, slots)
         removed = tuple(np.zeros(slots, np.uint8) for _ in range(2))
-        counter = np.array([0, 0, any("free" in pair for pair in boundary.sides(self.edge)), 0], np.int64)
+        counter = np.array([0, 0, any("free" in pair for pair in boundary.sides(self.edge))], np.int64)
         return Slip(
             active=not pins, cohesion=cohesion, mu=mu,
             table=coefficients.bilinear(contact_force.stiff_table(self.table, self.friction.bending)).reshape(-1, 4),
@@ -235,6 +236,47 @@ class SlidingPanel(Panel):
         coupling = aligned_zeros(1, slots)[0]
         coupling[:] = mass[0] * mass[1] * state.inverse_mass
         return mass, pull, mobility, coupling
+
+
+@dataclass(frozen=True)
+class SlipSummary:
+    """What the slip of a run came to.
+
+    Parameters
+    ----------
+    pulled_out_length : [m] longest length of yarn that has passed through a crossover
+    largest_window : [m] widest distance between neighbouring yarns at the end, along whole segments
+    pulled_out_segments : segments whose yarn end has left a crossover, without failure, of the modelled part
+    friction_work : [J] work of friction at the crossovers, of the whole panel
+    """
+
+    pulled_out_length: float
+    largest_window: float
+    pulled_out_segments: int
+    friction_work: float
+
+    @classmethod
+    def of(cls, panel: Panel, state: Any, slip: Slip, share: float) -> SlipSummary:
+        """The summary of a ply, of which the part `share` is modelled."""
+        windows = [0.0]
+        for stretch, intact, side in zip(state.stretch, state.intact_fraction, panel.spacing):
+            whole = grid(intact, panel) > 0
+            if whole.any():
+                windows.append(float(side * grid(stretch, panel)[whole].max()))
+        return cls(
+            pulled_out_length=float(max(np.abs(passed).max() for passed in slip.passed)),
+            largest_window=max(windows),
+            pulled_out_segments=int(slip.counter[PULLED_OUT]),
+            friction_work=float(slip.work[0]) / share,
+        )
+
+
+def slip_arrays(slip: Slip, folder: str) -> dict[str, Any]:
+    """{name in a checkpoint: array} of what a ply's slip has become."""
+    names = ("share", "inv_share", "x", "config", "q", "q_before", "friction", "stop", "residual", "removed", "passed")
+    found = {f"{folder}/{name}/{n}": part for name in names for n, part in enumerate(getattr(slip, name))}
+    found |= {f"{folder}/tail/{n}{m}": part for n, pair in enumerate(slip.tail) for m, part in enumerate(pair)}
+    return found | {f"{folder}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")}
 
 
 def grid(array: FloatArray, panel: Panel) -> FloatArray:

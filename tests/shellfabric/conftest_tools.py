@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from shellfabric.output import checkpoint
-from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.solver import ply_kernels
 
 
 def bring(panel, state, x):
@@ -13,7 +13,7 @@ def bring(panel, state, x):
     rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
     for c in range(3):
         state.u[c][: X.size] = (x - rest)[..., c].ravel()
-    panel_step_kernels.initial_forces(state, panel.constants(), panel.work())
+    ply_kernels.initial_forces(state, panel.constants(), None, panel.work())
     return state
 
 

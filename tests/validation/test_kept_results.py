@@ -177,17 +177,17 @@ def panel():
 
 def an_impact(path):
     from shellfabric.output import checkpoint
-    from shellfabric.panel.solver import PanelSolver
+    from shellfabric.solver.pack_solver import PackSolver
 
     this = panel()
-    checkpoint.write(PanelSolver(this, 50.0, 2e-6), path)
-    return lambda: checkpoint.read(PanelSolver(this, 50.0, 2e-6), path)
+    checkpoint.write(PackSolver(this, 50.0, 2e-6), path)
+    return lambda: checkpoint.read(PackSolver(this, 50.0, 2e-6), path)
 
 
 def a_pack(path):
     from shellfabric.output import checkpoint
     from shellfabric.plies.model import Pack
-    from shellfabric.plies.solver import PackSolver
+    from shellfabric.solver.pack_solver import PackSolver
 
     pack = Pack.stacked(panel(), 2)
     checkpoint.write(PackSolver(pack, 50.0, 2e-6), path)

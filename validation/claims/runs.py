@@ -25,14 +25,13 @@ from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PLY_SAMPLES
 from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics as bodies
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction
+from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
 from validation.published.bias_extension import cases as bias_cases
 
 if TYPE_CHECKING:
@@ -259,7 +258,7 @@ def stability(*, fabric: str, velocity: float, factor: float, end_time: float) -
     in the variational one half of the stiffness sees means over two elements, which leaves room of a root of 2.
     """
     from fabrics.errors import UnstableError
-    from shellfabric.panel.solver import PanelSolver
+    from shellfabric.solver.pack_solver import PackSolver
 
     class Paced(Panel):
         @property
@@ -269,7 +268,7 @@ def stability(*, fabric: str, velocity: float, factor: float, end_time: float) -
     table = CellModel(cloth(fabric, straight=True), model="decoupled", form="equilibrium").table(201)
     panel = Paced(table, numerics=Numerics(stretch_viscosity=0.0), trellis=False, failure=False)
     try:
-        PanelSolver(panel, velocity, end_time).run()
+        PackSolver(panel, velocity, end_time).run()
     except UnstableError as problem:
         return {"stable": False, "message": str(problem)}
     return {"stable": True, "message": ""}
@@ -330,10 +329,10 @@ def pack(
         "v": march.sample("v"),
         "z": march.sample("z"),
         "fine": np.column_stack([march.const.dt * np.arange(1, len(fine) + 1), fine]),
-        "energies": {name: march.sample(name) for name in PACK_ENERGIES},
+        "energies": {name: march.sample(name) for name in march.energy_names},
         "plies": {name: march.ply_sample(name) for name in PLY_SAMPLES},
         "tension": np.array(tensions),
-        "peak": march.peaks,
+        "peak": march.peak_tensions[..., 0],
         "deepest": march.deepest,
         "cones": cones,
         "swing": _swing(fine, march, bar) if bar else np.nan,

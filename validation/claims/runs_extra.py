@@ -20,8 +20,8 @@ from shellfabric.panel.boundary import Grip
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver
 from validation.claims.runs import cloth
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding import cell_scaling
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
-from shellfabric.sliding.solver import solver_of
+from shellfabric.solver.pack_solver import PackSolver
 from validation.program import program
 from validation.verification import sliding_pull_out as pulls
 from validation.verification.study import known
@@ -62,13 +62,13 @@ def scaling(name: str) -> list[list[float]]:
 def stability(cohesion: float, cfl: float) -> tuple[float, str, float, float]:
     """(energy error over the strike energy, outcome, work of friction over it, least share of yarn of a segment)."""
     this = replace(setup("S-726", 100.0, CrossoverFriction(0.0, cohesion), cfl), opening=0.08)
-    solver: Any = solver_of(this.panel(this.table(kept=True)), 100.0, 100e-6)
+    solver = PackSolver(this.panel(this.table(kept=True)), 100.0, 100e-6)
     try:
         solver.run()
     except UnstableError as problem:
         return inf, str(problem), inf, 0.0
     size = (solver.const.ni + 1) * solver.const.row_stride
-    least = min(float(share[:size].min()) for share in solver.slip.share)
+    least = min(float(share[:size].min()) for share in solver.slips[0].share)
     error = float(np.max(np.abs(solver.sample("error")))) / solver.strike_energy
     return error, solver.outcome, float(solver.sample("crossover_friction")[-1]) / solver.strike_energy, least
 
@@ -78,7 +78,7 @@ def cost(mu: float | None) -> tuple[float, int]:
     this = setup("S-726", 100.0, None if mu is None else CrossoverFriction(mu))
     panel, best = this.panel(this.table(kept=True)), inf
     for _ in range(3):
-        solver: Any = solver_of(panel, 100.0, 100e-6)
+        solver = PackSolver(panel, 100.0, 100e-6)
         solver.run()
         best = min(best, 1e9 * solver.wall_time / (solver.steps * panel.elements))
     return best, solver.steps
@@ -102,7 +102,7 @@ def window(panel: Panel, velocity: float) -> float:
     """[m] widest distance of neighbouring yarns where the projectile has stopped."""
     if not isinstance(panel, SlidingPanel):
         return float("nan")
-    solver: Any = solver_of(panel, velocity, 1e-3)
+    solver = PackSolver(panel, velocity, 1e-3)
     return float(solver.run().slip_summaries()[0].largest_window)
 
 

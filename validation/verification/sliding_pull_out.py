@@ -11,9 +11,10 @@ from typing import Any
 from fabrics import catalogue
 from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE, plots
+from shellfabric.coupon import pull_out
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
-from shellfabric.sliding import contact_force, pull_out
+from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction
 from weavecell.report.marked_page import markdown
 

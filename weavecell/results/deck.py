@@ -26,7 +26,6 @@ from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.output.snapshots import quads
 from shellfabric.panel import boundary
-from shellfabric.panel.model import Panel
 from weavecell.analysis.material_card.cloth import Cloth
 from weavecell.analysis.material_card.laws import Law
 from weavecell.analysis.material_card.mismatch import LIMIT, Mismatch
@@ -248,8 +247,6 @@ def _panels(setup):
     """(panels in the order of the plies, their places [m], friction between them): all that is asked of a set-up's
     pack."""
     found = replace(setup, table_size=_TABLE).target()
-    if isinstance(found, Panel):
-        return (found,), (0.0,), 0.0
     return found.plies, found.places, found.friction
 
 

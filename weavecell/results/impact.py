@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactResult
     from shellfabric.output.histories import Histories
     from shellfabric.projectile.dynamics import BarHistory
-    from shellfabric.sliding.solver import SlipSummary
+    from shellfabric.sliding.model import SlipSummary
 
 FORMAT = "weavecell impact 7"  # and version of the files
 # attribute of the record: attribute of the file, and key of summary.json
@@ -78,7 +78,7 @@ class ImpactRecord:
     deflection : (n,) [m] largest displacement of the last ply along the normal
     failed_segments : (n,) number of failed yarn segments of all plies
     energies : {name: (n,)} [J], names of keys.ENERGIES
-    plies : {name: (n, plies)} with the names of shellfabric.panel.solver.PLY_SAMPLES
+    plies : {name: (n, plies)} with the names of shellfabric.solver.pack_solver.PLY_SAMPLES
     strength, peak_tension, peak_tension_time : (plies, 2) [N, N, s] of warp and weft, over the run, and when
     peak_tension_place : (plies, 2, 2) [m] where at rest, along warp and weft from the impact point
     z_rest, thickness : (plies,) [m] middle surfaces at rest
@@ -95,7 +95,7 @@ class ImpactRecord:
     measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
     bar : shellfabric.projectile.dynamics.BarHistory of an elastic projectile, or None
     backing : shellfabric.backing.coupling.BackingResult, the block at the end, or None
-    slips : (plies,) shellfabric.sliding.solver.SlipSummary of sliding crossovers; empty of pinned ones
+    slips : (plies,) shellfabric.sliding.model.SlipSummary of sliding crossovers; empty of pinned ones
     """
 
     title: str
@@ -149,7 +149,7 @@ class ImpactRecord:
         from shellfabric.output.snapshots import quads
 
         setup, panels, (mirror_x, mirror_y) = result.setup, result.panels, result.mirrored
-        target: Any = result.target
+        target = result.target
         several = len(panels) > 1
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
@@ -164,9 +164,9 @@ class ImpactRecord:
             failed_segments=result.failed_segments, energies=dict(result.energies), plies=dict(result.plies),
             strength=np.array([[yarn.strength for yarn in panel.weave.yarns] for panel in panels]),
             peak_tension=result.peaks[..., 0], peak_tension_time=result.peaks[..., 1],
-            peak_tension_place=result.peaks[..., 2:], z_rest=target.places if several else np.zeros(1),
+            peak_tension_place=result.peaks[..., 2:], z_rest=target.places,
             thickness=np.array([panel.weave.thickness for panel in panels]),
-            gaps=np.array(target.gaps if several else ()), max_penetration_ratio=result.deepest,
+            gaps=np.array(target.gaps), max_penetration_ratio=result.deepest,
             torn_contact=result.held_apart, half_energy=_half_energy(result, final), final=final,
             quads=tuple(map(quads, panels)),
             cuts=tuple(Cut.of(shots, mirror_y) for shots in (*before, result.last)),

@@ -28,7 +28,7 @@ def read_group(file: Any, name: str) -> Any:
     """What `write_group` wrote of a bar, a backing or the sliding crossovers of a ply (slip/00, ...), or None."""
     from shellfabric.backing.coupling import BackingResult
     from shellfabric.projectile.dynamics import BarHistory
-    from shellfabric.sliding.solver import SlipSummary
+    from shellfabric.sliding.model import SlipSummary
 
     if name not in file:
         return None

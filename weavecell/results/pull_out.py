@@ -15,8 +15,8 @@ from weavecell.results.hdf5_file import put
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
+    from shellfabric.coupon.pull_out_curve import PullOutCurve
     from shellfabric.panel.quality import Indicator
-    from shellfabric.sliding.pull_out_curve import PullOutCurve
 
 FORMAT = "weavecell pull-out 1"
 _TEXTS = ("title", "fabric", "law_name", "test", "outcome", "failure_message")
@@ -42,7 +42,7 @@ class PullOutRecord:
     outcome : "complete" or "unstable"
     failure_message : why an unstable run was ended; "" for others
     wall_time : [s]
-    curve : shellfabric.sliding.pull_out_curve.PullOutCurve
+    curve : shellfabric.coupon.pull_out_curve.PullOutCurve
     checks : tuple of shellfabric.panel.quality.Indicator; kept in summary.json alone
     """
 
@@ -135,10 +135,10 @@ def run(table: CellTable, inputs: Any, hooks: Sequence[Any] = (), bending: float
     InputError : values that do not fit the fabric
     UnstableError : its `result` is the curve so far
     """
+    from shellfabric.coupon import pull_out_curve
+    from shellfabric.coupon.pull_out import PullOut
     from shellfabric.panel.numerics import Numerics
-    from shellfabric.sliding import pull_out_curve
     from shellfabric.sliding.model import CrossoverFriction
-    from shellfabric.sliding.pull_out import PullOut
 
     friction = CrossoverFriction(inputs.crossover_friction, inputs.crossover_cohesion, (bending, bending))
     coupon = PullOut(

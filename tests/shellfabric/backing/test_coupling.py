@@ -12,8 +12,8 @@ from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
 from shellfabric.cloth import jamming_kernels
 from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver
 
 BACKING = load("backing")
 ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)
@@ -39,7 +39,7 @@ def test_energy_balance(struck):
 def test_momentum_of_all_three_is_kept(fabric):
     """Free cloth before a free block: what the projectile loses they have, along its flight."""
     setup = ImpactSetup(fabric, 100.0, **QUICK | {"backing": replace(BLOCK, outer_boundary="free"), "edge": "free"})
-    march = PanelSolver(setup.panel(), 100.0, 20e-6)
+    march = PackSolver(setup.panel(), 100.0, 20e-6)
     start = march.const.projectile_mass * 100.0
     march.run()
     state, const, block = march.state, march.const, march.backing.block
@@ -150,7 +150,7 @@ def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
 def test_resumes_bit_for_bit(struck, tmp_path):
     path = tmp_path / "checkpoint.h5"
     run(replace(struck.setup, end_time=20e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
-    march = PanelSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
+    march = PackSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
     checkpoint.read(march, path)
     resumed = collect_result(struck.setup, march.run())
     np.testing.assert_array_equal(resumed.step_history, struck.step_history)
@@ -180,4 +180,4 @@ def test_bad_input_is_refused(fabric, changes):
         fabric, 100.0, **QUICK | {"symmetry": "whole" if "projectile" in changes else "quarter"} | changes
     )
     with pytest.raises(InputError):
-        PanelSolver(setup.panel(), 100.0, 1e-5)
+        PackSolver(setup.panel(), 100.0, 1e-5)

@@ -10,9 +10,8 @@ from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import bending_kernels
 from shellfabric.impact.simulation import ImpactSetup, run
-from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import SAMPLES, PanelSolver
+from shellfabric.solver.pack_solver import PackSolver, run_steps
 
 EI = 2e-6
 NO_DAMPING = Numerics(stretch_viscosity=0.0)  # whose coefficient hangs on the time step, and that on bending
@@ -161,7 +160,7 @@ def test_step_holds_with_stiff_yarns(straight):
         nodes = (panel.counts[0] + 1) * const.row_stride
         state.v[2][:nodes] = np.random.default_rng(0).normal(scale=1e-6, size=nodes)
         state.active_rows[:] = 0, const.ni
-        panel_step_kernels.run_steps(state, const, work, 300, np.empty((300, 3)))
+        run_steps(state, const, work, 300, np.empty((300, 3)))
         assert (np.nanmax(np.abs(state.v[2])) < 1e-4) == holds
 
 
@@ -175,8 +174,8 @@ def test_impact_with_bending_conserves(fabric):
     broken = run(replace(setup, strike_velocity=260.0))
     assert broken.failed_segments[-1] > 0
     assert broken.energy_error_max < 1e-2
-    march = PanelSolver(broken.panel, 260.0, 50e-6)
-    assert march.samples[0][SAMPLES.index("bending")] == 0.0
+    march = PackSolver(broken.panel, 260.0, 50e-6)
+    assert march.sample("bending")[0] == 0.0
 
 
 def test_bad_bending(small):

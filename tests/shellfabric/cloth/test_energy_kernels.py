@@ -5,7 +5,7 @@ import pytest
 from conftest_tools import bring, grid
 from scipy.integrate import quad
 
-from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.solver import ply_kernels
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def shaken(small):
 
 def energies(state, const):
     out = np.zeros(5)
-    panel_step_kernels.energies(state, const, out)
+    ply_kernels.energies(state, const, None, out)
     return out
 
 

@@ -16,9 +16,9 @@ from fabrics.yarn import Yarn
 from shellfabric.driver.guards import speed_limit
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup, run
-from shellfabric.panel import step_kernels as panel_step_kernels
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import PackSolver
 
 
 def forces(panel, state, x):
@@ -64,8 +64,8 @@ def test_trellis_forces_are_a_gradient_wherever_cloth_is(small, stretch):
     energy = []
     for sign in (-1, 1):
         bring(panel, state, x + sign * motion)
-        panel_step_kernels.energies(state, const, out)
-        energy.append(out[panel_step_kernels.STORED] + out[panel_step_kernels.SHEAR])
+        ply_kernels.energies(state, const, None, out)
+        energy.append(out[ply_kernels.STORED] + out[ply_kernels.SHEAR])
     work = (forces(panel, state, x) * 2 * motion).sum()
     assert energy[1] - energy[0] == pytest.approx(-work, rel=1e-4)
 
@@ -100,7 +100,7 @@ def test_reach_is_bounded_along_yarns_that_are_held_at_both_ends(small, edge, wh
 
 def test_nodes_may_be_fast_but_not_faster_than_an_element_a_step(small):
     panel = small()
-    march = PanelSolver(panel, 100.0, 20e-6).run()
+    march = PackSolver(panel, 100.0, 20e-6).run()
     speed = speed_limit(march.const)
     assert speed == pytest.approx(min(panel.spacing) / panel.time_step)
     march.state.v[2][30] = 0.9 * speed

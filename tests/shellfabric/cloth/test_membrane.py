@@ -9,8 +9,9 @@ from fabrics.trellis import TrellisShear
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import membrane_kernels, trellis_kernels
 from shellfabric.jit.simd import load, store
-from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import run_steps
 
 
 def plain_energy(panel, x):
@@ -156,7 +157,7 @@ def test_uniform_tension_cancels_exactly(small):
     s, k = panel.constants().row_stride, np.arange(state.u[0].size)
     state.u[0][:] = (k // s) * 2.0**-16
     state.u[1][:] = (k % s) * 2.0**-16
-    panel_step_kernels.initial_forces(state, panel.constants(), panel.work())
+    ply_kernels.initial_forces(state, panel.constants(), None, panel.work())
     f = node_forces(panel, state)
     assert np.abs(f).max() > 0.1
     assert np.abs(f[1:-1, 1:-1]).max() == 0.0
@@ -172,7 +173,7 @@ def test_scratch_may_hold_anything(crumpled, small):
         for array in part if isinstance(part, tuple) else (part,):
             if array.dtype == float:
                 array[:] = rng.uniform(0.5, 2.0, array.shape)
-    panel_step_kernels.initial_forces(state, panel.constants(), work)
+    ply_kernels.initial_forces(state, panel.constants(), None, work)
     np.testing.assert_array_equal(node_forces(panel, state), expected)
 
 
@@ -217,7 +218,7 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     stations, arrivals = (ni // 5, 4 * ni // 5), {}
     full = fabric.weave.warp.EA * 10.0 / (share * fabric.weave.warp.wave_speed)
     while len(arrivals) < 2:
-        panel_step_kernels.run_steps(state, const, work, 1, np.empty((1, 3)))
+        run_steps(state, const, work, 1, np.empty((1, 3)))
         assert state.counter[0] < 5 * ni
         for i in stations:
             if i not in arrivals and state.N[0][i * s] > 0.5 * full:
@@ -247,8 +248,8 @@ def test_time_step_bound(straight, factor, holds):
         state.u[c][: X.size] = taut.ravel()
         state.v[c][: X.size] = rng.normal(scale=1e-3, size=X.size) * inside.ravel()
     state.active_rows[:] = 0, ni
-    panel_step_kernels.initial_forces(state, const, work)
-    panel_step_kernels.run_steps(state, const, work, 400, np.empty((400, 3)))
+    ply_kernels.initial_forces(state, const, None, work)
+    run_steps(state, const, work, 400, np.empty((400, 3)))
     # what is no number any more is at rest
     assert (0.0 < max(np.abs(v).max() for v in state.v) < 0.02) == holds
 

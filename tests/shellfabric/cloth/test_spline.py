@@ -8,9 +8,9 @@ from fabrics import catalogue
 from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.projectile import contact_kernels, sdf_kernels
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import run_steps
 
 
 def shaken(panel, seed=0, depth=0.4e-3):
@@ -282,6 +282,6 @@ def test_peak_tension_settles_with_the_mesh():
         panel = setup.panel()
         state, const = panel.state(110.0), panel.constants()
         steps = int(310e-6 / const.dt)
-        panel_step_kernels.run_steps(state, const, panel.work(), steps, np.empty((steps, 3)))
+        run_steps(state, const, panel.work(), steps, np.empty((steps, 3)))
         peaks.append(state.peak_tension[0])
     assert peaks[1] == pytest.approx(peaks[0], rel=0.05)

@@ -9,12 +9,12 @@ import pytest
 
 from fabrics.errors import InputError
 from shellfabric.cable.model import CableNet
-from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel import motion_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile import friction_kernels
 from shellfabric.projectile.contact_kernels import FRICTION, FRICTION_SPRING
 from shellfabric.projectile.projectile import SHAPES, Projectile
+from shellfabric.solver.pack_solver import PackSolver, run_steps
 
 Run = namedtuple("Run", "state const step_history panel")
 FORMS = {
@@ -29,7 +29,7 @@ def shot(shape="flat", **changes):
 
 def fire(panel, speed=150.0, steps=250):
     state, const, fine = panel.state(speed), panel.constants(), np.empty((steps, 3))
-    made, _ = panel_step_kernels.run_steps(state, const, panel.work(), steps, fine)
+    made, _ = run_steps(state, const, panel.work(), steps, fine)
     return Run(state, const, fine[:made], panel)
 
 
@@ -52,7 +52,7 @@ def test_every_shot_keeps_momentum(small, shape, attitude, friction):
     thrown = shot(shape, friction=friction, **attitude)
     panel = small(edge="free", symmetry="whole", projectile=thrown)
     state, const, fine = panel.state(400.0), panel.constants(), np.empty((300, 3))
-    panel_step_kernels.run_steps(state, const, panel.work(), 300, fine)
+    run_steps(state, const, panel.work(), 300, fine)
     run = Run(state, const, fine, panel)
     expected = thrown.mass * 400.0 * thrown.flight
     plug = np.pi * thrown.radius**2 * panel.weave.areal_density
@@ -68,7 +68,7 @@ def test_energy_of_every_shot_balances(small, shape, attitude):
     """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
     knobs = Numerics(cfl=0.5)  # the error of the time integration, four times less, is not what is asked after
     panel = small(symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs)
-    march = PanelSolver(panel, 110.0, 50e-6).run()
+    march = PackSolver(panel, 110.0, 50e-6).run()
     assert np.abs(march.sample("error")).max() < 1e-4 * march.strike_energy
     assert march.sample("kinetic_projectile")[-1] < 0.97 * march.strike_energy
     assert np.all(np.diff(march.sample("z")) > 0)
@@ -159,10 +159,10 @@ def test_a_window_that_follows_the_projectile_misses_nothing(small, velocity, to
     followed = fire(panel, velocity, 400)
     everywhere = panel.constants()._replace(draw_in_reach=(1.0, 1.0))
     state, fine = panel.state(velocity), np.empty((400, 3))
-    made, _ = panel_step_kernels.run_steps(state, everywhere, panel.work(), 400, fine)
+    made, _ = run_steps(state, everywhere, panel.work(), 400, fine)
     np.testing.assert_array_equal(state.contact_window, [0, 24, 0, 24])
     np.testing.assert_array_equal(followed.step_history, fine[:made])
-    assert (followed.state.counter[panel_step_kernels.FAILURES] > 0) == torn
+    assert (followed.state.counter[motion_kernels.FAILURES] > 0) == torn
     if torn:
         np.testing.assert_array_equal(followed.state.contact_window, state.contact_window)
     else:
@@ -230,7 +230,7 @@ def test_friction_takes_energy_and_gives_none_back(small):
     state, const, work = panel.state(120.0), panel.constants(), panel.work()
     spent = []
     for _ in range(60):
-        panel_step_kernels.run_steps(state, const, work, 5, np.empty((5, 3)))
+        run_steps(state, const, work, 5, np.empty((5, 3)))
         spent.append(state.contact_energy[FRICTION] - state.contact_energy[FRICTION_SPRING])
     assert spent[-1] > 0.003 * panel.projectile.energy(120.0)
     assert np.diff(spent).min() > -1e-4 * spent[-1]

@@ -14,7 +14,7 @@ from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.jit import barrier
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.solver.pack_solver import PackSolver
 
 
 @njit(nogil=True)
@@ -36,7 +36,7 @@ def setup(fabric, threads, **changes):
 
 def march(fabric, threads, **changes):
     chosen = setup(fabric, threads, **changes)
-    return PanelSolver(chosen.panel(), chosen.strike_velocity, chosen.end_time).run()
+    return PackSolver(chosen.panel(), chosen.strike_velocity, chosen.end_time).run()
 
 
 def assert_same(one, other):
@@ -86,7 +86,7 @@ def test_nobody_is_left_waiting(fabric):
 
     def fire():
         try:
-            PanelSolver(chosen.panel(), chosen.strike_velocity, chosen.end_time).run((wrong,))
+            PackSolver(chosen.panel(), chosen.strike_velocity, chosen.end_time).run((wrong,))
         except LookupError as problem:
             told.append(problem.args[0])
 

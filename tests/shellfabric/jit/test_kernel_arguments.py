@@ -149,9 +149,9 @@ def test_named_tuples_of_called_kernels_are_covered(small):
     from numba.core import types
     from numba.core.registry import CPUDispatcher
 
-    from shellfabric.panel.solver import PanelSolver
+    from shellfabric.solver.pack_solver import PackSolver
 
-    PanelSolver(small(), 50.0, 2e-6).run()
+    PackSolver(small(), 50.0, 2e-6).run()
     covered, seen = dict(kernel_sources(FOLDER)), set()
     for name, module in list(sys.modules.items()):
         if not name.startswith("shellfabric"):

@@ -10,18 +10,17 @@ from fabrics.errors import InputError
 from shellfabric.cloth import boundary_kernels
 from shellfabric.output import histories
 from shellfabric.panel import boundary
-from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Panel
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver, run_steps
 
 SLIP = PullIn(length=0.4e-3, start=5e-6, end=35e-6, zone=20e-3)
 
 
 def fire(panel, speed=100.0, steps=400):
     state, const, fine = panel.state(speed), panel.constants(), np.empty((steps, 3))
-    made, _ = panel_step_kernels.run_steps(state, const, panel.work(), steps, fine)
+    made, _ = run_steps(state, const, panel.work(), steps, fine)
     return state, const, fine[:made]
 
 
@@ -38,7 +37,7 @@ def test_pull_in_is_a_triangle_that_grows_evenly(small, symmetry):
     triangle = SLIP.length * np.maximum(1 - np.abs(X) / (0.5 * SLIP.zone), 0)
     for share in (0.0, 0.25, 0.8, 1.0, 1.0):
         steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(state.counter[0])
-        panel_step_kernels.run_steps(state, const, work, max(steps, 30), np.empty((max(steps, 30), 3)))
+        run_steps(state, const, work, max(steps, 30), np.empty((max(steps, 30), 3)))
         time = state.counter[0] * const.dt
         part = min(max((time - SLIP.start) / (SLIP.end - SLIP.start), 0), 1)
         np.testing.assert_allclose(field(state, const, 1)[:, -1], -part * triangle, atol=1e-15)
@@ -53,7 +52,7 @@ def test_pull_in_is_a_triangle_that_grows_evenly(small, symmetry):
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
 def test_energy_balances_while_edges_slip(small, tables, edge, form):
     panel = small(table=tables[form], edge=edge)
-    march = PanelSolver(panel, 90.0, 60e-6).run()
+    march = PackSolver(panel, 90.0, 60e-6).run()
     assert np.abs(march.sample("error")).max() < 2e-3 * march.strike_energy
     gripped = isinstance(edge, Grip) or isinstance(edge[-1], Grip)
     spent = march.sample("clamp_friction" if gripped else "boundary_work")
@@ -65,12 +64,12 @@ def test_energy_balances_while_edges_slip(small, tables, edge, form):
 
 def test_the_pull_in_is_sampled(small):
     """What is prescribed, at its time; of grips what the nodes have moved, which grows; of clamps nothing."""
-    march = PanelSolver(small(edge=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
+    march = PackSolver(small(edge=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
     part = np.clip((march.sample("t") - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
     np.testing.assert_allclose(march.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12)
-    gripped = PanelSolver(small(edge=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
+    gripped = PackSolver(small(edge=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
     assert gripped[-1, 0] > 1e-5
-    assert not PanelSolver(small(), 90.0, 20e-6).run().ply_sample("pull_in").any()
+    assert not PackSolver(small(), 90.0, 20e-6).run().ply_sample("pull_in").any()
 
 
 def test_pull_in_softens_the_panel(small):
@@ -172,9 +171,9 @@ def test_any_rectangle(tables):
     """As many whole crossovers along each yarn as fit; the shorter way feels its edge sooner."""
     panel = Panel(tables["equilibrium"], (0.06, 0.03))
     assert panel.counts == (23, 11)
-    march = PanelSolver(panel, 80.0, 12e-6).run()
+    march = PackSolver(panel, 80.0, 12e-6).run()
     assert march.sample("reaction_weft")[-1] > 1.5 * march.sample("reaction_warp")[-1]
-    turned = PanelSolver(Panel(tables["equilibrium"], (0.03, 0.06)), 80.0, 12e-6).run()
+    turned = PackSolver(Panel(tables["equilibrium"], (0.03, 0.06)), 80.0, 12e-6).run()
     assert turned.sample("reaction_warp")[-1] > 1.5 * turned.sample("reaction_weft")[-1]
 
 
@@ -219,7 +218,7 @@ def test_an_oblique_weave_is_the_same_cloth_until_its_edge_is_felt(tables):
 
 
 def test_energy_of_an_oblique_weave(tables):
-    march = PanelSolver(
+    march = PackSolver(
         oblique(tables["variational"], 30.0, projectile=Projectile(shape="sphere", obliquity=0.3, azimuth=1.0)),
         90.0,
         60e-6,
@@ -277,7 +276,7 @@ def test_an_edge_is_felt_by_its_distance_from_the_impact(tables):
 
     def pull(crossovers, point=0.0):
         panel = Panel(table, (crossovers * side, 30 * width), symmetry="whole", impact_point=(point * side, 0.0))
-        march = PanelSolver(panel, 90.0, 14e-6).run()
+        march = PackSolver(panel, 90.0, 14e-6).run()
         return march.sample("reaction_warp")[-1], march.sample("v")[-1]
 
     near, (far, last) = pull(45, 7.5), pull(45, -7.5)
@@ -302,7 +301,7 @@ def test_energy_and_edge_forces_of_a_round_opening(tables):
     pulls = []
     for symmetry in ("quarter", "half", "whole"):
         panel = Panel(tables["variational"], (0.04, 0.04), symmetry=symmetry, round=True)
-        march = PanelSolver(panel, 90.0, 30e-6).run()
+        march = PackSolver(panel, 90.0, 30e-6).run()
         assert np.abs(march.sample("error")).max() < 1e-3 * march.strike_energy
         sides, state = histories.edge_nodes(panel), march.state
         nodal = [a + b for a, b in zip(state.f_int, state.f_int_above)]
@@ -311,7 +310,7 @@ def test_energy_and_edge_forces_of_a_round_opening(tables):
     np.testing.assert_allclose(pulls[0], pulls[2], rtol=1e-6)
     np.testing.assert_allclose(pulls[1], pulls[2], rtol=1e-6)
     assert pulls[2][0][0] > 100.0
-    failing = PanelSolver(Panel(tables["variational"], (0.04, 0.04), round=True), 160.0, 100e-6).run()
+    failing = PackSolver(Panel(tables["variational"], (0.04, 0.04), round=True), 160.0, 100e-6).run()
     assert failing.outcome == "perforated"
     assert np.abs(failing.sample("error")).max() < 1e-3 * failing.strike_energy
 

@@ -6,10 +6,10 @@ from conftest_tools import assert_balance, assert_gradient, bring, node_forces
 
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
-from shellfabric.panel import grading
-from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel import grading, motion_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import PackSolver, run_steps
 
 INF = np.inf
 PLAIN = Numerics(threads=1)
@@ -61,8 +61,8 @@ def test_equal_elements_are_the_plain_panel(tables, strike_velocity):
         Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN, grading=zones) for zones in (None, ((INF, 1),))
     ]
     panels.append(forced(Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN)))
-    one, same, other = (PanelSolver(panel, strike_velocity, 60e-6).run() for panel in panels)
-    assert (one.state.counter[panel_step_kernels.FAILURES] > 0) == (strike_velocity > 100)
+    one, same, other = (PackSolver(panel, strike_velocity, 60e-6).run() for panel in panels)
+    assert (one.state.counter[motion_kernels.FAILURES] > 0) == (strike_velocity > 100)
     for name in ("u", "v", "stretch", "N", "f_int", "failed", "intact_fraction"):
         for a, b, c in zip(*(getattr(march.state, name) for march in (one, same, other))):
             np.testing.assert_array_equal(a, b)
@@ -141,7 +141,7 @@ def test_patch(graded):
 
 def test_whole_against_quarter(graded):
     quarter, whole = (
-        PanelSolver(graded(symmetry=kind, numerics=PLAIN), 90.0, 60e-6).run() for kind in ("quarter", "whole")
+        PackSolver(graded(symmetry=kind, numerics=PLAIN), 90.0, 60e-6).run() for kind in ("quarter", "whole")
     )
     assert quarter.sample("v")[-1] == pytest.approx(whole.sample("v")[-1], rel=1e-9)
 
@@ -150,7 +150,7 @@ def test_shot_against_the_plain_panel(tables):
     """A coarse rim changes the shot little, and loses no energy: 0.05 % with no failure."""
     found = []
     for zones in (None, ((10, 1), (14, 2), (INF, 4))):
-        march = PanelSolver(
+        march = PackSolver(
             Panel(tables["variational"], (0.0762, 0.0762), numerics=PLAIN, grading=zones), 70.0, 150e-6
         ).run()
         assert np.abs(march.sample("error")).max() < 5e-4 * march.strike_energy
@@ -177,9 +177,9 @@ def reflected(table, zones, wavelength):
     # taut cloth, and a pulse u = f(X - c t) on it
     state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
     state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
-    panel_step_kernels.initial_forces(state, const, work)
+    ply_kernels.initial_forces(state, const, None, work)
     steps = int(150 * d / speed / const.dt)
-    panel_step_kernels.run_steps(state, const, work, steps, np.empty((steps, 3)))
+    run_steps(state, const, work, steps, np.empty((steps, 3)))
     kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
     return float(kinetic[X[:, 0] < 95 * d].sum() / kinetic.sum())
 

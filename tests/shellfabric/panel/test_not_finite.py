@@ -9,7 +9,7 @@ CODE = """
     import numpy as np
     from fabrics import catalogue
     from shellfabric.impact.simulation import ImpactSetup
-    from shellfabric.plies.solver import PackSolver
+    from shellfabric.solver.pack_solver import PackSolver
     from shellfabric.plies import surface_kernels as ply_surface_kernels
 
     pack = ImpactSetup(catalogue.load("S-728"), 91.0, opening=0.05, plies=2, ply_gap=1e-4)

@@ -6,7 +6,7 @@ from fabrics import catalogue
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import perforation
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.solver.pack_solver import PackSolver
 
 
 def cut(panel, state, low, high, whole=0.0):
@@ -59,7 +59,7 @@ def test_passed(small):
 def test_a_plug_that_flies_ahead():
     """S-728 at 205.5 m/s: a plug of two elements flies before the projectile; without asking what holds it, the run
     had no outcome after 5 ms."""
-    march = PanelSolver(
+    march = PackSolver(
         ImpactSetup(catalogue.load("S-728").with_effective_density(), 1.0, table_size=101).panel(), 205.5, 600e-6
     ).run()
     assert march.outcome == "perforated"

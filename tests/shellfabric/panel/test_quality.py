@@ -14,10 +14,9 @@ from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.quality import Indicator
 from shellfabric.panel.quality_kernels import alternation
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver
 from validation.verification.stability import shots
 
 
@@ -58,7 +57,7 @@ class TestGuard:
     """An energy error is found soon after it arises, not at the next audit: here there is none before the end."""
 
     def test_an_injected_error_is_found_with_place_and_step(self, panel):
-        march = PanelSolver(panel, 92.5, 60e-6, interval=60e-6)
+        march = PackSolver(panel, 92.5, 60e-6, interval=60e-6)
         injected(march, 150, 3.0)
         with pytest.raises(UnstableError, match=r"energy balance is off by .* node \(\d+, \d+\), after .* \(step"):
             march.run()
@@ -78,7 +77,7 @@ class TestGuard:
         panel = Panel(
             shots.table(), (0.1, 0.1), numerics=shots.Beyond(cfl=1.6, threads=1), failure=False,
         )  # fmt: skip
-        march = PanelSolver(panel, 92.5, 100e-6, interval=100e-6)
+        march = PackSolver(panel, 92.5, 100e-6, interval=100e-6)
         with pytest.raises(UnstableError, match=r"\(step \d+\)"):
             march.run()
         assert np.isfinite(march.samples[-1]).all()
@@ -86,9 +85,9 @@ class TestGuard:
 
     def test_checks_leave_no_trace(self, panel):
         """A run that is checked between audits is the run that is not, to the last bit."""
-        seldom = PanelSolver(panel, 92.5, 40e-6, interval=20e-6).run()
-        often = PanelSolver(panel, 92.5, 40e-6, interval=20e-6)
-        often.__class__ = type("Often", (PanelSolver,), {"allowed_exchange": 1e-3 * often.strike_energy * panel.share})
+        seldom = PackSolver(panel, 92.5, 40e-6, interval=20e-6).run()
+        often = PackSolver(panel, 92.5, 40e-6, interval=20e-6)
+        often.__class__ = type("Often", (PackSolver,), {"allowed_exchange": 1e-3 * often.strike_energy * panel.share})
         often.run()
         assert often.checks > 10
         assert len(often.samples) == len(seldom.samples)
@@ -98,7 +97,7 @@ class TestGuard:
 
 class TestIndicators:
     def test_the_default_is_ok(self, panel):
-        march = PanelSolver(panel, 92.5, 40e-6).run()
+        march = PackSolver(panel, 92.5, 40e-6).run()
         assert names(march) == set()
 
     @pytest.mark.parametrize(
@@ -112,7 +111,7 @@ class TestIndicators:
     )
     def test_what_a_knob_spoils(self, knobs, expected):
         panel = Panel(shots.table(), (0.1, 0.1), numerics=shots.Beyond(threads=1, **knobs), failure=False)
-        assert names(PanelSolver(panel, 92.5, 100e-6).run()) == {expected}
+        assert names(PackSolver(panel, 92.5, 100e-6).run()) == {expected}
 
     def test_a_printed_law(self, panel):
         table = CellModel(with_law_form(panel.fabric, "printed")).table(51)

@@ -10,12 +10,12 @@ from conftest_tools import assert_balance, assert_gradient, bring, grid, node_fo
 from fabrics.errors import InputError, UnstableError
 from shellfabric.backing.block import Backing
 from shellfabric.cloth import bending_kernels, failure_kernels, jamming_kernels
-from shellfabric.panel import grading, ply_audit
-from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel import grading, motion_kernels
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver import ply_audit
+from shellfabric.solver.pack_solver import PackSolver
 
 INF = np.inf
 THIRD = 1 / 3
@@ -82,8 +82,8 @@ def test_one_zone_is_the_uniform_panel(tables, strike_velocity):
     """Bit for bit, also where yarns fail."""
     panels = (Panel(tables["variational"], (0.0306, 0.0306), numerics=PLAIN, **mesh) for mesh in (
         {"elements_per_crossover": 2}, {"grading": ((INF, 0.5),)}))  # fmt: skip
-    one, other = (PanelSolver(panel, strike_velocity, 40e-6).run() for panel in panels)
-    assert (one.state.counter[panel_step_kernels.FAILURES] > 0) == (strike_velocity > 100)
+    one, other = (PackSolver(panel, strike_velocity, 40e-6).run() for panel in panels)
+    assert (one.state.counter[motion_kernels.FAILURES] > 0) == (strike_velocity > 100)
     np.testing.assert_array_equal(one.samples, other.samples)
     for a, b in zip(one.state.u, other.state.u):
         np.testing.assert_array_equal(a, b)
@@ -201,9 +201,9 @@ def test_a_yarn_breaks_with_its_share_of_all_its_lines(refined):
 def test_energy_is_kept(refined, changes, strike_velocity):
     """To 0.1 % of the strike energy, of shots that break yarns too, with all that a plain panel may have."""
     zones = ((8, 0.5), (13, 1), (INF, 2))
-    solver = PanelSolver(refined(zones, numerics=PLAIN, **changes), strike_velocity, 30e-6).run()
+    solver = PackSolver(refined(zones, numerics=PLAIN, **changes), strike_velocity, 30e-6).run()
     if changes.get("edge") != "free":  # whose yarns are drawn in
-        assert (solver.state.counter[panel_step_kernels.FAILURES] > 0) == (strike_velocity > 100)
+        assert (solver.state.counter[motion_kernels.FAILURES] > 0) == (strike_velocity > 100)
     assert np.abs(solver.sample("error")).max() < 1e-3 * solver.strike_energy
 
 
@@ -212,7 +212,7 @@ def test_before_a_block(refined, strike_velocity):
     """Energy balance and residual velocity are those of the panel that is as fine everywhere."""
     block, found = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5), []
     for zones in (((8, 0.5), (13, 1), (INF, 2)), ((INF, 0.5),)):
-        solver = PanelSolver(refined(zones, numerics=PLAIN, backing=block), strike_velocity, 20e-6).run()
+        solver = PackSolver(refined(zones, numerics=PLAIN, backing=block), strike_velocity, 20e-6).run()
         found.append((solver.sample("v")[-1], solver.sample("error")[-1] / solver.strike_energy))
     assert found[0][0] == pytest.approx(found[1][0], abs=1e-3 * strike_velocity)
     assert found[0][1] == pytest.approx(found[1][1], abs=5e-4)
@@ -227,23 +227,23 @@ def test_oblique_shots_stay_over_the_first_zone(refined, strike_velocity):
     found = []
     for zones in (((11, 0.5), (INF, 1)), ((11, 0.5), (INF, 0.5))):
         panel = refined(zones, symmetry="half", projectile=OBLIQUE, numerics=PLAIN)
-        solver = PanelSolver(panel, strike_velocity, 30e-6).run()
+        solver = PackSolver(panel, strike_velocity, 30e-6).run()
         assert np.abs(solver.sample("error")).max() < 1e-3 * solver.strike_energy
         found.append(solver.sample("v")[-1])
-    assert (solver.state.counter[panel_step_kernels.FAILURES] > 0) == (strike_velocity > 100)
+    assert (solver.state.counter[motion_kernels.FAILURES] > 0) == (strike_velocity > 100)
     assert found[0] == pytest.approx(found[1], rel=5e-3)
 
 
 def test_a_projectile_that_leaves_the_first_zone_ends_the_run(refined):
     panel = refined(((9, 0.5), (INF, 1)), symmetry="half", projectile=replace(OBLIQUE, obliquity=1.2), numerics=PLAIN)
     with pytest.raises(UnstableError, match="first zone"):
-        PanelSolver(panel, 200.0, 100e-6).run()
+        PackSolver(panel, 200.0, 100e-6).run()
 
 
 def test_momentum_is_kept(refined):
     """Of free cloth and projectile along the flight, with bending and broken yarns."""
     panel = refined(edge="free", bending=(1e-6, 1e-6), numerics=PLAIN)
-    solver = PanelSolver(panel, 250.0, 20e-6).run()
+    solver = PackSolver(panel, 250.0, 20e-6).run()
     state, const = solver.state, solver.const
     waiting = const.dt * (state.f_contact[2].sum() + state.f_contact_nose[2])
     found = float(state.mass @ state.v[2]) + const.projectile_mass * state.projectile_velocity[2] + waiting
@@ -251,8 +251,8 @@ def test_momentum_is_kept(refined):
 
 
 def test_quarter_against_whole(refined):
-    found = [PanelSolver(refined(symmetry=kind, numerics=PLAIN), 280.0, 30e-6).run() for kind in ("quarter", "whole")]
-    assert found[0].state.counter[panel_step_kernels.FAILURES] > 0
+    found = [PackSolver(refined(symmetry=kind, numerics=PLAIN), 280.0, 30e-6).run() for kind in ("quarter", "whole")]
+    assert found[0].state.counter[motion_kernels.FAILURES] > 0
     assert found[0].sample("v")[-1] == pytest.approx(found[1].sample("v")[-1], rel=1e-6)
 
 
@@ -262,7 +262,7 @@ def test_shot_against_the_uniform_panel(tables):
     (v, *peak), (v_g, *peak_g) = (
         (found.sample("v")[-1], *found.state.peak_tension)
         for found in (
-            PanelSolver(Panel(tables["variational"], (0.05, 0.05), numerics=PLAIN, **mesh), 70.0, 80e-6).run()
+            PackSolver(Panel(tables["variational"], (0.05, 0.05), numerics=PLAIN, **mesh), 70.0, 80e-6).run()
             for mesh in meshes
         )
     )

@@ -15,7 +15,7 @@ from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies import contact_kernels as kernels
 from shellfabric.plies import graded_kernels
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 
 INF = np.inf
 ZONES, FINE = ((7, 1), (INF, 2)), ((7, 0.5), (INF, 1))

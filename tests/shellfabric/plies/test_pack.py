@@ -16,12 +16,11 @@ from shellfabric.jit.borrowed_list import Items, borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
-from shellfabric.panel.step_kernels import IDLE, NOT_FINITE
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.gap import compression_gap, ply_gap
 from shellfabric.plies.model import Pack, PlyContact, turned
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver.pack_solver import PackSolver
+from shellfabric.solver.step_kernels import NOT_FINITE
 
 GAP = 0.1e-3
 
@@ -38,22 +37,11 @@ def same(one, other):
     return all(np.array_equal(np.array(a), np.array(b)) for a, b in zip(one, other))
 
 
-@pytest.mark.parametrize("velocity", [40.0, 250.0])
-def test_a_pack_of_one_is_a_single_ply(ply, velocity):
-    single, pack = PanelSolver(ply, velocity, 60e-6).run(), PackSolver(Pack((ply,)), velocity, 60e-6).run()
-    assert (single.sample("failed_yarns")[-1] > 0) == (velocity > 200)
-    assert pack.outcome == single.outcome
-    pack.state.counter[IDLE] = pack.stack.counter[IDLE]  # idle steps are counted for all plies at once
-    assert same(single.state, pack.state)
-    for name in ("t", "v", "z", "failed_yarns", "reaction_weft", "yarn_strain", "contact", "kinetic_projectile"):
-        np.testing.assert_array_equal(pack.sample(name), single.sample(name))
-
-
 def test_far_behind_is_a_single_ply(ply, monkeypatch):
     far = Pack((ply, ply), (0.5,), PlyContact(courant=10.0))  # which leaves the step to the plies
     monkeypatch.setattr(Pack, "_firmer", lambda pack, ply: 0.0)  # the nose's stiffness of a pack is another
     alone = far._in_step(ply)
-    single, pack = PanelSolver(alone, 120.0, 40e-6).run(), PackSolver(far, 120.0, 40e-6).run()
+    single, pack = PackSolver(alone, 120.0, 40e-6).run(), PackSolver(far, 120.0, 40e-6).run()
     assert same(single.state, pack.states[0]._replace(**far._foreseen(0)))  # room that a firm nose would need
     assert not pack.stack.awake[1]
     assert not any(u.any() for u in pack.states[1].u)
@@ -175,7 +163,7 @@ def test_a_turned_ply_is_the_panel_seen_from_its_other_side(ply):
     other = turned(ply)
     assert other.counts == ply.counts[::-1]
     assert other.weave.warp == ply.weave.weft
-    one, two = PanelSolver(ply, 120.0, 30e-6).run(), PanelSolver(other, 120.0, 30e-6).run()
+    one, two = PackSolver(ply, 120.0, 30e-6).run(), PackSolver(other, 120.0, 30e-6).run()
     fields = []
     for march in (one, two):
         c = march.const

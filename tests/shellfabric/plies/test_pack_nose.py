@@ -11,9 +11,9 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth import spline_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile import contact_kernels, window_kernels
 from shellfabric.projectile.contact import PointLaw
+from shellfabric.solver.pack_solver import PackSolver
 
 GAP = 0.1e-3
 Point = namedtuple("Point", "dt point_law")
@@ -138,7 +138,7 @@ def highest(ply, grading=((9, 0.5), (np.inf, 1)), **knobs):
     """[N] highest tension in 40 us in the weft of the first of three plies."""
     chosen = replace(ply, failure=False, grading=grading)
     pack = Pack.stacked(chosen, 3, gap=GAP, contact=PlyContact(**knobs))
-    return PackSolver(pack, 158.0, 40e-6).run().peaks[0, 1]
+    return PackSolver(pack, 158.0, 40e-6).run().peak_tensions[0, 1, 0]
 
 
 def test_tension_under_the_nose_hangs_on_no_knob(ply):

@@ -11,7 +11,7 @@ from fabrics import catalogue
 from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import contact_kernels as kernels
 from shellfabric.plies import contact_simd_kernels as lanes
 from shellfabric.plies import surface_kernels as surface

@@ -14,7 +14,7 @@ from shellfabric.plies import contact_kernels as kernels
 from shellfabric.plies import contact_simd_kernels as lanes
 from shellfabric.plies import friction
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 
 GAP, MU = 0.1e-3, 0.3
 

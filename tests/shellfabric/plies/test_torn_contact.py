@@ -11,11 +11,11 @@ from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import entry
 from shellfabric.output import snapshots
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import torn_contact_kernels as kernels
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PACK_SAMPLES, PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.published.packs.passages import pierced
 
 
@@ -62,7 +62,7 @@ class Stack:
             self.states[p].intact_fraction[family][:] = 0.0
 
     def restrain(self):
-        restrain(*self.march._lists, self.march.stack, self.stops)
+        restrain(*self.march._plies, self.march._pairs, self.march.stack, self.stops)
         return self.stops.f[:, :, : self.const.row_stride * (self.const.ni + 1)]
 
     def through(self, p, q):
@@ -192,11 +192,11 @@ def test_what_it_takes_is_in_the_audit(ply):
     march._sample()
     march.advance(np.empty((2000, 3)))
     march._sample()
-    taken, kinetic = stack.stops.energy[kernels.WORK], march.samples[0][PACK_SAMPLES.index("kinetic_fabric")]
+    taken, kinetic = stack.stops.energy[kernels.WORK], march.sample("kinetic_fabric")[0]
     assert march.held_apart[0] > 10
     assert march.held_apart[1] == 0
     assert 0.1 < taken / kinetic < 1
-    assert abs(march.samples[1][PACK_SAMPLES.index("error")]) < 1e-3 * taken
+    assert abs(march.sample("error")[1]) < 1e-3 * taken
 
 
 def test_a_sliver_that_turns_over_holds_nothing(ply):

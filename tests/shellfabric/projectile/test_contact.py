@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel import element_kernels, motion_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.sdf_kernels import flat
+from shellfabric.solver.pack_solver import run_steps
 
 R, RHO = 2.75e-3, 0.3e-3
 
@@ -44,7 +45,7 @@ def test_a_sharp_edge_lifts_at_once():
 
 def march(panel, strike_velocity, steps):
     state, const = panel.state(strike_velocity), panel.constants()
-    panel_step_kernels.run_steps(state, const, panel.work(), steps, np.empty((steps, 3)))
+    run_steps(state, const, panel.work(), steps, np.empty((steps, 3)))
     return state, const
 
 
@@ -57,7 +58,7 @@ def test_momentum_is_kept(small):
     up at least that of the plug before its flat nose. Measured: 8 times that."""
     panel = small(edge="free", symmetry="whole")
     state, _ = march(panel, 400.0, 300)
-    assert state.counter[panel_step_kernels.FAILURES] > 0
+    assert state.counter[motion_kernels.FAILURES] > 0
     expected = panel.projectile.mass * 400.0
     np.testing.assert_allclose(momentum(panel, state), [0.0, 0.0, expected], atol=1e-13 * expected)
     plug = np.pi * panel.projectile.radius**2 * panel.weave.areal_density
@@ -69,7 +70,7 @@ def test_off_centre_contact_keeps_momentum_too(small):
     panel = small(edge="free", symmetry="whole")
     state, const = panel.state(100.0), panel.constants()
     state.projectile_position[:2] = 0.4e-3, -0.3e-3
-    panel_step_kernels.run_steps(state, const, panel.work(), 300, np.empty((300, 3)))
+    run_steps(state, const, panel.work(), 300, np.empty((300, 3)))
     expected = panel.projectile.mass * 100.0
     assert np.abs(state.projectile_velocity[:2]).max() > 1e-3
     np.testing.assert_allclose(momentum(panel, state), [0.0, 0.0, expected], atol=1e-13 * expected)
@@ -138,8 +139,8 @@ def test_eroded_cloth_is_out_of_contact(small):
     for intact, y in zip(state.intact_fraction, state.yarn_length):
         intact[:] = y[:] = 0.0
     state.element_flag[:] = 3
-    state.block_damage[:] = panel_step_kernels.DAMAGED
-    panel_step_kernels.run_steps(state, const, panel.work(), 50, np.empty((50, 3)))
+    state.block_damage[:] = element_kernels.DAMAGED
+    run_steps(state, const, panel.work(), 50, np.empty((50, 3)))
     assert state.projectile_velocity[2] == 100.0
 
 

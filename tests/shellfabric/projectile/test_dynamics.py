@@ -9,9 +9,9 @@ from bar_motion import Motion
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.bar import Bar, held_force
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver
 
 QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 60e-6}
 
@@ -110,7 +110,7 @@ def test_resumes_bit_for_bit(fabric, struck, tmp_path):
     path = tmp_path / "checkpoint.h5"
     half = run(replace(struck.setup, end_time=30e-6), hooks=(checkpoint.Checkpoints(path, 20e-6),))
     assert half.steps < struck.steps
-    march = PanelSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
+    march = PackSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
     checkpoint.read(march, path)
     resumed = collect_result(struck.setup, march.run())
     np.testing.assert_array_equal(resumed.bar.tip_velocity, struck.bar.tip_velocity)
@@ -122,7 +122,7 @@ def test_a_checkpoint_of_another_body_is_refused(fabric, struck, tmp_path):
     run(replace(struck.setup, end_time=10e-6), hooks=(checkpoint.Checkpoints(path, 5e-6),))
     setup = replace(struck.setup, projectile=Projectile())
     with pytest.raises(InputError):
-        checkpoint.read(PanelSolver(setup.panel(), 100.0, setup.end_time), path)
+        checkpoint.read(PackSolver(setup.panel(), 100.0, setup.end_time), path)
 
 
 def test_says_when_rigid_is_enough(struck):

@@ -11,7 +11,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import window_kernels
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
-from shellfabric.sliding.solver import SlidingSolver
+from shellfabric.solver.pack_solver import PackSolver
 
 ONE = Numerics(threads=1)
 
@@ -27,28 +27,28 @@ def sliding(tables):
 
 
 def test_a_clamp_that_holds_more_than_the_strength_is_a_clamp_to_the_bit(sliding):
-    held, gripped = (SlidingSolver(sliding(0.1, edge=edge), 80.0, 60e-6).run() for edge in ("clamped", Grip(1e6)))
+    held, gripped = (PackSolver(sliding(0.1, edge=edge), 80.0, 60e-6).run() for edge in ("clamped", Grip(1e6)))
     assert np.array_equal(held.samples, gripped.samples)
 
 
 def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
     force = 30.0
-    run = SlidingSolver(sliding(0.1, edge=Grip(force), failure=False), 80.0, 80e-6).run()
-    last, through = run.const.ni, grid(run.slip.passed[0], run.panel)
+    run = PackSolver(sliding(0.1, edge=Grip(force), failure=False), 80.0, 80e-6).run()
+    last, through = run.const.ni, grid(run.slips[0].passed[0], run.panel)
     assert through[last].min() < -1e-4  # [m] towards the middle
     assert np.all(through[last] <= 0)
-    sliding_now = grid(run.slip.q[0], run.panel)[last] < 0
-    pull = grid(run.slip.config[0], run.panel)[last - 1]
+    sliding_now = grid(run.slips[0].q[0], run.panel)[last] < 0
+    pull = grid(run.slips[0].config[0], run.panel)[last - 1]
     assert sliding_now.any()
     assert pull[sliding_now].max() < 3 * force
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
-    free = SlidingSolver(sliding(0.1, failure=False), 80.0, 80e-6).run()
+    free = PackSolver(sliding(0.1, failure=False), 80.0, 80e-6).run()
     assert run.sample("v")[-1] > free.sample("v")[-1]
 
 
 def test_the_ends_of_yarn_in_a_weak_clamp_are_never_used_up(sliding):
-    run = SlidingSolver(sliding(0.0, edge=((Grip(1.0), Grip(1.0)), ("free", "free"))), 60.0, 200e-6).run()
-    assert np.abs(grid(run.slip.passed[0], run.panel)[-1]).max() > run.const.dx
+    run = PackSolver(sliding(0.0, edge=((Grip(1.0), Grip(1.0)), ("free", "free"))), 60.0, 200e-6).run()
+    assert np.abs(grid(run.slips[0].passed[0], run.panel)[-1]).max() > run.const.dx
     assert np.all(grid(run.state.intact_fraction[0], run.panel)[:-1] == 1.0)
 
 
@@ -58,7 +58,7 @@ def test_a_prescribed_pull_in_is_refused(sliding):
 
 
 def test_contact_ends_in_the_middle_of_a_window_and_not_beside_its_yarns(sliding):
-    run = SlidingSolver(sliding(), 50.0, 1e-6)
+    run = PackSolver(sliding(), 50.0, 1e-6)
     state, const = run.state, run.const
     share = lambda s, t: window_kernels.cover_at_point(state, const, np.uint64(0), s, t)  # noqa: E731
     places = np.linspace(0, 1, 41)
@@ -79,10 +79,10 @@ def test_contact_ends_in_the_middle_of_a_window_and_not_beside_its_yarns(sliding
 def test_a_pointed_nose_wedges_through_between_yarns(sliding):
     """It pushes yarns aside that the closed surface would have to tear."""
     nose = Projectile(shape="cone", radius=1.2e-3, half_angle=0.35, tip_radius=2e-4, mass=1e-3)
-    run = SlidingSolver(sliding(0.02, projectile=nose), 20.0, 1e-3).run()
+    run = PackSolver(sliding(0.02, projectile=nose), 20.0, 1e-3).run()
     assert run.outcome == "perforated"
     assert run.sample("failed_yarns")[-1] == 0
     assert run.slip_summaries()[0].largest_window > 1.2 * run.const.dx
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
-    pinned = SlidingSolver(replace(run.panel, friction=CrossoverFriction(np.inf)), 20.0, 1e-3).run()
+    pinned = PackSolver(replace(run.panel, friction=CrossoverFriction(np.inf)), 20.0, 1e-3).run()
     assert pinned.outcome == "stopped"

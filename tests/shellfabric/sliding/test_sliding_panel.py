@@ -12,11 +12,11 @@ from shellfabric.cloth.membrane_kernels import ERODED, WINDOW
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding import flow_kernels, slip_kernels, step_kernels
+from shellfabric.sliding import flow_kernels, slip_kernels
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
-from shellfabric.sliding.solver import SLIP_WORK, SlidingSolver, solver_of
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import SLIP_WORK, PackSolver
 
 ONE = Numerics(threads=1)
 
@@ -41,7 +41,7 @@ def pinned(panel):
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
 def test_an_infinite_threshold_is_the_pinned_panel_to_the_bit(sliding, velocity, end, symmetry):
     panel = sliding(mu=np.inf, symmetry=symmetry)
-    one, other = SlidingSolver(panel, velocity, end).run(), PanelSolver(pinned(panel), velocity, end).run()
+    one, other = PackSolver(panel, velocity, end).run(), PackSolver(pinned(panel), velocity, end).run()
     assert one.steps == other.steps
     for name in ("u", "v", "f_int", "stretch", "N", "failed", "intact_fraction"):
         for mine, its in zip(getattr(one.state, name), getattr(other.state, name)):
@@ -55,15 +55,15 @@ def test_an_infinite_threshold_is_the_pinned_panel_to_the_bit(sliding, velocity,
 @pytest.mark.parametrize("cohesion", [0.0, 0.05, 0.5, 5.0, 1000.0])
 def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
     panel = sliding(0.0, cohesion, numerics=Numerics(cfl=cfl, threads=1))
-    run = SlidingSolver(panel, 80.0, 60e-6).run()
+    run = PackSolver(panel, 80.0, 60e-6).run()
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
     assert np.all(np.diff(run.sample("crossover_friction")) > -1e-6 * run.strike_energy)
-    assert all(grid(share, panel).min() > 0.2 for share in run.slip.share)
+    assert all(grid(share, panel).min() > 0.2 for share in run.slips[0].share)
 
 
 def test_yarn_is_neither_made_nor_lost(sliding):
-    run = SlidingSolver(sliding(0.1, failure=False), 80.0, 60e-6).run()
-    warp, weft = (grid(share, run.panel) for share in run.slip.share)
+    run = PackSolver(sliding(0.1, failure=False), 80.0, 60e-6).run()
+    warp, weft = (grid(share, run.panel) for share in run.slips[0].share)
     assert warp[:-1].sum(axis=0) == pytest.approx(np.full(warp.shape[1], warp.shape[0] - 1), rel=1e-12)
     assert weft[:, :-1].sum(axis=1) == pytest.approx(np.full(weft.shape[0], weft.shape[1] - 1), rel=1e-12)
     assert run.slip_summaries()[0].pulled_out_length > 1e-6
@@ -71,8 +71,8 @@ def test_yarn_is_neither_made_nor_lost(sliding):
 
 
 def test_momentum_of_a_free_panel_is_that_of_its_projectile(sliding):
-    run = SlidingSolver(sliding(0.1, edge="free", symmetry="whole"), 60.0, 30e-6).run()
-    state, slip = run.state, run.slip
+    run = PackSolver(sliding(0.1, edge="free", symmetry="whole"), 60.0, 30e-6).run()
+    state, slip = run.state, run.slips[0]
     # at the half step: of the nodes, of the yarns that slip through them, and of the projectile
     total = (state.mass * state.v[2]).sum() + run.const.projectile_mass * state.projectile_velocity[2]
     for family in range(2):
@@ -98,8 +98,8 @@ def test_forces_are_the_derivatives_of_one_energy(sliding):
     """Of positions and of the shares of yarn alike."""
     panel = sliding(0.0, symmetry="whole", trellis=False, numerics=Numerics(threads=1, stretch_viscosity=0.0))
     random = np.random.default_rng(3)
-    run = SlidingSolver(panel, 10.0, 1e-6)
-    state, slip, const = run.state, run.slip, run.const
+    run = PackSolver(panel, 10.0, 1e-6)
+    state, slip, const = run.state, run.slips[0], run.const
     x, y = (grid(u, panel) for u in state.u[:2])
     X, Y = panel.coordinates()
     x += 0.03 * X + 2e-6 * random.standard_normal(X.shape)
@@ -112,7 +112,7 @@ def test_forces_are_the_derivatives_of_one_energy(sliding):
     def energy():
         forces(run)
         out = np.empty(5)
-        step_kernels.energies(run._states, const, slip, out)
+        ply_kernels.energies(state, const, (slip, run.effective[0]), out)
         return out[1]
 
     energy()
@@ -128,7 +128,9 @@ def test_forces_are_the_derivatives_of_one_energy(sliding):
 
 
 def forces(run):
-    step_kernels.initial_forces(run._states[0], run.const, run.slip, run._works)
+    (_, _, _, work_x), works = run._works[0]
+    slide = run.slips[0], run.effective[0], work_x.values[0]
+    ply_kernels.initial_forces(run.state, run.const, slide, works.values[0])
 
 
 def slope(energy, array, k, step, inverse=None):
@@ -146,14 +148,14 @@ def slope(energy, array, k, step, inverse=None):
 
 def test_a_pulled_out_free_edge(sliding):
     """Without friction and with free sides the yarns under the nose leave their last crossovers."""
-    run = SlidingSolver(sliding(0.0, edge="free"), 80.0, 150e-6).run()
+    run = PackSolver(sliding(0.0, edge="free"), 80.0, 150e-6).run()
     assert run.slip_summaries()[0].pulled_out_segments > 0
     assert run.sample("failed_yarns")[-1] == 0
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
 
 
 def test_failed_yarns_retract(sliding):
-    run = SlidingSolver(sliding(0.0), 260.0, 40e-6).run()
+    run = PackSolver(sliding(0.0), 260.0, 40e-6).run()
     assert run.sample("failed_yarns")[-1] > 0
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
 
@@ -162,18 +164,18 @@ def test_ends_of_yarn_leave_with_the_kinetic_energy_that_they_have(tables):
     """An end leaves a crossover at the tangent of the segment that it leaves by. With that of the failed segment behind
     it, the balance of this shot was off by 0.44 % of the strike energy."""
     panel = SlidingPanel(tables["variational"], (0.05, 0.05), friction=CrossoverFriction(0.3), numerics=ONE)
-    run = SlidingSolver(panel, 200.0, 100e-6).run()
+    run = PackSolver(panel, 200.0, 100e-6).run()
     assert run.sample("failed_yarns")[-1] > 0
     assert run.slip_summaries()[0].pulled_out_segments > 0
     assert np.abs(run.sample("error")).max() < 5e-4 * run.strike_energy
 
 
 def test_the_iteration_and_the_bounds_of_a_flux_are_counted_apart_from_friction(sliding):
-    run = SlidingSolver(sliding(0.0), 60.0, 60e-6).run()
+    run = PackSolver(sliding(0.0), 60.0, 60e-6).run()
     found = {name: run.sample(name) / run.strike_energy for name in SLIP_WORK}
     assert np.all(found["crossover_friction"] == 0.0)  # no threshold, no friction
     assert 0 < np.abs(found["slip_residual"]).max() < 1e-4
-    slip = run.slip
+    slip = run.slips[0]
     node = int(np.argmax(slip.mobility[0] > 0)) + 8 * run.const.row_stride  # a node with a segment that gives no more
     slip.share[0][node - run.const.row_stride] = 0.5 * slip.least
     slip.q[0][node], slip.q_before[0][node], slip.stop[0][node] = -1.0, -1.0, 0.0
@@ -187,20 +189,20 @@ def test_the_iteration_and_the_bounds_of_a_flux_are_counted_apart_from_friction(
 
 def test_a_uniform_strain_moves_no_yarn(sliding):
     """Patch test: stretched and sheared evenly, the panel drives no flux but at its rim, at any threshold."""
-    run = SlidingSolver(sliding(0.2, symmetry="whole", trellis=False), 10.0, 1e-6)
+    run = PackSolver(sliding(0.2, symmetry="whole", trellis=False), 10.0, 1e-6)
     X, Y = run.panel.coordinates()
     grid(run.state.u[0], run.panel)[:] = 0.02 * X + 0.01 * Y
     grid(run.state.u[1], run.panel)[:] = 0.015 * Y - 0.003 * X
     forces(run)
-    for config, axis in zip(run.slip.config, (0, 1)):
+    for config, axis in zip(run.slips[0].config, (0, 1)):
         inner = grid(config, run.panel)[2:-3, 2:-3]
         assert inner.min() > 1.0
         assert np.abs(np.diff(inner, axis=axis)).max() < 1e-9 * inner.max()
     run.state.active_rows[:] = 0, run.const.ni
-    slip_kernels.slip_nodes(run.state, run.const, run.slip)
-    for q in run.slip.q:
+    slip_kernels.slip_nodes(run.state, run.const, run.slips[0])
+    for q in run.slips[0].q:
         assert np.all(grid(q, run.panel)[3:-3, 3:-3] == 0.0)
-    assert np.all(run.slip.work == 0.0)
+    assert np.all(run.slips[0].work == 0.0)
 
 
 @pytest.mark.parametrize(("cohesion", "share"), [(1e6, 0.5), (0.0, 1.0)])
@@ -211,13 +213,13 @@ def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(st
         table, (0.2, 0.02), Projectile(radius=1e-3, edge_radius=1e-4), "whole", 1, numerics=ONE, trellis=False,
         friction=CrossoverFriction(0.0, cohesion),
     )  # fmt: skip
-    run = SlidingSolver(panel, 1.0, 8e-6, energy_error_limit=np.inf)
+    run = PackSolver(panel, 1.0, 8e-6, energy_error_limit=np.inf)
     middle, yarn = run.const.ni // 2, panel.weave.warp
     grid(run.state.v[0], panel)[1:middle] = -0.1  # half of the panel is torn away: a front of strain in both halves
     run.state.active_rows[:] = 0, run.const.ni
     run.state.contact_window[:] = 0
     run.run()
-    strain = grid(run.slip.x[0], panel)[:, run.const.nj // 2] - 1
+    strain = grid(run.slips[0].x[0], panel)[:, run.const.nj // 2] - 1
     plateau = strain[middle + 10 : middle + 20].mean()
     reach = (np.flatnonzero(strain[:-10] > 0.5 * plateau)[-1] + 0.5 - middle) * panel.spacing[0]
     speed = (share * yarn.EA / yarn.linear_density) ** 0.5
@@ -228,7 +230,7 @@ def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(st
 def test_a_smaller_time_step_changes_a_shot_little(sliding):
     found = []
     for cfl in (0.9, 0.45, 0.225):
-        run = SlidingSolver(sliding(0.2, numerics=Numerics(threads=1, cfl=cfl)), 80.0, 40e-6).run()
+        run = PackSolver(sliding(0.2, numerics=Numerics(threads=1, cfl=cfl)), 80.0, 40e-6).run()
         found.append([np.interp(38e-6, run.sample("t"), run.sample(name)) for name in ("v", "crossover_friction")])
     coarse, fine = (np.abs(np.array(one) / found[2] - 1) for one in found[:2])
     assert np.all(fine < 0.6 * coarse)
@@ -236,7 +238,7 @@ def test_a_smaller_time_step_changes_a_shot_little(sliding):
 
 
 def test_the_number_of_threads_changes_no_bit(sliding):
-    one, two = (SlidingSolver(sliding(0.1, numerics=Numerics(threads=n)), 80.0, 20e-6).run() for n in (1, 2))
+    one, two = (PackSolver(sliding(0.1, numerics=Numerics(threads=n)), 80.0, 20e-6).run() for n in (1, 2))
     assert np.array_equal(one.samples, two.samples)
 
 
@@ -250,18 +252,12 @@ def panel_of(sliding):
     return sliding(np.inf)
 
 
-def test_the_solver_follows_from_the_panel(sliding):
-    panel = sliding(np.inf)
-    assert isinstance(solver_of(panel, 50.0, 1e-6), SlidingSolver)
-    assert isinstance(solver_of(pinned(panel), 50.0, 1e-6), PanelSolver)
-
-
 def test_a_run_goes_on_from_a_checkpoint_to_the_bit(sliding, tmp_path):
     panel, path = sliding(0.05, edge="free"), tmp_path / "checkpoint.h5"
-    whole = SlidingSolver(panel, 200.0, 30e-6).run()
+    whole = PackSolver(panel, 200.0, 30e-6).run()
     with pytest.raises(Interrupted):
-        SlidingSolver(panel, 200.0, 30e-6).run((Interrupting(path, 6e-6, 15e-6),))
-    resumed = SlidingSolver(panel, 200.0, 30e-6)
+        PackSolver(panel, 200.0, 30e-6).run((Interrupting(path, 6e-6, 15e-6),))
+    resumed = PackSolver(panel, 200.0, 30e-6)
     checkpoint.read(resumed, path)
     resumed.run()
     assert np.array_equal(resumed.samples, whole.samples)
@@ -269,17 +265,17 @@ def test_a_run_goes_on_from_a_checkpoint_to_the_bit(sliding, tmp_path):
 
 
 def test_there_is_one_thread(sliding):
-    assert SlidingSolver(sliding(0.1, numerics=Numerics(threads=2)), 50.0, 1e-6).threads == 1
+    assert PackSolver(sliding(0.1, numerics=Numerics(threads=2)), 50.0, 1e-6).threads == 1
 
 
 def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
     """Yarns of a loose panel are drawn past a slender projectile, which none of them stops."""
-    run = SlidingSolver(sliding(0.0), 50.0, 1e-6)
+    run = PackSolver(sliding(0.0), 50.0, 1e-6)
     width = 2 * run.const.projectile_radius
     for stretch, side in zip(run.state.stretch, (run.const.dx, run.const.dy)):
         stretch[:] = 1.01 * width / side
     run.state.stretch[0][0] = 1.0
-    flow_kernels.open_windows(run.state, run.const, run.slip)
+    flow_kernels.open_windows(run.state, run.const, run.slips[0])
     i0, i1, j0, j1 = run.state.contact_window
     flags = grid(run.state.element_flag, run.panel)[i0:i1, j0:j1]
     assert flags[0, 0] == WINDOW  # one of its yarns is where it was

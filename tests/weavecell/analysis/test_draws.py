@@ -66,7 +66,7 @@ def test_every_yarn_of_every_ply_is_drawn(setup):
     """Ply p of draw k has the strengths of number k N + p: no two are alike, and none depends on the others."""
     given = replace(setup, elements_per_crossover=1, plies=2, stacking="alternating", ply_gap=1e-4)
     drawn = strengths.drawn(given, ALIKE_BUT_STRENGTH, 7, 3)
-    first, second = drawn.panel.plies
+    first, second = drawn.pack.plies
     for p, ply in enumerate((first, second)):
         lengths = [n * d for n, d in zip(ply.counts, ply.spacing)]
         _, wanted = strengths.draw(ply.fabric, ALIKE_BUT_STRENGTH, 7, 6 + p, ply.yarn_counts, lengths)
@@ -80,7 +80,7 @@ def test_plies_of_a_draw_are_of_one_roll(setup):
     """Modulus and crimp are one value for all plies of a draw, and scale the laws that a set-up names as well."""
     given = replace(setup, elements_per_crossover=1, plies=2, ply_gap=1e-4)
     drawn = strengths.drawn(given, inputs.published(), 7, 3)
-    one, other = drawn.panel.plies
+    one, other = drawn.pack.plies
     assert one.fabric == other.fabric
     assert one.fabric.weave.warp.E == pytest.approx(setup.fabric.weave.warp.E * drawn.factors["modulus"])
     assert drawn.factors["modulus"] != 1

@@ -29,7 +29,7 @@ def test_the_mesh_of_a_study(fabric):
     near = v50.graded(plain).grading[0]
     assert near[0] >= v50.LEAST
     assert v50.graded(plain).grading == ((near[0], 1), (2 * near[0], 2), (np.inf, 4))
-    drawn = strengths.drawn(v50.graded(plain), inputs.published(), 1, 5).panel
+    drawn = strengths.drawn(v50.graded(plain), inputs.published(), 1, 5).pack.plies[0]
     assert max(far / step for far, step in zip(drawn.reach(), drawn.spacing)) < near[0]
     stepped = {"round": True}, {"impact_point": (5e-3, 0.0), "symmetry": "whole"}, {"weave_angle": 0.3}
     for changes in ({"elements_per_crossover": 1}, {"edge": "free"}, {"grading": ((np.inf, 1),)}, *stepped):
@@ -139,7 +139,7 @@ def test_each_yarn_has_its_own_strength(panel, per):
 def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
     """The same draws; where elements are one crossover long each line has the strength of its yarn."""
     uniform, graded = (
-        strengths.drawn(setup_of(fabric, 0.08, grading=zones), inputs.published(), 1, 3).panel
+        strengths.drawn(setup_of(fabric, 0.08, grading=zones), inputs.published(), 1, 3).pack.plies[0]
         for zones in (None, ((12, 1), (np.inf, 2)))
     )
     for family, (all_yarns, lines) in enumerate(zip(uniform.strength_factors, graded.strength_factors)):
@@ -160,7 +160,7 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
     and most of what is stopped takes less time."""
     spared = []
     for number, velocity in enumerate(np.linspace(35.0, 75.0, 30)):
-        panel = strengths.drawn(setup_of(fabric, 0.06), inputs.published(), 5, number).panel
+        panel = strengths.drawn(setup_of(fabric, 0.06), inputs.published(), 5, number).pack
         one, two = (ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0] for x in (0.0, v50.STOPS_BELOW))
         assert (one.outcome, one.residual_velocity) == (two.outcome, two.residual_velocity)
         assert two.time == one.time if one.perforated else two.time <= one.time

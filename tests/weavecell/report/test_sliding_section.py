@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from shellfabric.sliding.solver import SlipSummary
+from shellfabric.sliding.model import SlipSummary
 from weavecell.report import chapters_impact
 
 

@@ -93,9 +93,11 @@ def test_a_coupon_has_documented_keys_only(tmp_path, scene):
 
 
 def test_energies_of_the_solvers_are_documented():
-    from shellfabric.sliding_plies.solver import SLIDING_PACK_ENERGIES
+    from shellfabric.solver.pack_solver import BETWEEN_PLIES, ENERGIES, SLIP_WORK
 
-    assert [name for name in SLIDING_PACK_ENERGIES if find(name, keys.ENERGIES) is None] == []
+    assert [
+        name for name in (*ENERGIES, *BETWEEN_PLIES, *SLIP_WORK, "error") if find(name, keys.ENERGIES) is None
+    ] == []
 
 
 def test_keys_follow_the_convention():

@@ -12,7 +12,7 @@ import pytest
 from test_supported import CHISEL, LAW, NAMED, SURFACE, merged
 
 from shellfabric.impact.ballistic_limit import Shot
-from shellfabric.sliding_plies.solver import solver_of
+from shellfabric.solver.pack_solver import PackSolver
 from weavecell.cli import app
 from weavecell.commands import impact as commands_impact
 from weavecell.results.paraview import read_series
@@ -357,7 +357,7 @@ def limit(capsys, folder, monkeypatch, changes):
 
     def fire(panel, velocity, _):
         if not marches:
-            marches.append(solver_of(panel, 400.0, 12e-6).run(()))
+            marches.append(PackSolver(panel, 400.0, 12e-6).run(()))
         through = velocity > 130.0
         return Shot(velocity, 50.0 * through, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
 

@@ -30,7 +30,7 @@ from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.contact_force import bending_bounds
 from shellfabric.sliding.flow_kernels import PULLED_OUT
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
-from shellfabric.sliding.solver import SlidingSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.program import program
 from validation.published.bias_extension.cases import cloth
 from weavecell.report.marked_page import markdown, put
@@ -76,7 +76,7 @@ class Pulled:
         return f"mu = {self.mu:g}, {'bending' if self.stiff else 'flexible'}"
 
 
-class ObliqueStrip(SlidingSolver):
+class ObliqueStrip(PackSolver):
     """A strip at 45 degrees to the yarns of a panel, its clamps pulled apart.
 
     Parameters
@@ -108,9 +108,9 @@ class ObliqueStrip(SlidingSolver):
         super().__init__(panel, 1.0, end, interval=end / (100 * LOOKS), energy_error_limit=inf)
         self.exchange = inf
 
-    def _start(self, parts, elements, most_threads=np.inf):
+    def set_up(self) -> None:
         """Cut the strip, hold the clamps and set them in motion before the first sample."""
-        ((panel, const, state),) = parts
+        const, state = self.const, self.state
         state.contact_window[:] = 0
         state.active_rows[:] = 0, const.ni
         slots = self.place[0] * const.row_stride + self.place[1]
@@ -127,12 +127,11 @@ class ObliqueStrip(SlidingSolver):
         for grip, sign in ((1, 1.0), (2, -1.0)):
             for c in range(2):
                 state.v[c][slots[self.grips == grip]] = sign * self.speed / sqrt(2)
-        self.slip = panel.slip(state)
+        self.slips = self.pack.slips(self.states)
+        (self.slip,) = self.slips
         for mobility in self.slip.mobility:
             mobility[~free] = 0.0
         self.slots = slots
-        self._states = state, state._replace(stretch=self.slip.x)
-        super()._start(parts, elements, most_threads)
 
     def positions(self) -> FloatArray:
         """(n, 2) [m] nodes of the coupon, in its own directions."""

@@ -24,7 +24,7 @@ from fabrics.checks import BoolArray, FloatArray, IntArray
 from shellfabric.cloth.membrane_kernels import ERODED
 
 if TYPE_CHECKING:
-    from shellfabric.plies.solver import PackSolver
+    from shellfabric.solver.pack_solver import PackSolver
 
 REACH, AT_ONCE = 2, 10  # [plies, steps]
 

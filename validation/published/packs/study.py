@@ -25,7 +25,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies import torn_contact_kernels
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.published.packs.passages import count
 
 STOPS, ARTEFACT = "stops", "perforates (certainly an artefact, E-21)"
@@ -115,8 +115,9 @@ def shoot(case: Case) -> dict[str, Any]:
     except UnstableError as problem:
         message = str(problem)
     strength = np.array([yarn.strength for yarn in march.panel.weave.yarns])
+    tensions = march.peak_tensions[..., 0]
     turned = [1 if case.stacking == "alternating" and p % 2 else 0 for p in range(case.plies)]
-    peaks = np.array([peak / (strength[::-1] if t else strength) for peak, t in zip(march.peaks, turned)])
+    peaks = np.array([peak / (strength[::-1] if t else strength) for peak, t in zip(tensions, turned)])
     fine = np.concatenate(march.step_history) if march.step_history else np.empty((0, 3))
     every = max(1, len(fine) // 4000)
     return {

@@ -24,8 +24,8 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.output.hooks import Progress
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver
 from validation.claims.runs import cloth
 
 FABRIC, VELOCITY, PROJECTILE = "S-728", 300.0, Projectile(mass=8.1e-3)
@@ -126,7 +126,7 @@ def shoot(case: Case, *, report: Callable[..., object] | None = None, **options:
     """
     run = march(case, **options).run([Progress(report)] if report else [])
     block = run.backing.result()
-    energies = {name: run.sample(name) for name in PACK_ENERGIES}
+    energies = {name: run.sample(name) for name in run.energy_names}
     balance = float(np.abs(energies["error"]).max()) / run.strike_energy
     return Penetration(
         run.outcome, run.sample("t"), run.sample("z"), run.sample("v"), block.crater, block.steepness, block.half_width,

@@ -11,7 +11,7 @@ import numpy as np
 
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.verification.cost_accuracy import shots
 from validation.verification.cost_accuracy.core import Method
 
@@ -59,7 +59,7 @@ def run(case: Any) -> tuple[dict[str, float], dict[str, float]]:
             _wake(march)
         march.run()
         fine = np.concatenate(march.step_history)
-        peak = march.peaks.max(axis=0) / yarns
+        peak = march.peak_tensions[..., 0].max(axis=0) / yarns
         found |= shots.read_off(
             shot, velocity, march.outcome, fine[:, 0], fine[:, 1], march.const.dt, ply.projectile.mass, peak
         )

@@ -20,7 +20,7 @@ from shellfabric.cable import solver as cable_solver
 from shellfabric.cable.model import CableNet, CableNumerics
 from shellfabric.cell.model import FILL, CellModel
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.verification.cost_accuracy.core import Method
 
 LEFT, STOPS = "perforated", "stopped"
@@ -127,7 +127,7 @@ def _shell(case):
     filled = time.process_time()
     found, yarns = {}, max(1, round(1 / case.elements))  # a thick yarn stands for so many
     for velocity in case.shot.velocities:
-        march = PanelSolver(made, velocity, case.shot.end)
+        march = PackSolver(made, velocity, case.shot.end)
         if case.awake:
             march.state.active_rows[:] = 0, march.const.ni
         march.run()

@@ -19,7 +19,7 @@ from fabrics import catalogue, run_cache
 from shellfabric.impact.ballistic_limit import UNDECIDED
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.program import program, publish
 from validation.verification.mesh_convergence.study import mesh
 from weavecell.report.marked_page import markdown
@@ -49,7 +49,7 @@ def _panel(level: int) -> Panel:
 
 def shot(level: int, velocity: float, end: float) -> tuple[float, float, float]:
     """(residual velocity [m/s], absorbed energy [J], time of the first failure [s], infinite if none), until `end`."""
-    solver = PanelSolver(_panel(level), velocity, end, interval=SAMPLE)
+    solver = PackSolver(_panel(level), velocity, end, interval=SAMPLE)
     solver.run()
     left, failed = float(solver.sample("v")[-1]), solver.sample("failed_yarns") > 0
     first = float(solver.sample("t")[failed.argmax()]) if failed.any() else float("inf")

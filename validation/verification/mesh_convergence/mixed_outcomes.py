@@ -22,7 +22,7 @@ from shellfabric.cell.model import CellTable
 from shellfabric.impact.ballistic_limit import UNDECIDED
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Panel
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.program import program, publish, write_records
 from weavecell.report.marked_page import markdown
 
@@ -79,9 +79,9 @@ def setup(elements: int, failure: bool = True) -> ImpactSetup:
     return ImpactSetup(fabric, 100.0, elements_per_crossover=elements, failure=failure)
 
 
-def fire(panel: Panel, velocity: float) -> tuple[PanelSolver, FirstFailure | None]:
+def fire(panel: Panel, velocity: float) -> tuple[PackSolver, FirstFailure | None]:
     """One shot at a velocity [m/s], to its outcome, and the first failure."""
-    solver, first = PanelSolver(panel, velocity, UNDECIDED, interval=SAMPLE), _FirstFailure()
+    solver, first = PackSolver(panel, velocity, UNDECIDED, interval=SAMPLE), _FirstFailure()
     solver.run((first,))
     return solver, first.found
 
@@ -89,7 +89,7 @@ def fire(panel: Panel, velocity: float) -> tuple[PanelSolver, FirstFailure | Non
 def first_wave(elements: int, table: CellTable, velocity: float) -> tuple[float, float]:
     """(peak tension [N], its distance [crossovers] from the impact point) of the first stress wave in the weft yarn
     through the impact point, of yarns that do not fail."""
-    solver = PanelSolver(setup(elements, failure=False).panel(table), velocity, WAVE, interval=SAMPLE)
+    solver = PackSolver(setup(elements, failure=False).panel(table), velocity, WAVE, interval=SAMPLE)
     peak = np.zeros(solver.const.row_stride)
 
     def look(solver):

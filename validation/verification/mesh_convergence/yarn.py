@@ -18,7 +18,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cloth.failure_kernels import WEFT, yarn_tension
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.program import program
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Across:
 def across(fabric: Fabric, velocity: float, time: float, number: int, n: int, **setup: Any) -> Across:
     """Tension across a Fabric's weft yarns `time` [s] after a strike at `velocity` [m/s], n elements a crossover."""
     panel = replace(ImpactSetup(fabric, velocity, **setup).panel(), elements_per_crossover=n, failure=False)
-    march = PanelSolver(panel, velocity, time, interval=0.25 * time).run()
+    march = PackSolver(panel, velocity, time, interval=0.25 * time).run()
     const, state, shot = march.const, march.state, panel.projectile
     rows = state.T[WEFT][: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
     count, pitch = _SHOWN * n + 1, panel.spacing[0] * n

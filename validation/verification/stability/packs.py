@@ -13,7 +13,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.verification.stability import shots
 from validation.verification.stability.core import STABLE, WRONG, Outcome
 
@@ -46,7 +46,7 @@ def fire(**knobs: Any) -> Answer:
     """Shoot with knobs of `PlyContact`; raises UnstableError as `PackSolver`."""
     stiffest = PlyLaw.solid(ply().fabric)  # other laws reach the stiffness that bounds the step only at high pressures
     march = PackSolver(Pack.stacked(ply(), PLIES, contact=Beyond(**knobs), law=stiffest), VELOCITY, END).run()
-    peak = tuple(float(tension) for tension in march.peaks.max(axis=0))
+    peak = tuple(float(tension) for tension in march.peak_tensions[..., 0].max(axis=0))
     failed = int(march.sample("failed_yarns")[-1])
     checks = quality.of_solver(march)
     return Answer(peak, float(march.sample("v")[-1]), failed, checks, float(march.deepest.max()))

@@ -13,8 +13,8 @@ from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver
 from validation.verification.stability.core import STABLE, WRONG, Outcome
 
 FABRIC, OPENING, VELOCITY, END = "S-720", 0.1, 92.5, 100e-6
@@ -61,7 +61,7 @@ def fire(
     contact_points: int | None = None, edge_radius: float = 0.3e-3, end: float = END, velocity: float = VELOCITY,
     failure: bool = True, **knobs: Any,
 ) -> Answer:  # fmt: skip
-    """Shoot; raises UnstableError as `PanelSolver`.
+    """Shoot; raises UnstableError as `PackSolver`.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def fire(
         table(form, straight, crossovers), (OPENING, OPENING), Projectile(edge_radius=edge_radius),
         elements_per_crossover=elements, numerics=Beyond(threads=1, contact_points=points, **knobs), failure=failure,
     )  # fmt: skip
-    march = PanelSolver(panel, velocity, end).run()
+    march = PackSolver(panel, velocity, end).run()
     peak = tuple(float(tension) / crossovers for tension in march.state.peak_tension)
     return Answer(peak, float(march.sample("v")[-1]), int(march.sample("failed_yarns")[-1]), quality.of_solver(march))
 

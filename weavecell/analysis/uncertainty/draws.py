@@ -143,7 +143,7 @@ class Draws:
 def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Draw:
     """The shot of a number at the whole panel."""
     drawn = strengths.drawn(setup, scatter, seed, number)
-    result, problem = fired(setup, target=drawn.panel)
+    result, problem = fired(setup, target=drawn.pack)
     warp, weft = result.peak_tension
     return Draw(
         number, "unstable" if problem else result.outcome, float(result.residual_velocity),

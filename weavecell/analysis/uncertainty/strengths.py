@@ -25,7 +25,6 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from shellfabric.impact.ballistic_limit import plies
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import grading as grading_of_panels
 from shellfabric.panel.model import Panel
@@ -41,12 +40,12 @@ class Drawn:
 
     Parameters
     ----------
-    panel : whole Panel or Pack
+    pack : Pack of whole plies
     factors : {"modulus", "crimp_warp", "crimp_weft": factor [-] of all plies}
     weakest : (warp, weft) [-] factor on the strength of the weakest yarn of any ply
     """
 
-    panel: Panel | Pack
+    pack: Pack
     factors: dict[str, float]
     weakest: tuple[float, float]
 
@@ -66,7 +65,7 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     """
     given = whole(setup)
     check(given, scatter)
-    plain = plies(replace(given, table_size=_SMALL).target())
+    plain = replace(given, table_size=_SMALL).target().plies
     found = [
         draw(given.fabric_of(p), scatter, seed, number * len(plain) + p, *_yarns(one)) for p, one in enumerate(plain)
     ]
@@ -76,13 +75,13 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     else:
         given = changed_setup(given, **factors)
         table = given.table()
-    panel = given.target(table)
+    pack = given.target(table)
     own = tuple(
         replace(one, strength_factors=strengths if one.sides is None else of_lines(strengths, one))
-        for one, (_, strengths) in zip(plies(panel), found)
+        for one, (_, strengths) in zip(pack.plies, found)
     )
     warp, weft = (min(float(strengths[family].min()) for _, strengths in found) for family in (0, 1))
-    return Drawn(replace(panel, plies=own) if isinstance(panel, Pack) else own[0], factors, (warp, weft))
+    return Drawn(replace(pack, plies=own), factors, (warp, weft))
 
 
 def check(setup: ImpactSetup, scatter: Scatter) -> None:

@@ -40,7 +40,6 @@ FIRST = 0.25  # of the deterministic limit, either way
 SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
 STOPS_BELOW = 0.1  # of the strike velocity, see `ballistic_limit.shoot`
 LEAST = 10  # [crossovers] to which elements of one crossover reach at least
-_SMALL = 11  # samples a side of a cell's table that no run uses
 WIDER = 0.5  # of the gap between stops and perforations, beyond either end, where yarns scatter
 
 
@@ -121,13 +120,13 @@ class Study:
 
 def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity: float) -> Shot:
     """The shot of a number at its drawn panel."""
-    panel = strengths.drawn(setup, scatter, seed, number)
+    drawn = strengths.drawn(setup, scatter, seed, number)
     try:
-        (shot,) = ballistic_limit.shoot(panel.panel, (velocity,), stops_below=STOPS_BELOW)
+        (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
     except UnstableError as problem:
         raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
     return Shot(
-        number, velocity, shot.residual_velocity, shot.perforated, **panel.factors, weakest=panel.weakest,
+        number, velocity, shot.residual_velocity, shot.perforated, **drawn.factors, weakest=drawn.weakest,
         balance=shot.balance, doubtful=tuple(check.name for check in shot.checks if check.doubtful),
     )  # fmt: skip
 
@@ -160,7 +159,7 @@ def first_zone(ply: ImpactSetup) -> int:
     if ply.surface is None:
         crimp = 1 + 4 * published().crimp
         ply = changed_setup(ply, crimp_warp=crimp, crimp_weft=crimp)  # type: ignore[assignment]
-    panel = replace(ply, elements_per_crossover=1, grading=None, symmetry="whole", table_size=_SMALL).panel()
+    panel = replace(ply, elements_per_crossover=1, grading=None, symmetry="whole").panel(ply.plain_table())
     return max(LEAST, *(ceil(far / step) + 1 for far, step in zip(panel.reach(), panel.spacing)))
 
 

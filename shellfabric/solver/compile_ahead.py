@@ -15,21 +15,40 @@ from fabrics.kernel_cache import one_compiler_a_node
 from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.jit import compile_in_child
 from shellfabric.jit.compile_in_child import COUNTERS, HISTORY, INDEX, NUMBER, VECTOR, type_of
-from shellfabric.panel import element_kernels, motion_kernels, quality_kernels, step_kernels
-from shellfabric.panel.arrays import Constants, State, Work
-from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
+from shellfabric.panel import element_kernels, motion_kernels, quality_kernels
+from shellfabric.plies import contact_kernels, torn_contact_kernels
+from shellfabric.projectile import bar_kernels, window_kernels
+from shellfabric.projectile import contact_kernels as nose_kernels
+from shellfabric.solver import ply_kernels, step_kernels
 
 THREAD = HISTORY, COUNTERS, INDEX, INDEX, NUMBER  # history, shared, me, count, allowed of `run_thread`
-_begun: set[Any] = set()  # kinds of the constants of panels and packs that this has been done for
+_begun: set[Any] = set()  # kinds of the constants that this has been done for
 
 
-def begin(state: State, const: Constants, work: Work) -> None:
-    """Begin to compile what the run of a panel needs; returns at once."""
-    if is_new(const):
-        known = type_of(state), type_of(const), type_of(work)
-        forces, contact = parts(*known, type_of(work.contact_scratch))
-        steps = [(step_kernels.run_thread, (*known, INDEX, *THREAD))]
-        compile_in_child.start([forces, contact], [steps, audit(*known[:2])])
+def begin(states: Any, consts: Any, pairs: Any, stops: Any, stack: Any, works: Any) -> None:
+    """Begin to compile what a run with pinned crossovers needs; returns at once.
+
+    Arguments as of `step_kernels.run_thread`.
+    """
+    if not is_new((consts.values[0], pairs is None)):
+        return
+    state, const, work = (type_of(items.values[0]) for items in (states, consts, works))
+    lists = type_of(states), type_of(consts), type_of(pairs)
+    forces, contact = parts(state, const, work, type_of(works.values[0].contact_scratch))
+    if pairs is None:
+        first = [forces, contact]
+    else:
+        all_of = *lists, type_of(stack)
+        pair = type_of(pairs.values[0])
+        contact.append((step_kernels.implicit_nose_contact, (*all_of, type_of(works), INDEX, INDEX)))
+        first = [forces + contact, [
+            (contact_kernels.contact_forces, (state, const, state, const, pair, INDEX)),
+            (contact_kernels.contact_forces_back, (state, const, state, const, pair, INDEX)),
+            (torn_contact_kernels.enforce_constraints, (*all_of, type_of(stops))),
+        ]]  # fmt: skip
+    others = map(type_of, (stops, None, stack, works))
+    steps = (step_kernels.run_thread, (*lists, *others, *THREAD))
+    compile_in_child.start(first, [[steps], audit(state, const)])
 
 
 def is_new(const: Any) -> bool:
@@ -68,8 +87,8 @@ def parts(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:
         (failure_kernels.any_past_strength, family),
         (failure_kernels.detect_failures, family),
     ], [
-        (contact_kernels.contact_forces, (*both, scratch)),
-        (contact_kernels.apply_contact_impulse, both),
+        (nose_kernels.contact_forces, (*both, scratch)),
+        (nose_kernels.apply_contact_impulse, both),
         (window_kernels.cloth_ahead_of_nose, both),
         (motion_kernels.grow_active_rows, both),
         (bar_kernels.advance_bar, (*both, NUMBER)),
@@ -80,4 +99,4 @@ def parts(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:
 def audit(state: Any, const: Any) -> list:
     """Kernels of the samples, as `parts`."""
     monitor = state, const, INDEX, INDEX, NUMBER, NUMBER, VECTOR
-    return [(step_kernels.energies, (state, const, VECTOR)), (quality_kernels.sample, monitor)]
+    return [(ply_kernels.energies, (state, const, type_of(None), VECTOR)), (quality_kernels.sample, monitor)]

@@ -11,10 +11,8 @@ from shellfabric.cell.model import CellModel
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
-from shellfabric.sliding.solver import SlidingSolver
-from shellfabric.sliding_plies.solver import SlidingPack, SlidingPackSolver, pack_of, solver_of
+from shellfabric.solver.pack_solver import PackSolver
 
 GAP = 0.1e-3
 
@@ -44,9 +42,7 @@ def same(one, other):
 )
 def test_an_infinite_threshold_is_the_pinned_pack(table, velocity, friction):
     held = PackSolver(Pack.stacked(pinned(table), 2, gap=GAP, friction=friction), velocity, 40e-6).run()
-    stuck = SlidingPackSolver(
-        SlidingPack.stacked(sliding(table, mu=np.inf), 2, gap=GAP, friction=friction), velocity, 40e-6
-    ).run()
+    stuck = PackSolver(Pack.stacked(sliding(table, mu=np.inf), 2, gap=GAP, friction=friction), velocity, 40e-6).run()
     assert (held.sample("failed_yarns")[-1] > 0) == (velocity > 200)
     assert stuck.stack.awake.all()
     for p in range(2):
@@ -56,22 +52,13 @@ def test_an_infinite_threshold_is_the_pinned_pack(table, velocity, friction):
     assert stuck.sample("crossover_friction")[-1] == 0.0
 
 
-def test_a_pack_of_one_is_a_single_ply(table):
-    single = SlidingSolver(sliding(table), 120.0, 30e-6).run()
-    pack = SlidingPackSolver(SlidingPack((sliding(table),)), 120.0, 30e-6).run()
-    assert single.sample("crossover_friction")[-1] > 0
-    for name in ("t", "v", "z", "yarn_strain", "contact", "crossover_friction", "kinetic_projectile"):
-        np.testing.assert_array_equal(pack.sample(name), single.sample(name))
-    assert pack.slip_summaries() == single.slip_summaries()
-
-
 @pytest.mark.parametrize(
     ("mu", "cohesion", "friction"),
     [(0.2, 0.0, 0.0), pytest.param(0.1, 0.0, 0.3, marks=pytest.mark.slow(300)), (0.0, 0.5, 0.0)],
 )
 def test_the_energy_balance_holds(table, mu, cohesion, friction):
-    pack = SlidingPack.stacked(sliding(table, mu, cohesion), 2, gap=GAP, friction=friction)
-    run = SlidingPackSolver(pack, 150.0, 60e-6).run()
+    pack = Pack.stacked(sliding(table, mu, cohesion), 2, gap=GAP, friction=friction)
+    run = PackSolver(pack, 150.0, 60e-6).run()
     rubbed = run.sample("crossover_friction")
     assert rubbed[-1] > 1e-4 * run.strike_energy
     assert np.all(np.diff(rubbed) > -1e-9 * run.strike_energy)
@@ -83,7 +70,7 @@ def test_the_energy_balance_holds(table, mu, cohesion, friction):
 
 
 def test_one_and_two_threads_are_the_same_to_the_bit(table):
-    runs = [SlidingPackSolver(SlidingPack.stacked(sliding(table, threads=n), 2, gap=GAP), 150.0, 40e-6) for n in (1, 2)]
+    runs = [PackSolver(Pack.stacked(sliding(table, threads=n), 2, gap=GAP), 150.0, 40e-6) for n in (1, 2)]
     assert [run.threads for run in runs] == [1, 2]
     for run in runs:
         run.run()
@@ -94,7 +81,7 @@ def test_one_and_two_threads_are_the_same_to_the_bit(table):
 
 def test_a_run_is_resumed_to_the_bit(table, tmp_path):
     def march():
-        return SlidingPackSolver(SlidingPack.stacked(sliding(table), 2, gap=GAP), 250.0, 40e-6)
+        return PackSolver(Pack.stacked(sliding(table), 2, gap=GAP), 250.0, 40e-6)
 
     whole, first, second = march().run(), march(), march()
 
@@ -109,14 +96,14 @@ def test_a_run_is_resumed_to_the_bit(table, tmp_path):
     np.testing.assert_array_equal(np.array(second.samples), np.array(whole.samples))
     for one, other in zip(second.slips, whole.slips):
         assert same(one.share + one.q, other.share + other.q)
-    other = SlidingPackSolver(SlidingPack.stacked(sliding(table, mu=0.1), 2, gap=GAP), 250.0, 40e-6)
+    other = PackSolver(Pack.stacked(sliding(table, mu=0.1), 2, gap=GAP), 250.0, 40e-6)
     with pytest.raises(InputError, match="another"):
         checkpoint.read(other, tmp_path / "c.h5")
 
 
 def test_yarns_that_have_left_count_for_the_contact_between_plies(table):
     """A shot that perforates: the neighbour's contact looks for edges where a yarn has gone."""
-    run = SlidingPackSolver(SlidingPack.stacked(sliding(table, mu=0.1), 2, gap=GAP), 350.0, 60e-6).run()
+    run = PackSolver(Pack.stacked(sliding(table, mu=0.1), 2, gap=GAP), 350.0, 60e-6).run()
     gone = [summary.pulled_out_segments for summary in run.slip_summaries()]
     counted = [int(state.counter[2]) for state in run.states]
     assert all(count >= pulled for count, pulled in zip(counted, gone))
@@ -124,13 +111,16 @@ def test_yarns_that_have_left_count_for_the_contact_between_plies(table):
     assert np.abs(run.sample("error")).max() < 0.01 * run.strike_energy
 
 
-def test_the_solver_follows_from_the_plies(table):
-    pack = pack_of(sliding(table), 2, gap=GAP, stacking="alternating")
-    assert isinstance(pack, SlidingPack)
-    assert isinstance(solver_of(pack, 100.0, 1e-6), SlidingPackSolver)
-    assert type(pack_of(pinned(table), 2, gap=GAP)) is Pack
+def test_plies_slide_all_or_none(table):
+    pack = Pack.stacked(sliding(table), 2, gap=GAP, stacking="alternating")
+    assert len(pack.crossovers) == 2
+    assert Pack.stacked(pinned(table), 2, gap=GAP).crossovers == ()
     with pytest.raises(InputError, match="crossovers = 'sliding'"):
-        solver_of(Pack(pack.plies, pack.gaps), 100.0, 1e-6)
-    free, held = pack, replace(pack, plies=(sliding(table, mu=np.inf),) * 2)
+        Pack((pack.plies[0], pinned(table)), pack.gaps)
+
+
+def test_the_mass_of_one_family_bounds_stick_between_plies(table):
+    free = Pack.stacked(sliding(table), 2, gap=GAP, stacking="alternating")
+    held = replace(free, plies=(sliding(table, mu=np.inf),) * 2)
     step = held.time_step
     assert free._slip_constants(1.0, 1e5)[0] < held._slip_constants(1.0, 1e5)[0] * (step / free.time_step) ** 2

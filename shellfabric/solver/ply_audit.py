@@ -1,6 +1,6 @@
 """What is sampled of one ply: its energies, failed yarn segments, edge reactions and deflection.
 
-A panel is one ply, a pack several; both are audited here. The energy that the yarns store follows from their stretches.
+The energy that the yarns store follows from their stretches.
 In the equilibrium form, whose forces are no gradient, the work done on the yarns differs from it: the difference is the
 energy "formulation_residual". In the variational form it is what a step loses where yarns stiffen
 (`membrane_kernels.yarn_forces`), which is computed from the slopes of their forces: a force that is wrong stays in the
@@ -9,15 +9,17 @@ energy error.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
 from shellfabric.panel import element_kernels, perforation
-from shellfabric.panel import step_kernels as kernels
+from shellfabric.panel.element_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
+from shellfabric.panel.motion_kernels import STEP
 from shellfabric.projectile import contact_kernels
+from shellfabric.solver import ply_kernels as kernels
 
 if TYPE_CHECKING:
     from shellfabric.panel.arrays import Constants, State
@@ -29,18 +31,19 @@ ENERGIES = (
 )  # fmt: skip
 
 
-def energies(const: Constants, state: State, rest: float) -> FloatArray:
+def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatArray:
     """(12,) [J] of the modelled part of a ply, in the order of ENERGIES.
 
     Parameters
     ----------
     state : State whose contact forces are those of all that touches the ply
+    slide : None of pinned crossovers; else (Slip, the state with the effective stretches in the place of the stretches)
     rest : [J] stored at rest
     """
     out, sums = np.empty(5), state.energy_sums.sum(axis=0)
-    kernels.energies(state, const, out)
+    kernels.energies(state, const, slide, out)
     # work of the forces that is neither stored nor lost; where the forces are a gradient, that of the steps alone
-    cell = sums[kernels.WORK] - (out[kernels.STORED] - rest) - sums[kernels.LOST_YARN]
+    cell = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
     return np.array(
         [
             out[kernels.KINETIC] + state.slip_energy[boundary_kernels.KINETIC],
@@ -49,20 +52,20 @@ def energies(const: Constants, state: State, rest: float) -> FloatArray:
             out[kernels.SHEAR],
             out[kernels.BENDING],
             out[kernels.JAMMING],
-            sums[kernels.VISCOUS],
+            sums[VISCOUS],
             state.contact_energy[contact_kernels.CONTACT],
             state.contact_energy[contact_kernels.FRICTION],
-            sums[kernels.LOST_YARN] + sums[kernels.LOST_TRELLIS],
+            sums[LOST_YARN] + sums[LOST_TRELLIS],
             state.slip_energy[boundary_kernels.CLAMP_FRICTION],
             state.slip_energy[boundary_kernels.BOUNDARY_WORK],
         ]
     )
 
 
-def stored_energy(const: Constants, state: State) -> float:
-    """[J] that the yarns of the modelled part store."""
+def stored_energy(const: Constants, state: State, slide: Any) -> float:
+    """[J] that the yarns of the modelled part store; `slide` as of `energies`."""
     out = np.empty(5)
-    kernels.energies(state, const, out)
+    kernels.energies(state, const, slide, out)
     return out[kernels.STORED]
 
 
@@ -113,7 +116,7 @@ def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> F
             place = list(divmod(int(slot), const.row_stride))
             along, lines = (const.yarn_rows, const.yarn_columns)[family], panel.lines()
             ends = place[family], place[family] + along.elements[place[family]]
-            found[family, 1] = const.dt * (step + steps - state.counter[kernels.STEP])
+            found[family, 1] = const.dt * (step + steps - state.counter[STEP])
             found[family, 2:] = [lines[axis][at] for axis, at in enumerate(place)]
             found[family, 2 + family] = 0.5 * (lines[family][ends[0]] + lines[family][ends[1]])
     return found

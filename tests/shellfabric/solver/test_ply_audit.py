@@ -2,14 +2,11 @@
 
 from math import inf
 
-import numpy as np
 import pytest
 from conftest_tools import grid
 
-from shellfabric.panel import boundary, ply_audit
-from shellfabric.panel.solver import PanelSolver
-from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
+from shellfabric.panel import boundary
+from shellfabric.solver import ply_audit
 
 ZONES = ((6, 1), (inf, 2))
 
@@ -52,16 +49,3 @@ def test_reactions_are_the_tension_of_the_yarn_nearest_the_impact_point(small):
         share = 0.5 if const.mirror_y else 1.0  # of the yarn that is modelled
         state.f_int[0][i * const.row_stride + j] = -30.0 * share
         assert ply_audit.edge_reactions(panel, const, state, ends) == pytest.approx((30.0, 0.0))
-
-
-def test_a_pack_of_one_ply_samples_what_a_panel_does(small):
-    """To the last bit, but for the energy error, whose terms a pack adds in another order."""
-    panel = small(symmetry="half")
-    one, pack = PanelSolver(panel, 250.0, 12e-6).run(), PackSolver(Pack((panel,)), 250.0, 12e-6).run()
-    assert one.sample("failed_yarns")[-1] > 0
-    for name in one.sample_names[:-1]:
-        np.testing.assert_array_equal(one.sample(name), pack.sample(name), err_msg=name)
-    np.testing.assert_array_equal(one.ply_samples, pack.ply_samples)
-    assert one.sample("error") == pytest.approx(pack.sample("error"), abs=1e-12 * one.strike_energy)
-    assert not pack.sample("ply_contact").any()
-    assert one.ply_sample("push")[1:, 0].max() > 0

@@ -24,7 +24,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
-from shellfabric.sliding.solver import SlidingSolver
+from shellfabric.solver.pack_solver import PackSolver
 
 CROSSHEAD = 1e3  # [kg]: a load of 100 N for 1 ms changes its velocity by 1e-4 m/s
 BESIDE = 4  # crossovers on each side of the yarn, which nothing happens in
@@ -126,8 +126,8 @@ class PullOutResult:
         return float(self.load.max())
 
 
-class PullOutSolver(SlidingSolver):
-    """A pull-out: SlidingSolver with held nodes, and a crosshead at the end of the middle warp.
+class PullOutSolver(PackSolver):
+    """A pull-out: PackSolver with held nodes, and a crosshead at the end of the middle warp.
 
     Parameters
     ----------
@@ -140,16 +140,17 @@ class PullOutSolver(SlidingSolver):
         self.coupon = coupon
         super().__init__(panel, 1.0, end_time, interval=interval, energy_error_limit=1.0)
 
-    def _start(self, parts, elements, most_threads=np.inf):
+    def set_up(self) -> None:
         """Hold the nodes, stretch the crossing yarns and set the crosshead in motion before the first sample."""
-        ((panel, const, state),) = parts
+        panel, const, state = self.parts[0]
         for array in (state.inverse_mass, state.dt_over_mass):
             array[:] = 0
         state.contact_window[:] = 0
         state.active_rows[:] = 0, const.ni
         stretch = self.coupon.stretch()
         grid(state.u[1], panel)[:] = (stretch - 1) * panel.coordinates()[1]
-        self.slip = panel.slip(state)
+        self.slips = self.pack.slips(self.states)
+        (self.slip,) = self.slips
         grid(self.slip.x[1], panel)[:, :-1] = stretch
         grid(state.stretch[1], panel)[:, :-1] = stretch
         self.node, middle = const.ni * const.row_stride + const.nj // 2, const.nj // 2
@@ -168,8 +169,6 @@ class PullOutSolver(SlidingSolver):
         )
         share[:], inverse[:], x[:] = self.coupon.drawn_in(), 1 / self.coupon.drawn_in(), 1 / self.coupon.drawn_in()
         self.slip.row_slips[const.ni] = True
-        self._states = state, state._replace(stretch=self.slip.x)
-        super()._start(parts, elements, most_threads)
 
     def load(self) -> float:
         """[N] of the crosshead."""

@@ -7,10 +7,11 @@ import pytest
 
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
+from shellfabric.coupon import pull_out
+from shellfabric.coupon.pull_out import PullOut
 from shellfabric.panel.numerics import Numerics
-from shellfabric.sliding import contact_force, pull_out
+from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction
-from shellfabric.sliding.pull_out import PullOut
 
 NUMERICS = Numerics(threads=1)
 

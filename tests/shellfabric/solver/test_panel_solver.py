@@ -12,12 +12,14 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.cloth.membrane_kernels import WARP_FAILED
 from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.jit.borrowed_list import Items
 from shellfabric.output import checkpoint, snapshots
 from shellfabric.output.hooks import Progress, Snapshots
-from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import PackSolver, run_steps
 
 QUICK = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
 
@@ -55,8 +57,9 @@ def test_energy_balance(quick, changes):
 
 def snapping(**wrong):
     """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
-    march = PanelSolver(ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0).panel(), 116.0, 400e-6)
-    march.const = march.const._replace(**{name: factor * getattr(march.const, name) for name, factor in wrong.items()})
+    march = PackSolver(ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0).panel(), 116.0, 400e-6)
+    const = march.const._replace(**{name: factor * getattr(march.const, name) for name, factor in wrong.items()})
+    march._plies = march._plies[0], Items([const])
     return march.run()
 
 
@@ -68,7 +71,7 @@ def test_what_a_snap_costs_is_told_by_the_slopes():
     """
     march = snapping()
     worked, stored = (
-        march.state.energy_sums[:, panel_step_kernels.WORK].sum() / march.panel.share,
+        march.state.energy_sums[:, element_kernels.WORK].sum() / march.panel.share,
         march.sample("yarn_strain"),
     )
     lost = worked - (stored[-1] - stored[0])
@@ -99,7 +102,7 @@ def test_cloth_at_rest_stays_at_rest():
             state.active_rows[:] = 0, const.ni
             for y, N, T in zip(state.yarn_length, state.N, state.T):
                 assert max(np.abs(N[y > 0]).max(), np.abs(T[y > 0]).max()) < 1e-9
-            panel_step_kernels.run_steps(state, const, panel.work(), 300, np.empty((300, 3)))
+            run_steps(state, const, panel.work(), 300, np.empty((300, 3)))
             assert max(np.abs(v).max() for v in state.v) < 1e-9
 
 
@@ -107,7 +110,7 @@ def test_free_cloth_flies_on(fabric):
     """Cloth without supports is pushed along: momentum is kept, and the projectile is left with a velocity between that
     of a plastic blow, all of one velocity, and that of an elastic one."""
     panel = ImpactSetup(fabric, 136.0, opening=0.05, edge="free").panel()
-    march = PanelSolver(panel, 136.0, 800e-6).run()
+    march = PackSolver(panel, 136.0, 800e-6).run()
     masses, projectile = panel.masses().ravel() / panel.share, panel.projectile.mass
     cloth = masses.sum()
     momentum = masses @ march.state.v[2][: masses.size] + projectile * march.state.projectile_velocity[2]
@@ -128,8 +131,8 @@ def test_energy_balance_with_failure(quick):
 def test_stored_energy_is_the_potential(quick):
     """In the variational form the work summed over the steps is what is stored, which follows from the stretches."""
     result = quick(100.0)
-    march = PanelSolver(result.panel, 100.0, QUICK["end_time"]).run()
-    worked = march.state.energy_sums[:, panel_step_kernels.WORK].sum() / result.panel.share
+    march = PackSolver(result.panel, 100.0, QUICK["end_time"]).run()
+    worked = march.state.energy_sums[:, element_kernels.WORK].sum() / result.panel.share
     assert result.energies["yarn_strain"][-1] == pytest.approx(worked, rel=2e-3)
     assert 0 < result.energies["formulation_residual"][-1] < 2e-3 * worked
     assert result.energy_error_max < 2e-4
@@ -139,7 +142,7 @@ def test_stored_energy_is_the_potential(quick):
 def test_audit_of_eight_at_once(fabric, symmetry):
     """The energies of whole cloth are those found one by one, as where yarns have failed."""
     panel = ImpactSetup(fabric, 120.0, **QUICK | {"symmetry": symmetry, "opening": 0.0407}).panel()
-    march = PanelSolver(panel, 120.0, 15e-6).run()
+    march = PackSolver(panel, 120.0, 15e-6).run()
     state, const = march.state, march.const
     assert not state.block_damage.any()
     fast = failure_kernels.stored_energy(const, state, 0, const.ni)
@@ -149,7 +152,7 @@ def test_audit_of_eight_at_once(fabric, symmetry):
     assert part == pytest.approx(failure_kernels.stored_energy(const, state, 2, 5), rel=1e-12)
     assert fast[1] > 0.01 * fast[0] > 0
     out = np.empty(5)
-    panel_step_kernels.energies(state, const, out)
+    ply_kernels.energies(state, const, None, out)
     v, f, inverse, mass = (
         np.array(part)[..., : (const.ni + 1) * const.row_stride]
         for part in (
@@ -160,7 +163,7 @@ def test_audit_of_eight_at_once(fabric, symmetry):
         )
     )
     plain = 0.5 * np.sum(np.where(inverse > 0, mass, 0.0) * v * (v + const.dt * inverse * f))
-    assert out[panel_step_kernels.KINETIC] == pytest.approx(plain, rel=1e-12)
+    assert out[ply_kernels.KINETIC] == pytest.approx(plain, rel=1e-12)
 
 
 def test_equilibrium_form_is_no_gradient(quick):
@@ -190,7 +193,7 @@ def test_window_is_exact(small, tables, form):
         state, const = panel.state(100.0), panel.constants()
         if everywhere:
             state.active_rows[:] = 0, const.ni
-        panel_step_kernels.run_steps(state, const, panel.work(), 9, np.empty((9, 3)))
+        run_steps(state, const, panel.work(), 9, np.empty((9, 3)))
         states.append(state)
     assert states[0].active_rows[0] > 0
     for part in ("u", "v"):
@@ -284,8 +287,8 @@ def pull(panel, state, stretch1, stretch2):
     const, work = panel.constants(), panel.work()
     state.u[0][: X.size], state.u[1][: X.size] = ((stretch1 - 1) * X).ravel(), ((stretch2 - 1) * Y).ravel()
     state.active_rows[:] = 0, const.ni
-    panel_step_kernels.initial_forces(state, const, work)
-    panel_step_kernels.apply_failure(state, const, work)
+    ply_kernels.initial_forces(state, const, None, work)
+    ply_kernels.apply_failure(state, const, None, work)
     return failure_kernels.stored_energy(const, state, 0, const.ni)[0]
 
 
@@ -294,13 +297,13 @@ def pull(panel, state, stretch1, stretch2):
 def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading):
     """Forces and tensions of a torn panel do not change where all edges are computed as those beside failed yarns."""
     panel = Panel(tables[form], (0.06, 0.05), symmetry="whole", grading=grading)
-    march = PanelSolver(panel, 200.0, 30e-6).run()
+    march = PackSolver(panel, 200.0, 30e-6).run()
     state, const, work = march.state, march.const, panel.work()
     assert 4 < march.sample("failed_yarns")[-1] < 200
     found = []
     for flags in (state.element_flag.copy(), state.element_flag | WARP_FAILED):
         state.element_flag[:] = flags
-        panel_step_kernels.initial_forces(state, const, work)
+        ply_kernels.initial_forces(state, const, None, work)
         found.append([np.array(part) for part in (state.f_int, state.T, state.N)])
     for one, other in zip(*found):
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
@@ -331,7 +334,7 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
     assert stored[-1] == pytest.approx(cells * after**2 * weave.S02 / (2 * weave.weft.EA), rel=1e-9)
     # what was stored is either still there or lost; the trapezoid counts the last change of stretch with the old force
     sums = state.energy_sums.sum(axis=0)
-    assert sums[panel_step_kernels.LOST_YARN] + stored[-1] == pytest.approx(stored[-2], rel=0.02)
+    assert sums[element_kernels.LOST_YARN] + stored[-1] == pytest.approx(stored[-2], rel=0.02)
     assert pull(panel, state, stretch, 1.06) == 0.0
     assert all(np.all(intact == 0.0) for intact in state.intact_fraction)
     assert all(np.all(g == 0.0) for g in (*state.f_int, *state.f_int_above))
@@ -345,7 +348,7 @@ def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
     for gone in (k, k + 1):
         state.intact_fraction[0][gone] = state.yarn_length[0][gone] = 0.0
         state.element_flag[[gone - 1, gone]] = WARP_FAILED
-    state.block_damage[:] = panel_step_kernels.DAMAGED
+    state.block_damage[:] = element_kernels.DAMAGED
     pull(panel, state, 1.02, 1.015)
     cell, weave = CellModel(fabric).solve(1.02, 1.015), fabric.weave
     alone = weave.weft.EA * (2.03 * weave.w2 - weave.S02) / weave.S02
@@ -457,7 +460,7 @@ def test_runs_share_the_constants_of_a_panel_and_leave_them(fabric, grading):
     """A shot that perforates writes to none of them, and a second one is the first to the bit."""
     panel = ImpactSetup(fabric, 300.0, opening=0.0508, table_size=101, grading=grading).panel()
     before = flat(panel.constants())
-    one, two = (PanelSolver(panel, 300.0, 200e-6).run() for _ in range(2))
+    one, two = (PackSolver(panel, 300.0, 200e-6).run() for _ in range(2))
     assert one.outcome == "perforated"
     assert one.const is two.const is panel.constants()
     for kept, now in zip(before, flat(panel.constants()), strict=True):

@@ -15,9 +15,9 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
+from shellfabric.coupon.pull_out import PullOut, PullOutSolver
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.sliding.model import grid
-from shellfabric.sliding.pull_out import PullOut, PullOutSolver
 
 TRANSITS = 4  # of a wave along the yarn, after which the plateau counts
 

@@ -4,33 +4,31 @@ import numpy as np
 
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit import compile_in_child
-from shellfabric.panel import compile_ahead as of_panels
 from shellfabric.panel.model import Panel
-from shellfabric.panel.solver import PanelSolver
-from shellfabric.plies import compile_ahead as of_packs
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
+from shellfabric.solver import compile_ahead
+from shellfabric.solver.pack_solver import PackSolver
 
 
-def plan(monkeypatch, module, *arguments):
-    """[(kernel, numba types)] that `begin` of a module would have compiled, were nothing in the cache."""
+def plan(monkeypatch, run):
+    """[(kernel, numba types)] that `begin` would have compiled for a run, were nothing in the cache."""
     found = []
     monkeypatch.setattr(compile_in_child, "start", lambda *stages: found.extend(stages))
-    monkeypatch.setattr(of_panels, "_begun", set())
-    module.begin(*arguments)
+    monkeypatch.setattr(compile_ahead, "_begun", set())
+    compile_ahead.begin(*run._plies, run._pairs, run.stops, run.stack, run._works[0][1])
     assert len(found) == 2
     return [pair for stage in found for part in stage for pair in part]
 
 
 def test_a_run_of_a_panel_has_compiled_the_plan(tables, monkeypatch):
-    run = PanelSolver(Panel(tables["variational"], (0.06, 0.06)), 100.0, 4e-6).run()
-    planned = plan(monkeypatch, of_panels, run.state, run.const, run._works[0])
+    run = PackSolver(Panel(tables["variational"], (0.06, 0.06)), 100.0, 4e-6).run()
+    planned = plan(monkeypatch, run)
     assert [kernel.__name__ for kernel, kinds in planned if not compile_in_child.kept(kernel, kinds)] == []
 
 
 def test_a_run_of_a_pack_has_compiled_the_plan(tables, monkeypatch):
     run = PackSolver(Pack.stacked(Panel(tables["variational"], (0.06, 0.06)), 2, gap=1e-4), 100.0, 4e-6).run()
-    planned = plan(monkeypatch, of_packs, run._lists, run._works[0], run.stack, run.stops)
+    planned = plan(monkeypatch, run)
     assert [kernel.__name__ for kernel, kinds in planned if not compile_in_child.kept(kernel, kinds)] == []
 
 

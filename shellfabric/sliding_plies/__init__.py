@@ -1,1 +1,0 @@
-"""Sliding crossovers in packs of plies."""

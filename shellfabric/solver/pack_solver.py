@@ -1,0 +1,434 @@
+"""The explicit solver of a panel: of one ply, or of a pack of several.
+
+The energies of the plies add up (`ply_audit`); projectile and backing block, where there is one behind the last ply,
+have theirs. Several plies have the work done on the contact between them besides, and the work of the friction there;
+sliding crossovers that of friction, stops and residual at the crossovers. The results are the same to the last bit with
+any number of threads: each has the nodes and elements of some blocks, in each step the same for all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fabrics.checks import FloatArray, IntArray
+from shellfabric.backing import coupling
+from shellfabric.driver.guards import speed_limit
+from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver
+from shellfabric.jit import barrier
+from shellfabric.jit.borrowed_list import Items
+from shellfabric.panel import boundary, grading, quality
+from shellfabric.panel.arrays import Constants, State, Work
+from shellfabric.panel.model import Panel
+from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP
+from shellfabric.panel.perforation import held, passed
+from shellfabric.plies import contact_simd_kernels, torn_contact_kernels
+from shellfabric.plies.arrays import Stack
+from shellfabric.plies.model import Pack
+from shellfabric.projectile import dynamics
+from shellfabric.sliding.model import Slip, SlipSummary, slip_arrays
+from shellfabric.solver import compile_ahead, ply_audit
+from shellfabric.solver import step_kernels as kernels
+
+_OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
+ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES)  # of any panel
+BETWEEN_PLIES = ("ply_contact", "ply_friction")  # of several plies
+SLIP_WORK = ("crossover_friction", "crossover_stops", "slip_residual")  # of sliding crossovers: Slip.work
+OBSERVED = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft")
+PLY_SAMPLES = (
+    "failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy", "peak_warp", "peak_weft",
+    "pull_in", "slip",
+)  # fmt: skip
+
+
+def begin_compiling(panel: Panel) -> None:
+    """Begin to compile what a run of one ply needs; returns at once."""
+    pack = Pack((panel,))
+    states, stack = pack.states(1.0)
+    compile_ahead.begin(Items(states), Items(pack.constants()), None, None, stack, Items(pack.works()))
+
+
+def run_steps(state: State, const: Constants, work: Work, steps: int, history: FloatArray) -> tuple[int, int]:
+    """`steps` of `step_kernels.run_thread` of one pinned ply, by one thread, without a check of the energy."""
+    counter = np.array([max(state.counter[STEP], 0), state.counter[IDLE]])
+    stack = Stack(
+        awake=np.ones(1, np.bool_), waits_for_plies=np.zeros(1, np.bool_), counter=counter,
+        projectile_position=state.projectile_position[None], f_contact_nose=state.f_contact_nose[None],
+        ply_counters=state.counter[None], projectile_velocity=state.projectile_velocity,
+    )  # fmt: skip
+    lists, shared = (Items([part]) for part in (state, const, work)), work.barrier
+    states, consts, works = lists
+    found = kernels.run_thread(states, consts, None, None, None, stack, works, history[:steps], shared, 0, 1, np.inf)
+    state.counter[IDLE] = counter[IDLE]
+    return found
+
+
+class PackSolver(ExplicitSolver):
+    """One run of one ply or several.
+
+    Parameters
+    ----------
+    target : Pack, or the Panel of a single ply
+    strike_velocity, end_time, interval, energy_error_limit : as ExplicitSolver
+
+    Attributes
+    ----------
+    pack : Pack, of one ply too
+    parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
+    panel, const, state : of the first ply
+    states, consts, stack, pairs, stops, slips : what the kernels work on; no pairs and no stops of a
+        single ply, no slips of pinned crossovers
+    backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
+    ply_samples : list of (plies, 10), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+        of the nose on it, `deflection` the largest of its cloth (`ply_audit.deflection`), `energy` what it moves with,
+        stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` the largest way of a
+        yarn's end out of its clamp and `slip` the longest piece of yarn that has passed through a crossover [m]
+    step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
+        of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
+    samples : of the whole panel, forces summed over plies
+    snapshots : list of tuples of Snapshot, one a ply, where a hook takes them
+    measure, histories : what a histories.Recorder records, where there is one, and its rows
+    monitor : quality.Monitor, what the quality indicators need besides the result
+    perforated_samples : in a row, that found no held cloth ahead of the nose; the second ends the run
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    counters = (*ExplicitSolver.counters, "perforated_samples")
+    module = "shellfabric.impact.simulation"  # whose code determines a run
+
+    def __init__(
+        self, target: Panel | Pack, strike_velocity: float, end_time: float, *, interval: float = 2e-6,
+        energy_error_limit: float = 0.05,
+    ) -> None:  # fmt: skip
+        pack = Pack.of(target)
+        super().__init__(
+            pack.plies[0].projectile, strike_velocity, end_time, interval=interval,
+            energy_error_limit=energy_error_limit,
+        )  # fmt: skip
+        self.pack = pack = pack.in_step_with(strike_velocity)
+        self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
+        self.parts = tuple(zip(pack.plies, self.consts, self.states))
+        self.panel, self.const, self.state = self.parts[0]
+        self.slips: tuple[Slip, ...] = pack.slips(self.states)
+        self.set_up()
+        self.effective = tuple(state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips))
+        several = len(pack.plies) > 1
+        self.pairs = pack.pairs(self.consts, self.states) if several else ()
+        self.stops = pack.stops(self.consts, self.states) if several else None
+        self._name_energies(several)
+        self._begin_run()
+
+    def _name_energies(self, several):
+        more = (*BETWEEN_PLIES[: 2 * several], *(SLIP_WORK if self.slips else ()), "error")
+        self.energy_names = (*ENERGIES, *more)
+        self.sample_names = (*OBSERVED, *self.energy_names)
+        if several:
+            self.contacts = (
+                ("contact", "the contact with the nose"), ("ply_contact", "the contact between plies"),
+                ("ply_friction", "the friction between plies"),
+            )  # fmt: skip
+            self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
+
+    def set_up(self) -> None:
+        """What a coupon changes of the plies at rest before the first sample."""
+
+    def _begin_run(self):
+        """Lay out what the kernels take, and take the first sample of the plies at rest."""
+        pack, plies = self.pack, len(self.parts)
+        self._plies, self._pairs = (Items(self.states), Items(self.consts)), Items(self.pairs) if self.pairs else None
+        self._works = [self._scratch()]
+        if not self.slips:
+            compile_ahead.begin(*self._plies, self._pairs, self.stops, self.stack, self._works[0][1])
+        self.share = self.panel.share
+        most = plies if plies > 1 or self.slips else np.inf  # threads that can share the work
+        self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
+        self.reduces_threads = self.panel.numerics.threads is None
+        self.history_columns = len(dynamics.columns(self.panel.projectile))
+        self.ply_samples, self.history_request, self.histories = [], None, []
+        self.backing, self.perforated_samples = None, 0
+        self.run_steps(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf)  # the forces at rest
+        if self.panel.backing is not None:
+            last, const, state = self.parts[-1]
+            self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
+            self.backing.step(state)
+        self._works += [self._scratch() for _ in range(1, self.threads)]
+        self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
+        self._rest = [ply_audit.stored_energy(*self._of_ply(ply)) for ply in range(plies)]
+        self.monitor = quality.Monitor(self)
+        self._begin(self.const.dt)
+
+    def _scratch(self):
+        """(slips, works) of a thread, as `step_kernels.run_thread` has them."""
+        works, found = self.pack.works(), {}
+        if not self.slips:
+            return None, Items(works)
+        for work in works:
+            room = {name: np.zeros_like(getattr(work, name)) for name in ("stretch1", "stretch2")}
+            found.setdefault(id(work), work._replace(**room))
+        if not hasattr(self, "_slips"):
+            room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
+            loaded = [state._replace(f_contact=room(state)) for state in self.states] if self.pairs else self.states
+            self._slips = Items(self.slips), Items(self.effective), Items(loaded)
+        return (*self._slips, Items([found[id(work)] for work in works])), Items(works)
+
+    def _of_ply(self, ply: int) -> tuple[Constants, State, Any]:
+        """(const, state, slide) of a ply for `ply_audit`; the contact forces are those of all that touches it."""
+        const, state = self.parts[ply][1], self._loaded_state(ply)
+        return const, state, (self.slips[ply], state._replace(stretch=self.slips[ply].x)) if self.slips else None
+
+    @property
+    def places(self) -> FloatArray:
+        """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
+        return self.pack.places
+
+    @property
+    def deepest(self) -> FloatArray:
+        """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
+        return self._of_pairs(contact_simd_kernels.MAX_DEPTH)
+
+    @property
+    def squeezed(self) -> FloatArray:
+        """(plies - 1,) [-] furthest that the contact of a ply with the next has given way, over the thickness.
+
+        `deepest` without what is found inside another fold of loose cloth, which loads no spring.
+        """
+        return self._of_pairs(contact_simd_kernels.MAX_COMPRESSION)
+
+    def _of_pairs(self, entry):
+        both = np.array([pair.energy[entry] / pair.thickness for pair in self.pairs])
+        return both.reshape(2, -1).max(axis=0, initial=0.0)
+
+    @property
+    def held_apart(self) -> FloatArray:
+        """(2,) [-] how often torn cloth was kept off other cloth, and how often that did not succeed."""
+        kinds = [torn_contact_kernels.CORRECTIONS, torn_contact_kernels.UNRESOLVED]
+        return self.stops.energy[kinds] if self.stops else np.zeros(2)
+
+    def slip_summaries(self) -> tuple[SlipSummary, ...]:
+        """(plies,) SlipSummary of sliding crossovers so far; empty of pinned ones."""
+        return tuple(
+            SlipSummary.of(panel, state, slip, self.share) for (panel, _, state), slip in zip(self.parts, self.slips)
+        )
+
+    @property
+    def steps(self) -> int:
+        """Steps made."""
+        return int(self.stack.counter[STEP])
+
+    @property
+    def workers(self) -> int:
+        """Number of threads besides the main one; a block is in step with one thread alone."""
+        return self.threads - 1 if self.backing is None else 0
+
+    def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
+        """The kernel's steps, with `count` - 1 workers: (steps made, why no more)."""
+        return self._run_thread(history, shared, 0, count, allowed)
+
+    def run_worker(self, shared: IntArray, me: int) -> None:
+        """See ExplicitSolver."""
+        self._run_thread(self._rows(0), shared, me, self.threads, np.inf)
+
+    def _run_thread(self, history, shared, me, count, allowed):
+        slips, works = self._works[me]
+        return kernels.run_thread(
+            *self._plies, self._pairs, self.stops, slips, self.stack, works, history, shared, me, count, allowed
+        )
+
+    def neighbour_forces(self, ply: int) -> list[Any]:
+        """[forces [N] on the nodes of a ply, by component] of both neighbours and of torn cloth; [] of a single ply."""
+        if self.stops is None:
+            return []
+        near, back = self.pairs[: len(self.pairs) // 2], self.pairs[len(self.pairs) // 2 :]
+        found = [near[ply - 1].f_rear, back[ply - 1].f_front] if ply > 0 else []
+        found += [near[ply].f_front, back[ply].f_rear] if ply < len(self.states) - 1 else []
+        return [*found, self.stops.f[ply]]
+
+    def normal_contact_forces(self, ply: int) -> list[FloatArray]:
+        """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile; of
+        several plies, or before a block, also of what is in front, and of what is behind; of several plies also of torn
+        cloth, along the flight.
+        """
+        state = self.parts[ply][2]
+        nose, nothing, forces = state.f_contact[2], 0 * state.f_contact[2], self.neighbour_forces(ply)
+        rear = nothing if self.backing is None else -state.f_block_cloth[2]
+        if not forces:
+            return [nose] if self.backing is None else [nose, nothing, rear]
+        along, split = [force[2] for force in forces], 2 if ply > 0 else 0
+        torn = along[-1][: nothing.size]
+        return [nose, sum(along[:split], nothing), rear - sum(along[split:-1], nothing), torn]
+
+    def passed_lengths(self, ply: int) -> tuple[FloatArray, ...]:
+        """((slots,), (slots,)) [m] of warp and weft that has passed through the nodes; () of pinned crossovers."""
+        return tuple(self.slips[ply].passed) if self.slips else ()
+
+    def _loaded_state(self, ply):
+        """State of a ply, its contact forces those of all that touches it."""
+        state, neighbours = self.parts[ply][2], self.neighbour_forces(ply)
+        if not neighbours:
+            return state
+        total = [force.copy() for force in state.f_contact]
+        for forces in neighbours:
+            for whole, force in zip(total, forces):
+                whole += force[: whole.size]  # that of torn cloth is as wide as the largest ply
+        return state._replace(f_contact=tuple(total))
+
+    def contact_energies(self) -> tuple[float, ...]:
+        """[J] taken in by the contact between plies, and by the friction there; () of a single ply."""
+        if self.stops is None:
+            return ()
+        taken = sum(pair.energy[contact_simd_kernels.WORK] for pair in self.pairs)
+        rubbed = float(sum(pair.energy[contact_simd_kernels.FRICTION_WORK] for pair in self.pairs))
+        return taken + self.stops.energy[torn_contact_kernels.WORK] - rubbed, rubbed
+
+    def advance(self, history: FloatArray) -> tuple[int, int]:
+        """See ExplicitSolver. Before a block, one step at a time, each followed by the block's, which is at rest while
+        the last ply is."""
+        if self.backing is None:
+            return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
+        made, reason = 0, RUNNING
+        while made < len(history) and reason == RUNNING:
+            allowed = self.allowed_exchange / self.steps_per_sample
+            _, reason = self.run_steps(history[made : made + 1], self._shared, 1, allowed)
+            made += 1
+            if self.stack.awake[-1]:
+                self.backing.step(self.parts[-1][2])
+        return made, reason
+
+    def observe(self) -> tuple[Sequence[float], Sequence[float]]:
+        """See ExplicitSolver."""
+        plies = np.array([ply_audit.energies(*self._of_ply(ply), rest) for ply, rest in enumerate(self._rest)])
+        pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
+        force = pushes.sum(axis=0) + self.parts[-1][2].f_block_nose
+        *projectile, speed = dynamics.audit(self.state, self.const, force)
+        total = plies.sum(axis=0)
+        block = self.backing.energies() if self.backing else np.zeros(len(coupling.NAMES))
+        own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
+        self.ply_samples.append(own)
+        z = self.state.projectile_position[2] + self.const.foremost_offset
+        slipped = np.sum([slip.work for slip in self.slips], axis=0) if self.slips else ()
+        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *slipped]
+        return [speed, z, *own[:, :3].sum(axis=0)], energies
+
+    def _observe_plies(self, energies, pushes):
+        """(plies, 10) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
+        rows = []
+        self._held = [held(state, const) if state.counter[FAILURES] else None for _, const, state in self.parts]
+        for ply, ((panel, const, state), ends, energy, push, cloth) in enumerate(
+            zip(self.parts, self._ends, energies, pushes, self._held)
+        ):
+            failed = ply_audit.failed_segments(panel, const, state) / self.share
+            reactions = ply_audit.edge_reactions(panel, const, state, ends)
+            deflection = ply_audit.deflection(const, state, cloth)
+            own = failed, *reactions, -push / self.share, deflection, energy / self.share
+            slip = max((float(np.abs(passed).max()) for passed in self.passed_lengths(ply)), default=0.0)
+            rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state), slip])
+        return np.array(rows)
+
+    def _drop_sample(self):
+        super()._drop_sample()
+        self.ply_samples.pop()
+
+    def ply_sample(self, name: str) -> FloatArray:
+        """(n, plies) one column of the plies' samples."""
+        return np.array([rows[:, PLY_SAMPLES.index(name)] for rows in self.ply_samples])
+
+    @property
+    def contact_force(self) -> FloatArray:
+        """(n,) [N] along the normal on the whole projectile against its flight, from plies and block: the mean over the
+        steps since the sample before, 0 at the first. The sum of force times interval is the momentum lost.
+
+        A sample's velocity stands at its step, half of whose force has acted by then.
+        """
+        force = np.concatenate([[0.0], *(rows[:, 2] for rows in self.step_history)]) / -self.share
+        last = np.cumsum([len(rows) for rows in self.step_history])
+        impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]))])[[0, *last]]
+        return np.diff(impulse, prepend=0.0) / np.maximum(np.diff(last, prepend=[0, 0]), 1)
+
+    @property
+    def peak_tensions(self) -> FloatArray:
+        """(plies, 2, 4) `ply_audit.peak_tensions` of each ply, in its own warp and weft."""
+        return np.array(
+            [ply_audit.peak_tensions(panel, const, state, self.steps) for panel, const, state in self.parts]
+        )
+
+    def node_speeds(self) -> list[tuple[FloatArray, float]]:
+        """See ExplicitSolver."""
+        return [(np.sqrt((np.array(state.v) ** 2).sum(axis=0)), speed_limit(const)) for _, const, state in self.parts]
+
+    def where(self, part: int, node: int) -> str:
+        """See ExplicitSolver."""
+        row = self.parts[part][1].row_stride
+        place = f"node ({int(node) // row}, {int(node) % row})"
+        return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
+
+    def sampled(self) -> None:
+        """Sample the quality indicators, and end a run in which cut-out cloth is all that is left ahead of the nose."""
+        self.monitor.sampled()
+        failed = any(state.counter[FAILURES] for _, _, state in self.parts)
+        if self.reason != RUNNING or not failed or self.backing is not None:
+            return
+        through = all(passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held))
+        self.perforated_samples = self.perforated_samples + 1 if through else 0
+        if self.perforated_samples == 2:
+            self.reason = PERFORATED
+
+    def guard_model(self) -> None:
+        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone; whole cloth does not
+        come through whole cloth."""
+        for ply, (panel, const, state) in enumerate(self.parts):
+            if panel.sides is None or not const.window_follows:
+                continue
+            nose, zone = state.projectile_position, panel.first_zone()
+            if not grading.covers(zone, panel.lines(), nose, panel.reach(), panel.mirrors):
+                x, y = 1e3 * nose[:2]
+                where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
+                self.stop("the projectile leaves the first zone of the grading", where)
+        half = len(self.pairs) // 2
+        for p, pair in enumerate(self.pairs):
+            if pair.energy[contact_simd_kernels.PASSED_COUNT]:
+                one, other = (p, p + 1) if p < half else (p - half + 1, p - half)
+                rows, j = divmod(int(pair.energy[contact_simd_kernels.PASSED_POINT]), self.parts[one][1].nj)
+                i = rows // pair.points_per_side**2
+                step = int(pair.energy[contact_simd_kernels.PASSED_STEP])
+                self.stop(
+                    f"ply {one + 1} has come through ply {other + 1}", f"ply {one + 1}, element ({i}, {j})",
+                    f"after {step * self.const.dt * 1e6:.3g} us (step {step})",
+                )  # fmt: skip
+
+    def checkpoint_identity(self) -> tuple[Any, str]:
+        """See ExplicitSolver."""
+        pack = self.pack
+        known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
+        known += self.panel.numerics.precision, self.panel.backing
+        known += pack.gaps, pack.contact, pack.friction, pack.laws, pack.crossovers
+        for _, const, state in self.parts:
+            known += const._asdict(), state.mass, state.inverse_mass
+        return known, self.module
+
+    def checkpoint_arrays(self) -> dict[str, Any]:
+        """See ExplicitSolver. Of what holds torn cloth apart, the rest follows from the plies."""
+        found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
+        found |= {f"pairs/{p:02d}": pair for p, pair in enumerate(self.pairs)}
+        for p, slip in enumerate(self.slips):
+            found |= slip_arrays(slip, f"slip/{p:02d}")
+        if self.stops:
+            found |= {f"stops/{name}": getattr(self.stops, name) for name in ("f", "window", "energy")}
+        return found | {"stack": self.stack, "monitor": self.monitor.found}
+
+    def checkpoint_records(self) -> dict[str, list[Any]]:
+        """See ExplicitSolver."""
+        return super().checkpoint_records() | {"ply_samples": self.ply_samples, "histories": self.histories}
+
+    def checkpoint_extra(self) -> dict[str, Any]:
+        """See ExplicitSolver."""
+        return self.backing.block.arrays() if self.backing else {}
+
+    def restore_extra(self, arrays: Mapping[str, Any]) -> None:
+        """See ExplicitSolver."""
+        if self.backing:
+            self.backing.block.restore(arrays)

@@ -1,0 +1,308 @@
+"""What one ply does in an explicit step: central differences.
+
+Velocities stand at half steps, everything else at whole ones:
+
+    v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), v(n+1/2)
+
+The nodes are moved by `panel.motion_kernels`, the internal forces of the elements are those of `panel.element_kernels`.
+The order of a step is that of `step_kernels.run_thread`.
+
+Sliding crossovers are an argument, `slide`: None of pinned ones, else (Slip, the State with the effective stretches in
+the place of the stretches, the scratch likewise). numba removes the branches on None before it compiles. With an
+infinite threshold of slip no flux is computed, and each step is, digit by digit, the pinned one.
+
+The kernels that hand the state on allocate nothing and are compiled without numba's reference counts (_nrt=False): a
+pair of them for each array of the state would cost as much as a hundred elements in every block.
+
+LLVM optimises anew, with each kernel that is compiled, all that it calls. The parts of a step that are called from one
+place are therefore made part of their caller before anything is compiled (inline="always").
+"""
+
+import numpy as np
+
+from shellfabric.cloth import bending_kernels, boundary_kernels, energy_kernels, failure_kernels, jamming_kernels
+from shellfabric.jit.barrier import barrier_wait
+from shellfabric.jit.compile import entry, kernel
+from shellfabric.panel import element_kernels
+from shellfabric.panel.element_kernels import DAMAGED, LOST_TRELLIS, LOST_YARN, REDO, VISCOUS, WORK
+from shellfabric.panel.motion_kernels import AT_REST, FAILURES, STEP, grow_active_rows, move_rows, thread_range
+from shellfabric.projectile import contact_kernels
+from shellfabric.sliding import flow_kernels, forces_kernels, slip_energy_kernels
+from shellfabric.sliding.flow_kernels import EMPTIED
+
+KINETIC, STORED, SHEAR, BENDING, JAMMING = 0, 1, 2, 3, 4  # of `energies`
+
+
+@kernel(_nrt=False, inline="always")
+def element_forces(state, const, slide, block, first, last, work):
+    """Internal forces of the element rows first .. last - 1 of a block, and those on the slip."""
+    if slide is None:
+        element_kernels.element_forces(state, const, block, first, last, work)
+    else:
+        slip, _, work_x = slide
+        forces_kernels.element_forces(state, const, slip, block, first, last, (work, work_x))
+
+
+@kernel(_nrt=False, inline="always")
+def refresh_tensions(state, const, slide, first, last, work):
+    """Update the stale tensions of the blocks first .. last - 1."""
+    if slide is None:
+        element_kernels.refresh_tensions(state, const, first, last, work)
+    else:
+        slip, _, work_x = slide
+        forces_kernels.refresh_tensions(state, const, slip, first, last, (work, work_x))
+
+
+@kernel(_nrt=False, inline="always")
+def grow_rows(state, const, slide):
+    """Grow the window of active element rows ahead of the motion and of the slip; move the yarn by its fluxes."""
+    grow_active_rows(state, const)
+    if slide is not None:
+        slip, _, _ = slide
+        if slip.active:
+            grow_with_slip(state, const, slip)
+            flow_kernels.move_yarn(state, const, slip)
+
+
+@kernel(_nrt=False)
+def grow_with_slip(state, const, slip):
+    """Grow the window of active element rows ahead of the slip, as `motion_kernels.grow_active_rows` does of motion."""
+    first, last = state.active_rows[0], state.active_rows[1]
+    for i in range(first, min(first + 4, const.ni + 1)):
+        if slip.row_slips[i] and first > 0:
+            state.active_rows[0] = max(first - 2, 0)
+    for i in range(max(last - 3, 0), last + 1):
+        if slip.row_slips[i] and last < const.ni:
+            state.active_rows[1] = min(last + 2, const.ni)
+
+
+@kernel(_nrt=False)
+def rows_near_failure(state, const):
+    """(first, last) element rows that may hold a new peak or a failure: conservative, from block maxima.
+
+    The mean over a yarn is no higher than the highest of its edges, which are as many rows as a crossover has elements.
+    A filtered tension follows the tension at any height: all active rows.
+    """
+    first, last = state.active_rows[0], state.active_rows[1]
+    if const.filter_alpha > 0.0:
+        return first, last
+    bound1, bound2 = min(state.peak_tension[0], const.min_strength1), min(state.peak_tension[1], const.min_strength2)
+    low, high = last, first
+    for block in range(first // const.rows_per_block, (last + const.rows_per_block - 1) // const.rows_per_block):
+        if state.block_max_tension[block, 0] > bound1 or state.block_max_tension[block, 1] > bound2:
+            low = min(low, max(first, block * const.rows_per_block - const.n_per_crossover + 1))
+            high = max(high, min(last, (block + 1) * const.rows_per_block + const.n_per_crossover - 1))
+    return low, high
+
+
+@kernel(_nrt=False, inline="always")
+def out_of_plane_forces(state, const, first, last, acting):
+    """Bending and jamming energy [J] of the node rows first .. last; adds their forces to state.f_int if `acting`."""
+    turns = bending_kernels.bending_forces(const.bending, state, const, first, last, acting)
+    return turns + jamming_kernels.jamming_forces(const.jamming, state, const, first, last, acting)
+
+
+@kernel(_nrt=False)
+def stored_energy(state, const, slide, low, high):
+    """[J] (of yarns, of all else) that the element rows low .. high - 1 store."""
+    if slide is None:
+        yarns, sheared = failure_kernels.stored_energy(const, state, low, high)
+        return yarns, sheared + out_of_plane_forces(state, const, low, high, False)
+    slip, state_x, _ = slide
+    yarns = failure_kernels.stored_energy(const, state_x, low, high)[0]
+    yarns += forces_kernels.gained_energy(state, const, slip, low, high)
+    sheared = failure_kernels.stored_energy(const, state, low, high)[1]
+    return yarns, sheared + forces_kernels.lateral_energy(state, const, slip)
+
+
+@kernel(_nrt=False)
+def is_emptied(slide):
+    """Whether the end of a sliding yarn has left a segment in this step."""
+    if slide is None:
+        return False
+    slip, _, _ = slide
+    return slip.counter[EMPTIED] != 0
+
+
+@kernel(_nrt=False)
+def leave_segments(state, const, slide):
+    """Take the slip out of removed segments; [J] that its kinetic energy loses."""
+    if slide is None:
+        return 0.0
+    slip, _, _ = slide
+    flow_kernels.new_tails(state, const, slip)
+    if slip.counter[EMPTIED] != 0:
+        flow_kernels.release_tails(state, const, slip)
+    return slip_energy_kernels.leave_removed(state, const, slip) if slip.active else 0.0
+
+
+@kernel(_nrt=False, inline="always")
+def apply_failure(state, const, slide, work):
+    """Failure criterion, and segments that a yarn's end has left: remove them, and compute the forces of their blocks
+    again."""
+    first, last = rows_near_failure(state, const)
+    emptied, per, n = is_emptied(slide), const.rows_per_block, const.n_per_crossover
+    if first >= last and not emptied:
+        return
+    most1, most2 = 0.0, 0.0
+    if first < last:
+        start, end = max(state.active_rows[0], first - n + 1), min(state.active_rows[1], last + n - 1)
+        refresh_tensions(state, const, slide, start // per, (end + per - 1) // per, work)
+        for block in range(first // per, (last + per - 1) // per):
+            most1, most2 = max(most1, state.block_max_tension[block, 0]), max(most2, state.block_max_tension[block, 1])
+    # detecting failures breaks yarns: the energies before are computed first where there may be one
+    near = (
+        emptied
+        or const.filter_alpha > 0.0
+        or (most1 > const.min_strength1 and failure_kernels.any_past_strength(const, state, 0, first, last))
+        or (most2 > const.min_strength2 and failure_kernels.any_past_strength(const, state, 1, first, last))
+    )
+    stored, sheared, worked, damped = 0.0, 0.0, 0.0, 0.0
+    # a failure changes what its neighbours store, two rows away at most
+    low, high = max(first - n - 3, 0), min(last + n + 3, const.ni)
+    if emptied:
+        low, high = 0, const.ni
+    if near:
+        stored, sheared = stored_energy(state, const, slide, low, high)
+        worked, damped = failure_kernels.half_step_work(const, state, low, high)
+    count = 0
+    if first < last:
+        count += failure_kernels.detect_failures(const, state, 0, first, last)
+        count += failure_kernels.detect_failures(const, state, 1, first, last)
+    if count == 0 and not emptied:
+        return
+    state.counter[FAILURES] += count
+    dropped = leave_segments(state, const, slide)
+    first, last = state.active_rows[0], state.active_rows[1]
+    for block in range(first // per, (last + per - 1) // per):
+        if state.block_damage[block] == REDO:
+            start, end = max(first, block * per), min(last, (block + 1) * per)
+            element_forces(state, const, slide, block, start, end, work)
+            state.block_damage[block] = DAMAGED
+    now_stored, now_sheared = stored_energy(state, const, slide, low, high)
+    now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
+    state.energy_sums[0, WORK] += now_worked - worked
+    state.energy_sums[0, VISCOUS] += now_damped - damped
+    state.energy_sums[0, LOST_YARN] += stored - now_stored + now_worked - worked + dropped
+    state.energy_sums[0, LOST_TRELLIS] += sheared - now_sheared
+
+
+@kernel(_nrt=False, inline="always")
+def update_blocks(state, const, slide, work, shared, me, count):
+    """Update the active nodes and compute the active element forces, block by block while they are in cache.
+
+    The blocks are fixed, whatever the window and the number of threads, and so is what is found in them. The node rows
+    that the elements of a block need are moved first: its own, and one beyond. Those at the ends of a thread's blocks,
+    which its neighbours need too, are moved before all.
+    """
+    first, last = thread_range(state, const, me, count)
+    low, high = (
+        max(state.active_rows[0], first * const.rows_per_block),
+        min(state.active_rows[1], last * const.rows_per_block),
+    )
+    end = high + 1 if me == count - 1 else high  # the node rows are low .. end - 1
+    done = min(low + 2, end)
+    tail = max(end - 2, done)
+    if first < last:
+        move_rows(state, const, low, done)
+        move_rows(state, const, tail, end)
+    barrier_wait(shared, count)
+    for block in range(first, last):
+        begin, stop = max(low, block * const.rows_per_block), min(high, (block + 1) * const.rows_per_block)
+        ahead = max(done, min(stop + 2, tail))
+        move_rows(state, const, done, ahead)
+        done = ahead
+        element_forces(state, const, slide, block, begin, stop, work)
+
+
+@kernel(_nrt=False)
+def apply_backing_impulse(state, const):
+    """v += dt f / m of nodes and projectile, with the forces of the backing block (state.f_block_cloth,
+    state.f_block_nose)."""
+    for c in range(3):
+        for k in range(
+            np.uint64(state.active_rows[0] * const.row_stride), np.uint64((state.active_rows[1] + 1) * const.row_stride)
+        ):
+            state.v[c][k] += state.dt_over_mass[k] * state.f_block_cloth[c][k]
+        state.projectile_velocity[c] += const.dt * const.free_dofs[c] * state.f_block_nose[c] / const.projectile_mass
+
+
+@kernel(_nrt=False)
+def nose_contact(state, const, work):
+    """The nose's forces on a ply."""
+    taken, spring = contact_kernels.contact_forces(state, const, work.contact_scratch)
+    state.contact_energy[0] += taken
+    state.contact_energy[1] = spring
+
+
+@kernel(_nrt=False, inline="always")
+def after_forces(state, const, slide, work):
+    """What a ply does after the forces of its elements: failure, bending, contact with the nose, edges.
+
+    Segments that a yarn's end has left, and elements in which a window between yarns has opened, count as failures.
+    Returns whether the nose's forces are to be computed after those of the other plies, which implicit springs depend
+    on (see `projectile.contact_kernels`): as long as the nose pushes.
+    """
+    apply_failure(state, const, slide, work)
+    if slide is not None:
+        slip, _, _ = slide
+        if slip.active:
+            flow_kernels.open_windows(state, const, slip)
+    out_of_plane_forces(state, const, state.active_rows[0], state.active_rows[1], True)
+    waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
+    if not waits:
+        nose_contact(state, const, work)
+    state.counter[STEP] += 1
+    boundary_kernels.update_slip_nodes(state, const, state.counter[STEP] * const.dt)
+    return waits
+
+
+@kernel(_nrt=False)
+def internal_work(state):
+    """[J] work done so far on yarns, their viscosity and the contact with the nose."""
+    total = state.contact_energy[contact_kernels.CONTACT]
+    for block in range(state.energy_sums.shape[0]):
+        total += state.energy_sums[block, WORK] + state.energy_sums[block, VISCOUS]
+    return total
+
+
+@kernel(_nrt=False)
+def begin(state, const, slide, work):
+    """Forces and slipping edges of the state at rest, before its first step."""
+    if state.counter[STEP] == AT_REST:
+        initial_forces(state, const, slide, work)
+        boundary_kernels.update_slip_nodes(state, const, 0.0)
+        state.counter[STEP] = 0
+
+
+@kernel(_nrt=False)
+def initial_forces(state, const, slide, work):
+    """Internal forces of a state, without a step."""
+    per = const.rows_per_block
+    for block in range((const.ni + per - 1) // per):
+        element_forces(state, const, slide, block, block * per, min(const.ni, (block + 1) * per), work)
+    out_of_plane_forces(state, const, 0, const.ni, True)
+
+
+@entry(nogil=True)
+def energies(state, const, slide, out):
+    """Energy audit [J] at the present whole step, into out (5,): kinetic, yarns, trellis, bending, jamming; of sliding
+    crossovers, which have no bending, the last is that of lateral contact, and kinetic has that of the slip.
+
+    Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
+    """
+    out[:] = 0.0
+    for i in range(const.ni + 1):
+        out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
+    if slide is None:
+        out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
+        out[BENDING] = bending_kernels.bending_forces(const.bending, state, const, 0, const.ni, False)
+        out[JAMMING] = jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, False)
+    else:
+        slip, state_x = slide
+        out[STORED] = failure_kernels.stored_energy(const, state_x, 0, const.ni)[0]
+        out[STORED] += forces_kernels.gained_energy(state, const, slip, 0, const.ni)
+        out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)[1]
+        if slip.active:
+            out[KINETIC] += slip_energy_kernels.kinetic_energy(state, const, slip)
+            out[JAMMING] = forces_kernels.lateral_energy(state, const, slip)

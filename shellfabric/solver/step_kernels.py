@@ -1,0 +1,388 @@
+"""Explicit time steps of plies and their projectile: of a single ply, or of a pack.
+
+In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`), the
+contact between plies is computed (`plies.contact_kernels`), and with sliding crossovers the fluxes of yarn are updated
+last, when all forces on the nodes are known. The projectile is one: its speed is shared, and takes the impulses of all
+plies. Its place is kept for each ply, counted from the ply's own plane at rest. A ply is skipped until something pushes
+on it; at most one ply of a pair is skipped while the pair is computed.
+
+States, constants, scratch and pairs come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend
+on the number of plies; `pairs` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done
+for them before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle
+slots must stay at rest.
+
+Several threads can share the work: a single ply by its blocks of rows; a pack by its plies, then its pairs. They wait
+for each other in between. No two write to the same place, so that results do not depend on their number. The
+constraints of torn plies (`plies.torn_contact_kernels`) involve all plies at once, and are one thread's.
+"""
+
+import math
+
+import numpy as np
+
+from shellfabric.jit.barrier import STOP, barrier_wait
+from shellfabric.jit.borrowed_list import borrowed_item
+from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.simd import WIDTH, load, masked_store
+from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, thread_range
+from shellfabric.plies import contact_kernels as plies_contact_kernels
+from shellfabric.plies import torn_contact_kernels
+from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
+from shellfabric.sliding import slip_kernels
+from shellfabric.solver import ply_kernels
+
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = 0, 1, 2, 3, 4  # CHECK: energy is to be audited before the next step
+
+
+@kernel(_nrt=False, inline="always")
+def slide_of(slips, p):
+    """What `ply_kernels` need of the slip of ply p: None of pinned crossovers."""
+    if slips is None:
+        found = None
+    else:
+        slip, effective, _, works_x = slips
+        found = borrowed_item(slip, p), borrowed_item(effective, p), borrowed_item(works_x, p)
+    return found
+
+
+@kernel(_nrt=False)
+def apply_nose_impulses(states, consts, stack):
+    """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
+    motion."""
+    last, force = len(states) - 1, 0.0
+    for p in range(len(states)):
+        if stack.awake[p]:
+            state, const = borrowed_item(states, p), borrowed_item(consts, p)
+            contact_kernels.apply_contact_impulse(state, const)
+            force += bar_kernels.axial_force(state, const)
+    state, const = borrowed_item(states, last), borrowed_item(consts, last)
+    if const.has_backing and stack.awake[last]:
+        ply_kernels.apply_backing_impulse(state, const)
+    state, const = borrowed_item(states, 0), borrowed_item(consts, 0)
+    if const.bar_mass.size > 0:
+        bar_kernels.advance_bar(state, const, force)
+    for p in range(len(states)):
+        for c in range(3):
+            stack.projectile_position[p, c] += const.dt * stack.projectile_velocity[c]
+
+
+@kernel(_nrt=False, inline="always")
+def begin_step(states, consts, pairs, slips, stack):
+    """What one thread does before the others join: contact impulses, motion of the projectile."""
+    apply_nose_impulses(states, consts, stack)
+    if pairs is None:
+        ply_kernels.grow_rows(borrowed_item(states, 0), borrowed_item(consts, 0), slide_of(slips, 0))
+
+
+@kernel(_nrt=False, forceinline=True)
+def apply_forces(state, const, force, touched):
+    """Give a ply the impulses of a neighbour's forces; whether there are any."""
+    if touched[0] >= touched[1]:
+        return False
+    plies_contact_kernels.apply_impulses(state, const, force, touched)
+    return True
+
+
+@kernel(_nrt=False, inline="always")
+def step_ply(states, consts, slips, works, shared, me, count):
+    """The step of a single ply, whose blocks the threads share."""
+    state, const, work = borrowed_item(states, 0), borrowed_item(consts, 0), borrowed_item(works, 0)
+    slide = slide_of(slips, 0)
+    ply_kernels.update_blocks(state, const, slide, work, shared, me, count)
+    barrier_wait(shared, count)
+    if me == 0:
+        ply_kernels.after_forces(state, const, slide, work)
+
+
+@kernel(_nrt=False, inline="always")
+def apply_neighbours(state, const, p, last, pairs, stops):
+    """Give ply p the impulses of both neighbours and of torn cloth; whether there are any."""
+    pushed, half = apply_forces(state, const, stops.f[p], stops.window[p]), len(pairs) // 2
+    if p > 0:
+        near, back = borrowed_item(pairs, p - 1), borrowed_item(pairs, half + p - 1)
+        pushed |= apply_forces(state, const, near.f_rear, near.rear_window)
+        pushed |= apply_forces(state, const, back.f_front, back.front_window)
+    if p < last:
+        near, back = borrowed_item(pairs, p), borrowed_item(pairs, half + p)
+        pushed |= apply_forces(state, const, near.f_front, near.front_window)
+        pushed |= apply_forces(state, const, back.f_rear, back.rear_window)
+    return pushed
+
+
+@kernel(_nrt=False)
+def step_plies(states, consts, pairs, stops, slips, stack, works, me, count):
+    """One thread's plies of a pack: the impulses of the others, their own step."""
+    for p in range(me, len(states), count):
+        state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
+        stack.awake[p] |= apply_neighbours(state, const, p, len(states) - 1, pairs, stops)
+        if stack.awake[p]:
+            slide = slide_of(slips, p)
+            ply_kernels.grow_rows(state, const, slide)
+            ply_kernels.update_blocks(state, const, slide, work, work.barrier, 0, 1)
+            stack.waits_for_plies[p] = ply_kernels.after_forces(state, const, slide, work)
+
+
+@kernel(_nrt=False)
+def step_pairs(states, consts, pairs, stack, me, count):
+    """One thread's pairs of plies, one of which at least is awake."""
+    step = stack.counter[STEP]
+    for p in range(me, len(states) - 1, count):
+        if stack.awake[p] or stack.awake[p + 1]:
+            front, fc, rear, rc = (
+                borrowed_item(states, p),
+                borrowed_item(consts, p),
+                borrowed_item(states, p + 1),
+                borrowed_item(consts, p + 1),
+            )
+            plies_contact_kernels.contact_forces(front, fc, rear, rc, borrowed_item(pairs, p), step)
+            plies_contact_kernels.contact_forces_back(
+                rear, rc, front, fc, borrowed_item(pairs, len(pairs) // 2 + p), step
+            )
+
+
+@kernel(_nrt=False)
+def implicit_nose_contact(states, consts, pairs, stack, works, me, count):
+    """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.after_forces`)."""
+    for p in range(me, len(states), count):
+        if stack.waits_for_plies[p]:
+            state, const = borrowed_item(states, p), borrowed_item(consts, p)
+            predict_increments(state, const, pairs, p, len(states))
+            ply_kernels.nose_contact(state, const, borrowed_item(works, p))
+            if state.f_contact_nose[2] == 0.0:
+                clear_increments(state, const)
+
+
+@kernel(_nrt=False)
+def predict_increments(state, const, pairs, p, plies):
+    """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
+    what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
+    state.force_scale."""
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
+    half = len(pairs) // 2
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+                state.dv_other[c][k] = state.f_int[c][k] + state.f_int_above[c][k]
+                if const.has_backing:
+                    state.dv_other[c][k] += state.f_block_cloth[c][k]
+    if p > 0:
+        near, back = borrowed_item(pairs, p - 1), borrowed_item(pairs, half + p - 1)
+        add_forces(state, const, near.f_rear)
+        add_forces(state, const, back.f_front)
+    if p < plies - 1:
+        near, back = borrowed_item(pairs, p), borrowed_item(pairs, half + p)
+        add_forces(state, const, near.f_front)
+        add_forces(state, const, back.f_rear)
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+                state.dv_other[c][k] *= state.dt_over_mass[k]
+                state.dv_contact[c][k] = state.dt_over_mass[k] * state.f_contact[c][k]
+    if const.mirror_x and i0 == 0:
+        for j in range(j0, j1 + 1):
+            state.dv_other[0][j] = 0.0
+    if const.mirror_y and j0 == 0:
+        for i in range(i0, i1 + 1):
+            state.dv_other[1][i * const.row_stride] = 0.0
+    force = state.f_contact_nose[0] ** 2 + state.f_contact_nose[1] ** 2 + state.f_contact_nose[2] ** 2
+    state.force_scale[0] = math.sqrt(force) / const.points_per_side**2
+
+
+@kernel(_nrt=False)
+def add_forces(state, const, forces):
+    """Add a neighbour's forces to state.dv_other."""
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+                state.dv_other[c][k] += forces[c][k]
+
+
+@kernel(_nrt=False)
+def clear_increments(state, const):
+    """Undo `predict_increments`."""
+    for c in range(3):
+        state.dv_other[c][:] = 0.0
+        state.dv_contact[c][:] = 0.0
+    state.force_scale[0] = contact_kernels.MIN_FORCE_SCALE
+
+
+@kernel(_nrt=False)
+def add_rows(total, state, const, forces):
+    """Add forces on the nodes of the active rows to `total`."""
+    s = const.row_stride
+    for c in range(3):
+        for i in range(state.active_rows[0], state.active_rows[1] + 1):
+            for j in range(0, s, WIDTH):
+                k = i * s + j
+                masked_store(total[c], k, load(total[c], k) + load(forces[c], k), s - j)
+
+
+@kernel(_nrt=False)
+def gather_contact(states, consts, pairs, stops, p, total):
+    """Sum of the contact forces on the active rows of ply p, into total."""
+    state, const = borrowed_item(states, p), borrowed_item(consts, p)
+    s, half = const.row_stride, len(pairs) // 2
+    for c in range(3):
+        for i in range(state.active_rows[0], state.active_rows[1] + 1):
+            for k in range(np.uint64(i * s), np.uint64((i + 1) * s)):
+                total[c][k] = state.f_contact[c][k] + stops.f[p, c, k]
+    if p > 0:
+        add_rows(total, state, const, borrowed_item(pairs, p - 1).f_rear)
+        add_rows(total, state, const, borrowed_item(pairs, half + p - 1).f_front)
+    if p < len(states) - 1:
+        add_rows(total, state, const, borrowed_item(pairs, p).f_front)
+        add_rows(total, state, const, borrowed_item(pairs, half + p).f_rear)
+
+
+@kernel(_nrt=False)
+def slip_plies(states, consts, pairs, stops, slips, stack, me, count):
+    """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other."""
+    own, _, loads, _ = slips
+    for p in range(me, len(states), count):
+        slip, loaded = borrowed_item(own, p), borrowed_item(loads, p)
+        if stack.awake[p] and slip.active:
+            if pairs is not None:
+                gather_contact(states, consts, pairs, stops, p, loaded.f_contact)
+            slip_kernels.slip_nodes(loaded, borrowed_item(consts, p), slip)
+
+
+@kernel(inline="always")
+def record_step(state, const, force, row):
+    """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
+    centre of mass, and how far they have come, all along its axis."""
+    row[0], row[1] = state.projectile_position[2] + const.foremost_offset, bar_kernels.normal_velocity(state, const)
+    row[2] = force
+    if const.bar_mass.size > 0:
+        tail = const.bar_h.size
+        row[3], row[4], row[5] = (
+            state.bar_v[0],
+            state.bar_v[tail],
+            bar_kernels.mass_average(const.bar_mass, state.bar_v),
+        )
+        row[6], row[7], row[8] = (
+            state.bar_u[0],
+            state.bar_u[tail],
+            bar_kernels.mass_average(const.bar_mass, state.bar_u),
+        )
+
+
+@kernel(_nrt=False)
+def post_step(states, consts, stack, row):
+    """Why the step should be the last, or RUNNING; its row of the history."""
+    stack.counter[STEP] += 1
+    first, const, last = borrowed_item(states, 0), borrowed_item(consts, 0), borrowed_item(states, len(states) - 1)
+    force = 0.0
+    for p in range(len(states)):
+        force += stack.f_contact_nose[p, 2]
+    record_step(first, const, force + last.f_block_nose[2], row)
+    speed = bar_kernels.normal_velocity(first, const)
+    if not abs(speed) < 1e9:
+        return NOT_FINITE
+    if speed <= 0.0:
+        return STOPPED
+    # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
+    failed, pushed = False, False
+    for p in range(len(states)):
+        failed |= stack.ply_counters[p, FAILURES] > 0
+        pushed |= stack.f_contact_nose[p, 2] != 0.0 or borrowed_item(states, p).f_block_nose[2] != 0.0
+    idle = failed and not pushed
+    if idle:
+        for p in range(len(states)):
+            if window_kernels.cloth_ahead_of_nose(borrowed_item(states, p), borrowed_item(consts, p)):
+                idle = False
+                break
+    stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
+    return PERFORATED if stack.counter[IDLE] >= const.perforation_delay_steps else RUNNING
+
+
+@kernel(_nrt=False)
+def internal_work(states, pairs, stops):
+    """[J] work done so far on yarns, their viscosity and the contacts."""
+    total = 0.0
+    for p in range(len(states)):
+        total += ply_kernels.internal_work(borrowed_item(states, p))
+    if pairs is not None:
+        for p in range(len(pairs)):
+            total += borrowed_item(pairs, p).energy[plies_contact_kernels.WORK]
+        total += stops.energy[torn_contact_kernels.WORK]
+    return total
+
+
+@kernel(_nrt=False)
+def begin(states, consts, slips, works):
+    """As `ply_kernels.begin`, of all plies."""
+    for p in range(len(states)):
+        state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
+        ply_kernels.begin(state, const, slide_of(slips, p), work)
+
+
+@entry(nogil=True, _nrt=False)
+def run_thread(states, consts, pairs, stops, slips, stack, works, history, shared, me, count, allowed):
+    """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows, as
+    thread 0 has them.
+
+    The initial forces are computed before the first step, also where there is to be none.
+
+    states, consts, works : of the plies, each a list
+    pairs, stops : list of the contacts of neighbours, TornContact; None of a single ply
+    slips : None of pinned crossovers; else lists of Slip, of the states with the effective stretches in the place of
+        the stretches, of those with the sum of all contact forces in the place of the nose's, and of the scratch with
+        room for the effective stretches
+    stack : what the plies share
+    history (steps, 3): the projectile's foremost z, v_z of its centre of mass and the force on it after each; of a bar
+    (steps, 9), see `record_step`. shared : see `barrier.barrier_wait`. allowed [J] : energy exchange, the sum over
+    steps of the change of `internal_work`, after which CHECK ends the call: no energy error can exceed the energy
+    exchanged. Returns (steps made, RUNNING or the reason to end) of thread 0.
+    """
+    if me == 0:
+        begin(states, consts, slips, works)
+    made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(states, pairs, stops)
+    while True:
+        if me == 0:
+            shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
+            if shared[STOP] == 0:
+                begin_step(states, consts, pairs, slips, stack)
+        barrier_wait(shared, count)
+        if shared[STOP] != 0:
+            break
+        if pairs is None:
+            step_ply(states, consts, slips, works, shared, me, count)
+        else:
+            step_plies(states, consts, pairs, stops, slips, stack, works, me, count)
+            barrier_wait(shared, count)
+            step_pairs(states, consts, pairs, stack, me, count)
+            barrier_wait(shared, count)
+            implicit_nose_contact(states, consts, pairs, stack, works, me, count)
+            barrier_wait(shared, count)
+            if me == 0:
+                torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
+        if slips is not None:
+            barrier_wait(shared, count)
+            slip_plies(states, consts, pairs, stops, slips, stack, me, count)
+            barrier_wait(shared, count)
+        if me == 0:
+            reason = post_step(states, consts, stack, history[made])
+            made += 1
+            now = internal_work(states, pairs, stops)
+            exchanged, before = exchanged + abs(now - before), now
+            if reason == RUNNING and not exchanged <= allowed:
+                reason = CHECK
+    refresh_tensions(states, consts, pairs, slips, stack, works, me, count)
+    barrier_wait(shared, count)
+    return made, reason
+
+
+@kernel(_nrt=False, inline="always")
+def refresh_tensions(states, consts, pairs, slips, stack, works, me, count):
+    """The tensions of one thread's blocks of a single ply, or plies of a pack."""
+    if pairs is None:
+        state, const, work = borrowed_item(states, 0), borrowed_item(consts, 0), borrowed_item(works, 0)
+        first, last = thread_range(state, const, me, count)
+        ply_kernels.refresh_tensions(state, const, slide_of(slips, 0), first, last, work)
+    else:
+        for p in range(me, len(states), count):
+            if stack.awake[p]:
+                state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
+                first, last = thread_range(state, const, 0, 1)
+                ply_kernels.refresh_tensions(state, const, slide_of(slips, p), first, last, work)
