@@ -36,6 +36,8 @@ MODELS = {
     "shellfabric.cable": ("the cable net", "a minute or two"),
     "shellfabric.solid": ("the solid patch", "a minute or two"),
 }
+# folders of other packages whose kernels have the decorators of a package: all call each other, and have one cache
+GUESTS = {"shellfabric": ("validation/models",)}
 PAUSE = 3.0  # [s] without compiling, after which kernels of the same folder are announced again
 _announced: set[str] = set()  # folders, since the last pause
 _last = 0.0  # [s] when something was compiled last
@@ -123,11 +125,13 @@ def one_compiler_a_node() -> None:
 def kernel_sources(folder: Path) -> list[tuple[str, bytes]]:
     """[(file, bytes)] that the machine code of the kernels in a package's folder and its sub-packages depends on.
 
+    The folders of `GUESTS` count as sub-packages, since kernels of the package are compiled for their named tuples.
     Whole: every file called *_kernels.py or importing from numba, and what these import from our packages. Of all
-    other files of the package: the definitions of named tuples, the only arguments of kernels whose layout is ours.
+    other files: the definitions of named tuples, the only arguments of kernels whose layout is ours.
     """
     root, packages = folder.parent, {folder.name, *source_code.PACKAGES}
-    files = sorted(folder.rglob("*.py"))
+    folders = [folder, *(root / guest for guest in GUESTS.get(folder.name, ()))]
+    files = sorted(file for each in folders for file in each.rglob("*.py"))
     kernels = [file for file in files if file.stem.endswith("_kernels") or b"from numba" in file.read_bytes()]
     names = [source_code.name_of(file, root) for file in kernels]
     # no machine code depends on this very file, which the decorators import; nor on `__init__`, which may import it

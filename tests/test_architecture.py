@@ -36,11 +36,12 @@ ONLY_IN = {
     "pytexgen": ("meshing/texgen/worker.py",),
     "dolfinx": ("unitcell3d/",),
     "petsc4py": ("unitcell3d/",),
-    "numba": ("shellfabric/", "unitcell3d/", "fabrics/kernel_cache.py"),
+    "numba": ("shellfabric/", "unitcell3d/", "validation/models/", "fabrics/kernel_cache.py"),
 }
 PICTURES = {"pyvista", "matplotlib", "vtk"}
 WITH_KERNELS = ("shellfabric", "unitcell3d")
 DECORATED = "shellfabric"  # package whose kernels have the decorators of its jit.compile
+MODELS = "validation/models"  # whose kernels have them too
 OWN_DECORATORS = r"\b(njit|vectorize|guvectorize|cfunc)\b"
 MOST_FILES = 25  # in a folder
 MOST_LINES, MOST_LINES_OF_A_FUNCTION, MOST_ARGUMENTS_OF_A_KERNEL = 600, 60, 12
@@ -135,7 +136,7 @@ def analyses_that_import_the_rest_of_weavecell(root):
 def kernels_that_import_other_files(root):
     """Kernel files import from `jit` and from other kernel files alone, and modules from nothing else of ours."""
     found = []
-    for name, path in sources(root, WITH_KERNELS).items():
+    for name, path in sources(root).items():
         for module in source_code.imports(path, root) if path.stem.endswith("_kernels") else ():
             file = source_code.file_of(module, root)
             if file is None or file.name == "__init__.py" or file.stem.endswith("_kernels"):
@@ -146,9 +147,9 @@ def kernels_that_import_other_files(root):
 
 
 def solvers_beside_the_driver(root):
-    """One time-integration driver: solvers of shellfabric derive from its ExplicitSolver, and it alone calls hooks."""
+    """One time-integration driver: explicit solvers derive from its ExplicitSolver, and it alone calls hooks."""
     found = []
-    for name, path in sources(root, ["shellfabric"]).items():
+    for name, path in sources(root, ["shellfabric", "validation"]).items():
         if name.startswith("shellfabric/driver/"):
             continue
         text = path.read_text("utf-8")
@@ -195,7 +196,7 @@ def kernels_with_too_many_arguments(root):
     """Positional arguments of the functions of kernel files; arrays that belong together are passed as tuples."""
     return [
         f"{name}: {node.name} has {len(node.args.posonlyargs) + len(node.args.args)} positional arguments"
-        for name, path in sources(root, WITH_KERNELS).items()
+        for name, path in sources(root).items()
         if path.stem.endswith("_kernels")
         for node in ast.walk(ast.parse(path.read_bytes()))
         if isinstance(node, ast.FunctionDef)
@@ -281,7 +282,7 @@ def kernel_arguments_outside_the_cache(root):
     """Named tuples, and whatever else is compiled, that the digest of the kernel cache does not cover."""
     found = []
     covered = {name for package in WITH_KERNELS for name, _ in kernel_sources(root / package)}
-    for name, path in sources(root, ["fabrics", "meshing", *WITH_KERNELS]).items():
+    for name, path in sources(root, ["fabrics", "meshing", *WITH_KERNELS, MODELS]).items():
         text = path.read_text("utf-8")
         if name in covered or name == "fabrics/kernel_cache.py":
             continue
@@ -305,7 +306,7 @@ def kernels_that_the_package_does_not_import(root):
         if package == DECORATED:
             found += [
                 f"{path.relative_to(root)} has decorators of numba's own"
-                for path in sorted((root / package).rglob("*.py"))
+                for path in sources(root, [DECORATED, MODELS]).values()
                 if path.name != "compile.py" and re.search(OWN_DECORATORS, path.read_text("utf-8"), flags=re.MULTILINE)
             ]
             continue
@@ -420,7 +421,9 @@ PLANTED = [
     ),
     ("kernels_that_import_other_files", "shellfabric/cell/deep/new_kernels.py", "from fabrics import yarn\n"),
     ("kernels_that_import_other_files", "shellfabric/cloth/new_kernels.py", "from shellfabric.panel import model\n"),
+    ("kernels_that_import_other_files", "validation/models/net/new_kernels.py", "from fabrics import yarn\n"),
     ("solvers_beside_the_driver", HERE, "class NewSolver:\n    pass\n"),
+    ("solvers_beside_the_driver", "validation/models/net/new.py", "class NewSolver:\n    pass\n"),
     ("solvers_beside_the_driver", HERE, "def run(hooks):\n    for hook in hooks:\n        hook()\n"),
     ("files_too_long", HERE, "#\n" * (MOST_LINES + 1)),
     ("module_docstrings_too_long", HERE, '"""A\n' + "B\n" * MOST_LINES_OF_A_MODULE_DOCSTRING + '"""\n'),
@@ -438,8 +441,10 @@ PLANTED = [
     ("kernels_that_are_not_plain", "shellfabric/cell/deep/new_kernels.py", "open('a')\n"),
     ("kernel_arguments_outside_the_cache", "fabrics/deep/new.py", "Pair = namedtuple('Pair', 'a b')\n"),
     ("kernel_arguments_outside_the_cache", "meshing/new.py", "class Pair(NamedTuple):\n    a: int\n"),
+    ("kernel_arguments_outside_the_cache", f"{MODELS}/new.py", "import numba\n@numba.njit\ndef f():\n    pass\n"),
     ("kernel_arguments_outside_the_cache", HERE, "import numba\n@numba.njit\ndef f():\n    pass\n"),
     ("kernels_that_the_package_does_not_import", "shellfabric/cell/deep/new_kernels.py", "from numba import njit\n"),
+    ("kernels_that_the_package_does_not_import", "validation/models/new_kernels.py", "from numba import njit\n"),
     ("kernels_that_the_package_does_not_import", "unitcell3d/contact/new_kernels.py", "from numba import njit\n"),
     ("same_test_names", "tests/fabrics/test_new.py", ""),
     ("public_functions_without_types", "meshing/deep/new.py", "def f(a, *, b: int) -> int:\n    return a + b\n"),
@@ -477,11 +482,13 @@ def test_a_crowded_folder_is_found(tmp_path):
     assert folders_with_too_many_files(tmp_path) == [f"weavecell/cli holds {MOST_FILES + 1} files"]
 
 
-def test_a_named_tuple_in_a_sub_package_changes_the_digest(tmp_path):
+@pytest.mark.parametrize("here", [HERE, f"{MODELS}/net/new.py"])
+def test_a_named_tuple_in_a_sub_package_changes_the_digest(tmp_path, here):
     for name, content in CLEAN.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(content)
-    file, found = tmp_path / HERE, []
+    file, found = tmp_path / here, []
+    file.parent.mkdir(parents=True, exist_ok=True)
     for text in (
         "Pair = namedtuple('Pair', 'a b')",
         "Pair = namedtuple('Pair', 'b a')",

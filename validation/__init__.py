@@ -1,1 +1,1 @@
-"""Published cases (`published`), verification of the methods (`verification`), and the ledger of claims (`claims`)."""
+"""Published cases, verification of the methods, the ledger of claims, and models to compare with (`models`)."""

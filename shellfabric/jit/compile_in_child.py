@@ -33,6 +33,7 @@ INDEX, NUMBER, VECTOR, HISTORY, COUNTERS = (
 )  # fmt: skip
 # scalars and arrays among the arguments; one array takes a dozen instructions wherever it is passed on
 MIN_MEMBERS = 50
+MODULES = ("shellfabric.", "validation.models.")  # that a child can import; a kernel of a test it could not
 ENTRY_SUFFIX = "_from_python"  # ending of the name of a kernel's way in from Python (`compile`)
 _CHILD_CODE = "from shellfabric.jit.compile_in_child import child; child()"
 
@@ -127,7 +128,7 @@ def members(kinds):
 
 def compiled_in_child(function, kinds):
     """Whether a child process has compiled a kernel, the plain function here, for arguments of these numba types."""
-    if not function.__module__.startswith("shellfabric.") or not sys.executable:
+    if not function.__module__.startswith(MODULES) or not sys.executable:
         return False
     process = _child([_named(function, kinds)])
     return process is not None and process.wait() == 0
