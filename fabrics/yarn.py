@@ -75,7 +75,7 @@ class Yarn:
 
 def striking_velocity(c: float, strain: float) -> float:
     """[m/s] velocity across a straight yarn of the wave speed `c` [m/s] that leaves the strain behind its waves
-    (Smith's closed form, section 3 of `shellfabric.cable.smith`)."""
+    (Smith's closed form; docs/theory-panel.md, "Wave speeds")."""
     return c * sqrt(2 * strain * sqrt(strain * (1 + strain)) - strain * strain)
 
 

@@ -22,6 +22,7 @@ from math import inf, log, sqrt
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.executors import cancel, open_executor
+from fabrics.yarn import striking_velocity
 from shellfabric.driver.solver import STOPPED
 from shellfabric.impact.bracket import STEP, Bracket
 from shellfabric.panel import quality
@@ -121,8 +122,6 @@ class Limit:
 
 def first_guess(panel: Panel | Pack) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
-    from shellfabric.cable.smith import striking_velocity  # with the kernels of the cable net, which no panel uses
-
     plies = Pack.of(panel).plies
     own = {id(ply.fabric): ply.fabric for ply in plies}.values()
     alone = min(striking_velocity(y.wave_speed, y.failure_strain) for fabric in own for y in fabric.weave.yarns)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fabrics.errors import InputError, UndecidedError, UnstableError
-from shellfabric.cable.smith import smith, striking_velocity
+from fabrics.yarn import striking_velocity
+from shellfabric.cable.smith import smith
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.ballistic_limit import Bracket, Limit, Shot
 from shellfabric.panel.model import Numerics
