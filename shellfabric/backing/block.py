@@ -28,8 +28,8 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch
+from shellfabric.backing.hex8 import Bricks
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solid.hex8 import Bricks
 
 ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
 OUTER_BOUNDARIES = ("fixed", "absorbing", "free")

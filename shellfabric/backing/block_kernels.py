@@ -9,7 +9,7 @@ a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal 
 (J2, radial return, associative; e.g. Simo and Hughes, Computational Inelasticity, chapters 2 and 9). m = 0 is without
 rate. The return is exact along the trial; the rate is that of the step, implicit and so without a bound on it. A brick
 whose effective plastic strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had
-stored goes to a term of its own. Hourglass control is that of `solid_kernels`: a potential, blind to rotation. A linear
+stored goes to a term of its own. Hourglass control is that of `brick_kernels`: a potential, blind to rotation. A linear
 bulk viscosity, xi rho c L d(ln J)/dt, damps the highest mode.
 
 Plastic and viscous work of a step are those of the mean of the stresses before and after it, which is what its forces
@@ -23,8 +23,8 @@ import math
 import numpy as np
 from numba import prange
 
+from shellfabric.backing.brick_kernels import brick_nodes, hourglass, mean_deformation
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.solid.solid_kernels import brick_nodes, hourglass, mean_deformation
 
 ELASTIC, PLASTIC, HOURGLASS, VISCOUS, ERODED = 0, 1, 2, 3, 4  # of the energies of each brick [J]
 # of the sums of a contact: stored [J], forces [N] in three components each

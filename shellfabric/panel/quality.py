@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from fabrics.checks import FloatArray
+from shellfabric.backing.hex8 import PATTERNS, Bricks
 from shellfabric.panel import quality_kernels as kernels
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.panel.quality_kernels import DEPTH
 from shellfabric.projectile.contact_kernels import MAX_PENETRATION
-from shellfabric.solid.hex8 import PATTERNS, Bricks
 
 OK, NOTED, DOUBTFUL = "ok", "noted", "doubtful"
 _T = ("T1", "T2")

@@ -19,10 +19,10 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from shellfabric.backing.hex8 import Bricks
 from shellfabric.jit.by_reference import by_reference
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid import fibre_kernels, solid_kernels, step_kernels, yarn_contact_kernels
-from shellfabric.solid.hex8 import Bricks
 from shellfabric.solid.numerics import PatchNumerics
 
 Constants = namedtuple(

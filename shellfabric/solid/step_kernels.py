@@ -15,6 +15,7 @@ import math
 import numpy as np
 from numba import prange
 
+from shellfabric.backing.brick_kernels import brick_nodes, mean_deformation
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
 from shellfabric.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
@@ -229,11 +230,11 @@ def brick_row_sums(first, nx, ny, nz, x, gradient, volume, law, control, torn, r
                 m = (i * ny + j) * nz + k
                 if torn[m]:
                     continue
-                solid_kernels.brick_nodes(first, i, j, k, ny, nz, nodes)
+                brick_nodes(first, i, j, k, ny, nz, nodes)
                 for a in range(8):
                     for c in range(3):
                         places[a, c] = x[nodes[a], c]
-                solid_kernels.mean_deformation(places, gradient[m], f)
+                mean_deformation(places, gradient[m], f)
                 _, _, _, R11, R22, R33, _, _, _ = solid_kernels.triangular(f)
                 V_f = law[3] / (R22 * R33)
                 E_2, slope = solid_kernels.transverse_modulus(V_f, law[3], law[4], law[1], law[2])

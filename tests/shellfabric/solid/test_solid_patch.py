@@ -8,12 +8,12 @@ pytest.importorskip("gmsh")
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from meshing import crossover, patch
+from shellfabric.backing.hex8 import CORNERS, PATTERNS, Bricks
 from shellfabric.output import checkpoint
 from shellfabric.output.hooks import Snapshots
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
 from shellfabric.solid import step_kernels as solid_step_kernels
-from shellfabric.solid.hex8 import CORNERS, PATTERNS, Bricks
 from shellfabric.solid.model import SolidPatch, _corners
 from shellfabric.solid.numerics import PatchNumerics
 from shellfabric.solid.solver import ENERGIES, SAMPLES, SolidSolver

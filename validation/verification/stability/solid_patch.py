@@ -1,4 +1,4 @@
-"""Hourglass coefficient of the brick of the solid patch (`shellfabric.solid.hex8`), against its time step.
+"""Hourglass coefficient of the brick of the solid patch (`shellfabric.backing.hex8`), against its time step.
 
 The brick has one integration point and so four modes without energy; a stiffness of their own holds them, 1 being what
 the full rule would give at rest.

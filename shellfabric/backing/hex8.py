@@ -1,4 +1,4 @@
-"""Geometry of eight-node bricks with one integration point, once, at rest: what `solid_kernels` needs of each."""
+"""Geometry of eight-node bricks with one integration point, once, at rest: what `brick_kernels` needs of each."""
 
 from __future__ import annotations
 
