@@ -12,9 +12,9 @@ from statistics import median
 from shell import machine
 
 from fabrics import catalogue
-from shellfabric.cable.model import CableNet, CableNumerics
-from shellfabric.cable.solver import run
 from shellfabric.impact import simulation
+from validation.models.cable.model import CableNet, CableNumerics
+from validation.models.cable.solver import run
 
 THESIS = {"cable": 1243.0, "shell": 1932.0}  # [s], Table 4-3, on one processor of its day
 

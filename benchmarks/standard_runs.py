@@ -14,11 +14,11 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.backing.block import Backing
-from shellfabric.cable import solver as cable_solver
-from shellfabric.cable.model import CableNet
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction
+from validation.models.cable import solver as cable_solver
+from validation.models.cable.model import CableNet
 
 # energies in the order of the names that they had when digests were first kept
 FIRST_NAMES = {

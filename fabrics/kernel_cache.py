@@ -33,8 +33,8 @@ MODELS = {
     "shellfabric.sliding": ("sliding crossovers", "some minutes"),
     "shellfabric.backing": ("a block behind the panel", "a minute or two"),
     "shellfabric.coupon": ("coupons", "a minute or two"),
-    "shellfabric.cable": ("the cable net", "a minute or two"),
-    "shellfabric.solid": ("the solid patch", "a minute or two"),
+    "validation.models.cable": ("the cable net", "a minute or two"),
+    "validation.models.solid": ("the solid patch", "a minute or two"),
 }
 # folders of other packages whose kernels have the decorators of a package: all call each other, and have one cache
 GUESTS = {"shellfabric": ("validation/models",)}

@@ -21,8 +21,8 @@ FLOORS = {"fabrics": 0, "meshing": 1, "unitcell3d": 2, "shellfabric": 2, "weavec
 # inside a package, lowest first: a file imports from its own folder and from lower ones
 LAYERS = {
     "shellfabric": (
-        {"jit"}, {"driver"}, {"cell"}, {"cloth"}, {"projectile"}, {"backing"}, {"solid"}, {"panel"}, {"sliding"},
-        {"plies", "cable", "output"}, {"solver"}, {"impact", "coupon"},
+        {"jit"}, {"driver"}, {"cell"}, {"cloth"}, {"projectile"}, {"backing"}, {"panel"}, {"sliding"},
+        {"plies", "output"}, {"solver"}, {"impact", "coupon"},
     ),
     "unitcell3d": (
         {"assembly", "material"}, {"contact"}, {"model"}, {"solver"}, {"cases"}, {"identify"},

@@ -275,7 +275,7 @@ CODE = {
         "shellfabric/cell/model.py",
         "shellfabric/coupon/model.py",
     ),
-    "shellfabric.solid.solver": ("shellfabric/solid/solid_kernels.py", "shellfabric/solid/model.py"),
+    "validation.models.solid.solver": ("validation/models/solid/solid_kernels.py", "validation/models/solid/model.py"),
     "unitcell3d.identify.calibrate": SOLID,
     "unitcell3d.identify.solid_fit": SOLID,
     "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),

@@ -14,9 +14,6 @@ import numpy as np
 
 from fabrics import catalogue, variants
 from fabrics.ply_law import PlyLaw
-from shellfabric.cable import smith
-from shellfabric.cable.model import CableNet
-from shellfabric.cable.solver import run as run_cable
 from shellfabric.cell.model import CellModel
 from shellfabric.impact import ballistic_limit as limits
 from shellfabric.impact.simulation import ImpactSetup
@@ -32,6 +29,9 @@ from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
+from validation.models.cable import smith
+from validation.models.cable.model import CableNet
+from validation.models.cable.solver import run as run_cable
 from validation.published.bias_extension import cases as bias_cases
 
 if TYPE_CHECKING:

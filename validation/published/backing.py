@@ -20,9 +20,9 @@ import numpy as np
 
 from fabrics import backings
 from fabrics.files import replace_whole
-from shellfabric.backing.bare_impact import Strike, strike
 from shellfabric.backing.block import Backing
 from shellfabric.projectile.projectile import Projectile
+from validation.models.bare_impact import Strike, strike
 from validation.program import program, publish, write_csv
 from weavecell.report import pictures, pictures_body
 from weavecell.report.marked_page import markdown

@@ -25,9 +25,9 @@ from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
-from shellfabric.sliding import cell_scaling
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
 from shellfabric.solver.pack_solver import PackSolver
+from validation.models import cell_scaling
 from validation.program import program
 from validation.verification import sliding_pull_out as pulls
 from validation.verification.study import known

@@ -10,7 +10,6 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels
 from shellfabric.backing import contact_kernels as backing_contact_kernels
-from shellfabric.backing.bare_impact import strike
 from shellfabric.backing.block import Backing, graded
 from shellfabric.projectile.projectile import Projectile
 
@@ -230,16 +229,6 @@ def test_what_bricks_take_is_the_work_of_their_forces(material, viscosity, size,
     assert sum(told[name] for name in ("elastic", "plastic", "hourglass", "viscous")) == pytest.approx(work, rel=3e-3)
 
 
-def test_energy_balances_under_a_blow():
-    """Elastic-plastic block struck by a ball: balance within 0.2 % of what the ball lost, hourglass within 5 %."""
-    backing = Backing(size=(0.04, 0.04, 0.03), min_size=1.5e-3, refined_depth=6e-3, growth=1.4)
-    found = strike(backing, Projectile(mass=4e-3, shape="sphere", radius=4e-3), 60.0, 400e-6)
-    lost = found.energies["projectile"][0] - found.energies["projectile"]
-    assert found.energies["plastic"][-1] > 0.2 * lost[-1]
-    assert np.abs(found.energies["error"]).max() < 0.002 * lost.max()
-    assert found.energies["hourglass"].max() < 0.05 * lost.max()
-
-
 def test_momentum_of_a_free_block_and_the_shot():
     backing = Backing(
         material=ELASTIC, size=(0.02, 0.02, 0.01), min_size=1e-3, refined_depth=4e-3, growth=1.4, outer_boundary="free"
@@ -273,19 +262,6 @@ def test_hertz():
     hertz = 4 / 3 * ELASTIC.modulus / (1 - ELASTIC.poisson**2) * np.sqrt(R) * depth**1.5
     assert np.mean(found[-50:]) == pytest.approx(hertz, rel=0.05)
     assert np.std(found[-50:]) < 0.01 * hertz
-
-
-def test_eroded_bricks_are_gone_and_their_energy_kept():
-    backing = Backing(size=(0.03, 0.03, 0.03), min_size=1e-3, refined_depth=6e-3, growth=1.4)
-    found = strike(backing, Projectile(mass=8.1e-3), 300.0, 30e-6)
-    assert found.eroded > 0
-    assert found.energies["eroded"][-1] > 0
-    assert (np.diff(found.energies["eroded"]) >= 0).all()
-    lost = found.energies["projectile"][0] - found.energies["projectile"][-1]
-    assert np.abs(found.energies["error"]).max() < 0.002 * lost
-    # under the nose the face is where the nose is
-    assert found.crater[0, 1] == pytest.approx(found.z[-1], abs=1.2e-3)
-    assert abs(found.crater[-1, 1]) < 0.3e-3
 
 
 def test_points_press_as_a_plate_and_give_what_they_take():

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric.cable import step_kernels as cable_step_kernels
 from shellfabric.driver import solver as driver
 from shellfabric.driver.solver import CHECK, NOT_FINITE, RUNNING, STOPPED, ExplicitSolver, run_to_end
 from shellfabric.jit.barrier import STOP
@@ -142,7 +141,7 @@ def test_bad_times_are_refused(bad):
 
 def test_kernels_and_driver_have_the_same_reasons():
     for name in ("RUNNING", "STOPPED", "PERFORATED", "NOT_FINITE"):
-        assert getattr(driver, name) == getattr(step_kernels, name) == getattr(cable_step_kernels, name)
+        assert getattr(driver, name) == getattr(step_kernels, name)
     assert step_kernels.CHECK == CHECK
 
 

@@ -9,12 +9,12 @@ import pytest
 
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
-from shellfabric.cable.smith import smith
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.ballistic_limit import Bracket, Limit, Shot
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
+from validation.models.cable.smith import smith
 
 
 def made_up(velocity, outcome):

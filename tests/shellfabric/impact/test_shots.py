@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from fabrics.errors import InputError
-from shellfabric.cable.model import CableNet
 from shellfabric.panel import motion_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.projectile import friction_kernels
@@ -140,12 +139,6 @@ def test_symmetry_that_a_shot_has_not_is_refused(small):
         with pytest.raises(InputError, match="symmetry"):
             small(**bad)
     small(symmetry="quarter", projectile=shot("chisel", roll=np.pi / 2))
-
-
-def test_the_cable_net_takes_flat_axial_shots_alone(fabric):
-    for bad in (shot("sphere"), shot(obliquity=0.1), shot(friction=0.1), shot(length=6e-3)):
-        with pytest.raises(InputError, match="projectile"):
-            CableNet(fabric, projectile=bad)
 
 
 @pytest.mark.parametrize(("velocity", "torn"), [(75.0, False), (150.0, True)])

@@ -13,17 +13,17 @@ from fabrics.kernel_cache import kernel_sources
 
 numba = pytest.importorskip("numba")
 ROOT = Path(__file__).parents[3]
-FOLDER = ROOT / "shellfabric"
+FOLDER, MODELS = ROOT / "shellfabric", ROOT / "validation" / "models"
 # two fields of each that hold arrays of one type, of everything that kernels are called with
 LIKE = {
     ("plies.arrays", "Pair"): ("normal", "last_depth"),
     ("plies.arrays", "TornContact"): ("box_low", "box_high"),
     ("plies.arrays", "Stack"): ("projectile_position", "f_contact_nose"),
     ("projectile.contact", "Scratch"): ("box_low", "box_high"),
-    ("cable.model", "State"): ("u", "v"),
-    ("cable.model", "Constants"): ("x0", "y0"),
-    ("solid.model", "State"): ("x", "v"),
-    ("solid.model", "Constants"): ("mass", "inverse_mass"),
+    ("validation.models.cable.model", "State"): ("u", "v"),
+    ("validation.models.cable.model", "Constants"): ("x0", "y0"),
+    ("validation.models.solid.model", "State"): ("x", "v"),
+    ("validation.models.solid.model", "Constants"): ("mass", "inverse_mass"),
     ("panel.arrays", "State"): ("u", "v"),
     ("panel.arrays", "Constants"): ("S01", "EA1"),
     ("panel.arrays", "Work"): ("stretch1", "stretch2"),
@@ -41,7 +41,7 @@ from shellfabric.projectile import friction_kernels
 assert friction_kernels.__file__.startswith(sys.argv[2]), friction_kernels.__file__
 found = {}
 for file, name in json.loads(sys.argv[1]):
-    kind = getattr(importlib.import_module(f"shellfabric.{file}"), name)
+    kind = getattr(importlib.import_module(file), name)
     given = kind(**{field: np.array([float(sum(map(ord, field)))]) for field in kind._fields})
     found[f"{file}.{name}"] = getattr(friction_kernels, f"probe_{file.replace('.', '_')}_{name}")(given)
 print(json.dumps(found))
@@ -56,9 +56,14 @@ def fields_of(text, name):
     raise AssertionError(name)
 
 
+def whole(module):
+    """Dotted name of a module of shellfabric or of the models."""
+    return module if module.startswith("validation.") else f"shellfabric.{module}"
+
+
 def source(root, module):
-    """File of a module of shellfabric."""
-    return root.joinpath("shellfabric", *module.split(".")).with_suffix(".py")
+    """File of such a module."""
+    return root.joinpath(*whole(module).split(".")).with_suffix(".py")
 
 
 def swap(path, name, pair):
@@ -75,16 +80,16 @@ def test_swapped_fields_reach_the_machine_code(tmp_path):
 
     Machine code of the old order would read the other one.
     """
-    for package in ("fabrics", "shellfabric"):
+    for package in ("fabrics", "shellfabric", "validation/models"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "validation" / "__init__.py").touch()
     with open(tmp_path / "shellfabric" / "projectile" / "friction_kernels.py", "a") as file:
         file.write("\n\nfrom shellfabric.jit.compile import entry\n")
-        file.write(
-            "".join(PROBE.format(file=f.replace(".", "_"), name=n, field=pair[0]) for (f, n), pair in LIKE.items())
-        )
+        for (module, name), pair in LIKE.items():
+            file.write(PROBE.format(file=whole(module).replace(".", "_"), name=name, field=pair[0]))
 
     def read():
-        asked = re.sub("'", '"', str([list(key) for key in LIKE]))
+        asked = re.sub("'", '"', str([[whole(file), name] for file, name in LIKE]))
         path = {"PYTHONPATH": str(tmp_path), "PATH": "/usr/bin", "PYTHONDONTWRITEBYTECODE": "1"}
         path["NUMBA_CACHE_DIR"] = str(tmp_path / "kept")
         command = [sys.executable, "-c", READ, asked, str(tmp_path)]
@@ -93,7 +98,7 @@ def test_swapped_fields_reach_the_machine_code(tmp_path):
         )
 
     before = read()
-    assert before == {f"{f}.{n}": float(sum(map(ord, pair[0]))) for (f, n), pair in LIKE.items()}
+    assert before == {f"{whole(f)}.{n}": float(sum(map(ord, pair[0]))) for (f, n), pair in LIKE.items()}
     assert read() == before  # from the cache
     for (file, name), pair in LIKE.items():
         swap(source(tmp_path, file), name, pair)
@@ -110,18 +115,21 @@ def test_the_digest_covers_the_named_tuple(file, name):
 def test_the_digest_is_narrow():
     """What prepares arrays, or drives kernels, is not compiled; of those files the named tuples alone count."""
     covered = dict(kernel_sources(FOLDER))
-    for name in ("cable/model.py", "projectile/contact.py", "plies/arrays.py", "panel/arrays.py", "solid/model.py"):
+    for name in ("projectile/contact.py", "plies/arrays.py", "panel/arrays.py"):
         assert len(covered[f"shellfabric/{name}"]) < 3000, name
+    for name in ("cable/model.py", "solid/model.py"):
+        assert len(covered[f"validation/models/{name}"]) < 3000, name
     for name in (
-        "impact/simulation.py", "panel/solver.py", "solid/solver.py", "output/checkpoint.py", "cell/model.py",
-        "projectile/projectile.py",
+        "impact/simulation.py", "panel/solver.py", "output/checkpoint.py", "cell/model.py", "projectile/projectile.py",
     ):  # fmt: skip
         assert f"shellfabric/{name}" not in covered
+    assert "validation/models/solid/solver.py" not in covered
 
 
 def test_every_kernel_is_compiled_into_the_cache():
     """A kernel that is decorated outside of `kernel_cache` would be cached by numba alone."""
-    files = [path.relative_to(ROOT).with_suffix("") for path in sorted(FOLDER.rglob("*_kernels.py"))]
+    paths = [path for folder in (FOLDER, MODELS) for path in sorted(folder.rglob("*_kernels.py"))]
+    files = [path.relative_to(ROOT).with_suffix("") for path in paths]
     code = (
         "import importlib, sys\nfrom numba.core.registry import CPUDispatcher\n"
         "for name in sys.argv[1:]:\n    for one in vars(importlib.import_module(name)).values():\n"

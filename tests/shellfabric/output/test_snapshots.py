@@ -7,12 +7,12 @@ import pytest
 from conftest_tools import Interrupted, Interrupting
 
 from fabrics.errors import InputError
-from shellfabric.cable.smith import smith
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import snapshots, wave_fronts
 from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, HistoryRequest, YarnHistory
 from shellfabric.panel.model import Numerics
 from shellfabric.projectile.projectile import Projectile
+from validation.models.cable.smith import smith
 
 QUICK = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
 STRIP = {

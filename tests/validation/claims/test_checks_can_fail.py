@@ -595,8 +595,8 @@ def test_crimp_that_is_shared_out():
 
 def test_material_that_flows_at_another_speed():
     """The march of a lone yarn with half the stiffness, against the closed form of the yarn."""
-    from shellfabric.cable import smith
     from validation.claims import runs
+    from validation.models.cable import smith
 
     given = CLAIMS["wave-material-inflow"].arguments
     sound = runs.struck_yarn(**given)

@@ -179,7 +179,7 @@ def test_every_map_has_its_default_on_it(key):
 def test_defaults_in_the_file_of_maps_are_those_of_the_code():
     from shellfabric.panel.model import Numerics
     from shellfabric.plies.model import PlyContact
-    from shellfabric.solid.numerics import PatchNumerics
+    from validation.models.solid.numerics import PatchNumerics
 
     contact = [Numerics.penalty, Numerics.contact_damping]
     assert study.MAPS["time-step"]["default"][0] == Numerics.cfl

@@ -6,10 +6,10 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import DoubtfulError
-from shellfabric.cable.smith import smith
 from shellfabric.panel import quality
 from shellfabric.panel.quality import Indicator
 from tests.scene_text import impact_scene
+from validation.models.cable.smith import smith
 from weavecell.commands.impact import impact
 from weavecell.report import checks
 

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.backing import bare_impact
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult, radius_at, wall_angle
 from shellfabric.impact.simulation import ImpactSetup
@@ -27,6 +26,7 @@ from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
 from validation.claims.runs import cloth
+from validation.models import bare_impact
 
 FABRIC, VELOCITY, PROJECTILE = "S-728", 300.0, Projectile(mass=8.1e-3)
 JAM = (1000.0, 0.6)  # [N], [-]: a tenth of a yarn's EA, from three fifths of its length on

@@ -19,9 +19,9 @@ from fabrics.errors import InputError
 from fabrics.files import write_hdf5
 from meshing import patch
 from shellfabric.impact import simulation
-from shellfabric.solid.model import SolidPatch
-from shellfabric.solid.numerics import PatchNumerics
-from shellfabric.solid.solver import SAMPLES, SolidSolver
+from validation.models.solid.model import SolidPatch
+from validation.models.solid.numerics import PatchNumerics
+from validation.models.solid.solver import SAMPLES, SolidSolver
 
 FORMAT = "weavecell solid patch 1"
 SOURCE_SECONDS, SOURCE_PROCESSORS = 157_424, 3  # Table 4-3

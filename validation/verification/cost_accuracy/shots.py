@@ -16,11 +16,11 @@ from fabrics import catalogue, variants
 from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from fabrics.units import si
-from shellfabric.cable import solver as cable_solver
-from shellfabric.cable.model import CableNet, CableNumerics
 from shellfabric.cell.model import FILL, CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.solver.pack_solver import PackSolver
+from validation.models.cable import solver as cable_solver
+from validation.models.cable.model import CableNet, CableNumerics
 from validation.verification.cost_accuracy.core import Method
 
 LEFT, STOPS = "perforated", "stopped"

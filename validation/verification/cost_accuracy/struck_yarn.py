@@ -9,8 +9,8 @@ from importlib import resources
 
 from fabrics import catalogue
 from fabrics.units import si
-from shellfabric.cable import smith
-from shellfabric.cable.model import CableNumerics
+from validation.models.cable import smith
+from validation.models.cable.model import CableNumerics
 from validation.verification.cost_accuracy.core import Method, Quantity, Scene
 
 QUANTITIES = (

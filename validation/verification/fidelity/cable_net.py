@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.cable import solver as cable_solver
-from shellfabric.cable.model import CableNet
+from validation.models.cable import solver as cable_solver
+from validation.models.cable.model import CableNet
 from validation.verification.fidelity import fit_error_database, scenes
 from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import FULL

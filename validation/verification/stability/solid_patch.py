@@ -12,9 +12,9 @@ from functools import cache
 from fabrics import catalogue
 from meshing import patch
 from shellfabric.panel import quality
-from shellfabric.solid.model import SolidPatch
-from shellfabric.solid.numerics import PatchNumerics
-from shellfabric.solid.solver import SolidSolver
+from validation.models.solid.model import SolidPatch
+from validation.models.solid.numerics import PatchNumerics
+from validation.models.solid.solver import SolidSolver
 from validation.verification.stability.core import STABLE, WRONG, Outcome
 
 FABRIC, VELOCITY, END = "S-720", 60.0, 6e-6

@@ -18,9 +18,9 @@ import math
 
 import numpy as np
 
-from shellfabric.cable.contact_kernels import WARP, WEFT, contact_forces, mark_failed_bars, net_ahead_of_nose
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.panel.motion_kernels import grow_active_rows
+from validation.models.cable.contact_kernels import WARP, WEFT, contact_forces, mark_failed_bars, net_ahead_of_nose
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 STEP, IDLE, FAILURES = 0, 1, 2

@@ -17,14 +17,14 @@ import numpy as np
 
 from fabrics.checks import FloatArray
 from shellfabric.driver.solver import RUNNING, ExplicitSolver, Hook
-from shellfabric.solid import solid_kernels
-from shellfabric.solid import step_kernels as kernels
+from validation.models.solid import solid_kernels
+from validation.models.solid import step_kernels as kernels
 
 # TBB, numba's first choice, has spun for ever at the end of a parallel loop beside the TBB that gmsh and VTK load
 numba.config.THREADING_LAYER_PRIORITY = ["omp", "workqueue", "tbb"]  # type: ignore[attr-defined]
 
 if TYPE_CHECKING:
-    from shellfabric.solid.model import SolidPatch
+    from validation.models.solid.model import SolidPatch
 
 ENERGIES = (
     "kinetic_fabric",
@@ -190,7 +190,7 @@ class SolidSolver(ExplicitSolver):
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
         known = self.strike_velocity, self.interval, self.patch.numerics.cfl, self.const._asdict()
-        return known, "shellfabric.solid.solver"
+        return known, "validation.models.solid.solver"
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver."""

@@ -9,13 +9,15 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from fabrics.variants import with_yarns
-from shellfabric.cable import step_kernels as kernels
-from shellfabric.cable.contact_kernels import CONTACT
-from shellfabric.cable.model import CableNet, CableNumerics
-from shellfabric.cable.solver import ENERGIES, CableSolver, collect_result, run
+from shellfabric.driver import solver as driver
 from shellfabric.impact import simulation
 from shellfabric.output import checkpoint
 from shellfabric.output.hooks import Snapshots
+from shellfabric.projectile.projectile import Projectile
+from validation.models.cable import step_kernels as kernels
+from validation.models.cable.contact_kernels import CONTACT
+from validation.models.cable.model import CableNet, CableNumerics
+from validation.models.cable.solver import ENERGIES, CableSolver, collect_result, run
 
 S720 = catalogue.load("S-720").with_effective_density()
 SMALL = CableNet(S720, (0.05, 0.05))
@@ -240,3 +242,14 @@ def test_a_run_that_gains_energy_is_stopped():
     net = CableNet(S720, numerics=CableNumerics(viscosity=0.0, cfl=0.98), failure=False)
     with pytest.raises(UnstableError, match="energy balance"):
         run(net, 100.0, 250e-6)
+
+
+@pytest.mark.parametrize("changes", [{"shape": "sphere"}, {"obliquity": 0.1}, {"friction": 0.1}, {"length": 6e-3}])
+def test_the_net_takes_flat_axial_shots_alone(changes):
+    with pytest.raises(InputError, match="projectile"):
+        CableNet(S720, projectile=Projectile(**changes))
+
+
+def test_kernels_and_driver_have_the_same_reasons():
+    for name in ("RUNNING", "STOPPED", "PERFORATED", "NOT_FINITE"):
+        assert getattr(driver, name) == getattr(kernels, name)

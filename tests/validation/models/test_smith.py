@@ -7,8 +7,8 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from shellfabric.cable.model import CableNumerics
-from shellfabric.cable.smith import STRAIGHT, smith, strike
+from validation.models.cable.model import CableNumerics
+from validation.models.cable.smith import STRAIGHT, smith, strike
 
 YARN = catalogue.load("S-720").weave.warp
 VELOCITIES = (50.0, 100.0, 200.0, 400.0)

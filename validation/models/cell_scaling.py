@@ -1,9 +1,9 @@
 """Error of the effective stretch: cells whose warp has gained or lost yarn, solved, against the table's scaling.
 
 The panel evaluates the cell of a segment with the unstretched length L = share L0 at the stretch l / share
-(`forces_kernels`). Here the cell itself is solved with the length L, at the same distances and with the same closure of
-the two yarns, and the two are compared: tensions, forces on the nodes, configurational force of the warp and contact
-force.
+(`shellfabric.sliding.forces_kernels`). Here the cell itself is solved with the length L, at the same distances and with
+the same closure of the two yarns, and the two are compared: tensions, forces on the nodes, configurational force of the
+warp and contact force.
 """
 
 from __future__ import annotations

@@ -18,8 +18,8 @@ from numba import prange
 from shellfabric.backing.brick_kernels import brick_nodes, mean_deformation
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
-from shellfabric.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
-from shellfabric.solid.solid_kernels import KINETIC, SOLID
+from validation.models.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
+from validation.models.solid.solid_kernels import KINETIC, SOLID
 
 NOSE, LOST, FORCE = 0, 1, 2  # of the sums over the nose's contact: energy stored, damped, and the force on the nose
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from shellfabric.cable import contact_kernels
-from shellfabric.cable import step_kernels as kernels
-from shellfabric.cable.model import CableNet, CableNumerics
 from shellfabric.projectile.sdf_kernels import flat
+from validation.models.cable import contact_kernels
+from validation.models.cable import step_kernels as kernels
+from validation.models.cable.model import CableNet, CableNumerics
 
 FABRIC = catalogue.load("S-726")
 

@@ -12,7 +12,7 @@ energy goes to a term of its own, its mass stays.
 import math
 
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.solid.solid_kernels import BARS, FAILED, VISCOUS
+from validation.models.solid.solid_kernels import BARS, FAILED, VISCOUS
 
 
 @kernel()

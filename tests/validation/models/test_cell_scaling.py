@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from shellfabric.cell.model import CellModel
-from shellfabric.sliding.cell_scaling import QUANTITIES, errors, scaled, solved
+from validation.models.cell_scaling import QUANTITIES, errors, scaled, solved
 
 
 def test_a_straight_yarn_that_presses_on_nothing_is_exact(straight):

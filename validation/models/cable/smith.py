@@ -32,10 +32,10 @@ from scipy.optimize import brentq
 
 from fabrics.errors import InputError
 from fabrics.yarn import Yarn, striking_velocity
-from shellfabric.cable import step_kernels as kernels
-from shellfabric.cable.model import CableNumerics, Constants, at_rest
 from shellfabric.projectile import contact
 from shellfabric.projectile.projectile import Projectile
+from validation.models.cable import step_kernels as kernels
+from validation.models.cable.model import CableNumerics, Constants, at_rest
 
 STRAIGHT = CableNumerics(cfl=0.8)  # a yarn without slack
 

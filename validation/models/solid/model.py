@@ -22,8 +22,8 @@ from fabrics.fabric import Fabric
 from shellfabric.backing.hex8 import Bricks
 from shellfabric.jit.by_reference import by_reference
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solid import fibre_kernels, solid_kernels, step_kernels, yarn_contact_kernels
-from shellfabric.solid.numerics import PatchNumerics
+from validation.models.solid import fibre_kernels, solid_kernels, step_kernels, yarn_contact_kernels
+from validation.models.solid.numerics import PatchNumerics
 
 Constants = namedtuple(
     "Constants",

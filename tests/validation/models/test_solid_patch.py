@@ -12,11 +12,11 @@ from shellfabric.backing.hex8 import CORNERS, PATTERNS, Bricks
 from shellfabric.output import checkpoint
 from shellfabric.output.hooks import Snapshots
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
-from shellfabric.solid import step_kernels as solid_step_kernels
-from shellfabric.solid.model import SolidPatch, _corners
-from shellfabric.solid.numerics import PatchNumerics
-from shellfabric.solid.solver import ENERGIES, SAMPLES, SolidSolver
+from validation.models.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
+from validation.models.solid import step_kernels as solid_step_kernels
+from validation.models.solid.model import SolidPatch, _corners
+from validation.models.solid.numerics import PatchNumerics
+from validation.models.solid.solver import ENERGIES, SAMPLES, SolidSolver
 
 FABRIC = catalogue.load("S-720")
 SIZE = (2, 2, 1)

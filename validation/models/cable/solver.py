@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from fabrics.checks import FloatArray
-from shellfabric.cable import step_kernels as kernels
-from shellfabric.cable.contact_kernels import CONTACT
-from shellfabric.cable.model import CableNet
 from shellfabric.driver.guards import speed_limit
 from shellfabric.driver.solver import ExplicitSolver, Hook, run_to_end
+from validation.models.cable import step_kernels as kernels
+from validation.models.cable.contact_kernels import CONTACT
+from validation.models.cable.model import CableNet
 
 ENERGIES = (
     "kinetic_fabric",
@@ -119,7 +119,7 @@ class CableSolver(ExplicitSolver):
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
         known = self.strike_velocity, self.steps_per_sample, self.const._asdict(), self.state.mass
-        return known, "shellfabric.cable.solver"
+        return known, "validation.models.cable.solver"
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver."""
