@@ -59,7 +59,7 @@ def diagram():
             (inner, [("shellfabric  (numba, explicit)", shell, COLOURS[2]),
                      ("unitcell3d  (dolfinx, quasi-static)", solid, COLOURS[2])]),
             (11.0, [("weavecell", ["cli, commands, report, results, scenes",
-                                   "analysis: choice of the mesh, uncertainty, biaxial tests, displacement records"],
+                                   "analysis: choice of the mesh, uncertainty, biaxial tests"],
                      COLOURS[3])]),
             (8.0, [("validation", ["published cases  |  verification: convergence, stability, cost  |  claims"],
                     COLOURS[4])]),

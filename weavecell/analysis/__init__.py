@@ -1,1 +1,1 @@
-"""Analyses of the product: model choice by accuracy, uncertainty, biaxial tests, displacement records."""
+"""Analyses of the product: model choice by accuracy, uncertainty, biaxial tests."""
