@@ -61,7 +61,8 @@ def diagram():
             (11.0, [("weavecell", ["cli, commands, report, results, scenes",
                                    "analysis: choice of the mesh, uncertainty, biaxial tests"],
                      COLOURS[3])]),
-            (8.0, [("validation", ["published cases  |  verification: convergence, stability, cost  |  claims"],
+            (8.0, [("validation",
+                    ["published cases  |  verification: convergence, stability, cost  |  claims  |  models"],
                     COLOURS[4])]),
         ]  # fmt: skip
         top = sum(height + GAP for height, _ in rows)
