@@ -1,1 +1,1 @@
-"""Quasi-static coupons by dynamic relaxation: uniaxial, biaxial, bias extension, picture frame."""
+"""Coupons: quasi-static by dynamic relaxation (uniaxial, biaxial, bias extension, picture frame); yarn pull-out."""

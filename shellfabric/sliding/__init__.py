@@ -1,1 +1,1 @@
-"""Sliding crossovers of one ply: yarns slip through the nodes of a panel against friction; yarn pull-out coupon."""
+"""Sliding crossovers of one ply: yarns slip through the nodes of a panel against friction."""
