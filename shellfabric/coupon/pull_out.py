@@ -135,6 +135,8 @@ class PullOutSolver(PackSolver):
     end_time, interval : [s] as ExplicitSolver
     """
 
+    struck = False
+
     def __init__(self, coupon: PullOut, end_time: float, *, interval: float = 1e-6) -> None:
         panel = coupon.panel()
         self.coupon = coupon

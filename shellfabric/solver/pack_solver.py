@@ -99,6 +99,7 @@ class PackSolver(ExplicitSolver):
     """
 
     counters = (*ExplicitSolver.counters, "perforated_samples")
+    struck = True  # whether a projectile can perforate; not of a coupon
     module = "shellfabric.impact.simulation"  # whose code determines a run
 
     def __init__(
@@ -112,6 +113,8 @@ class PackSolver(ExplicitSolver):
         )  # fmt: skip
         self.pack = pack = pack.in_step_with(strike_velocity)
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
+        if not self.struck:
+            self.consts = tuple(const._replace(perforation_delay_steps=2**62) for const in self.consts)
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
         self.slips: tuple[Slip, ...] = pack.slips(self.states)
@@ -370,7 +373,7 @@ class PackSolver(ExplicitSolver):
         """Sample the quality indicators, and end a run in which cut-out cloth is all that is left ahead of the nose."""
         self.monitor.sampled()
         failed = any(state.counter[FAILURES] for _, _, state in self.parts)
-        if self.reason != RUNNING or not failed or self.backing is not None:
+        if self.reason != RUNNING or not failed or not self.struck or self.backing is not None:
             return
         through = all(passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held))
         self.perforated_samples = self.perforated_samples + 1 if through else 0

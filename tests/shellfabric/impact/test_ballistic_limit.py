@@ -178,7 +178,8 @@ def test_plies_that_are_one_stay_one_on_one_thread(small):
     alike = ballistic_limit._on_one_thread(pack)
     assert [id(ply) == id(alike.plies[0]) for ply in alike.plies] == [True, False, True, False]
     assert {ply.numerics.threads for ply in alike.plies} == {1}
-    assert ballistic_limit._on_one_thread(small(numerics=Numerics(threads=2))).numerics.threads == 2
+    (kept,) = ballistic_limit._on_one_thread(small(numerics=Numerics(threads=2))).plies
+    assert kept.numerics.threads == 2
 
 
 def test_cloth_that_nothing_holds_has_no_limit(small):

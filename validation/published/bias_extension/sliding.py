@@ -87,6 +87,8 @@ class ObliqueStrip(PackSolver):
     elongation : [m] at the end
     """
 
+    struck = False
+
     def __init__(
         self, coupon: Coupon, grips: IntArray, friction: CrossoverFriction, speed: float, elongation: float
     ) -> None:
