@@ -32,7 +32,7 @@ def page(found: Mapping[str, Sequence[Found]], seconds: float, cost: str = "", r
                 answer(found),
                 f"## Cost\n\n{BEGIN}{cost}{END}\n",
                 _LIMITS,
-                f"All shots took {seconds / 60:.1f} minutes of one core.",
+                f"All shots took {seconds / 60:.1f} minutes on one core.",
             ]
         )
         + "\n"
@@ -100,6 +100,8 @@ ply in its own plane and the highest mode of a stack of plies on these springs t
 differences (`shellfabric/plies/friction.py`). No coefficient of the regularisation is chosen.
 
 **Runs.** {PLIES} plies, 203 mm, struck by the flat cylinder of 3 g and 5.5 mm. Coefficients {_MU}.
+The mesh is the default of packs, with two elements per crossover about the impact point; the contact law of the plies
+is the default, that of solid fibre.
 Crossovers are pinned and the nose is frictionless, so that no other friction acts. First failure: bisection to 1 m/s.
 Ballistic limit: torn packs have no single one, so the same {len(SHARES)} strike velocities, {100 * STRIDE:g} % apart,
 are fired at every coefficient; the limit is the velocity with as many perforations below as stops above.
