@@ -236,6 +236,7 @@ def near_each_other(x: FloatArray, ring: FloatArray) -> tuple[IntArray, IntArray
     cell = (a[facet, 0] + place // span[facet, 1]) * width + a[facet, 1] + place % span[facet, 1]
     order = np.argsort(cell, kind="stable")
     cell, facet = cell[order], facet[order]
+    bottom, top, floor, ceiling = (np.ascontiguousarray(ends[:, 2]) for ends in (least, most, low, high))
     found = []
     for ends in (least, most):  # a point seldom changes its cell within a step
         at = np.floor((ends[:, :2] - origin) / size).astype(int)
@@ -243,7 +244,8 @@ def near_each_other(x: FloatArray, ring: FloatArray) -> tuple[IntArray, IntArray
         start, end = np.searchsorted(cell, at, "left"), np.searchsorted(cell, at, "right")
         n = np.repeat(np.arange(len(at)), end - start)
         m = facet[np.arange(len(n)) - np.repeat(np.cumsum(end - start) - (end - start), end - start) + start[n]]
-        found.append(np.stack([n, m]))
+        near = (top[n] >= floor[m]) & (bottom[n] <= ceiling[m])  # of most pairs the heights alone tell
+        found.append(np.stack([n[near], m[near]]))
     n, m = np.unique(np.concatenate(found, axis=1), axis=1)
     both = np.all((most[n] >= low[m]) & (least[n] <= high[m]), axis=-1)
     return n[both], m[both]
