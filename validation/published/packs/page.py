@@ -16,7 +16,8 @@ def page(found: dict[str, Any], run: str = "") -> str:
     """The page in Markdown, from the results of `__main__`; `run` is a line of `validation.commits.computed`."""
     return "\n".join([
         _TITLE, run, _HEAD, agreement(found["outcomes"]), outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES,
-        passages(found["torn"]), _CONTACT, _GAPS, gaps(found["gaps"]), _STACKING, stacking(found["stackings"]), _LIMITS,
+        passages(found["torn"]), crossed(found["torn"]), _CONTACT, _GAPS, gaps(found["gaps"]), _STACKING,
+        stacking(found["stackings"]), _LIMITS,
     ])  # fmt: skip
 
 
@@ -57,6 +58,21 @@ def passages(rows: Iterable[dict[str, Any]]) -> str:
             f"{len(one['back'])}", f"**{len(one['passages'])}**",
         ])  # fmt: skip
     return markdown(lines)
+
+
+def crossed(rows: Iterable[dict[str, Any]]) -> str:
+    """How many crossings there are, and how many of them are between intact plies."""
+    rows = list(rows)
+    every = [one for row in rows for one in row["passages"]]
+    if not every:
+        return f"No ply interpenetrates another in these {len(rows)} shots."
+    times = f"{len(every)} time{'s' * (len(every) > 1)}"
+    whole = sum(bool(one.get("whole")) for one in every)
+    shots = sum(bool(row["passages"]) for row in rows)
+    return (
+        f"**Plies interpenetrate in {shots} of these {len(rows)} shots, {times}**; {whole} of these at places where "
+        "both plies are untorn."
+    )
 
 
 def outcome_text(one: dict[str, Any]) -> str:
@@ -154,20 +170,20 @@ surface, and counts as an interpenetration (below) only if it has crossed the fa
 _PASSAGES = f"""
 ## Interpenetration of plies
 
-Counted independently of the contact in every step (`validation.published.packs.passages`): midpoints of elements
-with intact yarns, up to {LOOKED_AT} crossovers from the impact point, that cross the fabric of the next ply or of the
-second neighbour, in either direction. A hole,
-where the warp and weft next to a place have failed or its element has eroded, does not count as fabric. A ply has
-two surfaces, the facets between nodes and midpoints of elements and the spline of the contact, which lie on the two
-sides of a bend; a point counts when it has crossed both. When a yarn fails the contact changes from one surface to
-the other, and a point between the two is behind fabric without having moved; it is brought back ("back").
+Counted independently of the contact in every step (`validation.published.packs.passages`): midpoints of elements with
+intact yarns, up to {LOOKED_AT} crossovers from the impact point, that cross the fabric of the next ply or of the
+second neighbour, in either direction. A hole, where the warp and weft next to a place have failed or its element has
+eroded, does not count as fabric. A ply has two surfaces, the facets between nodes and midpoints of elements and the
+spline of the contact, which lie on the two sides of a bend; a point counts when it has crossed both. When a yarn
+fails the contact changes from one surface to the other, and a point between the two is behind fabric without having
+moved; it is brought back ("back").
 Sixteen plies have not been counted: a shot that tears them takes a quarter of an hour of one core or more.
 """
 
 _CONTACT = """
-The contact alone separates intact plies; a run in which intact plies interpenetrate ends with the place and the
-step. Failed fabric has free edges, turns over and meets plies through the holes of others. Beside it the positions
-of the coming step are predicted, and the smallest impulse that prevents a crossing is applied
+The contact alone separates intact plies; a run in which it finds intact plies that interpenetrate ends with the place
+and the step. Failed fabric has free edges, turns over and meets plies through the holes of others. Beside it the
+positions of the coming step are predicted, and the smallest impulse that prevents a crossing is applied
 (`shellfabric.plies.torn_contact_kernels`). It removes the velocity of approach; its work is part of the contact
 energy of plies.
 
