@@ -1,7 +1,8 @@
 """Internal forces of the elements of a panel, block by block: stretches, tensions, yarn forces, trellis.
 
 Tensions of the variational form are evaluated only where they may reach a new peak or a strength (`tension_bound`,
-`refresh_tensions`). Compiled without reference counts, as all kernels that the state is handed to (`solver.ply_kernels`).
+`refresh_tensions`). Compiled without reference counts, as all kernels that the state is handed to
+(`solver.ply_kernels`).
 """
 
 import numpy as np

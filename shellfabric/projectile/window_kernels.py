@@ -33,7 +33,8 @@ def move_window(state, const):
     window leaves const.draw_in_reach, by which cloth may be drawn in besides the body's own width, and what the edges
     have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Cloth
     from beyond would be found by the window's next row when it is an edge radius deep, on springs that nobody has
-    squeezed. On a graded panel the window stays in the first zone, and so does the projectile (`PackSolver.guard_model`).
+    squeezed. On a graded panel the window stays in the first zone, and so does the projectile
+    (`PackSolver.guard_model`).
     """
     torn, slip = False, 0.0
     for block in range(state.block_damage.size):

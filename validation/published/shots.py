@@ -1,10 +1,12 @@
 """The published shots at panels of one ply and at packs, computed on several meshes, beside the thesis's outcomes.
 
     python -m validation.published.shots [--out results/published-shots] [--page docs/reports/published-shots.md]
+        [--only-packs]
 
 Writes shots.csv (one row a shot) and critical-velocities.csv. With --page the tables made from them go into that page,
 between its marks, and the two files into data/ beside it. Runs are kept in the folder under a digest of the case and of
-the solver, so that an interrupted study continues where it was.
+the solver, so that an interrupted study continues where it was. With --only-packs the shots at one ply are not fired:
+their rows are taken from data/ beside the page.
 
 The captions of one ply are those of thesis Figures 5-4 to 5-15, of simulations; the two tests on S-726 are those of
 Figures 2-8 to 2-10; the captions of packs are those of section 5.2.2.
@@ -21,6 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics import catalogue
+from fabrics.errors import InputError
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
@@ -241,9 +244,20 @@ def read(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def main(*, out: Path = Path("results/published-shots"), page: Path | None = None) -> None:
-    results = packs.Results(out / "shots")
-    content = [*single_shots(results), *pack_shots(results)], critical_velocities(results)
+def content_of(results: Callable[..., dict[str, Any]], data: Path | None = None) -> tuple[list[dict[str, str]], ...]:
+    """Rows of both tables; those of one ply from a folder with tables of this study, where one is given."""
+    if data is None:
+        single, limits = single_shots(results), critical_velocities(results)
+    else:
+        stored, limits = (read(data / f"published-{name}") for name in FILES)
+        single = [row for row in stored if row["kind"] != PACK]
+    return [*single, *pack_shots(results)], limits
+
+
+def main(*, out: Path = Path("results/published-shots"), page: Path | None = None, only_packs: bool = False) -> None:
+    if only_packs and page is None:
+        raise InputError(key="--only-packs", value=True, allowed="with --page, which has the rows of one ply beside it")
+    content = content_of(packs.Results(out / "shots"), page.parent / "data" if page and only_packs else None)
     made = tables(*content)
     for rows, name in zip(content, FILES):
         write_records(out / name, rows)
@@ -254,4 +268,4 @@ def main(*, out: Path = Path("results/published-shots"), page: Path | None = Non
 
 
 if __name__ == "__main__":
-    program(main)
+    program(main, only_packs="fire the shots at packs alone, and keep the rows of one ply of the page")

@@ -1,5 +1,7 @@
 """No ply passes through another, torn or whole: counted without the contact."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,16 @@ def test_torn_plies_do_not_pass_through_each_other(ply, velocity):
     assert failed > 50
     assert march.deepest.max() < 1.0
     assert found == []
+
+
+def test_nodes_of_a_graded_ply_are_on_its_lines(ply):
+    graded = replace(ply, grading=((12, 0.5), (16, 1), (np.inf, 2)))
+    march, near = PackSolver(Pack.stacked(graded, 2, gap=0.0), 1.0, 1.0), passages.elements_within(graded, 14)
+    assert near == 26  # 24 of half a crossover, 2 of one
+    at = passages.nodes(march, 1, near)
+    for axis, lines in enumerate(graded.lines()):
+        np.testing.assert_allclose(np.moveaxis(at[..., axis], axis, 0)[:, 0], lines[: near + 1], atol=1e-12)
+    assert passages.elements_within(ply, 14) == 14
 
 
 def test_a_passage_is_seen(ply):

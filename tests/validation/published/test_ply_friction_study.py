@@ -66,6 +66,10 @@ def test_a_small_change_of_the_limit_does_not_reproduce_the_literature():
     still = study.Found(0.0, 150.0, 230.0, 232.0, 228.0, 0.0, 1e-3, 0)
     moved = study.Found(0.3, 150.0, 233.0, 235.0, 231.0, 0.0, 1e-3, 0)
     assert "which does not reproduce it" in page({"S-726": [still, moved]}, 120.0)
+    lowered = study.Found(0.3, 150.0, 210.0, 212.0, 208.0, 0.0, 1e-3, 0)
+    text = page({"S-726": [still, lowered]}, 120.0)
+    assert "which has the opposite sign" in text
+    assert "+53.3 % without friction, +40.0 % at 0.3" in text
 
 
 def test_a_zone_of_mixed_outcomes_has_its_limit_in_the_middle():

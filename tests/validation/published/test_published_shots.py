@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from fabrics.errors import InputError
 from validation.published import shots as study
 from validation.verification.cost_accuracy import defaults
 from weavecell.report.marked_page import split
@@ -124,3 +125,9 @@ def test_what_differs_from_the_thesis_is_set_bold(tmp_path, monkeypatch):
     assert packs[-1] == "| as the caption says |  |  |  | 4 of 9 |  |"
     for name in study.FILES:
         assert (tmp_path / "out" / name).read_text() == (tmp_path / "data" / f"published-{name}").read_text()
+    stored = (tmp_path / "data" / "published-shots.csv").read_text()
+    monkeypatch.setattr(study, "single_shots", lambda results: pytest.fail("shots at one ply are kept"))
+    study.main(out=tmp_path / "out", page=page, only_packs=True)
+    assert (tmp_path / "data" / "published-shots.csv").read_text() == stored
+    with pytest.raises(InputError, match="--page"):
+        study.main(out=tmp_path / "out", only_packs=True)

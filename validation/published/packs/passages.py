@@ -24,6 +24,7 @@ from fabrics.checks import BoolArray, FloatArray, IntArray
 from shellfabric.cloth.membrane_kernels import ERODED
 
 if TYPE_CHECKING:
+    from shellfabric.panel.model import Panel
     from shellfabric.solver.pack_solver import PackSolver
 
 REACH, AT_ONCE = 2, 10  # [plies, steps]
@@ -117,8 +118,22 @@ def nodes(march: PackSolver, p: int, near: int) -> FloatArray:
     c, state = march.consts[p], march.states[p]
     i, j = np.mgrid[: near + 1, : near + 1]
     moved = [u[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)[: near + 1, : near + 1] for u in state.u]
-    rest = c.x0 + i * c.dx, c.y0 + j * c.dy, march.pack.places[p] + 0.0 * i
+    rest = (
+        c.x0 + i * c.dx + offsets(c.line_offset1, i), c.y0 + j * c.dy + offsets(c.line_offset2, j),
+        march.pack.places[p] + 0.0 * i,
+    )  # fmt: skip
     return np.stack([a + b for a, b in zip(rest, moved)], axis=-1)
+
+
+def offsets(of_lines: Any, i: IntArray) -> Any:
+    """[m] of lines from where equal elements would have them at rest: a number for each line of a graded ply, or 0."""
+    return of_lines[i] if np.ndim(of_lines) else of_lines
+
+
+def elements_within(panel: Panel, crossovers: float) -> int:
+    """Elements from the middle of a quarter panel along the side that needs more of them to reach that far."""
+    reach = ((lines, 2 * w * crossovers) for lines, w in zip(panel.lines(), panel.weave.w))
+    return max(int(np.searchsorted(lines, length - 1e-9)) for lines, length in reach)
 
 
 def by_element(march: PackSolver, p: int, name: str, near: int, family: int | None = None) -> NDArray[Any]:
@@ -221,6 +236,7 @@ def near_each_other(x: FloatArray, ring: FloatArray) -> tuple[IntArray, IntArray
     cell = (a[facet, 0] + place // span[facet, 1]) * width + a[facet, 1] + place % span[facet, 1]
     order = np.argsort(cell, kind="stable")
     cell, facet = cell[order], facet[order]
+    bottom, top, floor, ceiling = (np.ascontiguousarray(ends[:, 2]) for ends in (least, most, low, high))
     found = []
     for ends in (least, most):  # a point seldom changes its cell within a step
         at = np.floor((ends[:, :2] - origin) / size).astype(int)
@@ -228,7 +244,8 @@ def near_each_other(x: FloatArray, ring: FloatArray) -> tuple[IntArray, IntArray
         start, end = np.searchsorted(cell, at, "left"), np.searchsorted(cell, at, "right")
         n = np.repeat(np.arange(len(at)), end - start)
         m = facet[np.arange(len(n)) - np.repeat(np.cumsum(end - start) - (end - start), end - start) + start[n]]
-        found.append(np.stack([n, m]))
+        near = (top[n] >= floor[m]) & (bottom[n] <= ceiling[m])  # of most pairs the heights alone tell
+        found.append(np.stack([n[near], m[near]]))
     n, m = np.unique(np.concatenate(found, axis=1), axis=1)
     both = np.all((most[n] >= low[m]) & (least[n] <= high[m]), axis=-1)
     return n[both], m[both]
