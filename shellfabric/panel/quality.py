@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from fabrics.checks import FloatArray
-from shellfabric.backing.hex8 import PATTERNS, Bricks
 from shellfabric.panel import quality_kernels as kernels
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.panel.quality_kernels import DEPTH
@@ -122,7 +121,8 @@ LIMITS = {
 NOTES = {"viscous energy": 0.1}  # name: value above which the indicator is noted
 
 
-def _make(name, value):
+def indicator(name: str, value: float) -> Indicator:
+    """The Indicator of LIMITS with a value."""
     limit, unit, meaning = LIMITS[name]
     return Indicator(name, float(value), limit, unit, meaning, NOTES.get(name))
 
@@ -179,21 +179,21 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     bound = panel.time_step / panel.numerics.cfl
     given = max(float(np.max(-energies[name])) for name in ("contact", "ply_contact") if name in energies)
     found = [
-        _make("time step", solver.const.dt / bound),
-        _make("energy error", float(np.max(np.abs(energies["error"]))) / strike),
-        _make("energy gained in contact", max(given, 0.0) / strike),
-        _make("viscous energy", float(energies["viscous"][-1]) / absorbed),
-        _make("formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed),
-        _make("tension oscillation", solver.monitor.oscillation),
-        _make("nose penetration", depth / nose),
-        _make("contact point spacing", _spacing(solver.const) / nose),
-        _make("element side", max(panel.spacing) / shot.radius),
-        _make("yarns an element", float(panel.finest)),
+        indicator("time step", solver.const.dt / bound),
+        indicator("energy error", float(np.max(np.abs(energies["error"]))) / strike),
+        indicator("energy gained in contact", max(given, 0.0) / strike),
+        indicator("viscous energy", float(energies["viscous"][-1]) / absorbed),
+        indicator("formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed),
+        indicator("tension oscillation", solver.monitor.oscillation),
+        indicator("nose penetration", depth / nose),
+        indicator("contact point spacing", _spacing(solver.const) / nose),
+        indicator("element side", max(panel.spacing) / shot.radius),
+        indicator("yarns an element", float(panel.finest)),
         *_extrapolation(solver),
     ]
     if len(solver.parts) > 1:
-        found.append(_make("ply penetration", solver.monitor.found[:, DEPTH].max()))
-        found.append(_make("ply contact direction", _tilt(solver)))
+        found.append(indicator("ply penetration", solver.monitor.found[:, DEPTH].max()))
+        found.append(indicator("ply contact direction", _tilt(solver)))
     return tuple(found)
 
 
@@ -217,7 +217,7 @@ def _extrapolation(solver):
     peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
     table, found = solver.panel.table, []
     if not solver.panel.failure:
-        found.append(_make("tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))))
+        found.append(indicator("tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))))
     else:  # the step in which a yarn fails may go beyond its strength, and no further
         peaks = np.minimum(peaks, [yarn.strength for yarn in solver.panel.weave.yarns])
     return (*found, *of_cell(table, peaks))
@@ -229,18 +229,18 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
     if hasattr(model, "surface"):
         sampled = (model.surface.T1, model.surface.T2)
         reached = max(peak / float(np.max(T)) for peak, T in zip(peaks, sampled))
-        return (_make("tension over sampled surface", reached),)
+        return (indicator("tension over sampled surface", reached),)
     if model.model != "compressible":
         return ()
     inside = np.logical_and(*(values[T] <= max(peak, 0.0) for peak, T in zip(peaks, _T)))
     force = float(np.max(values["F"], where=inside, initial=0.0))
     known = [law.F_range[1] for law in model.used_laws if law.F_range is not None]
     if known:
-        found.append(_make("contact force over fitted range", force / min(known)))
+        found.append(indicator("contact force over fitted range", force / min(known)))
     light = values["F"][values["F"] > 0]
     least = float(light.min()) if light.size else 0.0
     found.append(
-        _make("swelling under contact", max(_swelling(law, least, h) for law, h in zip(model.used_laws, model.h0)))
+        indicator("swelling under contact", max(_swelling(law, least, h) for law, h in zip(model.used_laws, model.h0)))
     )
     return tuple(found)
 
@@ -261,36 +261,13 @@ def of_coupon(table: Any, tensions: Sequence[float], residual: float, tolerance:
     residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation was to reach
     """
     over = max(peak / float(table.values[T].max()) for peak, T in zip(tensions, _T))
-    found = (_make("relaxation residual", residual / tolerance), _make("tension over cell table", over))
+    found = (indicator("relaxation residual", residual / tolerance), indicator("tension over cell table", over))
     return (*found, *of_cell(table, tensions))
-
-
-def of_patch(solver: Any) -> tuple[Indicator, ...]:
-    """Tuple of Indicator of a solid.solver.SolidSolver."""
-    strike = solver.strike_energy
-    solids, held = (float(solver.sample(name)[-1]) for name in ("solids", "hourglass"))
-    return (
-        _make("time step", solver.patch.numerics.cfl),
-        _make("energy error", float(np.max(np.abs(solver.sample("error")))) / strike),
-        _make("hourglass energy", held / solids if solids > 0 else 0.0),
-        _make("hourglass amplitude", hourglass_amplitude(solver.patch.mesh, solver.state.x)),
-    )
-
-
-def hourglass_amplitude(mesh: Any, x: FloatArray) -> float:
-    """[-] largest amplitude of a brick's hourglass modes over the cube root of its volume, at the places x (n, 3).
-
-    The modes h are freed of their linear part, gamma = h - (h . X) B, so that stretch and turning leave them alone.
-    """
-    made = Bricks.of(mesh.points[mesh.hexes])
-    modes = PATTERNS - np.einsum("mhi,mai->mha", made.twist, made.gradient)
-    moved = np.einsum("mha,mai->mhi", modes, (x - mesh.points)[mesh.hexes]) / 8
-    return float((np.linalg.norm(moved, axis=2).max(axis=1) / np.cbrt(made.volume)).max())
 
 
 def of_yarn(astray: FloatArray, thickness: float) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,) [m]."""
-    return (_make("node alternation", float(np.max(astray)) / thickness),)
+    return (indicator("node alternation", float(np.max(astray)) / thickness),)
 
 
 def worst(runs: Iterable[Iterable[Indicator]]) -> tuple[Indicator, ...]:
