@@ -257,8 +257,8 @@ def test_the_state_of_a_run_of_other_code_is_refused(name, tmp_path, other_code)
 
 ANALYSES = ("weavecell/__init__.py", "weavecell/analysis/")
 SHELL = (
-    "shellfabric/panel/solver.py",
-    "shellfabric/panel/step_kernels.py",
+    "shellfabric/solver/pack_solver.py",
+    "shellfabric/solver/step_kernels.py",
     "shellfabric/cell/model.py",
     "fabrics/compression.py",
 )

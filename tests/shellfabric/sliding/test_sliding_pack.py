@@ -101,11 +101,13 @@ def test_a_run_is_resumed_to_the_bit(table, tmp_path):
         checkpoint.read(other, tmp_path / "c.h5")
 
 
-def test_yarns_that_have_left_count_for_the_contact_between_plies(table):
-    """A shot that perforates: the neighbour's contact looks for edges where a yarn has gone."""
-    run = PackSolver(Pack.stacked(sliding(table, mu=0.1), 2, gap=GAP), 350.0, 60e-6).run()
+@pytest.mark.parametrize("plies", [1, 2])
+def test_yarns_that_have_left_count_as_failures(table, plies):
+    """A shot that perforates: the neighbour's contact looks for edges where a yarn has gone, the nose for a way out."""
+    run = PackSolver(Pack.stacked(sliding(table, mu=0.1, edge="free"), plies, gap=GAP), 350.0, 60e-6).run()
     gone = [summary.pulled_out_segments for summary in run.slip_summaries()]
     counted = [int(state.counter[2]) for state in run.states]
+    assert all(pulled > 100 for pulled in gone)
     assert all(count >= pulled for count, pulled in zip(counted, gone))
     assert run.outcome in ("perforated", "in flight")
     assert np.abs(run.sample("error")).max() < 0.01 * run.strike_energy

@@ -367,10 +367,10 @@ def limit(capsys, folder, monkeypatch, changes):
     code, _, err = call(capsys, "critical-velocity", path, *words)
     assert code == 0, err
     march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())
-    pack, v = getattr(march, "pack", None), march.sample("v")
-    turned = pack is not None and pack.plies[0] is not pack.plies[-1]
+    pack, v = march.pack, march.sample("v")
+    turned = pack.plies[0] is not pack.plies[-1]
     return SimpleNamespace(
-        plies=found["plies"], gap=pack.gaps[0] if pack else None, stacking="alternating" if turned else "aligned",
+        plies=found["plies"], gap=pack.gaps[0] if pack.gaps else None, stacking="alternating" if turned else "aligned",
         absorbed_energy_J=march.sample("kinetic_projectile")[0] - march.sample("kinetic_projectile")[-1],
         energies={name: march.sample(name)[-1] for name in march.energy_names}, v=v,
         residual_velocity_m_s=v[-1], failed=march.sample("failed_yarns")[-1],
