@@ -13,7 +13,8 @@ def scene(quick: bool = False) -> Scene:
     text = (
         f"Four plies of {shot.fabric}, aligned, with the fabric's own gap, clamped over {1e3 * shot.opening:g} "
         f"mm, are struck at {shot.velocities[0]:g} m/s and stop the projectile. Quantities: those of one ply, the "
-        "tensions being the largest of any ply."
+        'tensions being the largest of any ply. Here "default" has one element per crossover; the default mesh of '
+        'packs in `weavecell impact` is "graded from 1/2 crossover".'
     )
     return Scene(
         "four-ply-pack", f"Four plies: {shot.fabric} at {shot.velocities[0]:g} m/s", text, ply_stopped.QUANTITIES,
