@@ -113,6 +113,17 @@ def test_yarns_that_have_left_count_as_failures(table, plies):
     assert np.abs(run.sample("error")).max() < 0.01 * run.strike_energy
 
 
+def test_all_that_touches_a_ply_presses_its_yarns_on_each_other(table):
+    run = PackSolver(Pack.stacked(sliding(table), 2, gap=GAP), 150.0, 20e-6).run()
+    for p, (const, state) in enumerate(zip(run.consts, run.states)):
+        first, last = state.active_rows
+        rows = slice(first * const.row_stride, (last + 1) * const.row_stride)
+        pressing, all_forces = run._slips[2].values[p].f_contact[2][rows], run._loaded_state(p).f_contact[2][rows]
+        most = np.abs(all_forces).max()
+        assert np.abs(all_forces - state.f_contact[2][rows]).max() > 0.01 * most
+        np.testing.assert_allclose(pressing, all_forces, rtol=1e-9, atol=1e-12 * most)
+
+
 def test_plies_slide_all_or_none(table):
     pack = Pack.stacked(sliding(table), 2, gap=GAP, stacking="alternating")
     assert len(pack.crossovers) == 2
