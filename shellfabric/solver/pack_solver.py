@@ -144,6 +144,10 @@ class PackSolver(ExplicitSolver):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
         pack, plies = self.pack, len(self.parts)
         self._plies, self._pairs = (Items(self.states), Items(self.consts)), Items(self.pairs) if self.pairs else None
+        if self.slips:
+            room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
+            loaded = [state._replace(f_contact=room(state)) for state in self.states] if self.pairs else self.states
+            self._slips = Items(self.slips), Items(self.effective), Items(loaded)
         self._works = [self._scratch()]
         if not self.slips:
             compile_ahead.begin(*self._plies, self._pairs, self.stops, self.stack, self._works[0][1])
@@ -167,17 +171,13 @@ class PackSolver(ExplicitSolver):
 
     def _scratch(self):
         """(slips, works) of a thread, as `step_kernels.run_thread` has them."""
-        works, found = self.pack.works(), {}
+        works = self.pack.works()
         if not self.slips:
             return None, Items(works)
-        for work in works:
-            room = {name: np.zeros_like(getattr(work, name)) for name in ("stretch1", "stretch2")}
-            found.setdefault(id(work), work._replace(**room))
-        if not hasattr(self, "_slips"):
-            room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
-            loaded = [state._replace(f_contact=room(state)) for state in self.states] if self.pairs else self.states
-            self._slips = Items(self.slips), Items(self.effective), Items(loaded)
-        return (*self._slips, Items([found[id(work)] for work in works])), Items(works)
+        own = {id(work): work for work in works}
+        for key, work in own.items():
+            own[key] = work._replace(stretch1=np.zeros_like(work.stretch1), stretch2=np.zeros_like(work.stretch2))
+        return (*self._slips, Items([own[id(work)] for work in works])), Items(works)
 
     def _of_ply(self, ply: int) -> tuple[Constants, State, Any]:
         """(const, state, slide) of a ply for `ply_audit`; the contact forces are those of all that touches it."""
