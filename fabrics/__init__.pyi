@@ -1,4 +1,4 @@
-# Types of the public names, which __init__.py loads when they are first used.
+# Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from fabrics.catalogue import list_names, load
 from fabrics.compression import CompressionLaw
 from fabrics.errors import DoubtfulError, InputError, UndecidedError, UnstableError, WeavecellError

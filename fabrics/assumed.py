@@ -19,6 +19,7 @@ from fabrics.families import Family, list_families
 TABLES = {
     "shear": "G1, G2, gamma1 and gamma2",
     "solid": "E_a, E_c, K_r, K_G, V_c and Vf0 of warp and weft",
+    "strain_rate": "rates and strength",
 }
 
 
@@ -29,10 +30,7 @@ def with_shear(fabric: Fabric) -> Fabric:
     ------
     InputError : it has none, and its yarns belong to no family, or neither of them is crimped
     """
-    if fabric.shear is not None:
-        return fabric
-    family = _family(fabric, "shear")
-    return _completed(fabric, family, "shear", shear=family.shear(fabric.weave, fabric.yarn_width))
+    return _completed(fabric, "shear", lambda family: family.shear(fabric.weave, fabric.yarn_width))
 
 
 def with_solid_laws(fabric: Fabric) -> Fabric:
@@ -42,10 +40,34 @@ def with_solid_laws(fabric: Fabric) -> Fabric:
     ------
     InputError : it has none, and its yarns belong to no family
     """
-    if fabric.solid_laws is not None:
-        return fabric
-    family = _family(fabric, "solid")
-    return _completed(fabric, family, "solid", solid_laws=_solid_laws(fabric, family))
+    return _completed(fabric, "solid", lambda family: _solid_laws(fabric, family))
+
+
+def with_strain_rate(fabric: Fabric) -> Fabric:
+    """The fabric with ratios of strength and modulus against the strain rate, those of its fibre family where its file
+    gives none.
+
+    Raises
+    ------
+    InputError : it has none, and its yarns belong to no family of which numbers are known
+    """
+
+    def known(family):
+        if family.strain_rate is None:
+            raise _missing(fabric, "strain_rate", f"of {family.name} yarns no numbers are at hand")
+        return family.strain_rate
+
+    return _completed(fabric, "strain_rate", known)
+
+
+def with_fibre_diameter(fabric: Fabric) -> Fabric:
+    """The fabric with the diameter of its fibres, that of its fibre family where its file gives none.
+
+    Raises
+    ------
+    InputError : it has none, and its yarns belong to no family
+    """
+    return _completed(fabric, "fibre_diameter", lambda family: family.entries["fibre_diameter"].value)
 
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
@@ -120,10 +142,10 @@ def lines(fabric: Fabric) -> list[str]:
     """One line for each table that was assumed, and for crimp that was computed from the thickness."""
     family = family_of(fabric)
     name = family.name if family is not None else "unknown"
-    more = {"shear": ", its angles from width and spacing of the yarns", "solid": ""}
+    more = {"shear": ", its angles from width and spacing of the yarns"}
     return [
         _crimp_line(fabric) if table == "crimp"
-        else f"assumed: [{table}] of {name} yarns{more[table]}, because {fabric.name} gives none"
+        else f"assumed: [{table}] of {name} yarns{more.get(table, '')}, because {fabric.name} gives none"
         for table in fabric.assumed
     ]  # fmt: skip
 
@@ -152,11 +174,14 @@ def _family(fabric, table):
         f"{each.name} ({_range(each.limits['modulus'], 1e-9)} GPa, {_range(each.limits['fibre_density'], 1)} kg/m^3)"
         for each in list_families()
     )
-    raise InputError(
-        f"fabric {fabric.name} has no [{table}] table",
-        allowed=f"given, with {TABLES[table]}: it is assumed only where modulus and fibre_density of both yarns are in "
-        f"the range of {known}",
+    raise _missing(
+        fabric, table, f"it is assumed only where modulus and fibre_density of both yarns are in the range of {known}"
     )
+
+
+def _missing(fabric, table, why):
+    what, given = (f"[{table}] table", f"given, with {TABLES[table]}") if table in TABLES else (table, "given")
+    return InputError(f"fabric {fabric.name} has no {what}", allowed=f"{given}: {why}")
 
 
 def _range(pair, factor):
@@ -171,17 +196,25 @@ def _solid_laws(fabric, family, end="nominal"):
     )
 
 
-def _completed(fabric, family, table, **law):
+def _completed(fabric, table, law_of):
+    """The fabric with law_of(its family) where its file gives none, and where that comes from."""
+    field = "solid_laws" if table == "solid" else table
+    if getattr(fabric, field) is not None:
+        return fabric
+    family = _family(fabric, table)
+    law = law_of(family)
     sources = {**fabric.sources, **family.sources(table)}
     if table == "solid":
         sources |= {
             f"solid.Vf0.{name}": {"value": f"{made.Vf0:.4f}", "source": "section_area", "status": "derived"}
-            for name, made, area in zip(FAMILIES, law["solid_laws"], fabric.yarn_area) if area is not None
+            for name, made, area in zip(FAMILIES, law, fabric.yarn_area) if area is not None
         }  # fmt: skip
     if table == "shear":
-        sources |= _derived(law["shear"], family)
+        sources |= _derived(law, family)
+    if table == "strain_rate":
+        sources |= law.sources()
     names = (*(name for name in fabric.assumed if name != table), table)
-    return replace(fabric, **law, sources=sources, assumed=names)
+    return replace(fabric, **{field: law}, sources=sources, assumed=names)
 
 
 def _derived(shear, family):

@@ -28,6 +28,14 @@ class InputError(WeavecellError):
     message : a complete sentence, used where the problem is not one key of one file
     file, key, value : where the bad value stands, and what it is
     allowed : what would have been accepted
+
+    Examples
+    --------
+    >>> try:
+    ...     wc.setup("S-720", "92.5 kg")
+    ... except wc.InputError as problem:
+    ...     print(problem.key, problem.value)
+    velocity 92.5 kg
     """
 
     exit_code = 2
@@ -102,6 +110,11 @@ class UnstableError(WeavecellError):
     Attributes
     ----------
     result : what the run had computed by then, where it leaves something
+
+    Examples
+    --------
+    >>> print(wc.UnstableError("the energy error is 12 %", where="element 7", when="after 3 us"))
+    the energy error is 12 %, at element 7, after 3 us
     """
 
     exit_code = 3
@@ -123,6 +136,11 @@ class UndecidedError(WeavecellError):
     Attributes
     ----------
     shots : those that had ended before it
+
+    Examples
+    --------
+    >>> wc.UndecidedError("neither stopped nor perforated after 2 ms").shots
+    ()
     """
 
     exit_code = 3
@@ -137,7 +155,19 @@ class DoubtfulError(WeavecellError):
 
 class DoubtfulResult(UserWarning):
     """Warning of the Python interface: a result with a quality check beyond its limit. `warnings.simplefilter("error",
-    weavecell.DoubtfulResult)` makes it an error."""
+    weavecell.DoubtfulResult)` makes it an error.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", wc.DoubtfulResult)
+    ...     try:
+    ...         wc.critical_velocity("S-720", tolerance="20 m/s", residual_shots=0, scan=False, opening="20 mm")
+    ...     except wc.DoubtfulResult as problem:
+    ...         print(str(problem)[:24])
+    S-720, critical velocity
+    """
 
 
 def run_program(main: Callable[[], object]) -> None:

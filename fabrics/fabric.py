@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
+from fabrics.families.strain_rate import RateLaw
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
@@ -36,12 +37,15 @@ class Fabric:
     effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
-    assumed : of "crimp", "shear" and "solid" what the data file does not give (see `fabrics.assumed`)
+    assumed : of "crimp", "shear", "solid", "strain_rate" and "fibre_diameter" what the data file does not give (see
+        `fabrics.assumed`)
     yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
     thickness : [m] of the data sheet, or None
     yarn_area : (warp, weft) [m2] areas of the yarns' sections, gaps between fibres included, each None where not known
     notes : lines about numbers of the data file that disagree
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
+    strain_rate : RateLaw of its yarns, or None
+    fibre_diameter : [m] or None
     """
 
     name: str
@@ -61,6 +65,8 @@ class Fabric:
     thickness: float | None = None
     notes: tuple[str, ...] = ()
     ply_contact: PlyLaw | None = None
+    strain_rate: RateLaw | None = None
+    fibre_diameter: float | None = None
 
     def __post_init__(self):
         if self.section is not None and self.section not in SECTIONS:
@@ -98,6 +104,20 @@ class Fabric:
         if self.effective_linear_density is None:
             raise InputError(f"fabric {self.name} has no effective linear density")
         return self.with_yarns(linear_density=self.effective_linear_density)
+
+    def at_high_rate(self) -> Fabric:
+        """This fabric with the modulus that its yarns have at the highest rate of `strain_rate`; strengths stay.
+
+        Raises
+        ------
+        InputError : a failure strain that is not below 1
+        """
+        ratio = 1.0 if self.strain_rate is None else self.strain_rate.dynamic_modulus
+        if ratio == 1.0:
+            return self
+        pairs = [(ratio * yarn.E, yarn.failure_strain / ratio) for yarn in self.weave.yarns]
+        moduli, strains = zip(*pairs)
+        return self.with_yarns(E=moduli, failure_strain=strains)
 
     def with_weaving_damage(self, damage: WeavingDamage) -> Fabric:
         """This fabric with modulus and strength of its yarns after weaving; geometry, masses and laws stay.

@@ -15,7 +15,7 @@ import csv
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
@@ -55,6 +55,18 @@ def write_whole(path: FilePath, mode: str = "w") -> Iterator[IO]:
     encoding = None if "b" in mode else "utf-8"
     with replace_whole(path) as beside, open(beside, mode, encoding=encoding) as file:
         yield file
+
+
+def write(path: FilePath, content: str | bytes) -> None:
+    """Write a text or bytes that appear under `path` complete, or not at all."""
+    with write_whole(path, "w" if isinstance(content, str) else "wb") as file:
+        file.write(content)
+
+
+def write_csv(path: FilePath, rows: Iterable[Iterable[Any]]) -> None:
+    """Write rows as a CSV file, as `write` does."""
+    with write_whole(path) as file:
+        csv.writer(file).writerows(rows)
 
 
 def _umask():

@@ -19,7 +19,7 @@ from fabrics.units import si
 _FILE = Path(__file__).with_name("projectiles.toml")
 STATUSES = ("published", "nominal", "derived", "assumed")
 _OF_ANY_NOSE = ("mass", "diameter", "length", "edge_radius")
-_OF_A_SPHERE = ("mass", "diameter")
+_OF_SHAPE = {"sphere": ("mass", "diameter"), "stl": ("mass", "edge_radius")}
 
 Entry = Mapping[str, Mapping[str, str]]  # {key: its value, source and status}
 
@@ -69,5 +69,5 @@ def table(
     chosen = given.get("shape", shape)
     taken = [one for one in data if one != "mass_tolerance"]
     if chosen != shape:
-        taken = [one for one in taken if one in (_OF_A_SPHERE if chosen == "sphere" else _OF_ANY_NOSE)]
+        taken = [one for one in taken if one in _OF_SHAPE.get(chosen, _OF_ANY_NOSE)]
     return {"name": name, "shape": shape} | {one: data[one]["value"] for one in taken} | dict(given)

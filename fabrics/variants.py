@@ -29,7 +29,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric, pair
 
 Value: TypeAlias = float | Iterable[float]
-NEARLY_STRAIGHT = 1e-6  # [-] crimp: the thickness of the cloth is that of its crimp, and must not be zero
+NEARLY_STRAIGHT = 1e-6  # [-] crimp: the thickness of the fabric is that of its crimp, and must not be zero
 
 
 def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
@@ -78,7 +78,7 @@ def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:
 def with_straight_yarns(fabric: Fabric, crimp: Value = NEARLY_STRAIGHT) -> Fabric:
     """Yarns of next to no crimp, with a trellis of the same stiffness per width.
 
-    The cloth gets thinner with its crimp, and the stress of the trellis acts on the thickness: its moduli grow by the
+    The fabric gets thinner with its crimp, and the stress of the trellis acts on the thickness: its moduli grow by the
     ratio of the thicknesses.
     """
     straight = fabric.with_yarns(crimp=crimp)
@@ -156,7 +156,7 @@ def scale_solids(fabric: Fabric, factors: Mapping[str, float]) -> Fabric:
 
 
 def rotated_90(fabric: Fabric) -> Fabric:
-    """The cloth rotated by a right angle: warp and weft exchanged, with their counts and compression laws."""
+    """The fabric rotated by a right angle: warp and weft exchanged, with their counts and compression laws."""
     weave = fabric.weave
     weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
     laws, widths, areas = fabric.laws and fabric.laws[::-1], fabric.yarn_width[::-1], fabric.yarn_area[::-1]
@@ -169,7 +169,7 @@ def homogenised(fabric: Fabric, n: float) -> Fabric:
     The spacing is n-fold; yarns have the n-fold area with the same fibres, crimp and strain at failure, hence n-fold
     length, height and tension. Angles are kept, so that the contact force is n-fold at the same stretches, and the
     compression must be n-fold too. With d = a - b / (F + F0)^(1/3), F0 = (b/a)^3, that is a' = n a, b' = n^(4/3) b.
-    The cloth is n-fold as thick, so that the moduli of the trellis, whose stress acts on the thickness, are divided
+    The fabric is n-fold as thick, so that the moduli of the trellis, whose stress acts on the thickness, are divided
     by n. What happens within n x n crossovers is not resolved.
 
     Parameters

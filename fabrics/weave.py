@@ -68,7 +68,7 @@ class Weave:
     Parameters
     ----------
     warp, weft : Yarn
-    warp_count, weft_count : [1/m] yarns per width of cloth
+    warp_count, weft_count : [1/m] yarns per width of fabric
 
     Raises
     ------

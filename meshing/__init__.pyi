@@ -1,4 +1,4 @@
-# Types of the public names, which __init__.py loads when they are first used.
+# Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from meshing.crossover import Crossover, build
 from meshing.formats.export import write
 from meshing.mesh import YarnMesh

@@ -1,4 +1,4 @@
-# Types of the public names, which __init__.py loads when they are first used.
+# Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.impact.ballistic_limit import Limit, Shot, critical_velocity, shoot

@@ -1,4 +1,4 @@
-# Types of the public names, which __init__.py loads when they are first used.
+# Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from unitcell3d.cases.biaxial_and_platens import biaxial, plate_compression
 from unitcell3d.identify.assumed_range import with_assumed_range
 from unitcell3d.identify.calibrate import calibrate, calibrate_all

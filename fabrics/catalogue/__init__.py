@@ -27,6 +27,7 @@ from fabrics.data_sheet import (
 )
 from fabrics.errors import InputError, together
 from fabrics.fabric import Fabric
+from fabrics.families.strain_rate import RateLaw
 from fabrics.ply_law import STATUSES, PlyLaw
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
@@ -36,8 +37,10 @@ from fabrics.yarn import CLOSEST_PACKING, Yarn
 
 _FOLDER = Path(__file__).parent
 
-_TOP = ("name", "section", "interlayer_gap", "areal_density", "areal_density_measured", "thickness")
-_TABLES = ("warp", "weft", "compression", "shear", "ply_contact", "solid", "micrograph")
+_TOP = (
+    "name", "section", "interlayer_gap", "areal_density", "areal_density_measured", "thickness", "fibre_diameter",
+)  # fmt: skip
+_TABLES = ("warp", "weft", "compression", "shear", "ply_contact", "solid", "micrograph", "strain_rate")
 _TENACITY = "N/(kg/m)"
 _YARN = {
     "crimp": "", "count": "1/m", "fibre_density": "kg/m^3", "modulus": "Pa or N/(kg/m)", "failure_strain": "",
@@ -139,6 +142,8 @@ class _Reader:
             "yarn_width": (warp_width, weft_width),
             "yarn_area": (warp_area, weft_area),
             "thickness": thickness,
+            "fibre_diameter": self._number("fibre_diameter", "m", True),
+            "strain_rate": self._rate_law(),
             "notes": tuple(self.notes),
         }
         fabric = self._build(Fabric, "", weave=weave, **values)
@@ -236,6 +241,21 @@ class _Reader:
 
     def _shear(self):
         return self._build(TrellisShear, "shear", *self._table("shear", _SHEAR)) if self._has("shear") else None
+
+    def _rate_law(self):
+        """The RateLaw of the file, or None; its status is one of STATUSES."""
+        if not self._has("strain_rate"):
+            return None
+        try:
+            law = RateLaw.from_table(self._find("strain_rate"), self.path)
+            if law.status not in STATUSES:
+                allowed = f"one of {', '.join(STATUSES)}"
+                raise InputError(file=self.path, key="strain_rate.status", value=law.status, allowed=allowed)
+        except InputError as problem:
+            self.problems.append(problem)
+            return None
+        self.sources |= law.sources()
+        return law
 
     def _solids(self):
         return self._pair("solid", lambda key: self._build(SolidLaw, key, *self._table(key, _SOLID)))

@@ -1,8 +1,9 @@
 """Fibre families: default laws of para-aramid, UHMWPE and E-glass yarns, each number with a range.
 
-A data sheet states neither the trellis law of a fabric nor the transverse law of its yarns. A family's file gives both,
-with the status "assumed", a source, and the range (low, high) within which the value is taken to lie. Angles and moduli
-of the trellis follow from the weave (`fabrics.families.trellis`).
+A data sheet states neither the trellis law of a fabric nor the transverse law of its yarns or the diameter of their
+fibres. A family's file gives these, with the status "assumed", a source, and the range (low, high) within which the
+value is taken to lie; where numbers are known also strength and modulus at strain rates (`families.strain_rate`).
+Angles and moduli of the trellis follow from the weave (`families.trellis`).
 
 Every range has a soft and a stiff end. `Family.shear` and `Family.solid_laws` give the nominal law, or the law of one
 of these ends.
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.checks import FilePath
+from fabrics.families.strain_rate import RateLaw
 from fabrics.families.trellis import Widths, from_weave
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
@@ -29,7 +31,7 @@ __all__ = ["Entry", "Family", "entry", "list_families"]
 FILES = ("para-aramid", "uhmwpe", "e-glass")
 _SHEAR = ("locking_share", "G1_over_G2", "gap", "K_s")
 _SOLID = {"E_a": "Pa", "E_c": "Pa", "K_r": "", "K_G": "", "V_c": ""}
-# the end of its range at which a value makes the cloth softer, other than the low one
+# the end of its range at which a value makes the fabric softer, other than the low one
 _SOFT_AT_HIGH = ("gap", "V_c")
 
 
@@ -66,12 +68,14 @@ class Family:
     ----------
     name : such as "para-aramid"
     limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that belong to it
-    entries : {dotted key: Entry} of [shear] and [solid]
+    entries : {dotted key: Entry} of [shear] and [solid], and fibre_diameter
+    strain_rate : RateLaw, or None where no numbers are known
     """
 
     name: str
     limits: dict[str, tuple[float, float]]
     entries: dict[str, Entry]
+    strain_rate: RateLaw | None = None
 
     def holds(self, yarn: Yarn) -> bool:
         """Whether a yarn belongs to the family, by modulus and fibre density."""
@@ -110,7 +114,7 @@ class Family:
         return {
             key: {"value": entry.written, "source": f"{entry.source} ({self.name})", "status": entry.status}
             for key, entry in self.entries.items()
-            if key.startswith(f"{table}.")
+            if key == table or key.startswith(f"{table}.")
         }
 
 
@@ -128,10 +132,12 @@ def _read(path: FilePath) -> Family:
         for key, unit in units.items()
     }
     Vf0 = content["solid"]["Vf0"]
-    entries = {f"shear.{key}": entry(content["shear"][key], "") for key in _SHEAR}
+    entries = {"fibre_diameter": entry(content["fibre_diameter"], "m")}
+    entries |= {f"shear.{key}": entry(content["shear"][key], "") for key in _SHEAR}
     entries |= {f"solid.{key}": entry(content["solid"][key], unit) for key, unit in _SOLID.items()}
     entries |= {f"solid.Vf0.{family}": entry(Vf0[family], "") for family in ("warp", "weft")}
-    return Family(content["name"], limits, entries)
+    rates = content.get("strain_rate")
+    return Family(content["name"], limits, entries, rates and RateLaw.from_table(rates, path))
 
 
 def entry(table: dict[str, Any], unit: str) -> Entry:

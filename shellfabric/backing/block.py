@@ -1,9 +1,9 @@
 """The backing block: an elastic-plastic solid with erosion (thesis section 6.5, Table 6-1).
 
-A quarter of it, x and y from the axis of the shot, its face at z = 0 or at `standoff`, z into it, along the flight. The
-elements are smallest under the shot and grow outwards by equal factors. The thesis gives size, modulus, density, yield
-stress and erosion strain, but neither Poisson's ratio, hardening, mesh nor outer faces (`materials.toml`). The outer
-faces are fixed, or absorb waves (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
+A quarter of it, or the whole, x and y from the axis of the shot, its face at z = 0 or at `standoff`, z into it, along
+the flight. The elements are smallest under the shot and grow outwards by equal factors. The thesis gives size, modulus,
+density, yield stress and erosion strain, but neither Poisson's ratio, hardening, mesh nor outer faces
+(`materials.toml`). The outer faces are fixed, or absorb waves (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
 
 A solver calls, in each step:
 
@@ -58,9 +58,10 @@ class Backing:
     hourglass : factor on the hourglass stiffness of the full rule, which would stand in for strength lost in flow
     viscosity : damping ratio of the highest mode
     penalty : stiffness of the contact with a projectile, in units of the bricks' own K A / h
-    contact_damping : ratio to critical of a node on that spring, and of a point of the cloth on its own
-    ply_penalty : stiffness of the contact with cloth, in units of the cloth's mass / dt^2
-    points : of contact along each side of an element of cloth
+    contact_damping : ratio to critical of a node on that spring, and of a point of the fabric on its own
+    ply_penalty : stiffness of the contact with fabric, in units of the fabric's mass / dt^2
+    points : of contact along each side of an element of fabric
+    mirrors : whether x = 0 and y = 0 are planes of symmetry that bound the modelled part
 
     Raises
     ------
@@ -80,6 +81,7 @@ class Backing:
     contact_damping: float = 0.2
     ply_penalty: float = 0.1
     points: int = 2
+    mirrors: tuple[bool, bool] = (True, True)
 
     def __post_init__(self):
         if self.outer_boundary not in OUTER_BOUNDARIES:
@@ -97,13 +99,14 @@ class Backing:
 
     @property
     def lines(self) -> tuple[FloatArray, ...]:
-        """x, y, z [m] of the mesh planes of the quarter."""
+        """x, y, z [m] of the mesh planes of the modelled part."""
         half = (0.5 * self.size[0], 0.5 * self.size[1], self.size[2])
-        return tuple(graded(length, self.min_size, self.refined_depth, self.growth) for length in half)
+        found = [graded(length, self.min_size, self.refined_depth, self.growth) for length in half]
+        return tuple(x if bound else np.append(-x[:0:-1], x) for x, bound in zip(found, (*self.mirrors, True)))
 
     @property
     def count(self) -> tuple[int, ...]:
-        """(nx, ny, nz) bricks of the quarter."""
+        """(nx, ny, nz) bricks of the modelled part."""
         return tuple(len(line) - 1 for line in self.lines)
 
     @property
@@ -198,8 +201,13 @@ class Block:
         corners = _corners(nodes).ravel()
         self.mass = np.bincount(corners, material.density * share)
         self.free, self._dashpot = np.ones((len(self.rest), 3)), np.zeros((len(self.rest), 3))
-        self.free[nodes[0], 0] = self.free[nodes[:, 0], 1] = 0.0
-        for axis, face in ((0, nodes[-1]), (1, nodes[:, -1]), (2, nodes[:, :, -1])):
+        outer = [(0, nodes[-1]), (1, nodes[:, -1]), (2, nodes[:, :, -1])]
+        for axis, (face, mirrored) in enumerate(zip((nodes[0], nodes[:, 0]), backing.mirrors)):
+            if mirrored:
+                self.free[face, axis] = 0.0
+            else:
+                outer.append((axis, face))
+        for axis, face in outer:
             if backing.outer_boundary == "fixed":
                 self.free[face] = 0.0
             elif backing.outer_boundary == "absorbing":
@@ -218,7 +226,7 @@ class Block:
         self._springs = 2 * backing.contact_damping * np.sqrt(self._stiffness * self.mass)
 
     def strike(self, position: FloatArray, speed: FloatArray, projectile: Projectile) -> np.ndarray:
-        """Contact with a rigid projectile in this step; force (3,) [N] on the quarter of it that is modelled.
+        """Contact with a rigid projectile in this step; force (3,) [N] on the part of it that is modelled.
 
         Parameters
         ----------
@@ -243,7 +251,7 @@ class Block:
 
         Parameters
         ----------
-        places, velocities : (s, 3) [m], [m/s] in the quarter
+        places, velocities : (s, 3) [m], [m/s] in the modelled part
         stiffness, damping : (s,) [N/m], [N s/m] of each point's spring
         thickness : [m] distance that they keep from the face
         """
@@ -339,7 +347,7 @@ class Block:
             return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
 
     def energies(self) -> dict:
-        """ENERGIES [J] of the quarter, at the instant of the last forces; of the last damping, the block's share."""
+        """ENERGIES [J] of the modelled part, at the last forces; of the last damping, the block's share."""
         bricks = self.energy.sum(axis=0)
         values = (
             self._work[:, 0].sum(), bricks[kernels.ELASTIC], bricks[kernels.PLASTIC], bricks[kernels.HOURGLASS],
@@ -355,12 +363,13 @@ class Block:
         return _corners(self.nodes)
 
     def crater(self, axis: int = 0) -> FloatArray:
-        """Depth and shape: (k, 2) [m] radius and depth of the remaining face, along x (axis 0) or y.
+        """Depth and shape: (k, 2) [m] radius and depth of the remaining face, from the axis along x (axis 0) or y.
 
         The depth at a node is that of the first brick beside it below all that are gone, from where the face was.
         """
         nz = self.shape[2]
-        gone, nodes = self.gone.reshape(self.shape), self.nodes
+        i, j = (0 if mirrored else n // 2 for mirrored, n in zip(self.backing.mirrors, self.shape))
+        gone, nodes = self.gone.reshape(self.shape)[i:, j:], self.nodes[i:, j:]
         gone, nodes = (gone[:, 0], nodes[:, 0]) if axis == 0 else (gone[0], nodes[0])
         layers = np.where(gone.any(axis=1), nz - np.argmax(gone[:, ::-1], axis=1), 0)
         beside = np.minimum(np.append(layers, layers[-1]), np.append(layers[0], layers))

@@ -10,7 +10,7 @@ apart: what it takes is its force times velocities in the middle of the step, wh
               crater, not at all
 
 What pushes a point acts on the block at its foot, along the line between them: a face that turns under the thickness
-of the cloth has to be turned. With the forces straight below the point instead, energy comes from nowhere.
+of the fabric has to be turned. With the forces straight below the point instead, energy comes from nowhere.
 
 The face of a block that erodes has steps. A point that comes over a higher column is all at once inside the block by as
 much as a brick, and a spring would throw it out at thousands of m/s. So what a point has gone in by counts from where

@@ -1,13 +1,14 @@
 """Coupling of the backing block to the last ply and to the projectile.
 
-After every step of the cloth the block takes its contacts with cloth and projectile at the same instant and then its
-own step, so that it is one step ahead and its energies are those of the cloth's instant. What the contacts give to
-cloth and projectile waits in state.f_block_cloth and state.f_block_nose for the cloth's next step
+After every step of the fabric the block takes its contacts with fabric and projectile at the same instant and then its
+own step, so that it is one step ahead and its energies are those of the fabric's instant. What the contacts give to
+fabric and projectile waits in state.f_block_cloth and state.f_block_nose for the fabric's next step
 (`solver.ply_kernels.apply_backing_impulse`).
 
-The cloth bears on the block at p x p points of each element, like on a projectile: x = sum N_i x_i, with the penalty
+The fabric bears on the block at p x p points of each element, like on a projectile: x = sum N_i x_i, with the penalty
 and damping of the point's own mass. They keep half of the ply's thickness from the face. Points of eroded elements do
-not touch; where single yarns have failed the rest bears whole.
+not touch, nor those of fabric in the clamp; where single yarns have failed the rest bears whole. The block lies along
+the sides of the opening, whatever the angle of the last ply.
 """
 
 from __future__ import annotations
@@ -21,23 +22,26 @@ from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from shellfabric.backing.block import ENERGIES, Backing, Block
 from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.projectile.frames import axes, turned_back
 
 NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a run
 
 
 @dataclass(frozen=True)
 class BackingResult:
-    """The block at the end of a run, as the quarter that is modelled.
+    """The block at the end of a run, as the part that is modelled.
 
     Parameters
     ----------
     face : [m] where the face stood
-    crater : (k, 2) [m] radius and depth of the remaining face, along the warp
-    crater_weft : (k, 2) [m] the same along the weft
+    crater : (k, 2) [m] radius and depth of the remaining face, along the first side of the opening: the warp of a ply
+        at no angle
+    crater_weft : (k, 2) [m] the same along the second side
     depth_map : (nx + 1, ny + 1, 3) [m] x, y and depth of the nodes of the remaining face
     nodes, bricks : (n, 3) [m], (m, 8) in VTK's order
     plastic : (m,) effective plastic strain
     gone : (m,) bool, eroded
+    share : [-] part of the block that is modelled
     """
 
     face: float
@@ -48,6 +52,7 @@ class BackingResult:
     bricks: np.ndarray
     plastic: np.ndarray
     gone: np.ndarray
+    share: float = 0.25
 
     @property
     def depth(self) -> float:
@@ -61,8 +66,8 @@ class BackingResult:
 
     @property
     def volume(self) -> float:
-        """[m3] of the whole dent, below where the face was: 4 times that of the quarter; see `dent_volume`."""
-        return 4 * dent_volume(self.depth_map)
+        """[m3] of the whole dent, below where the face was; see `dent_volume`."""
+        return dent_volume(self.depth_map) / self.share
 
     @property
     def steepness(self) -> float:
@@ -79,7 +84,7 @@ def result_of(block: Block) -> BackingResult:
     """A block as it is."""
     return BackingResult(
         block.backing.standoff, block.crater(0), block.crater(1), block.depth_map(), block.x.copy(), block.bricks,
-        block.alpha.copy(), block.gone.copy(),
+        block.alpha.copy(), block.gone.copy(), 0.5 ** sum(block.backing.mirrors),
     )  # fmt: skip
 
 
@@ -113,15 +118,17 @@ def wall_angle(crater: FloatArray) -> float:
 
 def check(panel: Any) -> None:
     """InputError where a panel does not go with the block behind it."""
-    backing, shot = panel.backing, panel.projectile
+    backing = panel.backing
     if backing is None:
         return
-    if panel.symmetry != "quarter":
-        raise InputError(key="symmetry", value=panel.symmetry, allowed="quarter in front of a backing")
+    if panel.symmetry == "half":
+        raise InputError(key="symmetry", value=panel.symmetry, allowed="quarter or whole in front of a backing")
+    shot = panel.shot.seen_from(-panel.weave_angle)
     if shot.roaming or shot.tilted:
         raise InputError(key="obliquity", value=shot.obliquity, allowed="0, and no yaw or roll, before a backing")
-    if any(side < length for side, length in zip(backing.size, panel.opening)):
-        raise InputError(key="size", value=backing.size, allowed="a face at least as wide as the panel's opening")
+    if any(side < a + 2 * abs(x) for side, a, x in zip(backing.size, panel.opening, panel.impact_point)):
+        allowed = "a face that reaches as far from the impact point as the panel's opening"
+        raise InputError(key="size", value=backing.size, allowed=allowed)
 
 
 class BackingCoupling:
@@ -135,7 +142,7 @@ class BackingCoupling:
 
     Attributes
     ----------
-    block : block.Block, one step ahead of the cloth
+    block : block.Block, one step ahead of the fabric
 
     Raises
     ------
@@ -143,12 +150,16 @@ class BackingCoupling:
     """
 
     def __init__(self, backing: Backing, panel: Any, const: Any) -> None:
-        self.projectile, self.const, self.p = panel.projectile, const, backing.points
+        self.projectile, self.const, self.p = panel.shot.seen_from(-panel.weave_angle), const, backing.points
+        self._turn = axes(panel.weave_angle) if panel.weave_angle else None
         self.thickness = 0.5 * panel.weave.thickness
-        self.block = replace(backing, standoff=self.thickness + backing.standoff).block(const.dt)
+        standoff = self.thickness + backing.standoff
+        self.block = replace(backing, standoff=standoff, mirrors=panel.mirrors).block(const.dt)
         areas = np.full((const.ni, const.nj), const.dx * const.dy)
         if panel.sides is not None:
             areas = np.multiply.outer(*panel.sides)
+        loose = panel.loose()
+        areas = areas * (loose[:-1, :-1] | loose[1:, :-1] | loose[:-1, 1:] | loose[1:, 1:])
         point = np.repeat(panel.weave.areal_density * areas.ravel() / self.p**2, self.p**2)
         self._stiffness = backing.ply_penalty * point / const.dt**2
         self._damping = 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt
@@ -162,20 +173,23 @@ class BackingCoupling:
         ]
 
     def step(self, state: Any) -> None:
-        """One step of the block under its contacts with cloth and projectile; stores the contact forces [N] in
+        """One step of the block under its contacts with fabric and projectile; stores the contact forces [N] in
         state.f_block_cloth and state.f_block_nose."""
         const, block = self.const, self.block
-        state.f_block_nose[:] = block.strike(state.projectile_position, state.projectile_velocity, self.projectile)
+        to, back = self._turn, None if self._turn is None else self._turn.T
+        position, velocity = (turned_back(of, to) for of in (state.projectile_position, state.projectile_velocity))
+        state.f_block_nose[:] = turned_back(block.strike(position, velocity, self.projectile), back)
         if state.counter[2] > 0:  # yarns have failed
             eroded = (self._nodal(state.element_flag)[:-1, :-1] & ERODED) != 0
             self._loose[:] = np.broadcast_to(~eroded[..., None], (const.ni, const.nj, self.p**2)).ravel()
         places = np.stack([self._at_points(self._nodal(u) + at) for u, at in zip(state.u, self._rest)], axis=-1)
         speeds = np.stack([self._at_points(self._nodal(v)) for v in state.v], axis=-1)
+        places, speeds = (turned_back(part.reshape(-1, 3), to) for part in (places, speeds))
         forces = block.press(
-            places.reshape(-1, 3), speeds.reshape(-1, 3), self._loose * self._stiffness,
-            damping=self._loose * self._damping, thickness=self.thickness,
+            places, speeds, self._loose * self._stiffness, damping=self._loose * self._damping,
+            thickness=self.thickness,
         )  # fmt: skip
-        self._spread(forces.reshape(const.ni, const.nj, self.p**2, 3), state)
+        self._spread(turned_back(forces, back).reshape(const.ni, const.nj, self.p**2, 3), state)
         block.advance()
 
     def _nodal(self, values):
@@ -201,11 +215,13 @@ class BackingCoupling:
                 part = forces[:, :, m, c]
                 for n, place in zip(weights, (nodal[:-1, :-1], nodal[1:, :-1], nodal[:-1, 1:], nodal[1:, 1:])):
                     place += n * part
-        self._nodal(state.f_block_cloth[0])[0] = 0.0
-        self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
+        if self.const.mirror_x:
+            self._nodal(state.f_block_cloth[0])[0] = 0.0
+        if self.const.mirror_y:
+            self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
 
     def energies(self) -> list[float]:
-        """(n,) [J] of NAMES, of the modelled quarter."""
+        """(n,) [J] of NAMES, of the modelled part."""
         return list(self.block.energies().values())
 
     def result(self) -> BackingResult:

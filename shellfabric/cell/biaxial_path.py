@@ -20,7 +20,7 @@ class CellPath:
     Parameters
     ----------
     ratio : (warp, weft) [-] of the strains, the larger 1
-    strain : (n, 2) [-] of the cloth along warp and weft
+    strain : (n, 2) [-] of the fabric along warp and weft
     response : {name: (n,)} of `CellModel.solve`: T1, T2, N1, N2, F [N], h1, h2 [m], W [J]
     failed : "warp" or "weft", the yarn that is at its strength at the end
     """

@@ -30,7 +30,7 @@ def nonnegative(
     """Nodal values and slopes per cell of the grid, limited so that the bicubic between them is nowhere negative.
 
     Where yarns come into contact the potential rises from zero as a parabola, and a cubic through it dips below zero:
-    cloth would creep away from its rest. A bicubic is not negative where its Bernstein coefficients are not: those
+    fabric would creep away from its rest. A bicubic is not negative where its Bernstein coefficients are not: those
     about a node are f +- fx / 3 +- fy / 3 +- fxy / 9, with the signs of the four cells there. Beside rest alone, since
     it costs accuracy of the table.
     """
@@ -66,7 +66,7 @@ def spline(f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray, rest:
     curvature at the nodes, by half as much and the other way in between.
 
     rest : node of the stretches 1. Controls about it are not negative, and so neither is f; and those next to it are
-    zero where f and its slopes are, so that cloth at rest has no forces.
+    zero where f and its slopes are, so that fabric at rest has no forces.
     """
     still = abs(f[rest]) + abs(fx[rest]) + abs(fy[rest]) < 1e-9 * np.abs(f).max()
     d = _controls(_controls(f, fx, 0), _controls(fy, fxy, 0), 1)

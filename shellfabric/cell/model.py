@@ -5,10 +5,10 @@ is lost whatever the other yarn does, its tension is zero and the other's does n
 at Lambda_lo is exact. A yarn of the length S0 is never higher than S0 / 2, however narrow its cell. Where that does not
 fill the cell (yarns crimped by about 9 % and more, and one of them far higher than the other), a crossing yarn that is
 pulled straight stays in contact at every stretch. The table then ends where the crossing yarns would lie side by side
-as round solid rods, closer than which no cloth can be: 2 w Lambda = sqrt(4 A_s / pi). Below that stretch the energy is
+as round solid rods, closer than which no fabric can be: 2 w Lambda = sqrt(4 A_s / pi). Below that stretch the energy is
 that at the table's edge, and the force conjugate to it zero. Above Lambda_hi the yarn has failed, since even alone it
 is past its strength; the forces of a yarn that is not allowed to fail go on from there linearly. The stretch 1 is a
-node: cloth at rest has the very forces of the cell at rest.
+node: fabric at rest has the very forces of the cell at rest.
 """
 
 from __future__ import annotations
@@ -311,11 +311,11 @@ class CellTable:
         return self.stretch1[1] - self.stretch1[0], self.stretch2[1] - self.stretch2[0]
 
     def stiffness(self) -> float:
-        """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of cloth) over the table."""
+        """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of fabric) over the table."""
         return self._stiffness[0]
 
     def tautness(self) -> float:
-        """[-] that eigenvalue at rest, where cloth begins to be stretched, over its largest."""
+        """[-] that eigenvalue at rest, where fabric begins to be stretched, over its largest."""
         return self._stiffness[1] / self._stiffness[0]
 
     @cached_property
@@ -335,6 +335,6 @@ class CellTable:
 def _dense_packing(w, crossing):
     """Stretch of a cell of the half length w at which the yarns that cross it lie side by side, as round solid rods.
 
-    At most 1: cloth that is denser than that does not become denser.
+    At most 1: fabric that is denser than that does not become denser.
     """
     return min(np.sqrt(crossing.A_s / np.pi) / w, 1.0)

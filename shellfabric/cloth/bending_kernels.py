@@ -1,4 +1,4 @@
-"""Resistance of yarns to bending, out of the cloth's plane and in it, at the nodes along each grid line.
+"""Resistance of yarns to bending, out of the fabric's plane and in it, at the nodes along each grid line.
 
 With t1, t2 the unit tangents of the segments before and after a node, L their (mean) length at rest and B = n EI / L, n
 being the yarns that the line stands for, the turn of the yarn stores

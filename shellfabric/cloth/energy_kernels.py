@@ -1,7 +1,7 @@
-"""Energies of an audit, eight nodes, edges or quadrilaterals at a time: of motion, and of what whole cloth stores.
+"""Energies of an audit, eight nodes, edges or quadrilaterals at a time: of motion, and of what whole fabric stores.
 
 Those of yarns and trellis are the energies of `failure_kernels.stored_energy` where no yarn has failed and every edge
-has its four crossing edges. An audit looks at all of the cloth: one by one it would cost as much as the steps between
+has its four crossing edges. An audit looks at all of the fabric: one by one it would cost as much as the steps between
 two audits.
 """
 

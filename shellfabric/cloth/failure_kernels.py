@@ -1,12 +1,14 @@
 """Failure of yarns: criterion, removal and energies. Forces of damaged elements: `damage_kernels`.
 
 What fails is a segment of a yarn between two crossovers. Where elements are shorter than a crossover a yarn has several
-lines: its axis, and the lines between it and the axes of its two neighbours, whose cloth both share in proportion to
+lines: its axis, and the lines between it and the axes of its two neighbours, whose fabric both share in proportion to
 the distance from the other's axis (`panel.grading.YarnLines`). Its tension is the mean over these lines by these
 shares, the shape function of a yarn's line on a mesh of one element a crossover: the same quantity on every mesh. It is
 compared with the strength as it is, or low-passed over a time tau:
 
     dT_f/dt = (T - T_f) / tau
+
+The strength is that of the yarn, or follows the strain rate and the bending over the nose (`strength_kernels`).
 
 A failed segment is gone for good, its mass stays. Its crossing yarns lose the contact with it: see `membrane_kernels`
 for alpha and kappa. What it stored is booked as lost, with the half step in which its old force has acted.
@@ -15,7 +17,7 @@ for alpha and kappa. What it stored is booked as lost, with the half step in whi
 import numpy as np
 
 from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth import energy_kernels
+from shellfabric.cloth import energy_kernels, strength_kernels
 from shellfabric.cloth.damage_kernels import WARP, WEFT, sum_crossing, trellis_intact_fraction, yarn_properties
 from shellfabric.cloth.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED
 from shellfabric.cloth.table_kernels import potential
@@ -44,8 +46,9 @@ def line_share(along, line, axis):
 
 
 @kernel(_nrt=False)
-def yarn_tension(const, state, family, row, column):
-    """Tension of the yarn segment that begins at node (row, column): mean over its length and its lines' shares."""
+def yarn_tension(const, tension, family, row, column):
+    """Tension of the yarn segment that begins at node (row, column): mean over its length and its lines' shares of that
+    of edges, such as state.T[family]."""
     if family == WARP:
         along, across = const.yarn_columns, const.yarn_rows
     else:
@@ -58,7 +61,7 @@ def yarn_tension(const, state, family, row, column):
         for place in range(start, start + across.elements[start]):
             part = share * across.side[place]
             i, j = (place, line) if family == WARP else (line, place)
-            total += part * state.T[family][np.uint64(i * const.row_stride + j)]
+            total += part * tension[np.uint64(i * const.row_stride + j)]
             weight += part
     return total / weight
 
@@ -69,6 +72,32 @@ def yarn_strength(const, family, row, column):
     if family == WARP:
         return const.yarn_strengths1[const.yarn_columns.yarn[column]]
     return const.yarn_strengths2[const.yarn_rows.yarn[row]]
+
+
+@kernel(_nrt=False)
+def loading(const, state, family, row, column, T):
+    """(load, strain of bending, damage after this step) of the segment of tension T from node (row, column) on.
+
+    The load is the strain of the outer side of its fibres over the failure strain; the damage 0 without a law of rates.
+    """
+    if family == WARP:
+        along, across, EA = const.yarn_columns, const.yarn_rows, const.EA1
+    else:
+        along, across, EA = const.yarn_rows, const.yarn_columns, const.EA2
+    axis, start = (column, row) if family == WARP else (row, column)
+    lines, k = lines_of_yarn(along, axis), np.uint64(row * const.row_stride + column)
+    bent = strength_kernels.segment_bending(
+        const.fibre_diameter, state, along, across, family, axis, start, lines, const.row_stride
+    )
+    load = (T + EA * bent) / yarn_strength(const, family, row, column)
+    kept = state.rate_damage[family]
+    return load, bent, strength_kernels.damage(const.rate_law, family, const.dt, kept, k, load)
+
+
+@kernel(_nrt=False)
+def is_past(const, load, damage):
+    """Whether a segment fails at a load and a damage, as `loading` gives them."""
+    return load > strength_kernels.highest_load(const.rate_law) or damage >= 1.0
 
 
 @kernel(_nrt=False)
@@ -85,17 +114,30 @@ def any_past_strength(const, state, family, first, last):
     for i in range(first, rows + 1):
         for j in range(0, columns + 1):
             whole = begins_segment(const, i, j) and not state.failed[family][np.uint64(i * const.row_stride + j)]
-            if whole and yarn_tension(const, state, family, i, j) > yarn_strength(const, family, i, j):
-                return True
+            if whole:
+                T = yarn_tension(const, state.T[family], family, i, j)
+                load, _, damage = loading(const, state, family, i, j, T)
+                if T > 0.0 and is_past(const, load, damage):
+                    return True
     return False
+
+
+@kernel(_nrt=False)
+def filter_tensions(const, state):
+    """Low-pass the tensions of all edges of the active rows; means of them are then those of filtered tensions."""
+    first, last = state.active_rows[0] * const.row_stride, (state.active_rows[1] + 1) * const.row_stride
+    for family in range(2):
+        slow, tension = state.filtered_tension[family], state.T[family]
+        for k in range(np.uint64(first), np.uint64(last)):
+            slow[k] += const.filter_alpha * (tension[k] - slow[k])
 
 
 @kernel(_nrt=False)
 def detect_failures(const, state, family, first, last):
     """Break the yarn segments that exceed their strength, among those that begin in the node rows first .. last.
 
-    Filters the tensions if const.filter_alpha > 0, and keeps the peak with its segment and step. Returns how many have
-    failed.
+    Where const.filter_alpha > 0 the filtered tension counts. Keeps the peak with its segment and step. Returns how many
+    have failed.
     """
     failures = 0
     # a segment of one edge that is below the peak and the lowest strength needs no closer look
@@ -109,14 +151,20 @@ def detect_failures(const, state, family, first, last):
             k = np.uint64(i * const.row_stride + j)
             if state.T[family][k] <= bound or state.failed[family][k] or not begins_segment(const, i, j):
                 continue
-            T = yarn_tension(const, state, family, i, j)
+            T = yarn_tension(const, state.T[family], family, i, j)
             if T > state.peak_tension[family]:
                 state.peak_segment[family, 0], state.peak_segment[family, 1] = k, state.counter[0] + 1
             state.peak_tension[family] = max(state.peak_tension[family], T)
             if const.filter_alpha > 0.0:
-                state.filtered_tension[family][k] += const.filter_alpha * (T - state.filtered_tension[family][k])
-                T = state.filtered_tension[family][k]
-            if T > yarn_strength(const, family, i, j):
+                T = yarn_tension(const, state.filtered_tension[family], family, i, j)
+            if T <= lowest:
+                continue
+            load, bent, damage = loading(const, state, family, i, j, T)
+            strength_kernels.keep_damage(const.rate_law, state.rate_damage[family], k, damage)
+            if is_past(const, load, damage):
+                state.failure_sums[0] += 1.0
+                state.failure_sums[1] += T / yarn_strength(const, family, i, j)
+                state.failure_sums[2] += bent
                 state.failed[family][k] = 1
                 break_segment(const, state, family, i, j)
                 failures += 1

@@ -1,8 +1,8 @@
-"""Jamming: resistance of cloth to in-plane compression once neighbouring yarns touch.
+"""Jamming: resistance of fabric to in-plane compression once neighbouring yarns touch.
 
 A crossover has no stiffness when its yarns go slack, and nothing in the cell of the thesis keeps an element from being
 pressed flat, where the trellis, which acts along unit vectors, tears it apart. Where yarns do not fail, as in the
-thesis's study of pencilling, cloth does bunch up about the projectile so far. A segment of stretch l below l_j stores
+thesis's study of pencilling, fabric does bunch up about the projectile so far. A segment of stretch l below l_j stores
 
     U = y K / 2 ln(l / l_j)^2,     N = dU/dl / y = K ln(l / l_j) / l        (pressure negative)
 

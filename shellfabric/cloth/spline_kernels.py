@@ -1,4 +1,4 @@
-"""The cloth as a smooth surface: quadratic B-splines whose control points are the nodes.
+"""The fabric as a smooth surface: quadratic B-splines whose control points are the nodes.
 
 The surface about node (i, j), from half an element before it to half an element behind it along both families, is
 
@@ -6,7 +6,7 @@ The surface about node (i, j), from half an element before it to half an element
     B = (1/2 - s)^2 / 2,  3/4 - s^2,  (1/2 + s)^2 / 2
 
 Its slope is continuous. Weights are at least 0 and their sum is 1, so that a point lies in the convex hull of its
-nodes, and cloth that is flat and even is kept as it is. An element is a quarter each of the surfaces about its four
+nodes, and fabric that is flat and even is kept as it is. An element is a quarter each of the surfaces about its four
 nodes.
 
 Beyond a plane of symmetry nodes are mirror images. Where a yarn ends, at a border of the panel or where it has failed,

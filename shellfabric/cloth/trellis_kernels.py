@@ -1,6 +1,6 @@
 """Trellis shear of the woven membrane: the three-zone law and the shear forces of quadrilaterals.
 
-The formulation, with what happens to cloth that is drawn together, is in `membrane_kernels`.
+The formulation, with what happens to fabric that is drawn together, is in `membrane_kernels`.
 """
 
 import math

@@ -1,8 +1,8 @@
-"""A piece of cloth cut from a weave for a quasi-static test: its yarns as a grid, whatever the outline.
+"""A piece of fabric cut from a weave for a quasi-static test: its yarns as a grid, whatever the outline.
 
 The grid always runs along the yarns, also in a coupon that is cut on the bias: an element across the yarns would be
 kept from shearing by the stiffness of the yarns themselves (tension locking), which here is a thousand times that of
-the trellis. A cut across the yarns is then a staircase, as it is in the cloth.
+the trellis. A cut across the yarns is then a staircase, as it is in the fabric.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Coupon:
-    """Cloth in its plane, as lists of yarn segments and of the quadrilaterals between them.
+    """Fabric in its plane, as lists of yarn segments and of the quadrilaterals between them.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from shellfabric.driver.solver import Hook
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding import contact_force
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip, grid
 from shellfabric.solver.pack_solver import PackSolver
 
 CROSSHEAD = 1e3  # [kg]: a load of 100 N for 1 ms changes its velocity by 1e-4 m/s
@@ -142,7 +142,7 @@ class PullOutSolver(PackSolver):
         self.coupon = coupon
         super().__init__(panel, 1.0, end_time, interval=interval, energy_error_limit=1.0)
 
-    def set_up(self) -> None:
+    def set_up(self) -> tuple[Slip, ...]:
         """Hold the nodes, stretch the crossing yarns and set the crosshead in motion before the first sample."""
         panel, const, state = self.parts[0]
         for array in (state.inverse_mass, state.dt_over_mass):
@@ -151,8 +151,7 @@ class PullOutSolver(PackSolver):
         state.active_rows[:] = 0, const.ni
         stretch = self.coupon.stretch()
         grid(state.u[1], panel)[:] = (stretch - 1) * panel.coordinates()[1]
-        self.slips = self.pack.slips(self.states)
-        (self.slip,) = self.slips
+        (self.slip,) = slips = super().set_up()
         grid(self.slip.x[1], panel)[:, :-1] = stretch
         grid(state.stretch[1], panel)[:, :-1] = stretch
         self.node, middle = const.ni * const.row_stride + const.nj // 2, const.nj // 2
@@ -171,6 +170,7 @@ class PullOutSolver(PackSolver):
         )
         share[:], inverse[:], x[:] = self.coupon.drawn_in(), 1 / self.coupon.drawn_in(), 1 / self.coupon.drawn_in()
         self.slip.row_slips[const.ni] = True
+        return slips
 
     def load(self) -> float:
         """[N] of the crosshead."""

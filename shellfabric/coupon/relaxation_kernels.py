@@ -1,6 +1,6 @@
-"""Forces of a piece of cloth in its plane: yarn segments joined at crossovers, and the trellis between them.
+"""Forces of a piece of fabric in its plane: yarn segments joined at crossovers, and the trellis between them.
 
-A grid line of the cloth is a yarn, a node a crossover, an edge a segment of yarn, so that a piece of any outline is a
+A grid line of the fabric is a yarn, a node a crossover, an edge a segment of yarn, so that a piece of any outline is a
 list of warp edges, a list of weft edges and a list of the quadrilaterals between them. With Lambda_e the stretch of an
 edge, and <Lambda>_e the mean stretch of the edges of the other family that meet its two ends,
 

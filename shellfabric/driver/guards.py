@@ -11,11 +11,11 @@ def speed_limit(const: Any) -> float:
     """[m/s] the highest speed of a node that a run goes on with: one shorter side of an element in a step.
 
     Nodes are fast without any instability. The nose throws light ones at twice its own velocity and more, a yarn that
-    breaks at the strain e lets go of its free end at 2 e c, with c the wave speed of the cloth, and the free corner of
+    breaks at the strain e lets go of its free end at 2 e c, with c the wave speed of the fabric, and the free corner of
     a panel that is drawn in cracks as a whip does. None of this is bounded by the strike velocity alone. What central
     differences cannot follow is a change of shape within a step: their bound takes the stiffness as constant over it,
     while one end of a segment that moves by the segment's length has turned it over. As the step is a share of the time
-    that a wave takes over an element, such a node is faster than sound in the cloth. Below the bound the energy error
+    that a wave takes over an element, such a node is faster than sound in the fabric. Below the bound the energy error
     decides whether a run is good, and ends it if not.
 
     Parameters

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import groupby
-from math import ceil, inf
+from math import ceil, degrees, inf, pi
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from shellfabric.output.snapshots import Snapshot
 from shellfabric.panel import boundary, quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.plies.model import Pack, PlyContact
+from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, SlipSummary
@@ -52,13 +52,13 @@ class Ply:
     ----------
     fabric : Fabric, as of ImpactSetup
     laws : (warp, weft) CompressionLaw; None takes the fabric's published ones
-    turned : whether it is turned by a right angle
+    angle : [rad] by which it is turned, from warp to weft, above -pi/2 and at most pi/2
     gap : [m] to the next ply at rest; None takes that of `plies.gap.gap_between`
     """
 
     fabric: Fabric
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
-    turned: bool = False
+    angle: float = 0.0
     gap: float | None = None
 
 
@@ -90,8 +90,11 @@ class ImpactSetup:
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
         strength of the cell's
     audit_interval, snapshot_interval : [s]; no snapshots where None
+    rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is that of the highest
+        rate of the fabric's `strain_rate`
+    nose_bending : whether their strength is lowered by bending over the nose, see Panel
     failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
-    backing : Backing, the block behind the cloth, or None
+    backing : Backing, the block behind the fabric, or None
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
     crossovers : sliding.model.CrossoverFriction of yarns that slide through their crossovers; None pins them
@@ -131,6 +134,8 @@ class ImpactSetup:
     audit_interval: float = 2e-6
     snapshot_interval: float | None = None
     failure: bool = True
+    rate_dependence: bool = False
+    nose_bending: bool = False
     backing: Backing | None = None
     history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
@@ -159,8 +164,9 @@ class ImpactSetup:
         """The name of the fabric, or what the lay-up is made of."""
         if not self.lay_up:
             return self.fabric.name
-        same = groupby((ply.fabric.name, ply.turned) for ply in self.lay_up)
-        parts = [(len(list(plies)), f"{name}{' at 90 deg' if turned else ''}") for (name, turned), plies in same]
+        same = groupby((ply.fabric.name, ply.angle) for ply in self.lay_up)
+        at = lambda angle: f" at {degrees(angle):g} deg" if angle else ""  # noqa: E731
+        parts = [(len(list(plies)), f"{name}{at(angle)}") for (name, angle), plies in same]
         return " + ".join(f"{count} x {name}" for count, name in parts)
 
     @property
@@ -177,9 +183,20 @@ class ImpactSetup:
         """The fabric of a ply, the first is 0."""
         return self.lay_up[ply].fabric if self.lay_up else self.fabric
 
+    def angle_of(self, ply: int) -> float:
+        """[rad] by which a ply, the first is 0, is turned."""
+        if self.lay_up:
+            return self.lay_up[ply].angle
+        return pi / 2 if self.stacking == "alternating" and ply % 2 == 1 else 0.0
+
     def is_turned(self, ply: int) -> bool:
-        """Whether a ply, the first is 0, is turned by a right angle."""
-        return self.lay_up[ply].turned if self.lay_up else self.stacking == "alternating" and ply % 2 == 1
+        """Whether a ply, the first is 0, is turned by a right angle: its warp is the weft of its panel."""
+        return self.angle_of(ply) == pi / 2 and self.weave_angle == 0
+
+    @property
+    def angled(self) -> bool:
+        """Whether a ply is at another angle than 0 and a right one."""
+        return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
@@ -224,6 +241,8 @@ class ImpactSetup:
         if any(self.is_turned(ply) for ply in range(self.plies)):
             coarse += [replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in coarse]
         plain = [one.panel(one.plain_table()) for one in coarse]  # the reach does not depend on the values of the table
+        angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
+        plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
         near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))
         return replace(self, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
 
@@ -236,8 +255,10 @@ class ImpactSetup:
         """The crossover's cell."""
         if self.surface is not None:
             return SurfaceCell(self.fabric, self.surface, self.form)
-        reach = 1.0 if self.failure else UNFAILING
-        return CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
+        reach, fabric = 1.0 if self.failure else UNFAILING, self.fabric
+        if self.rate_dependence and fabric.strain_rate is not None:
+            reach, fabric = max(reach, *fabric.strain_rate.strength), fabric.at_high_rate()
+        return CellModel(fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
 
     def table(self, kept: bool = False, method: str = FILL) -> CellTable:
         """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
@@ -296,6 +317,8 @@ class ImpactSetup:
             self.edge,
             self.numerics,
             failure=self.failure,
+            rate_dependence=self.rate_dependence,
+            nose_bending=self.nose_bending,
             backing=self.backing,
             jam=self.jam,
             weave_angle=self.weave_angle,
@@ -323,7 +346,7 @@ class ImpactSetup:
             panels = [panel, *(one.panel() for one in kinds[1:])]
             numbers = [kinds.index(replace(kinds[0], fabric=ply.fabric, laws=ply.laws)) for ply in self.lay_up]
             return Pack.laid_up(
-                [(panels[number], ply.turned) for number, ply in zip(numbers, self.lay_up)],
+                [(panels[number], ply.angle) for number, ply in zip(numbers, self.lay_up)],
                 gaps=[ply.gap for ply in self.lay_up[:-1]], contact=self.contact, friction=self.ply_friction,
             )  # fmt: skip
         return Pack.stacked(
@@ -355,7 +378,7 @@ class ImpactResult(Outcome):
     deepest, held_apart : (plies - 1,) and (2,) [-] see PackSolver
     step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
-    backing : backing.coupling.BackingResult, the block behind the cloth at the end, or None
+    backing : backing.coupling.BackingResult, the block behind the fabric at the end, or None
     projectile_position : (3,) [m] position of its nose at the end
     last : (plies,) snapshots.Snapshot at the end, counted from the plane of the first ply at rest
     snapshots : tuple of such tuples
@@ -364,6 +387,7 @@ class ImpactResult(Outcome):
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
     slips : (plies,) sliding.model.SlipSummary of sliding crossovers; empty of pinned ones
+    failures : (plies, 3) State.failure_sums of each ply
     """
 
     setup: ImpactSetup
@@ -394,6 +418,7 @@ class ImpactResult(Outcome):
     max_deflection: float
     checks: tuple
     slips: tuple[SlipSummary, ...] = ()
+    failures: np.ndarray = field(default_factory=lambda: np.zeros((1, 3)))
 
     @property
     def panels(self) -> tuple[Panel, ...]:
@@ -490,14 +515,14 @@ def collect_result(setup: ImpactSetup, solver: PackSolver) -> ImpactResult:
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), setup.projectile.bar
     plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
-    deflection = plies["deflection"][:, -1]
+    deflection, speed = plies["deflection"][:, -1], dynamics.velocity(solver.state, solver.const)
     last = output_snapshots.of_plies(solver)
     return ImpactResult(
         setup=setup,
         target=solver.pack,
         outcome=solver.outcome,
         residual_velocity=solver.residual_velocity,
-        velocity=dynamics.velocity(solver.state, solver.const),
+        velocity=panels[0].in_pack(speed),
         t=solver.sample("t"),
         v=solver.sample("v"),
         nose_position=solver.sample("z"),
@@ -523,4 +548,5 @@ def collect_result(setup: ImpactSetup, solver: PackSolver) -> ImpactResult:
         max_deflection=float(deflection.max()),
         checks=quality.of_solver(solver),
         slips=solver.slip_summaries(),
+        failures=np.array([state.failure_sums for state in solver.states]),
     )

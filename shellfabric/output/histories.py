@@ -2,8 +2,8 @@
 
 A yarn is one row of elements along warp or weft, chosen by its distance from the impact point. Recorded at every
 instant are the tension in its elements, where its nodes are along its own direction, and how far they are deflected;
-at each edge of the panel the force of the cloth on the nodes there, which where they are held is the reaction; of a ply
-in a pack, with the force of its neighbours on these nodes.
+at each edge of the panel the force of the fabric on the nodes there, which where they are held is the reaction; of a
+ply in a pack, with the force of its neighbours on these nodes.
 
 A recording is a list of rows of numbers (`solver.histories`), so that checkpoints can keep it; `unpack` gives it back
 its names. Of a pack the same is recorded of every ply, or of the plies that are named.
@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import cos, inf, sin
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from fabrics.errors import InputError
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import yarn_tensions
 from shellfabric.panel.boundary import in_frame, loose, stepped
+from shellfabric.projectile.frames import axes
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -112,7 +113,7 @@ class Histories:
     ----------
     t : (samples,) [s]
     yarns : tuple of YarnHistory
-    edges : {name of EDGES: (samples, 2)} [N] force of the cloth on an edge of the whole panel: pull inwards, and lift
+    edges : {name of EDGES: (samples, 2)} [N] force of the fabric on an edge of the whole panel: pull inwards, and lift
         along the flight of the projectile
     """
 
@@ -224,7 +225,7 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
 
 def _stepped_sides(panel):
     """((4, ni+1, nj+1) held nodes of each side, (4, 2) outward normals) of a panel with a staircase for an edge."""
-    c, s = cos(panel.weave_angle), sin(panel.weave_angle)
+    c, s = axes(panel.weave_angle)[0]
     x, y = in_frame(panel) / (0.5 * np.array(panel.opening))[:, None, None]
     nearest = np.where(np.abs(x) > np.abs(y) - 1e-9, np.where(x > 0, 0, 1), np.where(y > 0, 2, 3))
     return ~loose(panel) & (nearest == np.arange(4)[:, None, None]), np.array([(c, -s), (-c, s), (s, c), (-s, -c)])

@@ -24,12 +24,12 @@ class Snapshot:
     t : [s]
     nose_position : [m] foremost point of the projectile
     projectile_position : (3,) [m] position of its nose
-    nodes : (ni+1, nj+1, 3) [m]
+    nodes : (ni+1, nj+1, 3) [m], as projectile_position in the frame of the pack that the panel is in
     tension : (ni, nj, 2) [N] of warp and weft
     failed : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
     pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`: from the projectile
         (k = 1); in a pack or before a block (k = 3) also from the ply in front and from the ply or block behind, all
-        positive where pressed; in a pack (k = 4) also from the constraint of torn cloth, positive along the flight
+        positive where pressed; in a pack (k = 4) also from the constraint of torn fabric, positive along the flight
     area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
     failed_segments : (ni+1, nj+1, 2) failed segments of warp and weft that begin at the node, of the modelled part
     slip : (ni+1, nj+1, 2) [m] length of warp and weft that has passed through the node; (ni+1, nj+1, 0) of pinned
@@ -62,13 +62,14 @@ def snapshot(
     nodes = _stacked(panel, state.u)
     nodes[..., 0] += X
     nodes[..., 1] += Y
+    position = panel.in_pack(state.projectile_position.copy())
     c = panel.constants()
     broken = failures(c, state)
     z = float(state.projectile_position[2] + panel.projectile.top)
     lost = _stacked(panel, state.failed) * np.stack(panel.segments, axis=2)
     pressure = _stacked(panel, pressing) / panel.areas[..., None]
     return Snapshot(
-        t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken, pressure.astype(np.float32),
+        t, z, position, panel.in_pack(nodes), yarn_tensions(c, state), broken, pressure.astype(np.float32),
         panel.areas, lost.astype(np.float32), _stacked(panel, passed),
     )  # fmt: skip
 
@@ -83,11 +84,12 @@ def _stacked(panel, arrays):
 
 def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     """(plies,) snapshots of the plies of a PackSolver, counted from the plane of the first ply at rest."""
-    found, nose = [], solver.state.projectile_position
+    found: list[Snapshot] = []
     for ply, ((panel, _, state), z) in enumerate(zip(solver.parts, solver.places)):
         touched = solver.normal_contact_forces(ply), solver.passed_lengths(ply)
         one = snapshot(panel, state, solver.time, *touched)
         one.nodes[..., 2] += z
+        nose = found[0].projectile_position if found else one.projectile_position
         found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy()))
     return tuple(found)
 
@@ -113,7 +115,8 @@ def deflection_profile(
     """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z)) [m]."""
     c = panel.constants()
     i, j = (0 if c.mirror_x else c.ni // 2), (0 if c.mirror_y else c.nj // 2)
-    return (shot.nodes[:, j, 0], shot.nodes[:, j, 2]), (shot.nodes[i, :, 1], shot.nodes[i, :, 2])
+    warp, weft = shot.nodes[:, j], shot.nodes[i, :]
+    return (warp[:, :2] @ panel.axes[0], warp[:, 2]), (weft[:, :2] @ panel.axes[1], weft[:, 2])
 
 
 def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, ...]:

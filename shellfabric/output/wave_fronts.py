@@ -2,12 +2,12 @@
 
 Longitudinal: in each element, the instant at which the tension passes a threshold, interpolated between records. In a
 woven yarn of no crimp it runs at c / sqrt(1 + mass of the crossing yarn over its own), c / sqrt 2 in a balanced weave
-(thesis eq. 5-6, erratum E-38). The speed in the cloth at rest, X / t, is less than that along the yarn by the
-crimp, and a crimped yarn's front is a shock: with the tension T behind it and the stretch eps of the cloth there, it
-runs at sqrt(T / (m eps)), m being the mass of the cloth per length and yarn (momentum and mass across the jump).
+(thesis eq. 5-6, erratum E-38). The speed in the fabric at rest, X / t, is less than that along the yarn by the
+crimp, and a crimped yarn's front is a shock: with the tension T behind it and the stretch eps of the fabric there, it
+runs at sqrt(T / (m eps)), m being the mass of the fabric per length and yarn (momentum and mass across the jump).
 
 Transverse: at each instant, the foot of the deflected part: where the chord through the side of the profile at 3/4
-and 1/4 of its height meets the undeflected cloth. On a straight yarn the side is straight and the foot is the kink,
+and 1/4 of its height meets the undeflected fabric. On a straight yarn the side is straight and the foot is the kink,
 which runs at U (`smith`).
 """
 

@@ -32,20 +32,20 @@ Constants = namedtuple(
     "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
     "table_last2 table_grid force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 cv2 "
     "trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
-    "yarn_strengths2 filter_alpha erosion_gap_ratio window_limits points_per_side shape_functions point_law "
-    "projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps nose_shape nose_parameters "
-    "projectile_length frame tilted window_follows body_depth "
-    "draw_in_reach foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends "
-    "bar_mass bar_h bar_area bar_law bar_substeps has_backing line_offset1 line_offset2",
+    "yarn_strengths2 filter_alpha rate_law fibre_diameter erosion_gap_ratio window_limits points_per_side "
+    "shape_functions point_law projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps "
+    "nose_shape nose_parameters projectile_length frame tilted window_follows body_depth draw_in_reach "
+    "foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends bar_mass bar_h "
+    "bar_area bar_law bar_substeps has_backing line_offset1 line_offset2",
 )
 State = namedtuple(
     "State",
     "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch force_slope yarn_length "
-    "intact_fraction failed filtered_tension element_flag block_damage tension_stale block_max_tension "
-    "last_contact_force in_contact dv_other dv_contact force_scale f_contact projectile_position "
-    "projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums peak_tension peak_segment "
-    "contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth bar_u bar_v bar_plastic "
-    "bar_stress bar_energy",
+    "intact_fraction failed filtered_tension rate_damage bending_strain failure_sums element_flag block_damage "
+    "tension_stale block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
+    "projectile_position projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums "
+    "peak_tension peak_segment contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth bar_u "
+    "bar_v bar_plastic bar_stress bar_energy",
 )
 Work = namedtuple(
     "Work",
@@ -81,10 +81,10 @@ def _constants(panel, out_of_plane):
     G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
     lag = panel.critical_step / dt
     mass = weave.areal_density * dx * dy
-    (x0, y0), shot = panel.origin, panel.projectile
+    (x0, y0), shot = panel.origin, panel.shot
     rim_node, rim_axis, rim = boundary.rim(panel)
     strengths = _strengths(panel)
-    # over the cloth: it slides, or the cloth is drawn under it; on a graded panel from within the first zone
+    # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
     yarns = panel.yarn_lines
@@ -111,9 +111,11 @@ def _constants(panel, out_of_plane):
         force_per_slope1=rx / (2 * w1), force_per_slope2=ry / (2 * w2), variational=table.model.form == "variational",
         G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
         w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
-        min_strength1=strengths[0].min(), min_strength2=strengths[1].min(),
+        **_lowest(panel, strengths),
         yarn_strengths1=strengths[0], yarn_strengths2=strengths[1],
         filter_alpha=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0,
+        rate_law=_rate_law(panel) if panel.rate_dependence else None,
+        fibre_diameter=panel.fabric.fibre_diameter if panel.nose_bending else None,
         erosion_gap_ratio=knobs.widest, window_limits=_near(panel, roaming), **_contact(panel, mass),
         projectile_radius=shot.radius, edge_radius=shot.edge_radius, projectile_mass=shot.mass * panel.share,
         free_dofs=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
@@ -168,10 +170,12 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         yarn_length=lengths, intact_fraction=tuple((y > 0).astype(float) for y in lengths),
         failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
         filtered_tension=aligned_zeros(2, slots if const.filter_alpha > 0 else 0),
+        rate_damage=aligned_zeros(2, slots if const.rate_law is not None else 0),
+        bending_strain=aligned_zeros(2, slots if const.fibre_diameter is not None else 0), failure_sums=np.zeros(3),
         block_damage=np.zeros(blocks, np.uint8), tension_stale=np.zeros(blocks, np.bool_),
         block_max_tension=np.zeros((blocks, 2)), element_flag=np.zeros(slots, np.uint8), f_contact=three(),
         **contact.contact_state(const.window_limits, const.points_per_side, const.shape_functions, const.friction),
-        projectile_position=panel.projectile.start(), projectile_velocity=strike_velocity * panel.projectile.flight,
+        projectile_position=panel.shot.start(), projectile_velocity=strike_velocity * panel.shot.flight,
         f_contact_nose=np.zeros(3),
         contact_energy=np.zeros(5), active_rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]),
         counter=np.array([AT_REST, 0, 0]),
@@ -179,7 +183,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         contact_window=np.array(const.window_limits),
         slip_force=np.zeros(const.slip_node.size), slip_energy=np.zeros(3),
         f_block_nose=np.zeros(3), f_block_cloth=three() if const.has_backing else aligned_zeros(3, 0),
-        **dynamics.state(panel.projectile, strike_velocity),
+        **dynamics.state(panel.shot, strike_velocity),
     )  # fmt: skip
 
 
@@ -266,6 +270,23 @@ def _strengths(panel):
         np.asarray(given, float) * (yarn.strength if panel.failure else inf)
         for given, yarn in zip(factors, panel.weave.yarns)
     )
+
+
+def _rate_law(panel):
+    """(2, 3, n) `RateLaw.table` of warp and weft."""
+    return np.array([panel.fabric.strain_rate.table(yarn.failure_strain) for yarn in panel.weave.yarns])
+
+
+def _lowest(panel, strengths):
+    """Bounds [N] below which no yarn fails: the lowest strength, at any strain rate and bent over the nose's edge."""
+    slowest, bent = _rate_law(panel)[0, 0, 0] if panel.rate_dependence else 1.0, 0.0
+    if panel.nose_bending:
+        d = panel.fabric.fibre_diameter
+        bent = d / (2 * panel.projectile.nose_radius + d)
+    return {
+        f"min_strength{n}": max(slowest * each.min() - yarn.EA * bent, 0.0)
+        for n, each, yarn in zip((1, 2), strengths, panel.weave.yarns)
+    }
 
 
 def _near(panel, roaming):

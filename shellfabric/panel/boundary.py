@@ -5,7 +5,7 @@ at the two weft sides. An edge is given as one side for all four, or as (warp, w
 pair (lowest, highest). Nodes of a slipping side move along the yarns that end there and not otherwise; where two sides
 meet that are not free, the corner is held.
 
-Cloth that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes move in.
+Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes move in.
 
 The grid follows the yarns, and its middle is the impact point. Where the weave is at an angle to the sides of the
 opening, the opening is round, or its middle is not the impact point, the grid covers the opening, and its nodes on and
@@ -16,7 +16,7 @@ nowhere further from the edge than the diagonal of one element.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, inf, sin
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
 from shellfabric.panel.grading import tributary
+from shellfabric.projectile.frames import axes
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -104,7 +105,7 @@ def slips(edge: Any) -> bool:
 
 
 def pull_in(edge: Any) -> tuple[float, ...]:
-    """(warp, weft) [m] by which cloth slips into the panel at most, of edges without grips."""
+    """(warp, weft) [m] by which fabric slips into the panel at most, of edges without grips."""
     return tuple(max(side.length if isinstance(side, PullIn) else 0.0 for side in pair) for pair in sides(edge))
 
 
@@ -122,7 +123,8 @@ def check(panel: Panel) -> None:
     if not stepped(panel):
         return
     if any(side != "clamped" for pair in given for side in pair):
-        what = "oblique" if panel.weave_angle else "off the axes of the opening, or in a round one"
+        what = "off the axes of the opening, or in a round one"
+        what = "turned in its pack" if panel.ply_angle else "oblique" if panel.weave_angle else what
         raise InputError(key="edge", value=panel.edge, allowed=f"clamped where the weave is {what}")
     room = [0.5 * side - 2 * panel.projectile.radius for side in panel.opening]
     inside = np.hypot(*panel.impact_point) < room[0] if panel.round else np.all(np.abs(panel.impact_point) < room)
@@ -131,10 +133,11 @@ def check(panel: Panel) -> None:
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if panel.weave_angle == 0:
         return
-    if not abs(panel.weave_angle) < 1.5707:
+    if not abs(panel.weave_angle) < 1.5708:
         raise InputError(key="weave_angle", value=panel.weave_angle, allowed="within a right angle")
     if any(panel.mirrors):
-        raise InputError(key="symmetry", value=panel.symmetry, allowed="whole where the weave is oblique")
+        what = "a ply is turned by another angle than 90 deg" if panel.ply_angle else "the weave is oblique"
+        raise InputError(key="symmetry", value=panel.symmetry, allowed=f"whole where {what}")
 
 
 def stepped(panel: Any) -> bool:
@@ -145,7 +148,7 @@ def stepped(panel: Any) -> bool:
 
 def extent(panel: Panel) -> tuple[float, ...]:
     """(along warp, along weft) [m] that the grid has to cover, its middle at the impact point."""
-    (a, b), (x, y), c, s = panel.opening, panel.impact_point, cos(panel.weave_angle), sin(panel.weave_angle)
+    (a, b), (x, y), (c, s) = panel.opening, panel.impact_point, axes(panel.weave_angle)[0]
     if s == 0:
         return a + 2 * abs(x), b + 2 * abs(y)
     wide = (a, b) if panel.round else (a * c + b * abs(s), a * abs(s) + b * c)
@@ -155,7 +158,7 @@ def extent(panel: Panel) -> tuple[float, ...]:
 
 def in_frame(panel: Panel) -> FloatArray:
     """(2, ni+1, nj+1) [m] places of the nodes at rest from the middle of the opening, along its two sides."""
-    (X, Y), c, s = panel.coordinates(), cos(panel.weave_angle), sin(panel.weave_angle)
+    (X, Y), (c, s) = panel.coordinates(), axes(panel.weave_angle)[0]
     return np.stack([c * X - s * Y + panel.impact_point[0], s * X + c * Y + panel.impact_point[1]])
 
 

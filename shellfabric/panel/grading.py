@@ -2,7 +2,7 @@
 
 Lines of the grid are further apart the further they are from the impact point, along warp and weft alike, so that the
 elements conform everywhere: squares of 1 x 1 crossovers in the middle, 2 x 2 or 4 x 4 in the corners, 1 x 2 or 1 x 4 in
-the arms between. Each line stands for the cloth up to halfway to its neighbours: mass, forces and trellis
+the arms between. Each line stands for the fabric up to halfway to its neighbours: mass, forces and trellis
 (`membrane_kernels`). Stretches, tension and strength are those of one yarn. Waves shorter than about eight of the
 longer elements do not pass where zones meet.
 
@@ -170,7 +170,7 @@ def yarn_widths(sides: FloatArray, lines: YarnLines) -> FloatArray:
 def covers(
     zone: Sequence[int], lines: Sequence[FloatArray], nose: FloatArray, reach: Sequence[float], mirrors: Sequence[bool]
 ) -> bool:
-    """Whether a zone of elements holds all cloth within `reach` of the nose.
+    """Whether a zone of elements holds all fabric within `reach` of the nose.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def slots(
     ----------
     sides : ((ni,), (nj,)) [m]
     finest : (dx, dy) [m] sides of the smallest element
-    thickness : [m] of the cloth
+    thickness : [m] of the fabric
     viscosity : (warp, weft) [N] of the smallest element
     room : as `aligned.aligned_zeros`, makes flat arrays that begin with a cache line
     """

@@ -1,6 +1,6 @@
 """A fabric panel with its projectile: grid, masses, supports, time step (for the arrays of it see `panel.arrays`).
 
-Time step. The highest frequency of the cloth is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
+Time step. The highest frequency of the fabric is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
 density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that of the mode whose phase turns by
 2 arcsin(sqrt a) from node to node along both yarns. lambda is the largest eigenvalue of the table's membrane tangent,
 G2 t that of the trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is
@@ -18,7 +18,7 @@ from operator import ge
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.checks import BoolArray, FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
@@ -29,6 +29,7 @@ from shellfabric.cell.model import CellTable
 from shellfabric.panel import arrays, boundary, grading, time_step
 from shellfabric.panel.grading import YarnLines
 from shellfabric.panel.numerics import Numerics
+from shellfabric.projectile import frames
 from shellfabric.projectile.projectile import Projectile
 
 SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
@@ -50,6 +51,8 @@ class Panel:
     numerics : Numerics
     trellis : whether the fabric's shear law acts; a fabric without one has none
     failure : whether yarns fail
+    rate_dependence : whether their strength follows the strain rate, by the fabric's `strain_rate`
+    nose_bending : whether it is lowered by bending over the nose, of fibres of the fabric's `fibre_diameter`
     weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
     round : whether the opening is a circle, of which `opening` has the diameter twice
     impact_point : [m] from the middle of the opening, along its two sides
@@ -57,11 +60,13 @@ class Panel:
         fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
         are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
-    backing : Backing, the block behind the cloth, or None (see `backing.coupling`)
+    backing : Backing, the block behind the fabric, or None (see `backing.coupling`)
     jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the thesis
         (see `jamming_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
         None (see `grading`); not with grips at the edges
+    ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's axes, in which the
+        projectile is given, to its own, in which its yarns lie. weave_angle has it in it
 
     Raises
     ------
@@ -78,6 +83,8 @@ class Panel:
     numerics: Numerics = field(default_factory=Numerics)
     trellis: bool = True
     failure: bool = True
+    rate_dependence: bool = False
+    nose_bending: bool = False
     weave_angle: float = 0.0
     round: bool = False
     impact_point: tuple[float, float] = (0.0, 0.0)
@@ -86,9 +93,10 @@ class Panel:
     backing: Backing | None = None
     jam: tuple[float, float] = (0.0, 1.0)
     grading: tuple | None = None
+    ply_angle: float = 0.0
 
     def __post_init__(self):
-        even = [*map(self.projectile.mirrored, (0, 1))]
+        even = [*map(self.shot.mirrored, (0, 1))]
         fits = [name for name, planes in SYMMETRIES.items() if all(map(ge, even, planes))]
         if self.symmetry not in fits:
             raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(fits) + " for this shot")
@@ -96,6 +104,7 @@ class Panel:
         coupling.check(self)
         if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in an impact
             raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
+        self._check_strength()
         if self.grading is not None:
             grading.check(self.grading)
         if self.elements_per_crossover < 1:
@@ -112,6 +121,13 @@ class Panel:
                 raise InputError(key="opening", value=length, allowed="wider than two projectiles and four crossovers")
         if self.grading is not None:
             self._check_grading()
+
+    def _check_strength(self):
+        for key, data in (("rate_dependence", "strain_rate"), ("nose_bending", "fibre_diameter")):
+            if getattr(self, key) and getattr(self.fabric, data) is None:
+                raise InputError(key=key, value=True, allowed=f"false: fabric {self.fabric.name} has no {data}")
+            if getattr(self, key) and not self.failure:
+                raise InputError(key=key, value=True, allowed="false where yarns do not fail")
 
     def _check_grading(self):
         given = self.elements_per_crossover
@@ -134,6 +150,20 @@ class Panel:
     @property
     def weave(self) -> Weave:
         return self.fabric.weave
+
+    @cached_property
+    def shot(self) -> Projectile:
+        """The projectile in the panel's own frame."""
+        return self.projectile.seen_from(self.ply_angle) if self.ply_angle else self.projectile
+
+    @property
+    def axes(self) -> FloatArray:
+        """(2, 2) its own two axes as rows, in the frame of its pack."""
+        return frames.axes(self.ply_angle)
+
+    def in_pack(self, vectors: FloatArray) -> FloatArray:
+        """Vectors (..., 2) or (..., 3) of its own frame in that of its pack."""
+        return frames.turned_back(vectors, self.axes if self.ply_angle else None)
 
     @property
     def mirrors(self) -> tuple[bool, bool]:
@@ -229,7 +259,7 @@ class Panel:
 
     @property
     def critical_step(self) -> float:
-        """[s] 2 / w of the undamped cloth."""
+        """[s] 2 / w of the undamped fabric."""
         m, shares = self.weave.areal_density, zip(self.yarns_a_line, self.bending, self.spacing, self.spacing[::-1])
         membrane = self.membrane_stiffness / (m * min(self.spacing) ** 2)
         # a yarn that turns to and fro at every node has the energy 1/2 n EI / L (4 w / L)^2 a node
@@ -288,6 +318,10 @@ class Panel:
         """
         return tuple(0.0 if m else -0.5 * n * d for m, n, d in zip(self.mirrors, self.counts, self.spacing))
 
+    def loose(self) -> BoolArray:
+        """See `boundary.loose`."""
+        return boundary.loose(self)
+
     @cached_property
     def potential(self) -> tuple[FloatArray, FloatArray]:
         """See `packed_table.potential`."""
@@ -342,9 +376,9 @@ class Panel:
         return mass
 
     def reach(self) -> tuple[float, ...]:
-        """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.
+        """(along warp, along weft) [m] from the projectile's middle that fabric can come from to be under it.
 
-        A straightened, stretched yarn that is held at its end draws cloth in by at most its crimp and strain times its
+        A straightened, stretched yarn that is held at its end draws fabric in by at most its crimp and strain times its
         length; a tilted projectile is wider in the panel's plane. Yarns with a free end follow the projectile from
         anywhere, over the whole panel; on a graded one contact stays in the first zone.
         """

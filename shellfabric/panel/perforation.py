@@ -1,6 +1,6 @@
-"""Perforation test: cloth that is not connected to the boundary through intact yarns (a plug) is not ahead of the nose.
+"""Perforation test: fabric that no intact yarn joins to the boundary (a plug) is not ahead of the nose.
 
-The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose. Cut-out cloth can stay
+The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose. Cut-out fabric can stay
 there for good, ridden by the projectile or faster than it, so that the solver tests the connection at its audits: nodes
 that unbroken yarn joins to an edge of the panel are held, and the elements between them; the rest is a plug, and does
 not count.

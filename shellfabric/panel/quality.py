@@ -131,7 +131,7 @@ class Monitor:
     """Samples of a run, taken with the solver's own, reduced to sums and maxima.
 
     Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads then rings, and torn
-    cloth hangs in other cloth, without an error.
+    fabric hangs in other fabric, without an error.
 
     Parameters
     ----------

@@ -6,8 +6,8 @@ is worth depends on the cell, and was found by running it (docs/reports/stabilit
     form      In the variational form half of a cell's force follows from the mean stretch of two neighbours, which is
               none where they stretch against each other: the highest mode has half the stiffness, and the bound leaves
               a factor of sqrt 2 in hand. The equilibrium form has all of it, and its bound is exact.
-    tautness  Crimped cloth is as stiff as the bound takes it to be only where its yarns have been pulled straight.
-              Cloth that is so at rest, without crimp or compression to take up, comes to within 0.965 of the form's
+    tautness  Crimped fabric is as stiff as the bound takes it to be only where its yarns have been pulled straight.
+              Fabric that is so at rest, without crimp or compression to take up, comes to within 0.965 of the form's
               bound: sheared elements, whose yarns are no longer square, are a little stiffer still.
     ring      A crimped yarn that snaps taut rings at the highest frequencies. The least viscosity takes that away
               (from 0.0025 on peaks are the same at any stable step). Without any, the ring has to be followed in time.
@@ -18,7 +18,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-_SHEARED = 0.965  # of the form's bound, what taut cloth was seen to bear
+_SHEARED = 0.965  # of the form's bound, what taut fabric was seen to bear
 _TAUT = 0.5  # of the largest stiffness of the table, at rest
 _RING, _DAMPED = 0.63, 0.0025  # share of the step that follows a ring, and the viscosity that leaves none
 
@@ -26,7 +26,7 @@ _RING, _DAMPED = 0.63, 0.0025  # share of the step that follows a ring, and the 
 def share(table: Any, viscosity: float) -> float:
     """[-] of the bound that is taken for 1, for a CellTable and a damping ratio; exactly 1 for what is usual.
 
-    Usual is crimped cloth in the variational form with viscosity.
+    Usual is crimped fabric in the variational form with viscosity.
     """
     form = 1.0 if table.model.form == "variational" else sqrt(0.5)
     if table.tautness() > _TAUT:

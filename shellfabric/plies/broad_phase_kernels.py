@@ -9,11 +9,12 @@ import numpy as np
 from shellfabric.jit.compile import kernel
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
 from shellfabric.plies.graded_kernels import ply_place_in_elements
+from shellfabric.plies.turn_kernels import corners_of_box, turn_of, turned, turned_back
 
 WORK, CORRECTIONS, UNRESOLVED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
 ELEMENTS, NODES, ENTRIES = range(3)  # of stops.counts: elements of the zone, nodes, entries in the grid
 ROW_STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.ply_shape
-TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole cloth
+TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole fabric
 PAD = 4  # cells of the grid beyond the panel's edges
 _MAX_CELLS = 20  # [cells] of a facet that is entered; a wider one is counted as missed
 _MARGIN = 4  # [gaps] about a facet, in which what it may meet is searched
@@ -22,6 +23,7 @@ _MARGIN = 4  # [gaps] about a facet, in which what it may meet is searched
 @kernel(_nrt=False, forceinline=True)
 def grid_cell(stops, q, x, y):
     """Row and column of the grid of ply q, which has its elements and PAD cells about them."""
+    x, y = turned(turn_of(stops.turns, q), x, y)
     x, y, ni, nj = x - stops.ply_grid[q, 0], y - stops.ply_grid[q, 1], stops.ply_shape[q, NI], stops.ply_shape[q, NJ]
     a, b = (
         int(ply_place_in_elements(x, stops.ply_grid[q, 2], stops.line_offset, q, 0, ni) + PAD),
@@ -32,7 +34,7 @@ def grid_cell(stops, q, x, y):
 
 @kernel(_nrt=False)
 def grid_insert(stops, p):
-    """Enter the facets of a ply that have cloth in its grid."""
+    """Enter the facets of a ply that have fabric in its grid."""
     entries, width, s, margin = (
         0,
         stops.ply_shape[p, NJ] + 2 * PAD,
@@ -49,8 +51,7 @@ def grid_insert(stops, p):
                 low = min(low, min(stops.x[p, c, k], stops.x_next[p, c, k]))
                 high = max(high, max(stops.x[p, c, k], stops.x_next[p, c, k]))
             stops.box_low[p, c, e], stops.box_high[p, c, e] = low - margin, high + margin
-        a0, b0 = grid_cell(stops, p, stops.box_low[p, 0, e], stops.box_low[p, 1, e])
-        a1, b1 = grid_cell(stops, p, stops.box_high[p, 0, e], stops.box_high[p, 1, e])
+        a0, b0, a1, b1 = cells_of_box(stops, p, e)
         if a1 - a0 >= _MAX_CELLS or b1 - b0 >= _MAX_CELLS or entries + _MAX_CELLS**2 > stops.entry_element.shape[1]:
             stops.energy[UNRESOLVED] += 1.0
             continue
@@ -63,6 +64,19 @@ def grid_insert(stops, p):
                 stops.cell_head[p, head] = entries
                 entries += 1
     stops.counts[p, ENTRIES] = entries
+
+
+@kernel(_nrt=False, forceinline=True)
+def cells_of_box(stops, p, e):
+    """First row and column, last row and column of the cells of its ply's grid that the box of a facet reaches."""
+    low, high = stops.box_low[p], stops.box_high[p]
+    a0, b0 = grid_cell(stops, p, low[0, e], low[1, e])
+    a1, b1 = a0, b0
+    for corner in range(1, corners_of_box(stops.turns)):
+        x, y = high[0, e] if corner < 3 else low[0, e], high[1, e] if corner != 2 else low[1, e]
+        a, b = grid_cell(stops, p, x, y)
+        a0, b0, a1, b1 = min(a0, a), min(b0, b), max(a1, a), max(b1, b)
+    return a0, b0, a1, b1
 
 
 @kernel(_nrt=False)
@@ -106,6 +120,9 @@ def collect_candidates(stops, pair, p, q, count):
                         knows = knows and pair.last_depth[point] > pair.thickness
                         for c in range(3):
                             stops.candidate_normal[count, c] = pair.normal[c][point] if knows else 0.0
+                        n_x, n_y = stops.candidate_normal[count, 0], stops.candidate_normal[count, 1]
+                        n_x, n_y = turned_back(turn_of(stops.turns, q), n_x, n_y)
+                        stops.candidate_normal[count, 0], stops.candidate_normal[count, 1] = n_x, n_y
                         count += 1
                     else:
                         stops.energy[UNRESOLVED] += 1.0

@@ -8,6 +8,7 @@ import numpy as np
 from shellfabric.jit.compile import kernel
 from shellfabric.plies.broad_phase_kernels import MIRROR_X, MIRROR_Y, ROW_STRIDE, element_mean
 from shellfabric.plies.point_kernels import grow_window
+from shellfabric.plies.turn_kernels import turn_of, turned
 
 _MAX_CORRECTION = 0.1  # [gaps] by which what is nearer than the gap is moved in a step
 _TRIANGLE_TOLERANCE = 0.02  # of a triangle, beyond its sides
@@ -34,7 +35,7 @@ def resolve_pair(stops, number, fraction):
         m_x, m_y, m_z, before = triangle_distance(stops.x, q, M0, k, o, x0, y0, z0)
         n_x, n_y, n_z, after = triangle_distance(stops.x_next, q, M1, k, o, x1, y1, z1)
         if n_x * m_x + n_y * m_y + n_z * m_z < _MIN_NORMAL_COSINE:
-            continue  # of a line, or a sliver that turns over within the step: its sides are not those of the cloth
+            continue  # of a line, or a sliver that turns over within the step: its sides are not those of the fabric
         if before * (n_x * side[0] + n_y * side[1] + n_z * side[2]) > 0.0:
             continue  # it is through by what the contact knows of it, which brings it back
         if before < 0.0:
@@ -122,8 +123,9 @@ def add_force(stops, p, k, f_x, f_y, f_z):
     f_y = 0.0 if j == 0 and stops.ply_shape[p, MIRROR_Y] else f_y
     far, force, to = stops.dt * stops.dt_over_mass[p, k], stops.f, stops.x_next
     stops.last_moved[p, k] = stops.sweep[0]
-    force[p, 0, k] += f_x
-    force[p, 1, k] += f_y
+    own_x, own_y = turned(turn_of(stops.turns, p), f_x, f_y)
+    force[p, 0, k] += own_x
+    force[p, 1, k] += own_y
     force[p, 2, k] += f_z
     to[p, 0, k] += far * f_x
     to[p, 1, k] += far * f_y

@@ -8,14 +8,16 @@ flies, t the mean thickness of the two plies:
 
 with the law p (`plies.law_kernels`) and the area A of the point. -f n acts on the nodes of the front ply by their
 weights in x, f n on those of the rear ply by their weights in y: the sum is zero to the last digits. Which side of the
-fabric a point is on, the offset, failed yarns: docs/theory-panel.md, "Packs: contact between plies". Fabric that came
-through, where depth > t, is counted, and ends the run. Naive forms, for comparison: nodes of the front ply against the
+fabric a point is on, the offset, failed yarns: docs/theory-panel.md, "Packs: contact between plies". What would be
+squeezed by more than MAX_SQUEEZE t is stopped (`plies.point_kernels.stop_deep_points`). Fabric that came through all
+the same, where depth > t, is counted, and ends the run. Naive forms, for comparison: nodes of the front ply against the
 bilinear facets of the rear one (FACETS), or against the node there, along z (NODES).
 
 Which points are computed: a box about the nodes of each ply that are deflected by more than a quarter of the gap, three
 elements wider, is renewed every eight steps. A point that is clear of the other ply is skipped for as long as it would
 need to get there at one and a half times the highest speeds of both plies. Most are computed eight at once
 (`plies.contact_simd_kernels`). Beside failed yarns both plies have points (`contact_forces_back`), with half the law.
+Plies at other angles (`plies.turn_kernels`) meet in the frame of the rear one, their points one at a time.
 
 Work: half a step's of the old forces and half a step's of the new on the same velocities, summed over the nodes, which
 balances to the last digits whatever the weights. Friction acts at the same points (`plies.ply_friction_kernels`).
@@ -23,6 +25,10 @@ balances to the last digits whatever the weights. Friction acts at the same poin
 
 import math
 
+from numba import types
+from numba.extending import overload, register_jitable
+
+from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
@@ -53,8 +59,9 @@ from shellfabric.plies.contact_simd_kernels import (
 from shellfabric.plies.graded_kernels import add_line_offset, add_middle_offset, place_in_elements
 from shellfabric.plies.normal_force_kernels import clear_normal_forces
 from shellfabric.plies.ply_friction_kernels import friction_forces
-from shellfabric.plies.point_kernels import contact_point
+from shellfabric.plies.point_kernels import contact_point, stop_deep_points
 from shellfabric.plies.surface_kernels import SMOOTH, point_number
+from shellfabric.plies.turn_kernels import turned_back
 
 _SCAN_INTERVAL, _MARGIN = 8, 3  # steps between scans, elements about what they find
 _SPEED_MARGIN = 1.5  # than at the last scan nodes may become
@@ -116,28 +123,33 @@ def apply_symmetry(const, force, touched):
 
 
 @kernel(_nrt=False, forceinline=True)
-def row_of_node(fc, rc, i):
-    """Element row of the front ply in which row i of nodes of the rear ply is at rest."""
-    x = add_line_offset(rc.x0 + i * rc.dx, rc.line_offset1, i) - fc.x0
-    return int(place_in_elements(x, fc.dx, fc.line_offset1, fc.ni))
-
-
-@kernel(_nrt=False, forceinline=True)
-def column_of_node(fc, rc, j):
-    """Element column of the front ply in which column j of nodes of the rear ply is at rest."""
-    y = add_line_offset(rc.y0 + j * rc.dy, rc.line_offset2, j) - fc.y0
-    return int(place_in_elements(y, fc.dy, fc.line_offset2, fc.nj))
-
-
-@kernel(_nrt=False, forceinline=True)
-def element_of_middle(fc, rc, i, j):
-    """Element (row, column) of the front ply in which the middle of element (i, j) of the rear ply is at rest."""
-    x = add_middle_offset(rc.x0 + (i + 0.5) * rc.dx, rc.line_offset1, i) - fc.x0
-    y = add_middle_offset(rc.y0 + (j + 0.5) * rc.dy, rc.line_offset2, j) - fc.y0
-    row, column = (
-        place_in_elements(x, fc.dx, fc.line_offset1, fc.ni),
-        place_in_elements(y, fc.dy, fc.line_offset2, fc.nj),
+def place_on(const, turn, x, y):
+    """[elements] place on a ply at rest of a point (x, y) [m] of another ply's frame; turn : from its own to that."""
+    x, y = turned_back(turn, x, y)
+    return (
+        place_in_elements(x - const.x0, const.dx, const.line_offset1, const.ni),
+        place_in_elements(y - const.y0, const.dy, const.line_offset2, const.nj),
     )
+
+
+@kernel(_nrt=False, forceinline=True)
+def element_of_node(pair, fc, rc, i, j):
+    """Element (row, column) of the front ply in which node (i, j) of the rear ply is at rest."""
+    x = add_line_offset(rc.x0 + i * rc.dx, rc.line_offset1, i)
+    y = add_line_offset(rc.y0 + j * rc.dy, rc.line_offset2, j)
+    row, column = place_on(fc, pair.turn, x, y)
+    return int(row), int(column)
+
+
+@kernel(_nrt=False, forceinline=True)
+def element_of_middle(turn, fc, rc, i, j):
+    """Element (row, column) of the front ply in which the middle of element (i, j) of the rear ply is at rest.
+
+    turn : from the frame of the front ply to that of the rear one
+    """
+    x = add_middle_offset(rc.x0 + (i + 0.5) * rc.dx, rc.line_offset1, i)
+    y = add_middle_offset(rc.y0 + (j + 0.5) * rc.dy, rc.line_offset2, j)
+    row, column = place_on(fc, turn, x, y)
     return int(row), int(column)
 
 
@@ -146,11 +158,24 @@ def candidate_window(pair, fc, rc):
     """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
     i0, i1, j0, j1 = pair.front_box[0], pair.front_box[1], pair.front_box[2], pair.front_box[3]
     if pair.rear_box[0] <= pair.rear_box[1]:
-        i0 = min(i0, row_of_node(fc, rc, pair.rear_box[0]))
-        i1 = max(i1, row_of_node(fc, rc, pair.rear_box[1]) + 1)
-        j0 = min(j0, column_of_node(fc, rc, pair.rear_box[2]))
-        j1 = max(j1, column_of_node(fc, rc, pair.rear_box[3]) + 1)
+        for corner in range(4):
+            i, j = element_of_node(pair, fc, rc, pair.rear_box[corner & 1], pair.rear_box[2 + (corner >> 1)])
+            i0, i1, j0, j1 = min(i0, i), max(i1, i + 1), min(j0, j), max(j1, j + 1)
     return max(i0 - _MARGIN, 0), min(i1 + _MARGIN, fc.ni), max(j0 - _MARGIN, 0), min(j1 + _MARGIN, fc.nj)
+
+
+def contact_row8(turn, front, fc, rear, rc, pair, q, count, nearer, now, due):
+    """`contact_points8` of eight points side by side: those that are left for `contact_point`, energy; of turned plies,
+    whose points side by side have no closest points side by side, all are."""
+
+
+@overload(contact_row8, inline="always")
+def _contact_row8(turn, front, fc, rear, rc, pair, q, count, nearer, now, due):
+    if isinstance(turn, types.NoneType):
+        return lambda turn, front, fc, rear, rc, pair, q, count, nearer, now, due: contact_points8(
+            front, fc, rear, rc, pair, q, count, nearer, now, due
+        )
+    return lambda turn, front, fc, rear, rc, pair, q, count, nearer, now, due: (due, 0.0)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -175,7 +200,7 @@ def contact_forces(front, fc, rear, rc, pair, step):
             count = min(WIDTH, end - q0)
             due = movemask(head_mask(count)) & ~movemask(greater(load(pair.recheck_step, q0), now))
             if due != 0 and pair.surface_form == SMOOTH:
-                due, energy = contact_points8(front, fc, rear, rc, pair, q0, count, nearer, now, due)
+                due, energy = contact_row8(pair.turn, front, fc, rear, rc, pair, q0, count, nearer, now, due)
                 spring += energy
             if due == 0:
                 continue
@@ -189,6 +214,7 @@ def contact_forces(front, fc, rear, rc, pair, step):
                 if depth > pair.energy[MAX_DEPTH]:
                     pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
         friction_forces(pair.friction_state, front, fc, rear, rc, pair, start, end)
+    stop_deep_points(front, fc, rear, rc, pair, None, None)
     apply_symmetry(fc, pair.f_front, pair.front_window)
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
@@ -197,8 +223,9 @@ def contact_forces(front, fc, rear, rc, pair, step):
 
 
 @kernel(_nrt=False, forceinline=True)
-def contact_forces_back(front, fc, rear, rc, pair, step):
-    """As `contact_forces`, for the points beside torn cloth of a ply that lies behind, on the one before it."""
+def contact_forces_back(front, fc, rear, rc, pair, near, step):
+    """As `contact_forces`, for the points beside torn fabric of a ply that lies behind, on the one before it; `near` is
+    the pair of the latter's points."""
     mark_torn(front, fc, rear, rc, pair)
     if pair.torn_counts[1] == 0:
         return
@@ -214,6 +241,7 @@ def contact_forces_back(front, fc, rear, rc, pair, step):
             if depth > pair.energy[MAX_DEPTH]:
                 pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
             friction_forces(pair.friction_state, front, fc, rear, rc, pair, q, q + 1)
+    stop_deep_points(front, fc, rear, rc, pair, near.f_rear, near.f_front)
     apply_symmetry(fc, pair.f_front, pair.front_window)
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
@@ -253,7 +281,7 @@ def list_torn_elements(front, fc, rear, rc, pair):
     for i in range(rc.ni):
         for j in range(rc.nj):
             if rear.element_flag[i * rc.row_stride + j]:
-                m, n = element_of_middle(fc, rc, i, j)
+                m, n = element_of_middle(pair.turn, fc, rc, i, j)
                 mark_neighbours(fc, pair, m, n)
     for e in range(fc.ni * fc.nj):
         if pair.near_torn[e]:
@@ -275,11 +303,36 @@ def steps_until_contact(depth, nearer):
     return float(MAX_STEPS_SKIPPED) if -depth > MAX_STEPS_SKIPPED * nearer else math.floor(-depth / nearer)
 
 
+@register_jitable
+def forces_on(p, pairs):
+    """Numbers of the forces of its neighbours on ply p, of a pack with so many pairs; see `side_of`."""
+    return range(max(4 * p - 2, 0), min(4 * p + 2, 2 * pairs))
+
+
+@register_jitable
+def side_of(n, pairs):
+    """Where force number n is: (number of the pair, whether it is that on the pair's front ply).
+
+    Each two neighbours have four, two on the ply before, then two on the one behind; of two the first is of the pair
+    whose points the ply before has.
+    """
+    return n // 4 + n % 2 * (pairs // 2), n % 4 in (0, 3)
+
+
+@kernel(_nrt=False, forceinline=True)
+def neighbour_force(pairs, n):
+    """Force number n of `forces_on`: (nodal forces, window of nodes)."""
+    number, on_front = side_of(n, len(pairs))
+    pair = borrowed_item(pairs, number)
+    return (pair.f_front, pair.front_window) if on_front else (pair.f_rear, pair.rear_window)
+
+
 @kernel(_nrt=False)
 def apply_impulses(state, const, force, touched):
-    """v += dt f / m of a ply, with the contact forces of a neighbour; widens its window of active rows to them."""
+    """v += dt f / m of a ply, with the contact forces of a neighbour; widens its window of active rows to them. Whether
+    there are any."""
     if touched[1] <= touched[0]:
-        return
+        return False
     for i in range(touched[0], touched[1]):
         for j in range(touched[2], touched[3], WIDTH):
             k, count = i * const.row_stride + j, touched[3] - j
@@ -289,3 +342,4 @@ def apply_impulses(state, const, force, touched):
             masked_store(state.v[2], k, fma(kick, load(force[2], k), load(state.v[2], k)), count)
     state.active_rows[0] = min(state.active_rows[0], max(touched[0] - 4, 0))
     state.active_rows[1] = max(state.active_rows[1], min(touched[1] + 3, const.ni))
+    return True

@@ -4,7 +4,7 @@ Points with the same place in neighbouring elements are side by side, and so are
 eight of them lie over four rows of four nodes each, that of the next a slot further. Each has its weights at three of
 the four and none at the other, since closest points go over to the next segment of the spline one by one. The results
 are those of one point at a time, to round-off. All that needs more than a formula is left to `contact_point`: torn
-cloth, rims, planes of symmetry, folds, lost closest points, and what is so deep that it might have come through.
+fabric, rims, planes of symmetry, folds, lost closest points, and what is so deep that it might have come through.
 """
 
 from shellfabric.jit.compile import kernel
@@ -55,7 +55,8 @@ from shellfabric.plies.surface_kernels import (
 ) = range(9)  # fmt: skip
 # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 CLEAR, IN_CONTACT, LOST = 0, 1, 2
-AMBIGUOUS_DEPTH = 0.15  # [thicknesses] where a point may come through
+# [thicknesses] by which plies may come nearer than at the first touch; deeper, the side that a point is on is in doubt
+MAX_SQUEEZE = 0.85
 # [thicknesses] that a depth may change beside the motion: sliding by a tenth of an element over a bend as narrow as an
 # element makes a few hundredths (second order), another fold or side several tenths
 MAX_DEPTH_JUMP = 0.1
@@ -66,7 +67,7 @@ MAX_STEPS_SKIPPED = 8  # most steps for which a point is skipped
 @kernel(_nrt=False, forceinline=True)
 def contact_points8(front, fc, rear, rc, pair, q, count, nearer, now, due):
     """`contact_point` for those of the points q .. q + count - 1, with one place in elements side by side, that
-    need no special case, eight at once: whole cloth on whole cloth, closest points side by side and away from rims
+    need no special case, eight at once: whole fabric on whole fabric, closest points side by side and away from rims
     and planes of symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than
     motion may have made it.
 
@@ -150,11 +151,11 @@ def by_depth8(pair, q, fit, held, slant, depth, nearer):
     needs no more than its formula: in no fold, not too deep, and without a jump of the depth, whatever part of it the
     motion has made, which is at most `nearer` [m]."""
     thick, was = pair.thickness, load(pair.last_depth, q)
-    deep = movemask(greater(was, (1.0 - AMBIGUOUS_DEPTH) * thick))
+    deep = movemask(greater(was, MAX_SQUEEZE * thick))
     slow = movemask(greater(MAX_DEPTH_JUMP * thick - nearer, fabs(depth - where(mask_from_bits(held), was, 0.0))))
     fit &= ~(held & (slant | deep))
     clear, inside = fit & movemask(greater(0.0, depth)), fit & movemask(greater(depth, 0.0))
-    return clear, inside, inside & ~slant & movemask(greater((1.0 - AMBIGUOUS_DEPTH) * thick, depth)) & slow
+    return clear, inside, inside & ~slant & movemask(greater(MAX_SQUEEZE * thick - nearer, depth)) & slow
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -247,7 +248,7 @@ def move_closest_points8(rc, pair, q, count, place, step, done, steady, changed)
 
 @kernel(_nrt=False, forceinline=True)
 def intact8(rear, rc, pair, q, e, count, fit):
-    """Those of eight points, of the elements from number e on, that are not beside torn cloth, of either ply."""
+    """Those of eight points, of the elements from number e on, that are not beside torn fabric, of either ply."""
     if pair.torn_counts[1] > 0 or rear.counter[FAILURES] > 0:
         for m in range(count):
             a, b = (

@@ -1,6 +1,6 @@
 """Coulomb friction between plies: what the kernels need of it (`plies.ply_friction_kernels`).
 
-Stability. Friction in stick is a spring k_t with a damper c_t between neighbouring plies, along the cloth, where the
+Stability. Friction in stick is a spring k_t with a damper c_t between neighbouring plies, along the fabric, where the
 yarns are stiff already. With the Courant factor C of the plies, the highest mode of a ply in its own plane has
 (w dt)^2 = 4 C^2; in a stack of plies of the mass m a point, the springs add 4 k_t dt^2 / m to that and the dampers,
 which lag by half a step, 8 c_t dt / m. Central differences are stable up to a sum of 4:

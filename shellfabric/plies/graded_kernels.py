@@ -4,7 +4,7 @@ The surface of a ply is a spline whose control points are the nodes (`plies.surf
 place of the surface at rest is x0 + a dx. On a graded grid line i is at x0 + i dx + offset_i, with dx the side of the
 smallest element, so that the surface at rest is x0 + a dx + sum w_i offset_i with the weights of the spline: offsets
 are added as displacements are. The surface stays smooth in the coordinates (a, b), goes through the middles of all
-elements, and conforming plies have the same map. A contact point stands for the cloth of its element: stiffness and
+elements, and conforming plies have the same map. A contact point stands for the fabric of its element: stiffness and
 damping are proportional to its area, so that the mass of a node and the springs on it grow alike.
 
 Offsets are arrays on graded plies and the float 0 on uniform ones. numba chooses by that type: kernels of uniform plies
@@ -109,6 +109,8 @@ def scaled_by_area(value, rows, columns, i, j):
 def _scaled_by_area(value, rows, columns, i, j):
     if isinstance(rows, types.Float):
         return lambda value, rows, columns, i, j: value
+    if rows.ndim == 2:  # of turned plies
+        return lambda value, rows, columns, i, j: value * rows[i, j]
     return lambda value, rows, columns, i, j: value * (rows[i] * columns[j])
 
 

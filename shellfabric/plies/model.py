@@ -1,8 +1,9 @@
 """A pack: plies behind each other in one opening, with a gap between each two.
 
 Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a right angle (thesis
-section 5.2.3, Figure 5-55). A turned ply is the panel of the fabric with its warp called weft: the shell does not see
-which yarn is on top, and each ply has its own grid.
+section 5.2.3, Figure 5-55). Such a ply is the panel of the fabric with its warp called weft: the shell does not see
+which yarn is on top, and each ply has its own grid. A ply at any other angle has its grid in a frame of its own
+(`turn_kernels`), in which the opening is oblique (`panel.boundary`) and the projectile comes from elsewhere.
 
 Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
 E-35). By default it is what tests of packs close and the law of the contact does not (`gap.ply_gap`).
@@ -18,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf
+from math import cos, inf, pi, remainder, sin
 
 import numpy as np
 
@@ -31,9 +32,9 @@ from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import AT_REST
-from shellfabric.plies import friction
+from shellfabric.plies import friction, turn_kernels
 from shellfabric.plies.arrays import Pair, Stack, TornContact, torn_contact
-from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
+from shellfabric.plies.contact_simd_kernels import MAX_SQUEEZE
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.grading import area_factors
 from shellfabric.plies.numerics import FORMS, PlyContact, law_table
@@ -42,7 +43,7 @@ from shellfabric.projectile.contact import PREDICTED
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip
 
 STACKINGS = ("aligned", "alternating")
-_FASTER = 1.5  # than the projectile cloth before its nose may become
+_FASTER = 1.5  # than the projectile fabric before its nose may become
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 
@@ -55,7 +56,7 @@ class Pack:
     plies : tuple of Panel, alike in opening, impact point, symmetry, projectile and numerics; see `stacked`
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
-    friction : [-] Coulomb's coefficient between plies; torn cloth is held apart without friction
+    friction : [-] Coulomb's coefficient between plies; torn fabric is held apart without friction
     laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: those of their fabrics
 
     Raises
@@ -129,14 +130,14 @@ class Pack:
 
     @classmethod
     def laid_up(
-        cls, plies: Sequence[tuple[Panel, bool]], *, gaps: Sequence[float | None], contact: PlyContact | None = None,
+        cls, plies: Sequence[tuple[Panel, float]], *, gaps: Sequence[float | None], contact: PlyContact | None = None,
         friction: float = 0.0,
     ) -> Pack:  # fmt: skip
         """A pack of any plies.
 
         Parameters
         ----------
-        plies : of each ply its panel as it lies in the warp's direction, and whether it is turned by a right angle
+        plies : of each ply its panel as it lies at no angle, and the angle [rad] by which it is turned
         gaps : [m] between each two; None takes that of `gap.gap_between`
         contact, friction : as of a Pack
 
@@ -144,17 +145,15 @@ class Pack:
         ------
         InputError : as Pack and `turned`
         """
-        made: dict[tuple[int, bool], Panel] = {}
-        for panel, is_turned in plies:
-            if (id(panel), is_turned) not in made:
-                made[id(panel), is_turned] = turned(panel) if is_turned else panel
+        made: dict[tuple[int, float], Panel] = {}
+        for panel, angle in plies:
+            if (id(panel), angle) not in made:
+                made[id(panel), angle] = at_angle(panel, angle)
         chosen = tuple(
             gap_between(front.fabric, rear.fabric).value if gap is None else gap
             for gap, (front, _), (rear, _) in zip(gaps, plies, plies[1:])
         )
-        return cls(
-            tuple(made[id(panel), is_turned] for panel, is_turned in plies), chosen, contact or PlyContact(), friction
-        )
+        return cls(tuple(made[id(panel), angle] for panel, angle in plies), chosen, contact or PlyContact(), friction)
 
     @classmethod
     def of(cls, target: Panel | Pack) -> Pack:
@@ -165,6 +164,23 @@ class Pack:
     def crossovers(self) -> tuple[CrossoverFriction, ...]:
         """(plies,) of sliding crossovers; empty of pinned ones."""
         return tuple(ply.friction for ply in self.plies if isinstance(ply, SlidingPanel))
+
+    @property
+    def angles(self) -> tuple[float, ...]:
+        """(plies,) [rad] from the pack's axes to those of the plies' grids."""
+        return tuple(ply.ply_angle for ply in self.plies)
+
+    @cached_property
+    def turns(self) -> FloatArray | None:
+        """(plies, 2) of `turn_kernels.turn_of`; None where all plies have one frame."""
+        if len(set(self.angles)) == 1:
+            return None
+        return np.array([self._turn(0, p) for p in range(len(self.plies))])
+
+    def _turn(self, p, q):
+        """Cosine and sine of the angle from the frame of ply p to that of ply q."""
+        angle = self.angles[q] - self.angles[p]
+        return cos(angle), sin(angle)
 
     @property
     def elements(self) -> int:
@@ -192,9 +208,9 @@ class Pack:
         w sqrt(A / K) nearer to each other behind the compression wave, whatever their number; the damper keeps them
         from swinging beyond that. Contact has lost if they come nearer by the thickness t, of which the travel of the
         law holds little. w is the strike velocity times _FASTER, as plies before a nose may outrun it, and the depth
-        must stay out of the last AMBIGUOUS_DEPTH of the thickness, where sides are in question:
+        must stay below the share MAX_SQUEEZE of it, beyond which sides are in question:
 
-            K >= A (_FASTER strike_velocity / ((1 - AMBIGUOUS_DEPTH) t))^2
+            K >= A (_FASTER strike_velocity / (MAX_SQUEEZE t))^2
 
         Solid fibre is softer than that only above 1300 to 1800 m/s (plies of Kevlar 129), where it would be compressed
         by more than its own thickness; there the pressure of the law is multiplied. A contact that is softened on
@@ -202,7 +218,7 @@ class Pack:
         """
         laws = []
         for p, law in enumerate(self.laws):
-            whole = (1.0 - AMBIGUOUS_DEPTH) * self._thickness(p)
+            whole = MAX_SQUEEZE * self._thickness(p)
             thin = max(whole - law.travel, 0.25 * whole)
             least = self._density(p) * (_FASTER * strike_velocity / thin) ** 2
             laws.append(law if law.stiffness >= least else law.scaled(least / law.stiffness))
@@ -243,11 +259,12 @@ class Pack:
 
     def states(self, strike_velocity: float) -> tuple[tuple[State, ...], Stack]:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
-        count, shot = len(self.plies), self.plies[0].projectile
+        count, shot = len(self.plies), self.plies[0].shot
         stack = Stack(
             awake=np.zeros(count, np.bool_), waits_for_plies=np.zeros(count, np.bool_), counter=np.zeros(2, np.int64),
             projectile_position=np.zeros((count, 3)), f_contact_nose=np.zeros((count, 3)),
             ply_counters=np.tile([AT_REST, 0, 0], (count, 1)), projectile_velocity=strike_velocity * shot.flight,
+            turns=self.turns,
         )  # fmt: skip
         states = []
         for p, ply in enumerate(self.plies):
@@ -261,7 +278,9 @@ class Pack:
                     projectile_position=stack.projectile_position[p],
                     f_contact_nose=stack.f_contact_nose[p],
                     counter=stack.ply_counters[p],
-                    projectile_velocity=stack.projectile_velocity,
+                    projectile_velocity=stack.projectile_velocity
+                    if p == 0 or self.turns is None
+                    else state.projectile_velocity,
                     **self._foreseen(state.mass.size),
                 )
             )
@@ -288,9 +307,9 @@ class Pack:
         return (*on_next, *(self._pair(q, p, -apart(p), consts, states) for p, q in both))
 
     def stops(self, consts: Sequence[Constants], states: Sequence[State]) -> TornContact:
-        """What keeps torn cloth apart, at rest."""
+        """What keeps torn fabric apart, at rest."""
         thicknesses = [ply.weave.thickness for ply in self.plies]
-        return torn_contact(consts, states, self.places, thicknesses, self.time_step)
+        return torn_contact(consts, states, self.places, thicknesses, self.time_step, self.turns)
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
@@ -310,8 +329,7 @@ class Pack:
         nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
         sub = (np.arange(n) + start) / n
         foot = np.zeros((2, front.ni, n, n, front.nj))
-        along, across = self._first_places(p, q, front, rear, sub)
-        foot[0], foot[1] = along[:, :, None, None], across.T[None, None, :, :]
+        foot[0], foot[1] = self._first_places(p, q, sub)
         elements = front.ni * front.nj
         padded = lambda kind=float: np.zeros(foot[0].size + WIDTH, kind)  # noqa: E731
         return Pair(
@@ -320,6 +338,7 @@ class Pack:
             status=padded(np.uint8), on_facet=padded(np.uint8), recheck_step=padded(),
             near_torn=np.zeros(elements, np.uint8),
             torn_elements=np.zeros(elements, np.int64), torn_counts=np.zeros(3, np.int64),
+            deep_points=padded(np.int64), deep_count=np.zeros(1, np.int64),
             lane_index=np.arange(float(WIDTH)), max_speed=np.zeros(2),
             f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
             rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
@@ -327,7 +346,8 @@ class Pack:
             points_per_side=n, point_offset=start, law=table, law_step=cell,
             thickness=thickness, rest_distance=apart,
             min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
-            **area_factors(self.plies[p], self.plies[q]),
+            turn=None if self.turns is None else self._turn(p, q),
+            **area_factors(self.plies[p], self.plies[q], None if self.turns is None else foot),
             **friction.fields(
                 self.friction, foot[0].size + WIDTH, self._slip_constants(self._density(first) * area, table[-1, 1])
             ),
@@ -340,19 +360,23 @@ class Pack:
         cfl = self._in_step(self.plies[0]).numerics.cfl
         return friction.slip_constants(cfl, mass, self.time_step, stiffness, self.contact.damping)
 
-    def _first_places(self, p, q, front, rear, sub):
-        """((ni, points), (nj, points)) [elements] where the points of ply p lie on ply q at rest, along either side.
+    def _first_places(self, p, q, sub):
+        """(along, across) [elements] where the points of ply p lie on ply q at rest, arrays that go together with
+        (ni, points, points, nj).
 
-        Near the borders of zones, where the spline's places are not in proportion to distances, a guess.
+        Near the borders of zones, where the spline's places are not in proportion to distances, a guess; of points
+        beside ply q the nearest place on its rim.
         """
-        along, across = (np.arange(n)[:, None] + sub for n in (front.ni, front.nj))
-        if self.plies[p].sides is None:
-            along = (front.x0 - rear.x0 + along * front.dx) / rear.dx
-            return along, (front.y0 - rear.y0 + across * front.dy) / rear.dy
-        return tuple(
-            np.interp(np.interp(at, np.arange(mine.size), mine), other, np.arange(other.size))
-            for at, mine, other in zip((along, across), self.plies[p].lines(), self.plies[q].lines())
-        )
+        front, rear = self.plies[p], self.plies[q]
+        along, across = (np.arange(n)[:, None] + sub for n in front.counts)
+        along, across = along[:, :, None, None], across.T[None, None, :, :]
+        if front.sides is None and self.turns is None:
+            (x0, y0), (X0, Y0), (dx, dy), (DX, DY) = front.origin, rear.origin, front.spacing, rear.spacing
+            return (x0 - X0 + along * dx) / DX, (y0 - Y0 + across * dy) / DY
+        x, y = (np.interp(at, np.arange(line.size), line) for at, line in zip((along, across), front.lines()))
+        turn = None if self.turns is None else self._turn(p, q)
+        places = turn_kernels.turned(turn, x, y)
+        return tuple(np.interp(at, line, np.arange(line.size)) for at, line in zip(places, rear.lines()))
 
 
 def _slower(ply, step):
@@ -362,7 +386,7 @@ def _slower(ply, step):
 
 
 def turned(panel: Panel) -> Panel:
-    """The same panel with its cloth turned by a right angle; opening and edges stay where they are.
+    """The same panel with its fabric turned by a right angle; opening and edges stay where they are.
 
     Raises
     ------
@@ -379,3 +403,21 @@ def turned(panel: Panel) -> Panel:
         panel, table=CellTable.fill(model, panel.table.stretch1.size), bending=panel.bending[::-1],
         strength_factors=factors and factors[::-1],
     )  # fmt: skip
+
+
+def at_angle(panel: Panel, angle: float) -> Panel:
+    """The same panel with its fabric turned by an angle [rad], from warp to weft; opening and edges stay.
+
+    Raises
+    ------
+    InputError : as `turned`; an angle that is not one of half a turn; edges that are not clamped, or a model that is
+        not whole, of any but a right angle
+    """
+    if not -pi / 2 < angle <= pi / 2:
+        raise InputError(key="angle", value=angle, allowed="above -pi/2 and at most pi/2")
+    if angle == 0.0:
+        return panel
+    if angle == pi / 2 and panel.weave_angle == 0.0:
+        return turned(panel)
+    oblique = remainder(panel.weave_angle + angle, pi)
+    return replace(panel, weave_angle=oblique, ply_angle=oblique - panel.weave_angle)

@@ -26,6 +26,7 @@ from shellfabric.plies.graded_kernels import scaled_by_area
 from shellfabric.plies.point_kernels import (
     front_point,
     grow_window,
+    in_front_frame,
     rear_surface,
     relative_velocity,
     scatter_vector,
@@ -79,5 +80,5 @@ def point_friction(front, fc, rear, rc, pair, q):
     grow_window(pair.front_window, i, j, 3)
     grow_window(pair.rear_window, I, J, 3)
     t = (t_x, t_y, t_z)
-    scatter_vector(pair.f_front, k, fc.row_stride, 1.0, t, w_front)
+    scatter_vector(pair.f_front, k, fc.row_stride, 1.0, in_front_frame(pair, t), w_front)
     scatter_vector(pair.f_rear, K, rc.row_stride, -1.0, t, w_rear)

@@ -10,7 +10,6 @@ import numpy as np
 
 from shellfabric.jit.compile import kernel
 from shellfabric.plies.contact_simd_kernels import (
-    AMBIGUOUS_DEPTH,
     CLEAR,
     CP_JUMP,
     IN_CONTACT,
@@ -18,6 +17,7 @@ from shellfabric.plies.contact_simd_kernels import (
     MAX_COMPRESSION,
     MAX_CP_STEP,
     MAX_DEPTH_JUMP,
+    MAX_SQUEEZE,
     PASSED_COUNT,
     PASSED_POINT,
     extend_window,
@@ -40,6 +40,10 @@ from shellfabric.plies.surface_kernels import (
     second_derivatives,
     surface_patch,
 )
+from shellfabric.plies.turn_kernels import turned, turned_back
+
+_STOP_SWEEPS = 4
+_PUSH_OUT = 0.2  # of what a point is squeezed too far, in a step
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -65,6 +69,13 @@ def scatter_vector(F, k, s, f, n, w):
     scatter_weighted(F[0], k, s, f * n[0], wa[0], wa[3], wa[2], wb[0], wb[1], wb[2])
     scatter_weighted(F[1], k, s, f * n[1], wa[0], wa[1], wa[2], wb[0], wb[3], wb[2])
     scatter_weighted(F[2], k, s, f * n[2], wa[0], wa[1], wa[2], wb[0], wb[1], wb[2])
+
+
+@kernel(_nrt=False, forceinline=True)
+def in_front_frame(pair, v):
+    """A vector of the rear ply's frame, in that of the front ply."""
+    x, y = turned_back(pair.turn, v[0], v[1])
+    return x, y, v[2]
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -102,12 +113,12 @@ def rear_surface(rear, rc, form, A, B):
 @kernel(_nrt=False, forceinline=True)
 def contact_normal(rc, pair, q, off, tangents, whole):
     """Normal n towards the rear ply, area of the tangents, depth [m], |cos| to the normal of the step before where that
-    decided, and whether n is the direction of the point: in a fold, on a rim, of cloth drawn to a line."""
+    decided, and whether n is the direction of the point: in a fold, on a rim, of fabric drawn to a line."""
     (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     size = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
     tiny = 1e-6 * rc.dx * rc.dy
-    if size < tiny:  # cloth that is drawn to a line has no normal
+    if size < tiny:  # fabric that is drawn to a line has no normal
         n_x, n_y, n_z, size = pair.normal[0][q], pair.normal[1][q], pair.normal[2][q], 1.0
     n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
     size = max(size, tiny)
@@ -115,7 +126,7 @@ def contact_normal(rc, pair, q, off, tangents, whole):
     turned, known = along > 0.0, 0.0  # what comes near does so on its own side
     # so deep that it may come through, or has; or the surface has just changed from spline to facets, or back
     other, pair.on_facet[q] = pair.torn_counts[2] != 0 or (pair.on_facet[q] == 0) != whole, 0 if whole else 1
-    if pair.status[q] == IN_CONTACT and (pair.last_depth[q] > (1.0 - AMBIGUOUS_DEPTH) * pair.thickness or other):
+    if pair.status[q] == IN_CONTACT and (pair.last_depth[q] > MAX_SQUEEZE * pair.thickness or other):
         known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
         turned = known < 0.0 if abs(known) > 0.5 else turned
     if turned and pair.surface_form == SMOOTH:
@@ -123,7 +134,7 @@ def contact_normal(rc, pair, q, off, tangents, whole):
     depth = pair.thickness + along
     near = depth > -0.5 * pair.thickness
     if pair.surface_form == SMOOTH and abs(known) <= 0.5 and far > 0.3 * pair.thickness and along > -0.7 * far:
-        # a fold, a rim or cloth drawn to a line, whose normal says nothing of where the point is
+        # a fold, a rim or fabric drawn to a line, whose normal says nothing of where the point is
         n_x, n_y, n_z, depth, slant = -x / far, -y / far, -z / far, pair.thickness - far, True
     return (n_x, n_y, n_z), size, depth, abs(known), slant, near, far
 
@@ -135,7 +146,7 @@ def closest_point_step(rear, rc, form, place, K, weights, slopes, off, tangents,
     place : (A, B, I, J), the closest point so far and the indices of the first node about it
     """
     (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
-    if not near:  # of cloth that stands on end nothing is straight ahead
+    if not near:  # of fabric that stands on end nothing is straight ahead
         area = max(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
         return (Yb * x - Xb * y) / area, (Xa * y - Ya * x) / area, False
     aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
@@ -172,10 +183,11 @@ def move_closest_point(rc, pair, q, place, step, low):
 
 @kernel(_nrt=False, forceinline=True)
 def relative_velocity(front, fc, rear, rc, pair, k, w_front, K, w_rear):
-    """[m/s] of a point over its closest point on the rear ply."""
+    """[m/s] of a point over its closest point on the rear ply, in its frame."""
     v_x, v_y, v_z = vector_at(rear.v, K, rc.row_stride, w_rear[0], w_rear[1])
     v_x, v_y, v_z = -v_x, -v_y, -v_z
     p_x, p_y, p_z = vector_at(front.v, k, fc.row_stride, w_front[0], w_front[1])
+    p_x, p_y = turned(pair.turn, p_x, p_y)
     return v_x + p_x, v_y + p_y, v_z + p_z
 
 
@@ -202,8 +214,11 @@ def update_spring(pair, q, depth, made, jump, before, touches, lost, sure):
 
 @kernel(_nrt=False, forceinline=True)
 def spring_force(fc, pair, q, a, b, depth, closing, torn):
-    """Force [N] on a point that touches, and the energy [J] in its spring."""
+    """Force [N] on a point that touches, and the energy [J] in its spring; lists it for `stop_deep_points`."""
     squeezed, part = depth - pair.depth_offset[q], 0.5 if torn else 1.0
+    if pair.surface_form == SMOOTH and squeezed + closing * fc.dt > MAX_SQUEEZE * pair.thickness:
+        pair.deep_points[pair.deep_count[0]] = q
+        pair.deep_count[0] += 1
     pair.energy[MAX_COMPRESSION] = max(pair.energy[MAX_COMPRESSION], squeezed)
     if pair.point_offset == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
@@ -234,15 +249,14 @@ def contact_point(front, fc, rear, rc, pair, q, often):
     """Follow the closest point of the front ply's point number q, and apply its force: (energy in its spring, depth).
 
     The depth is negative where the point is clear of the rear ply, and 0 where it cannot push. often : whether the
-    closest point beside torn cloth is to be searched anew, whether or not it has been followed well
+    closest point beside torn fabric is to be searched anew, whether or not it has been followed well
     """
     e, a, b = point_place(fc, pair, q)
     (x, y, z), i, j, k, w_front = front_point(front, fc, pair, a, b)
-    x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
+    x, y = turned(pair.turn, x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy)
     at_x, at_y, at_z = x - rc.x0, y - rc.y0, z - pair.rest_distance  # from the first node of the rear ply at rest
     smooth, touches = pair.surface_form == SMOOTH, pair.status[q] == IN_CONTACT
-    low = -0.5 if smooth else 0.0
-    low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
+    low_a, low_b = -0.5 if smooth and rc.mirror_x else 0.0, -0.5 if smooth and rc.mirror_y else 0.0
     before = pair.closest_point[0][q], pair.closest_point[1][q]
     A = min(max(before[0] + pair.cp_rate[0][q], low_a), float(rc.ni))
     B = min(max(before[1] + pair.cp_rate[1][q], low_b), float(rc.nj))
@@ -272,13 +286,14 @@ def contact_point(front, fc, rear, rc, pair, q, often):
     closing = closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n)
     made = closing * fc.dt  # depth that the last step's motion has made
     jump = (depth - pair.last_depth[q] - made) / pair.thickness
-    deep, ambiguous = depth > (1.0 - AMBIGUOUS_DEPTH) * pair.thickness, known <= 0.5
+    deep, ambiguous = depth > MAX_SQUEEZE * pair.thickness, known <= 0.5
     if smooth and deep and ambiguous and ((not touches and not whole) or (whole and jump > MAX_DEPTH_JUMP)):
         return 0.0, 0.0  # it has come from a hole, a rim or another fold, edge on, and is on no side yet
     # by motion alone, from a side that it had: what is found inside another fold may have had either
     moved = jump <= MAX_DEPTH_JUMP and pair.depth_offset[q] <= MAX_DEPTH_JUMP * pair.thickness
     moved = moved and touches and smooth and whole and depth > pair.thickness
-    if moved and left_x == 1.0 and left_y == 1.0 and face_to_face(front, fc, e, n):
+    back = in_front_frame(pair, n)
+    if moved and left_x == 1.0 and left_y == 1.0 and face_to_face(front, fc, e, back):
         pair.energy[PASSED_COUNT], pair.energy[PASSED_POINT] = pair.energy[PASSED_COUNT] + 1.0, q
     update_spring(pair, q, depth, made, jump, before, touches, lost, sure)
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n
@@ -287,6 +302,54 @@ def contact_point(front, fc, rear, rc, pair, q, often):
     if f > 0.0:
         grow_window(pair.front_window, i, j, 3)
         grow_window(pair.rear_window, I, J, 3)
-        scatter_vector(pair.f_front, k, fc.row_stride, -f, n, w_front)
+        scatter_vector(pair.f_front, k, fc.row_stride, -f, back, w_front)
         scatter_vector(pair.f_rear, K, rc.row_stride, f, n, w_rear)
     return energy, depth
+
+
+@kernel(_nrt=False)
+def stop_deep_points(front, fc, rear, rc, pair, on_front, on_rear):
+    """Keep the points in `pair.deep_points` from being squeezed by more than the share MAX_SQUEEZE of the thickness.
+
+    Equations: docs/theory-panel.md, "Packs: contact between plies". `on_front` and `on_rear` are the nodal forces of
+    the other ply's own points, or None.
+    """
+    for _ in range(_STOP_SWEEPS):
+        for q in pair.deep_points[: pair.deep_count[0]]:
+            _, a, b = point_place(fc, pair, q)
+            _, i, j, k, w_front = front_point(front, fc, pair, a, b)
+            A, B = pair.closest_point[0][q], pair.closest_point[1][q]
+            form = pair.surface_form if intact_about(rear, rc, A, B) else FACETS
+            I, J, K, w_rear, _, _, _ = rear_surface(rear, rc, form, A, B)
+            n = pair.normal[0][q], pair.normal[1][q], pair.normal[2][q]
+            back = in_front_frame(pair, n)
+            speed, kick = predicted_speed(front, fc.row_stride, pair.f_front, on_front, k, w_front, back)
+            rear_speed, rear_kick = predicted_speed(rear, rc.row_stride, pair.f_rear, on_rear, K, w_rear, n)
+            room = MAX_SQUEEZE * pair.thickness - (pair.last_depth[q] - pair.depth_offset[q])
+            excess = speed - rear_speed - (room if room > 0.0 else _PUSH_OUT * room) / fc.dt
+            if excess > 0.0 and kick + rear_kick > 0.0:
+                f = excess / (kick + rear_kick)
+                grow_window(pair.front_window, i, j, 3)
+                grow_window(pair.rear_window, I, J, 3)
+                scatter_vector(pair.f_front, k, fc.row_stride, -f, back, w_front)
+                scatter_vector(pair.f_rear, K, rc.row_stride, f, n, w_rear)
+    pair.deep_count[0] = 0
+
+
+@kernel(_nrt=False, forceinline=True)
+def predicted_speed(state, s, force, other, k, weights, n):
+    """Of a point of a surface, along n: its velocity [m/s] after a step by the ply's own forces, the nose's and those
+    given (`other` may be None), and the velocity [m/s] that a force of 1 N there makes in a step."""
+    (a0, a1, a2, a1x), (b0, b1, b2, b1y) = weights
+    speed, made = 0.0, 0.0
+    for i, (a, ax) in enumerate(((a0, a0), (a1, a1x), (a2, a2))):
+        for j, (b, by) in enumerate(((b0, b0), (b1, b1y), (b2, b2))):
+            m = k + np.uint64(i * s + j)
+            kick = state.dt_over_mass[m]
+            for c, w in enumerate((n[0] * ax * b, n[1] * a * by, n[2] * a * b)):
+                total = state.f_int[c][m] + state.f_int_above[c][m] + state.f_contact[c][m] + force[c][m]
+                if other is not None:
+                    total += other[c][m]
+                speed += w * (state.v[c][m] + kick * total)
+                made += kick * w * w
+    return speed, made

@@ -1,6 +1,6 @@
 """The surfaces of plies, as their contact sees them (see `plies.contact_kernels`).
 
-The cloth of a ply is the biquadratic B-spline whose control points are its nodes. Its tangent plane turns without a
+The fabric of a ply is the biquadratic B-spline whose control points are its nodes. Its tangent plane turns without a
 jump; it goes through the middle of every element with the slopes that the element has there. With a the place along the
 warp in elements, i the nearest node and r = a - i, the weights of three nodes are
 
@@ -237,7 +237,7 @@ def point_mean8(x, k, s, wa, wb):
 
 @kernel(_nrt=False, forceinline=True)
 def intact_fraction_at(state, const, a, b):
-    """Part of the cloth that is left at the place (a, b)."""
+    """Part of the fabric that is left at the place (a, b)."""
     i, j = min(int(a), const.ni - 1), min(int(b), const.nj - 1)
     k = np.uint64(max(i, 0) * const.row_stride + max(j, 0))
     flag = state.element_flag[k]
@@ -264,7 +264,7 @@ def intact_about(state, const, a, b):
 
 @kernel(_nrt=False)
 def search_closest_point(state, const, foot, q, x, y, z, far):
-    """Put the foot of point number q where the cloth about it is nearest to the point, if that is nearer than the foot
+    """Put the foot of point number q where the fabric about it is nearest to the point, if that is nearer than the foot
     that it has. x, y, z : [m] of the point, from the ply's first node at rest; far : [m] from point to foot."""
     i0, j0, least = int(foot[0][q]), int(foot[1][q]), 0.8 * far * far
     for i in range(max(i0 - _SEARCH_ELEMENTS, 0), min(i0 + _SEARCH_ELEMENTS + 1, const.ni)):

@@ -1,8 +1,8 @@
 """Predictive non-penetration constraints of torn plies: of the next ply, and through its holes of plies further on.
 
 The contact of neighbouring plies (`plies.contact_kernels`) is one of surfaces with a side to each, followed from step
-to step. Torn cloth has edges, is drawn to lines and turns over, and through a hole it meets plies that it has no foot
-on. So beside torn cloth positions x' = x + dt v' after the coming step are predicted from all forces. The middle of an
+to step. Torn fabric has edges, is drawn to lines and turns over, and through a hole it meets plies that it has no foot
+on. So beside torn fabric positions x' = x + dt v' after the coming step are predicted from all forces. The middle of an
 element that would then be on the other side of a facet of another ply, or nearer to it than `gap`, gets the force along
 the normal n of the facet that keeps it off, shared out by the weights w of its nodes and the facet's:
 
@@ -19,7 +19,8 @@ of four triangles between the nodes of an element and its middle. Where the next
 contact; what by that has come through may go back. A triangle whose normal turns by more than 60 degrees in the step
 holds nothing.
 
-The work is counted as that of all contact of plies is, half a step's of the old forces and half a step's of the new.
+Places are in the frame of the first ply, forces and velocities of a ply in its own (`plies.turn_kernels`). The work is
+counted as that of all contact of plies is, half a step's of the old forces and half a step's of the new.
 """
 
 from shellfabric.cloth import spline_kernels
@@ -43,8 +44,15 @@ from shellfabric.plies.broad_phase_kernels import (
     grid_insert,
 )
 from shellfabric.plies.constraint_kernels import resolve_pair
-from shellfabric.plies.contact_kernels import apply_symmetry, element_of_middle, half_step_work
+from shellfabric.plies.contact_kernels import (
+    apply_symmetry,
+    element_of_middle,
+    forces_on,
+    half_step_work,
+    neighbour_force,
+)
 from shellfabric.plies.graded_kernels import add_line_offset
+from shellfabric.plies.turn_kernels import turn_between, turn_of, turned_back
 
 _TORN_NEIGHBOURS, _PLIES_AWAY = 3, 2  # elements about torn ones, plies whose tears count
 _MAX_SWEEPS = 24
@@ -52,7 +60,7 @@ _MAX_SWEEPS = 24
 
 @kernel(_nrt=False)
 def enforce_constraints(states, consts, pairs, stack, stops):
-    """Forces that keep torn cloth from passing through other plies in the coming step, into stops.f."""
+    """Forces that keep torn fabric from passing through other plies in the coming step, into stops.f."""
     failures = 0
     for p in range(len(states)):
         failures += stack.ply_counters[p, FAILURES]
@@ -108,7 +116,7 @@ def mark_zone(states, consts, stack, stops, p):
         for i in range(other.ni):
             for j in range(other.nj if state.block_damage[i // other.rows_per_block] else 0):
                 if state.element_flag[i * other.row_stride + j]:
-                    m0, n0 = element_of_middle(const, other, i, j)
+                    m0, n0 = element_of_middle(turn_between(stops.turns, p, q), const, other, i, j)
                     for m in range(max(m0 - _TORN_NEIGHBOURS, 0), min(m0 + _TORN_NEIGHBOURS + 1, const.ni)):
                         for n in range(max(n0 - _TORN_NEIGHBOURS, 0), min(n0 + _TORN_NEIGHBOURS + 1, const.nj)):
                             mark[m * const.row_stride + n] = TORN
@@ -132,31 +140,27 @@ def mark_zone(states, consts, stack, stops, p):
 
 @kernel(_nrt=False)
 def predict_state(states, consts, pairs, stops, p):
-    """Places of the nodes of a ply now and after the next step, by all known forces, and where it has cloth."""
-    half = len(pairs) // 2
+    """Places of the nodes of a ply now and after the next step, by all known forces, and where it has fabric."""
     predict_velocities(borrowed_item(states, p), borrowed_item(consts, p), stops, p)
-    if p > 0:
-        add_impulses(stops, p, borrowed_item(pairs, p - 1).f_rear)
-        add_impulses(stops, p, borrowed_item(pairs, half + p - 1).f_front)
-    if p < len(states) - 1:
-        add_impulses(stops, p, borrowed_item(pairs, p).f_front)
-        add_impulses(stops, p, borrowed_item(pairs, half + p).f_rear)
-    elif borrowed_item(consts, p).has_backing:
+    for n in forces_on(p, len(pairs)):
+        add_impulses(stops, p, neighbour_force(pairs, n)[0])
+    if p == len(states) - 1 and borrowed_item(consts, p).has_backing:
         add_impulses(stops, p, borrowed_item(states, p).f_block_cloth)
     predict_positions(stops, p)
 
 
 @kernel(_nrt=False)
 def predict_velocities(state, const, stops, p):
-    """What a ply knows of itself: where it has cloth, places, and velocities by its own forces and the nose's."""
+    """What a ply knows of itself: where it has fabric, places, and velocities by its own forces and the nose's."""
     for m in range(stops.counts[p, ELEMENTS]):
         stops.intact_quadrants[p, stops.elements[p, m]] = intact_quadrants(state, const, stops.elements[p, m])
     for m in range(stops.counts[p, NODES]):
         k = stops.nodes[p, m]
         i, j = k // const.row_stride, k % const.row_stride
         met = i > 0 and i % const.rows_per_block == 0
-        stops.x[p, 0, k] = add_line_offset(const.x0 + i * const.dx, const.line_offset1, i) + state.u[0][k]
-        stops.x[p, 1, k] = add_line_offset(const.y0 + j * const.dy, const.line_offset2, j) + state.u[1][k]
+        x = add_line_offset(const.x0 + i * const.dx, const.line_offset1, i) + state.u[0][k]
+        y = add_line_offset(const.y0 + j * const.dy, const.line_offset2, j) + state.u[1][k]
+        stops.x[p, 0, k], stops.x[p, 1, k] = turned_back(turn_of(stops.turns, p), x, y)
         stops.x[p, 2, k] = stops.z_rest[p] + state.u[2][k]
         for c in range(3):
             force = state.f_int[c][k] + state.f_contact[c][k] + (state.f_int_above[c][k] if met else 0.0)
@@ -177,6 +181,8 @@ def predict_positions(stops, p):
     """Places after the step in place of velocities; nodes on planes of symmetry keep to them."""
     for m in range(stops.counts[p, NODES]):
         k = stops.nodes[p, m]
+        v_x, v_y = turned_back(turn_of(stops.turns, p), stops.x_next[p, 0, k], stops.x_next[p, 1, k])
+        stops.x_next[p, 0, k], stops.x_next[p, 1, k] = v_x, v_y
         for c in range(3):
             kept = (c == 0 and stops.ply_shape[p, MIRROR_X] and k < stops.ply_shape[p, ROW_STRIDE]) or (
                 c == 1 and stops.ply_shape[p, MIRROR_Y] and k % stops.ply_shape[p, ROW_STRIDE] == 0
@@ -186,7 +192,7 @@ def predict_positions(stops, p):
 
 @kernel(_nrt=False)
 def intact_quadrants(state, const, k):
-    """Bit 2 a + b for the quarter of an element at the end a along the warp and b along the weft, if it has cloth."""
+    """Bit 2 a + b for the quarter of an element at the end a along the warp and b along the weft, if it has fabric."""
     if state.element_flag[k] == 0:
         return 15
     found = 0

@@ -1,1 +1,1 @@
-"""The projectile: shapes as signed distances, rigid or elastic bar, contact with the cloth, friction."""
+"""The projectile: shapes as signed distances, rigid or elastic bar, contact with the fabric, friction."""

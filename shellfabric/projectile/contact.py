@@ -1,4 +1,4 @@
-"""Constants, state and scratch of the contact of cloth and projectile (see `contact_kernels`)."""
+"""Constants, state and scratch of the contact of fabric and projectile (see `contact_kernels`)."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import WINDOW
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, any_lane, fma, greater, load, maximum, store
-from shellfabric.projectile import friction_kernels, sdf_kernels
+from shellfabric.projectile import curvature_kernels, friction_kernels, sdf_kernels
 from shellfabric.projectile.window_kernels import (
     cover_at_point,
     erode,
@@ -38,7 +38,7 @@ from shellfabric.projectile.window_kernels import (
     window_bounds,
 )
 
-# of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole cloth so far
+# of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole fabric so far
 CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 
@@ -53,6 +53,7 @@ def contact_forces(state, const, work):
     last call (spring and damper, by the trapezoid rule) and the energy in its springs.
     """
     clear_forces(state, const)
+    curvature_kernels.clear_bending(const.fibre_diameter, state, const)
     if const.window_follows:
         move_window(state, const)
     return contact_window(state, const, work)
@@ -206,6 +207,9 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         if const.friction > 0.0:
             state.friction_state[e, number] = 0.0
         return 0.0, 0.0
+    curvature_kernels.record_bending(
+        const.fibre_diameter, state, const, k, number, depth, at, m, (n_x, n_y, n_z), work.node_position
+    )
     stiffness, damping = part * const.point_law.stiffness, part * const.point_law.damping
     if const.tilted:
         n_x, n_y, n_z = to_panel_frame(const.frame, n_x, n_y, n_z)
@@ -280,11 +284,10 @@ def to_panel_frame(frame, x, y, z):
 
 @kernel()
 def apply_contact_impulse(state, const):
-    """v += dt f / m of nodes and projectile, with the contact forces, equal and opposite."""
+    """v += dt f / m of nodes, with the contact forces."""
     i0, i1, j0, j1 = reachable_nodes(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
             for m in range(i * const.row_stride + j0, i * const.row_stride + j1 + 1):
                 k = np.uint64(m)
                 state.v[c][k] += state.dt_over_mass[k] * state.f_contact[c][k]
-        state.projectile_velocity[c] += const.dt * const.free_dofs[c] * state.f_contact_nose[c] / const.projectile_mass

@@ -1,8 +1,8 @@
-"""Coulomb friction between the cloth and the projectile, at the points where they touch.
+"""Coulomb friction between the fabric and the projectile, at the points where they touch.
 
 A point that sticks is held by a spring of the contact's own stiffness k, with its damping c, along the surface; what
 the spring could hold beyond the friction mu f it lets slip (Coulomb's law regularised by an elastic slip, as the
-penalty regularises the gap). With g the elastic slip and v the velocity of the cloth over the projectile, both along
+penalty regularises the gap). With g the elastic slip and v the velocity of the fabric over the projectile, both along
 the surface,
 
     t = -(k g + c v),    where |t| > mu f:   t := mu f t / |t|,  g := -t / k.
@@ -20,9 +20,9 @@ def friction_force(stuck, limit, k, c, dt, n_x, n_y, n_z, v_x, v_y, v_z):
     """Friction at one point over one step.
 
     stuck : (6,) elastic slip [m] and last friction force [N], updated
-    limit : mu f [N]; k, c : [N/m, N s/m]; n : normal of the surface; v : velocity of the cloth over it [m/s]
+    limit : mu f [N]; k, c : [N/m, N s/m]; n : normal of the surface; v : velocity of the fabric over it [m/s]
 
-    Returns the force on the cloth (t_x, t_y, t_z), the energy taken in over the step (trapezoid rule), and what of it
+    Returns the force on the fabric (t_x, t_y, t_z), the energy taken in over the step (trapezoid rule), and what of it
     the spring holds.
     """
     taken = -0.5 * dt * (stuck[3] * v_x + stuck[4] * v_y + stuck[5] * v_z)

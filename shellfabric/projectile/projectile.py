@@ -13,9 +13,9 @@ hemisphere, the centre, so that a sphere flies alike whatever its attitude.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from math import cos, inf, pi, radians, sin, tan
+from math import cos, inf, pi, radians, remainder, sin, tan
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
+from shellfabric.projectile.solid import Solid
 
 STEEPEST = radians(75)  # of flight and axis against the normal: beyond, the shot passes along the panel
 
@@ -59,6 +60,7 @@ SHAPES = {
         lambda shot: shot.edge_radius + (shot.radius - shot.edge_radius - _chisel(shot)[0]) * tan(shot.flat_angle),
         ("flat_width", "flat_angle"),
     ),
+    "stl": (sdf_kernels.STL, lambda shot: shot.solid.form, lambda shot: shot.solid.shoulder, ("solid",)),
 }
 
 
@@ -79,6 +81,7 @@ class Projectile:
     tip_radius : [m] of a cone
     flat_width : [m] of the strip across a chisel's nose; it lies along the weft at no obliquity and roll
     flat_angle : [rad] of a chisel's flats against the plane of its nose
+    solid : Solid of the shape "stl"; its radius and length are the projectile's, its edges have the edge radius
     obliquity, azimuth, yaw, roll : [rad], see above; the axis may lean by 75 degrees at most
     friction : Coulomb's coefficient between projectile and fabric; none in the thesis
     body : "rigid", "elastic_bar", or the Bar itself, of this mass. "elastic_bar" is a flat cylinder of steel (thesis
@@ -101,6 +104,7 @@ class Projectile:
     tip_radius: float | None = None
     flat_width: float | None = None
     flat_angle: float | None = None
+    solid: Solid | None = None
     obliquity: float = 0.0
     azimuth: float = 0.0
     yaw: float = 0.0
@@ -171,7 +175,8 @@ class Projectile:
         for shape, (_, _, _, keys) in SHAPES.items():
             for key in keys:
                 value = getattr(self, key)
-                if shape == self.shape and (value is None or not 0 < value < inf):
+                given = isinstance(value, Solid) or (value is not None and 0 < value < inf)
+                if shape == self.shape and not given:
                     raise InputError(key=key, value=value, allowed=f"above 0 for a {shape}")
                 if shape != self.shape and value is not None:
                     raise InputError(key=key, value=value, allowed=f"left out, being of a {shape}")
@@ -187,7 +192,11 @@ class Projectile:
             if not 0 < _chisel(self)[0] < self.radius - self.edge_radius:
                 allowed = "above the rounding of its edges and below the diameter"
                 raise InputError(key="flat_width", value=self.flat_width, allowed=allowed)
-        if self.length is not None:
+        if self.solid is not None:
+            for key in ("radius", "length"):
+                if getattr(self, key) != getattr(self.solid, key):
+                    raise InputError(key=key, value=getattr(self, key), allowed="that of the solid")
+        elif self.length is not None:
             least = self.shoulder + self.edge_radius
             if self.shape == "sphere":
                 raise InputError(key="length", value=self.length, allowed="left out for a sphere")
@@ -205,9 +214,9 @@ class Projectile:
 
     @property
     def form(self) -> FloatArray:
-        """(4,) the numbers that `sdf_kernels` needs of the shape."""
+        """(n,) the numbers that `sdf_kernels` needs of the shape, at least 4."""
         values = SHAPES[self.shape][1](self)
-        return np.array([*values, *[0.0] * (4 - len(values))])
+        return values if self.solid is not None else np.array([*values, *[0.0] * (4 - len(values))])
 
     @property
     def shoulder(self) -> float:
@@ -216,11 +225,18 @@ class Projectile:
 
     @property
     def nose_radius(self) -> float:
-        """[m] smallest radius that cloth is bent round by the nose."""
+        """[m] smallest radius that fabric is bent round by the nose."""
         if self.shape in ("sphere", "hemisphere"):
             return self.radius
         tip = self.tip_radius if self.shape == "cone" else None
         return self.edge_radius if tip is None else min(self.edge_radius, tip)
+
+    def seen_from(self, angle: float) -> Projectile:
+        """The same shot in a frame that is turned by `angle` [rad] about the panel's normal."""
+        if not self.roaming and self.shape not in ("chisel", "stl"):
+            return self  # it looks alike from everywhere
+        azimuth, roll = (remainder(each - angle, 2 * pi) for each in (self.azimuth, self.roll))
+        return replace(self, azimuth=azimuth, roll=roll)
 
     @property
     def tilted(self) -> bool:
@@ -265,6 +281,8 @@ class Projectile:
         """
         if not self.tilted or self.obliquity + self.yaw == 0:
             return 0.0
+        if self.solid is not None:
+            return max(0.0, float((self.solid.points @ self.frame[:, 2]).max()))
         far = 1e4
         return max(0.0, far - self.distance(np.array([0.0, 0.0, far]))[0])
 
@@ -275,30 +293,37 @@ class Projectile:
         flight, nose = self.flight, self.radius * self.frame[2]
         return nose - flight * (nose[2] + self.top) / flight[2]
 
-    def surface(self, set_back: float = 0.0) -> FloatArray:
+    def surface(self, set_back: float = 0.0, rise: int = 61, around: int = 73) -> FloatArray:
         """(n, m, 3) [m] the body's surface about its nose, m points a ring, for pictures; six radii of an endless one.
 
+        Of a solid, what is seen from its axis.
+
         set_back : [m] along the axis
+        rise, around : rays from the side to the tip, and in a ring
         """
         end = 2 * self.radius if self.shape == "sphere" else min(self.length or inf, 6 * self.radius)
         length = inf if self.shape == "sphere" else end
-        rise, depths = np.linspace(0, 0.5 * pi, 61), np.linspace(self.radius, end - self.radius, 12)
+        deep = self.radius if self.solid is None else min(self.radius, 0.5 * end)
+        slopes, depths = np.linspace(0, 0.5 * pi, rise), np.linspace(deep, end - deep, rise // 5)
         # rings of rays: from the point one radius deep forwards, across the axis, and from as far before the end back
-        origin = np.concatenate([np.full(61, -self.radius), -depths, np.full(61, self.radius - end)])
-        slope = np.concatenate([rise[::-1], np.zeros(12), -rise])
-        around = np.linspace(0, 2 * pi, 73)
-        away = np.cos(slope)[:, None] * np.array([np.cos(around), np.sin(around)])[:, None, :]
+        origin = np.concatenate([np.full(rise, -deep), -depths, np.full(rise, deep - end)])
+        slope = np.concatenate([slopes[::-1], np.zeros(rise // 5), -slopes])
+        turn = np.linspace(0, 2 * pi, around)
+        away = np.cos(slope)[:, None] * np.array([np.cos(turn), np.sin(turn)])[:, None, :]
         rays = np.stack([*away, np.broadcast_to(np.sin(slope)[:, None], away[0].shape)], axis=-1).reshape(-1, 3)
         points = np.zeros_like(rays)
-        points[:, 2] = np.repeat(origin, around.size)
+        points[:, 2] = np.repeat(origin, around)
         sdf_kernels.trace(self.number, self.radius, self.edge_radius, length, self.form, points, rays)
-        return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around.size, 3)
+        return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around, 3)
 
     def mirrored(self, axis: int) -> bool:
         """Whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis 1)."""
         frame, flight = self.frame, self.flight
         if abs(flight[axis]) > 1e-12 or abs(frame[2][axis]) > 1e-12:
             return False
+        if self.solid is not None:
+            own = np.abs(frame[:2, axis])
+            return min(own) < 1e-12 and self.solid.even[int(np.argmax(own))]
         return self.shape != "chisel" or min(abs(frame[0][axis]), abs(frame[1][axis])) < 1e-12
 
 

@@ -1,8 +1,8 @@
-"""Shapes of the projectile: exact signed distances with their gradients, in the frame of the projectile.
+"""Shapes of the projectile: signed distances with their gradients, in the frame of the projectile.
 
-The axis is z, the nose's foremost point on the axis is the origin, the body lies at z <= 0; it is a cylinder of radius
-R behind its nose, without an end or, where a length L is given, with a flat end whose edge is rounded by rho. All
-shapes are convex. Each is written as a body K grown by a ball of radius rho, which is what rounds its edges, so that
+The axis is z, the nose's foremost point is at z = 0, the body lies at z <= 0. All but STL are convex and exact: behind
+their noses cylinders of radius R, without an end or, where a length L is given, with a flat end whose edge is rounded
+by rho. Each is written as a body K grown by a ball of radius rho, which is what rounds its edges, so that
 
     distance(p) = dist(p, K) - rho outside K,   -dist(p, boundary of K) - rho inside it,
 
@@ -14,12 +14,14 @@ is exact on both sides: where contact acts, inside, it is the distance to the ne
     SPHERE      ball of radius R, nothing behind it
     CHISEL      fragment simulator: flat strip of a width across the nose, along y, and two flats that fall off from it
                 by an angle to the nose's plane
+    STL         any body, by samples of its distance on a grid (`solid`), interpolated by tricubic B-splines
 
 A new shape is one function here and one line in `distance` and in `projectile.SHAPES`.
 
 form, the numbers that a shape needs beside R and rho:
     CONE   (tip radius, sine and cosine of the half angle, height of the shoulder's centre)
     CHISEL (half the width of the strip of K, sine and cosine of the angle of the flats)
+    STL    (place of the first sample, 1 / spacing, numbers of samples, coefficients of the B-splines)
 """
 
 import math
@@ -28,7 +30,8 @@ import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
 
-FLAT, HEMISPHERE, CONE, SPHERE, CHISEL = 0, 1, 2, 3, 4
+FLAT, HEMISPHERE, CONE, SPHERE, CHISEL, STL = 0, 1, 2, 3, 4, 5
+STL_HEAD = 7  # numbers before the coefficients
 
 
 @kernel()
@@ -155,6 +158,47 @@ def chisel(x, y, z, R, rho, form):
     return length - rho, math.copysign(n_x / length, x), math.copysign(n_y / length, y), n_z / length
 
 
+@kernel()
+def b_spline(t):
+    """Weights of the four cubic B-splines at a share t of the interval between the middle two, and their slopes."""
+    a = 1.0 - t
+    w = (a * a * a / 6.0, 2.0 / 3.0 - 0.5 * t * t * (1.0 + a), 2.0 / 3.0 - 0.5 * a * a * (1.0 + t), t * t * t / 6.0)
+    return w, (-0.5 * a * a, 0.5 * t * (3.0 * t - 4.0), 0.5 * a * (4.0 - 3.0 * a), 0.5 * t * t)
+
+
+@kernel()
+def sampled(x, y, z, form):
+    """Signed distance interpolated between samples, and the unit vector along its gradient.
+
+    Outside the grid, whose faces lie off the body, what lies between comes on top.
+    """
+    ny, nz, per = int(form[5]), int(form[6]), form[3]
+    p_x, p_y, p_z = (x - form[0]) * per, (y - form[1]) * per, (z - form[2]) * per
+    q_x, q_y, q_z = (
+        min(max(p_x, 1.0), form[4] - 2.001),
+        min(max(p_y, 1.0), form[5] - 2.001),
+        min(max(p_z, 1.0), form[6] - 2.001),
+    )
+    i, j, k = int(q_x), int(q_y), int(q_z)
+    (u, du), (v, dv), (w, dw) = b_spline(q_x - i), b_spline(q_y - j), b_spline(q_z - k)
+    depth, n_x, n_y, n_z = 0.0, 0.0, 0.0, 0.0
+    for a in range(4):
+        for b in range(4):
+            row = STL_HEAD + ((i - 1 + a) * ny + j - 1 + b) * nz + k - 1
+            along = w[0] * form[row] + w[1] * form[row + 1] + w[2] * form[row + 2] + w[3] * form[row + 3]
+            slope = dw[0] * form[row] + dw[1] * form[row + 1] + dw[2] * form[row + 2] + dw[3] * form[row + 3]
+            depth += u[a] * v[b] * along
+            n_x, n_y, n_z = n_x + du[a] * v[b] * along, n_y + u[a] * dv[b] * along, n_z + u[a] * v[b] * slope
+    o_x, o_y, o_z = p_x - q_x, p_y - q_y, p_z - q_z
+    off = math.sqrt(o_x * o_x + o_y * o_y + o_z * o_z)
+    if off > 0.0:
+        depth, n_x, n_y, n_z = depth + off / per, o_x, o_y, o_z
+    length = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
+    if length == 0.0:
+        return depth, 0.0, 0.0, 1.0
+    return depth, n_x / length, n_y / length, n_z / length
+
+
 @entry()
 def distance(shape, x, y, z, R, rho, length, form):
     """Signed distance of a point to a projectile and its gradient (n_x, n_y, n_z).
@@ -162,6 +206,8 @@ def distance(shape, x, y, z, R, rho, length, form):
     The body that ends is the one without an end cut by a flat nose that faces back. Of two distances to convex bodies
     on one cylinder the larger is exact.
     """
+    if shape == STL:
+        return sampled(x, y, z, form)
     r = math.sqrt(x * x + y * y)
     if shape == CHISEL:
         depth, n_x, n_y, n_z = chisel(x, y, z, R, rho, form)

@@ -6,8 +6,8 @@ from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.jit.compile import kernel
 
-# distance of two neighbouring yarns, over that at rest, up to which they cover the cloth between them, and from which
-# the middle between them is bare: yarns as wide as the spacing at rest, with a margin for stretched cloth below, and
+# distance of two neighbouring yarns, over that at rest, up to which they cover the fabric between them, and from which
+# the middle between them is bare: yarns as wide as the spacing at rest, with a margin for stretched fabric below, and
 # twice as wide where the penalty of a point sets in
 COVERED, BARE = 1.1, 2.0
 
@@ -30,8 +30,8 @@ def move_window(state, const):
     """Move the contact window, state.contact_window, with a projectile that moves sideways.
 
     The body lies between its nose and the place where its axis is at const.body_depth below the panel; about that the
-    window leaves const.draw_in_reach, by which cloth may be drawn in besides the body's own width, and what the edges
-    have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Cloth
+    window leaves const.draw_in_reach, by which fabric may be drawn in besides the body's own width, and what the edges
+    have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Fabric
     from beyond would be found by the window's next row when it is an edge radius deep, on springs that nobody has
     squeezed. On a graded panel the window stays in the first zone, and so does the projectile
     (`PackSolver.guard_model`).

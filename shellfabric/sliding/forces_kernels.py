@@ -4,7 +4,7 @@ The segment of a yarn between two nodes holds `share` times the yarn that it hol
 
     x = Lambda / share
 
-with Lambda the distance of its nodes over that at rest. The energy of the cloth is that of pinned crossovers at the
+with Lambda the distance of its nodes over that at rest. The energy of the fabric is that of pinned crossovers at the
 effective stretches, E_p(x), and for each segment the energy U(x) of its own yarn alone in proportion to the yarn that
 it has gained:
 

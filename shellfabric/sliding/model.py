@@ -36,7 +36,7 @@ from shellfabric.sliding.flow_kernels import PULLED_OUT
 DATA = tomllib.loads((Path(__file__).parent / "friction.toml").read_text("utf-8"))  # values, ranges, sources, status
 HEXAGONAL = pi / sqrt(12)  # densest packing of round fibres
 LEAST = 0.9  # of the closest distance: yarn between two neighbours that touch, stretched and pressed together
-MOST_CLOSEST = 0.9  # of the spacing: cloth at rest is not in lateral contact
+MOST_CLOSEST = 0.9  # of the spacing: fabric at rest is not in lateral contact
 
 Slip = namedtuple(
     "Slip",

@@ -43,7 +43,7 @@ from shellfabric.jit.simd import (
 )
 from shellfabric.sliding.slip_energy_kernels import FRICTION, RESIDUAL, STOPS
 
-SWEEPS = 3  # Gauss-Seidel: leaves (t1 . t2)^5 of the fluxes' change, t1 . t2 being 0.4 in locked cloth
+SWEEPS = 3  # Gauss-Seidel: leaves (t1 . t2)^5 of the fluxes' change, t1 . t2 being 0.4 in locked fabric
 # of t1 . t2 in that iteration: where yarns lie along each other a common flux of both would have no mass
 MOST_COSINE = 0.7
 FASTEST = 1e9  # [m/s]: no bound

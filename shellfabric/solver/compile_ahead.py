@@ -30,7 +30,7 @@ def begin(states: Any, consts: Any, pairs: Any, stops: Any, stack: Any, works: A
 
     Arguments as of `step_kernels.run_thread`.
     """
-    if not is_new((consts.values[0], pairs is None)):
+    if not is_new((consts.values[0], pairs is None, stack.turns)):
         return
     state, const, work = (type_of(items.values[0]) for items in (states, consts, works))
     lists = type_of(states), type_of(consts), type_of(pairs)
@@ -43,7 +43,7 @@ def begin(states: Any, consts: Any, pairs: Any, stops: Any, stack: Any, works: A
         contact.append((step_kernels.implicit_nose_contact, (*all_of, type_of(works), INDEX, INDEX)))
         first = [forces + contact, [
             (contact_kernels.contact_forces, (state, const, state, const, pair, INDEX)),
-            (contact_kernels.contact_forces_back, (state, const, state, const, pair, INDEX)),
+            (contact_kernels.contact_forces_back, (state, const, state, const, pair, pair, INDEX)),
             (torn_contact_kernels.enforce_constraints, (*all_of, type_of(stops))),
         ]]  # fmt: skip
     others = map(type_of, (stops, None, stack, works))

@@ -20,13 +20,14 @@ from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver
 from shellfabric.jit import barrier
 from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel import boundary, grading, quality
-from shellfabric.panel.arrays import Constants, State, Work
+from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP
+from shellfabric.panel.motion_kernels import FAILURES, STEP
 from shellfabric.panel.perforation import held, passed
 from shellfabric.plies import contact_simd_kernels, torn_contact_kernels
-from shellfabric.plies.arrays import Stack
+from shellfabric.plies.contact_kernels import forces_on, side_of
 from shellfabric.plies.model import Pack
+from shellfabric.plies.turn_kernels import turned_back
 from shellfabric.projectile import dynamics
 from shellfabric.sliding.model import Slip, SlipSummary, slip_arrays
 from shellfabric.solver import compile_ahead, ply_audit
@@ -50,21 +51,6 @@ def begin_compiling(panel: Panel) -> None:
     compile_ahead.begin(Items(states), Items(pack.constants()), None, None, stack, Items(pack.works()))
 
 
-def run_steps(state: State, const: Constants, work: Work, steps: int, history: FloatArray) -> tuple[int, int]:
-    """`steps` of `step_kernels.run_thread` of one pinned ply, by one thread, without a check of the energy."""
-    counter = np.array([max(state.counter[STEP], 0), state.counter[IDLE]])
-    stack = Stack(
-        awake=np.ones(1, np.bool_), waits_for_plies=np.zeros(1, np.bool_), counter=counter,
-        projectile_position=state.projectile_position[None], f_contact_nose=state.f_contact_nose[None],
-        ply_counters=state.counter[None], projectile_velocity=state.projectile_velocity,
-    )  # fmt: skip
-    lists, shared = (Items([part]) for part in (state, const, work)), work.barrier
-    states, consts, works = lists
-    found = kernels.run_thread(states, consts, None, None, None, stack, works, history[:steps], shared, 0, 1, np.inf)
-    state.counter[IDLE] = counter[IDLE]
-    return found
-
-
 class PackSolver(ExplicitSolver):
     """One run of one ply or several.
 
@@ -82,7 +68,7 @@ class PackSolver(ExplicitSolver):
         single ply, no slips of pinned crossovers
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 10), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
-        of the nose on it, `deflection` the largest of its cloth (`ply_audit.deflection`), `energy` what it moves with,
+        of the nose on it, `deflection` the largest of its fabric (`ply_audit.deflection`), `energy` what it moves with,
         stores and has lost, the peaks its highest tensions so far [N] (`peak_tensions`), `pull_in` the largest way of a
         yarn's end out of its clamp and `slip` the longest piece of yarn that has passed through a crossover [m]
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
@@ -91,7 +77,7 @@ class PackSolver(ExplicitSolver):
     snapshots : list of tuples of Snapshot, one a ply, where a hook takes them
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     monitor : quality.Monitor, what the quality indicators need besides the result
-    perforated_samples : in a row, that found no held cloth ahead of the nose; the second ends the run
+    perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the run
 
     Raises
     ------
@@ -117,8 +103,7 @@ class PackSolver(ExplicitSolver):
             self.consts = tuple(const._replace(perforation_delay_steps=2**62) for const in self.consts)
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
-        self.slips: tuple[Slip, ...] = pack.slips(self.states)
-        self.set_up()
+        self.slips = self.set_up()
         self.effective = tuple(state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips))
         several = len(pack.plies) > 1
         self.pairs = pack.pairs(self.consts, self.states) if several else ()
@@ -137,8 +122,9 @@ class PackSolver(ExplicitSolver):
             )  # fmt: skip
             self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
-    def set_up(self) -> None:
-        """What a coupon changes of the plies at rest before the first sample."""
+    def set_up(self) -> tuple[Slip, ...]:
+        """(plies,) slip of sliding crossovers; a coupon changes here what is at rest before the first sample."""
+        return self.pack.slips(self.states)
 
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
@@ -198,7 +184,7 @@ class PackSolver(ExplicitSolver):
     def squeezed(self) -> FloatArray:
         """(plies - 1,) [-] furthest that the contact of a ply with the next has given way, over the thickness.
 
-        `deepest` without what is found inside another fold of loose cloth, which loads no spring.
+        `deepest` without what is found inside another fold of loose fabric, which loads no spring.
         """
         return self._of_pairs(contact_simd_kernels.MAX_COMPRESSION)
 
@@ -208,7 +194,7 @@ class PackSolver(ExplicitSolver):
 
     @property
     def held_apart(self) -> FloatArray:
-        """(2,) [-] how often torn cloth was kept off other cloth, and how often that did not succeed."""
+        """(2,) [-] how often torn fabric was kept off other fabric, and how often that did not succeed."""
         kinds = [torn_contact_kernels.CORRECTIONS, torn_contact_kernels.UNRESOLVED]
         return self.stops.energy[kinds] if self.stops else np.zeros(2)
 
@@ -243,18 +229,17 @@ class PackSolver(ExplicitSolver):
         )
 
     def neighbour_forces(self, ply: int) -> list[Any]:
-        """[forces [N] on the nodes of a ply, by component] of both neighbours and of torn cloth; [] of a single ply."""
+        """[nodal forces [N] on a ply, by component] of both neighbours and of torn fabric; [] of a single ply."""
         if self.stops is None:
             return []
-        near, back = self.pairs[: len(self.pairs) // 2], self.pairs[len(self.pairs) // 2 :]
-        found = [near[ply - 1].f_rear, back[ply - 1].f_front] if ply > 0 else []
-        found += [near[ply].f_front, back[ply].f_rear] if ply < len(self.states) - 1 else []
+        sides = [side_of(n, len(self.pairs)) for n in forces_on(ply, len(self.pairs))]
+        found = [self.pairs[k].f_front if on_front else self.pairs[k].f_rear for k, on_front in sides]
         return [*found, self.stops.f[ply]]
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
         """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile; of
         several plies, or before a block, also of what is in front, and of what is behind; of several plies also of torn
-        cloth, along the flight.
+        fabric, along the flight.
         """
         state = self.parts[ply][2]
         nose, nothing, forces = state.f_contact[2], 0 * state.f_contact[2], self.neighbour_forces(ply)
@@ -277,7 +262,7 @@ class PackSolver(ExplicitSolver):
         total = [force.copy() for force in state.f_contact]
         for forces in neighbours:
             for whole, force in zip(total, forces):
-                whole += force[: whole.size]  # that of torn cloth is as wide as the largest ply
+                whole += force[: whole.size]  # that of torn fabric is as wide as the largest ply
         return state._replace(f_contact=tuple(total))
 
     def contact_energies(self) -> tuple[float, ...]:
@@ -306,7 +291,8 @@ class PackSolver(ExplicitSolver):
         """See ExplicitSolver."""
         plies = np.array([ply_audit.energies(*self._of_ply(ply), rest) for ply, rest in enumerate(self._rest)])
         pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
-        force = pushes.sum(axis=0) + self.parts[-1][2].f_block_nose
+        force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
+        force += self._of_first(-1, self.parts[-1][2].f_block_nose)
         *projectile, speed = dynamics.audit(self.state, self.const, force)
         total = plies.sum(axis=0)
         block = self.backing.energies() if self.backing else np.zeros(len(coupling.NAMES))
@@ -316,6 +302,11 @@ class PackSolver(ExplicitSolver):
         slipped = np.sum([slip.work for slip in self.slips], axis=0) if self.slips else ()
         energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *slipped]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
+
+    def _of_first(self, ply, vector):
+        """A vector (3,) of the frame of a ply in that of the first."""
+        turn = None if self.stack.turns is None else self.stack.turns[ply]
+        return np.array([*turned_back(turn, vector[0], vector[1]), vector[2]])
 
     def _observe_plies(self, energies, pushes):
         """(plies, 10) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
@@ -370,7 +361,7 @@ class PackSolver(ExplicitSolver):
         return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
 
     def sampled(self) -> None:
-        """Sample the quality indicators, and end a run in which cut-out cloth is all that is left ahead of the nose."""
+        """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead of the nose."""
         self.monitor.sampled()
         failed = any(state.counter[FAILURES] for _, _, state in self.parts)
         if self.reason != RUNNING or not failed or not self.struck or self.backing is not None:
@@ -381,8 +372,8 @@ class PackSolver(ExplicitSolver):
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone; whole cloth does not
-        come through whole cloth."""
+        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone; whole fabric does
+        not come through whole fabric."""
         for ply, (panel, const, state) in enumerate(self.parts):
             if panel.sides is None or not const.window_follows:
                 continue
@@ -408,13 +399,13 @@ class PackSolver(ExplicitSolver):
         pack = self.pack
         known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
         known += self.panel.numerics.precision, self.panel.backing
-        known += pack.gaps, pack.contact, pack.friction, pack.laws, pack.crossovers
+        known += pack.gaps, pack.contact, pack.friction, pack.laws, pack.crossovers, pack.angles
         for _, const, state in self.parts:
             known += const._asdict(), state.mass, state.inverse_mass
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
-        """See ExplicitSolver. Of what holds torn cloth apart, the rest follows from the plies."""
+        """See ExplicitSolver. Of what holds torn fabric apart, the rest follows from the plies."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
         found |= {f"pairs/{p:02d}": pair for p, pair in enumerate(self.pairs)}
         for p, slip in enumerate(self.slips):

@@ -140,6 +140,8 @@ def leave_segments(state, const, slide):
 def apply_failure(state, const, slide, work):
     """Failure criterion, and segments that a yarn's end has left: remove them, and compute the forces of their blocks
     again."""
+    if const.filter_alpha > 0.0:
+        failure_kernels.filter_tensions(const, state)
     first, last = rows_near_failure(state, const)
     emptied, per, n = is_emptied(slide), const.rows_per_block, const.n_per_crossover
     if first >= last and not emptied:
@@ -217,14 +219,12 @@ def update_blocks(state, const, slide, work, shared, me, count):
 
 @kernel(_nrt=False)
 def apply_backing_impulse(state, const):
-    """v += dt f / m of nodes and projectile, with the forces of the backing block (state.f_block_cloth,
-    state.f_block_nose)."""
+    """v += dt f / m of nodes, with the forces of the backing block, state.f_block_cloth."""
     for c in range(3):
         for k in range(
             np.uint64(state.active_rows[0] * const.row_stride), np.uint64((state.active_rows[1] + 1) * const.row_stride)
         ):
             state.v[c][k] += state.dt_over_mass[k] * state.f_block_cloth[c][k]
-        state.projectile_velocity[c] += const.dt * const.free_dofs[c] * state.f_block_nose[c] / const.projectile_mass
 
 
 @kernel(_nrt=False)

@@ -3,8 +3,9 @@
 In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`), the
 contact between plies is computed (`plies.contact_kernels`), and with sliding crossovers the fluxes of yarn are updated
 last, when all forces on the nodes are known. The projectile is one: its speed is shared, and takes the impulses of all
-plies. Its place is kept for each ply, counted from the ply's own plane at rest. A ply is skipped until something pushes
-on it; at most one ply of a pair is skipped while the pair is computed.
+plies. Its place is kept for each ply, counted from the ply's own plane at rest; where plies lie at other angles
+(`plies.turn_kernels`) each has place and velocity in its own frame, and the velocity is kept in the first one's. A ply
+is skipped until something pushes on it; at most one ply of a pair is skipped while the pair is computed.
 
 States, constants, scratch and pairs come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend
 on the number of plies; `pairs` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done
@@ -19,14 +20,24 @@ constraints of torn plies (`plies.torn_contact_kernels`) involve all plies at on
 import math
 
 import numpy as np
+from numba import types
+from numba.extending import overload
 
 from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
 from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, thread_range
-from shellfabric.plies import contact_kernels as plies_contact_kernels
 from shellfabric.plies import torn_contact_kernels
+from shellfabric.plies.contact_kernels import (
+    WORK,
+    apply_impulses,
+    contact_forces,
+    contact_forces_back,
+    forces_on,
+    neighbour_force,
+)
+from shellfabric.plies.turn_kernels import turn_of, turned, turned_back
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 from shellfabric.sliding import slip_kernels
 from shellfabric.solver import ply_kernels
@@ -45,6 +56,33 @@ def slide_of(slips, p):
     return found
 
 
+@kernel(_nrt=False, forceinline=True)
+def push_projectile(stack, const, p, force):
+    """v += dt f / m of the projectile, with a force in the frame of ply p."""
+    f_x, f_y = turned_back(turn_of(stack.turns, p), force[0], force[1])
+    stack.projectile_velocity[0] += const.dt * const.free_dofs[0] * f_x / const.projectile_mass
+    stack.projectile_velocity[1] += const.dt * const.free_dofs[1] * f_y / const.projectile_mass
+    stack.projectile_velocity[2] += const.dt * const.free_dofs[2] * force[2] / const.projectile_mass
+
+
+def share_velocity(turns, stack, p, velocity):
+    """The projectile's velocity in the frame of ply p; without turns they have one array."""
+
+
+@overload(share_velocity, inline="always")
+def _share_velocity(turns, stack, p, velocity):
+    if isinstance(turns, types.NoneType):
+        return lambda turns, stack, p, velocity: None
+
+    def share(turns, stack, p, velocity):
+        if p > 0:
+            of_first = stack.projectile_velocity
+            velocity[0], velocity[1] = turned(turn_of(turns, p), of_first[0], of_first[1])
+            velocity[2] = of_first[2]
+
+    return share
+
+
 @kernel(_nrt=False)
 def apply_nose_impulses(states, consts, stack):
     """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
@@ -54,16 +92,20 @@ def apply_nose_impulses(states, consts, stack):
         if stack.awake[p]:
             state, const = borrowed_item(states, p), borrowed_item(consts, p)
             contact_kernels.apply_contact_impulse(state, const)
+            push_projectile(stack, const, p, state.f_contact_nose)
             force += bar_kernels.axial_force(state, const)
     state, const = borrowed_item(states, last), borrowed_item(consts, last)
     if const.has_backing and stack.awake[last]:
         ply_kernels.apply_backing_impulse(state, const)
+        push_projectile(stack, const, last, state.f_block_nose)
     state, const = borrowed_item(states, 0), borrowed_item(consts, 0)
     if const.bar_mass.size > 0:
         bar_kernels.advance_bar(state, const, force)
     for p in range(len(states)):
+        velocity = borrowed_item(states, p).projectile_velocity
+        share_velocity(stack.turns, stack, p, velocity)
         for c in range(3):
-            stack.projectile_position[p, c] += const.dt * stack.projectile_velocity[c]
+            stack.projectile_position[p, c] += const.dt * velocity[c]
 
 
 @kernel(_nrt=False, inline="always")
@@ -72,15 +114,6 @@ def begin_step(states, consts, pairs, slips, stack):
     apply_nose_impulses(states, consts, stack)
     if pairs is None:
         ply_kernels.grow_rows(borrowed_item(states, 0), borrowed_item(consts, 0), slide_of(slips, 0))
-
-
-@kernel(_nrt=False, forceinline=True)
-def apply_forces(state, const, force, touched):
-    """Give a ply the impulses of a neighbour's forces; whether there are any."""
-    if touched[0] >= touched[1]:
-        return False
-    plies_contact_kernels.apply_impulses(state, const, force, touched)
-    return True
 
 
 @kernel(_nrt=False, inline="always")
@@ -95,17 +128,12 @@ def step_ply(states, consts, slips, works, shared, me, count):
 
 
 @kernel(_nrt=False, inline="always")
-def apply_neighbours(state, const, p, last, pairs, stops):
-    """Give ply p the impulses of both neighbours and of torn cloth; whether there are any."""
-    pushed, half = apply_forces(state, const, stops.f[p], stops.window[p]), len(pairs) // 2
-    if p > 0:
-        near, back = borrowed_item(pairs, p - 1), borrowed_item(pairs, half + p - 1)
-        pushed |= apply_forces(state, const, near.f_rear, near.rear_window)
-        pushed |= apply_forces(state, const, back.f_front, back.front_window)
-    if p < last:
-        near, back = borrowed_item(pairs, p), borrowed_item(pairs, half + p)
-        pushed |= apply_forces(state, const, near.f_front, near.front_window)
-        pushed |= apply_forces(state, const, back.f_rear, back.rear_window)
+def apply_neighbours(state, const, p, pairs, stops):
+    """Give ply p the impulses of both neighbours and of torn fabric; whether there are any."""
+    pushed = apply_impulses(state, const, stops.f[p], stops.window[p])
+    for n in forces_on(p, len(pairs)):
+        force, touched = neighbour_force(pairs, n)
+        pushed |= apply_impulses(state, const, force, touched)
     return pushed
 
 
@@ -114,7 +142,7 @@ def step_plies(states, consts, pairs, stops, slips, stack, works, me, count):
     """One thread's plies of a pack: the impulses of the others, their own step."""
     for p in range(me, len(states), count):
         state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
-        stack.awake[p] |= apply_neighbours(state, const, p, len(states) - 1, pairs, stops)
+        stack.awake[p] |= apply_neighbours(state, const, p, pairs, stops)
         if stack.awake[p]:
             slide = slide_of(slips, p)
             ply_kernels.grow_rows(state, const, slide)
@@ -134,10 +162,9 @@ def step_pairs(states, consts, pairs, stack, me, count):
                 borrowed_item(states, p + 1),
                 borrowed_item(consts, p + 1),
             )
-            plies_contact_kernels.contact_forces(front, fc, rear, rc, borrowed_item(pairs, p), step)
-            plies_contact_kernels.contact_forces_back(
-                rear, rc, front, fc, borrowed_item(pairs, len(pairs) // 2 + p), step
-            )
+            near, back = borrowed_item(pairs, p), borrowed_item(pairs, len(pairs) // 2 + p)
+            contact_forces(front, fc, rear, rc, near, step)
+            contact_forces_back(rear, rc, front, fc, back, near, step)
 
 
 @kernel(_nrt=False)
@@ -146,33 +173,26 @@ def implicit_nose_contact(states, consts, pairs, stack, works, me, count):
     for p in range(me, len(states), count):
         if stack.waits_for_plies[p]:
             state, const = borrowed_item(states, p), borrowed_item(consts, p)
-            predict_increments(state, const, pairs, p, len(states))
+            predict_increments(state, const, pairs, p)
             ply_kernels.nose_contact(state, const, borrowed_item(works, p))
             if state.f_contact_nose[2] == 0.0:
                 clear_increments(state, const)
 
 
 @kernel(_nrt=False)
-def predict_increments(state, const, pairs, p, plies):
+def predict_increments(state, const, pairs, p):
     """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
     what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
     state.force_scale."""
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
-    half = len(pairs) // 2
     for c in range(3):
         for i in range(i0, i1 + 1):
             for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
                 state.dv_other[c][k] = state.f_int[c][k] + state.f_int_above[c][k]
                 if const.has_backing:
                     state.dv_other[c][k] += state.f_block_cloth[c][k]
-    if p > 0:
-        near, back = borrowed_item(pairs, p - 1), borrowed_item(pairs, half + p - 1)
-        add_forces(state, const, near.f_rear)
-        add_forces(state, const, back.f_front)
-    if p < plies - 1:
-        near, back = borrowed_item(pairs, p), borrowed_item(pairs, half + p)
-        add_forces(state, const, near.f_front)
-        add_forces(state, const, back.f_rear)
+    for n in forces_on(p, len(pairs)):
+        add_forces(state, const, neighbour_force(pairs, n)[0])
     for c in range(3):
         for i in range(i0, i1 + 1):
             for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
@@ -222,17 +242,13 @@ def add_rows(total, state, const, forces):
 def gather_contact(states, consts, pairs, stops, p, total):
     """Sum of the contact forces on the active rows of ply p, into total."""
     state, const = borrowed_item(states, p), borrowed_item(consts, p)
-    s, half = const.row_stride, len(pairs) // 2
+    s = const.row_stride
     for c in range(3):
         for i in range(state.active_rows[0], state.active_rows[1] + 1):
             for k in range(np.uint64(i * s), np.uint64((i + 1) * s)):
                 total[c][k] = state.f_contact[c][k] + stops.f[p, c, k]
-    if p > 0:
-        add_rows(total, state, const, borrowed_item(pairs, p - 1).f_rear)
-        add_rows(total, state, const, borrowed_item(pairs, half + p - 1).f_front)
-    if p < len(states) - 1:
-        add_rows(total, state, const, borrowed_item(pairs, p).f_front)
-        add_rows(total, state, const, borrowed_item(pairs, half + p).f_rear)
+    for n in forces_on(p, len(pairs)):
+        add_rows(total, state, const, neighbour_force(pairs, n)[0])
 
 
 @kernel(_nrt=False)
@@ -304,7 +320,7 @@ def internal_work(states, pairs, stops):
         total += ply_kernels.internal_work(borrowed_item(states, p))
     if pairs is not None:
         for p in range(len(pairs)):
-            total += borrowed_item(pairs, p).energy[plies_contact_kernels.WORK]
+            total += borrowed_item(pairs, p).energy[WORK]
         total += stops.energy[torn_contact_kernels.WORK]
     return total
 

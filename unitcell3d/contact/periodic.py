@@ -1,7 +1,7 @@
 """Who meets whom in a cell of the weave: crossing yarns, and parallel neighbours where they pass each other.
 
 Crossing yarns meet as in a crossover, over their crossing and a margin beyond, for a sheared yarn is wider along the
-other than it was. Parallel neighbours are on opposite sides of the cloth over every crossing and at one height between
+other than it was. Parallel neighbours are on opposite sides of the fabric over every crossing and at one height between
 two, where the tips of their sections can meet: the edge of one is held off the edge of the next.
 """
 

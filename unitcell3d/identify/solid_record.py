@@ -167,7 +167,10 @@ def record(
     fabric, curve = fit.fabric, fit.curve
     noise = max(float(np.sqrt(np.sum(found.residual**2) / fit.freedom)), fit.floor)
     half, correlation, singular, directions = identify(found.jacobian, noise, fit.freedom)
-    loose = np.sqrt(max(half[0] ** 2 + half[2] ** 2 + 2 * correlation[0, 2] * half[0] * half[2], 0.0))
+    # of ln K_r E_c, from the directions: a difference of variances would be round-off where only the product is known
+    scale = np.maximum(singular, 1e-12)
+    loose = half[0] * np.hypot.reduce((directions[:, 0] + directions[:, 2]) / scale)
+    loose /= np.hypot.reduce(directions[:, 0] / scale)
     half, loose = np.minimum(half, 50), min(float(loose), 50.0)  # e^50 is as good as unknown
     low, high = np.exp(found.x - half), np.exp(found.x + half)
     value = np.exp(found.x)

@@ -1,0 +1,117 @@
+"""Strength and modulus of yarns over those of the data sheet, against the strain rate: a table, with its source.
+
+Between two rates of the table a ratio is linear in the logarithm of the rate, as in the law of Johnson and Cook; beyond
+the ends it is constant: nothing is extrapolated. Families of fibres: `fabrics.families`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fabrics.checks import FilePath, FloatArray
+from fabrics.errors import InputError
+from fabrics.units import si
+
+UNITS = {"rates": "1/s", "strength": "", "modulus": ""}
+_TABLE = (*UNITS, "source", "status")
+RAMP = 0.01  # [-] below the strength at the slowest rate, over which damage sets in: slower tests fail within it
+
+
+@dataclass(frozen=True)
+class RateLaw:
+    """Ratios to the data sheet at strain rates.
+
+    Parameters
+    ----------
+    rates : (n,) [1/s] rising
+    strength : (n,) [-] strength over that of the data sheet
+    modulus : (n,) [-] modulus over that of the data sheet; empty where it does not change
+    source : where the numbers come from
+    status : of `fabrics.ply_law.STATUSES`
+
+    Raises
+    ------
+    InputError : rates that do not rise from above 0, ratios that are not positive or another number of them, strengths
+        that neither rise nor are all alike
+    """
+
+    rates: tuple[float, ...]
+    strength: tuple[float, ...]
+    modulus: tuple[float, ...] = ()
+    source: str = ""
+    status: str = "user"
+
+    def __post_init__(self) -> None:
+        if not self.rates or not all(a < b for a, b in zip((0.0, *self.rates), (*self.rates, np.inf))):
+            raise InputError(key="rates", value=list(self.rates), allowed="one rate above 0 or more, rising")
+        for key, count in (("strength", len(self.rates)), ("modulus", len(self.rates) if self.modulus else 0)):
+            ratios = getattr(self, key)
+            if len(ratios) != count or not all(0 < ratio < np.inf for ratio in ratios):
+                raise InputError(key=key, value=list(ratios), allowed=f"{len(self.rates)} numbers above 0, one a rate")
+
+        if len({*self.strength}) > 1 and not all(a < b for a, b in zip(self.strength, self.strength[1:])):
+            raise InputError(key="strength", value=list(self.strength), allowed="rising, or all alike")
+
+    @classmethod
+    def from_table(cls, table: Any, file: FilePath, default: str = "user") -> RateLaw:
+        """The law of a table `strain_rate` of a fabric file: three lists, source and status.
+
+        Raises
+        ------
+        InputError : one line naming the file, the key, its value and what is allowed
+        """
+        if not isinstance(table, Mapping) or not set(table) <= set(_TABLE):
+            wrong = ", ".join(table) if isinstance(table, Mapping) else table
+            raise InputError(file=file, key="strain_rate", value=wrong, allowed=f"a table of {', '.join(_TABLE)}")
+        columns = {}
+        for key, unit in UNITS.items():
+            texts, name = table.get(key, [] if key == "modulus" else None), f"strain_rate.{key}"
+            if not isinstance(texts, list):
+                raise InputError(file=file, key=name, value=texts, allowed='a list such as ["30 / s"] or [1.0]')
+            columns[key] = tuple(si(text, unit, file=file, key=name) for text in texts)
+        try:
+            return cls(**columns, source=str(table.get("source", "")), status=table.get("status", default))
+        except InputError as problem:
+            key = f"strain_rate.{problem.key}"
+            raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+
+    def strength_at(self, rate: float) -> float:
+        """[-] strength over that of the data sheet at a strain rate [1/s]."""
+        return float(np.interp(np.log(max(rate, self.rates[0])), np.log(self.rates), self.strength))
+
+    @property
+    def dynamic_modulus(self) -> float:
+        """[-] modulus over that of the data sheet at the highest rate."""
+        return self.modulus[-1] if self.modulus else 1.0
+
+    def table(self, failure_strain: float) -> FloatArray:
+        """(3, n) loads x, and from each to the next the rate of damage [1/s] at it and how that grows with the load,
+
+            dD/dt = r'(x) / failure strain = b exp(c (x - x_m))
+
+        as `shellfabric.cloth.strength_kernels` take them: r(x) is the inverse of the strength, 0 up to the first load.
+        One load, which nothing damages below, where the strength is the same at all rates.
+        """
+        loads, rates = np.array(self.strength), np.array(self.rates)
+        if loads[0] == loads[-1]:
+            return np.array([[loads[0]], [0.0], [0.0]])
+        growth = np.log(rates[1:] / rates[:-1]) / np.diff(loads)
+        first = rates[0] / (RAMP * loads[0])
+        slopes = np.concatenate([[first], growth * rates[:-1], [0.0]])
+        return np.array([
+            [(1 - RAMP) * loads[0], *loads], slopes / failure_strain, [0.0, *growth, 0.0],
+        ])  # fmt: skip
+
+    def sources(self) -> dict[str, dict[str, str]]:
+        """{"strain_rate": {"value", "source", "status"}} as `Fabric.sources` has them."""
+        parts = [f"strength {_list(self.strength)}", *([f"modulus {_list(self.modulus)}"] if self.modulus else [])]
+        value = f"{', '.join(parts)} at {_list(self.rates)} 1/s"
+        return {"strain_rate": {"value": value, "source": self.source, "status": self.status}}
+
+
+def _list(values):
+    return " / ".join(f"{value:g}" for value in values)
