@@ -1,4 +1,4 @@
-# Types of the public names, which __init__.py loads when they are first used.
+# Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
 from weavecell.api.exports import convert, export, fit

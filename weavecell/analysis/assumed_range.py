@@ -126,18 +126,16 @@ def residual_velocity(
     outcome, velocity : of the nominal shot, [m/s]
     on_progress : called as on_progress(share of the shots) after each
     """
-    rows, found = [Row("nominal", outcome, velocity)], corners(setup.fabric, setup.laws)
-    for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
-        plain = replace(setup, fabric=fabric, laws=laws, snapshot_interval=None, history=None)
+
+    def fire(name, fabric, laws):
         try:
-            result = simulation.run(plain)
-            doubt = " (doubtful)" if quality.status(result.checks) == quality.DOUBTFUL else ""
-            rows.append(Row(name, result.outcome + doubt, float(result.residual_velocity)))
+            result = simulation.run(replace(setup, fabric=fabric, laws=laws, snapshot_interval=None, history=None))
         except UnstableError:
-            rows.append(Row(name, "unstable", None))
-        if on_progress is not None:
-            on_progress(number / len(found))
-    return AssumedRange("residual velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None
+            return Row(name, "unstable", None)
+        doubt = " (doubtful)" if quality.status(result.checks) == quality.DOUBTFUL else ""
+        return Row(name, result.outcome + doubt, float(result.residual_velocity))
+
+    return _over_corners("residual velocity", setup, Row("nominal", outcome, velocity), fire, on_progress)
 
 
 def critical_velocity(
@@ -155,17 +153,25 @@ def critical_velocity(
     """
     from shellfabric.impact import ballistic_limit  # with the kernels of packs, which a shot on one ply does not use
 
-    rows, found = [Row("nominal", "", velocity)], corners(setup.fabric, setup.laws)
-    for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
+    def search(name, fabric, laws):
         try:
             limit = ballistic_limit.critical_velocity(
                 replace(setup, fabric=fabric, laws=laws).target(),
                 guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs,
             )  # fmt: skip
-            doubt = any(quality.status(shot.checks) == quality.DOUBTFUL for shot in limit.ends)
-            rows.append(Row(name, "bracket on a doubtful shot" if doubt else "", float(limit.velocity)))
         except WeavecellError as problem:
-            rows.append(Row(name, str(problem), None))
+            return Row(name, str(problem), None)
+        doubt = any(quality.status(shot.checks) == quality.DOUBTFUL for shot in limit.ends)
+        return Row(name, "bracket on a doubtful shot" if doubt else "", float(limit.velocity))
+
+    return _over_corners("critical velocity", setup, Row("nominal", "", velocity), search, on_progress)
+
+
+def _over_corners(quantity, setup, nominal, row, on_progress):
+    """The AssumedRange of row(name, fabric, laws) over the corners; None where nothing is assumed."""
+    rows, found = [nominal], corners(setup.fabric, setup.laws)
+    for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
+        rows.append(row(name, fabric, laws))
         if on_progress is not None:
             on_progress(number / len(found))
-    return AssumedRange("critical velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None
+    return AssumedRange(quantity, varied(setup.fabric, setup.laws), tuple(rows)) if found else None

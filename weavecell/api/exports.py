@@ -31,6 +31,15 @@ def convert(folder: FilePath, to: Literal["vtkhdf", "parquet"], out: FilePath | 
     Raises
     ------
     InputError : an unknown format, a folder without what is to be converted, or no pyarrow; nothing has been written
+
+    Examples
+    --------
+    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> shot.to_vtk("finished")  # as `weavecell impact` leaves it
+    PosixPath('finished/panel.pvd')
+    >>> shot.write("finished/histories.h5")
+    >>> wc.convert("finished", "vtkhdf").name
+    'panel.vtkhdf'
     """
     from weavecell.results import convert as command
 
@@ -63,15 +72,21 @@ def export(
     Raises
     ------
     InputError : an unknown code, law or unit, or a set-up with what no deck holds; nothing has been written
+
+    Examples
+    --------
+    >>> error = wc.export(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), "lsdyna", "deck")
+    >>> f"{100 * error['uniaxial']:.0f} % of the strength"
+    '36 % of the strength'
     """
-    from weavecell.commands import export as command
+    from weavecell.report import deck_folder
 
     laws = setup.laws or setup.fabric.laws
-    made = command.made_of(
-        setup, to, command.chosen(to, law), units, match, title=f"{setup.title}, {setup.strike_velocity:g} m/s",
+    made = deck_folder.made_of(
+        setup, to, deck_folder.chosen(to, law), units, match, title=f"{setup.title}, {setup.strike_velocity:g} m/s",
         source=laws[0].provenance if laws and setup.cell_model == "compressible" else f"none, {setup.cell_model} yarns",
     )  # fmt: skip
-    command.write(made, Path(out), to, setup.fabric.name, match, "", setup.fabric)
+    deck_folder.write(made, Path(out), to, setup.fabric.name, match, "", setup.fabric)
     return made.cards[0].mismatch.numbers()
 
 
@@ -79,7 +94,7 @@ def fit(
     target: FilePath, data: FilePath, free: Sequence[str], out: FilePath, *, jobs: int = 1, executor: str = "local",
     resume: bool = False,
 ) -> Fit | None:  # fmt: skip
-    """Fit numbers of a fabric or an input file to a measured curve; the files of `weavecell fit` are written to `out`.
+    r"""Fit numbers of a fabric or an input file to a measured curve; the files of `weavecell fit` are written to `out`.
 
     Parameters
     ----------
@@ -99,7 +114,18 @@ def fit(
     ------
     InputError : a wrong file, table or parameter; nothing has been written
     UnstableError : the model cannot be computed where the fit begins
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> test = '[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2\n[run]\nsteps = 2\n'
+    >>> _ = Path("frame.toml").write_text('[fabric]\nname = "S-720"\n' + test)
+    >>> _ = Path("curve.csv").write_text("shear angle [deg], shear stress [MPa]\n3, 0.45\n4, 0.6\n5, 0.75\n")
+    >>> found = wc.fit("frame.toml", "curve.csv", ["trellis_stiffness"], "fit")  # doctest: +ELLIPSIS
+    trellis_stiffness           x 0.88...written to fit
+    >>> [round(float(factor), 2) for factor in found.values]
+    [0.89]
     """
     from weavecell.commands import fit as command
 
-    return command.fit(str(target), Path(data), Path(out), list(free), jobs=jobs, executor=executor, resume=resume)
+    return command.run(str(target), Path(data), Path(out), list(free), jobs=jobs, executor=executor, resume=resume)

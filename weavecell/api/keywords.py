@@ -73,6 +73,8 @@ class Keywords(TypedDict, total=False):
     ply_contact: PlyLaw | FilePath | None
     ply_friction: Number
     yarn_failure: bool
+    rate_dependence: bool
+    nose_bending: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
     crossovers: Literal["pinned", "sliding"]
     crossover_friction: Number | None
@@ -107,8 +109,8 @@ def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
     ------
     InputError : an unknown keyword, or a value that is not allowed; one line that names the keyword
     """
-    from weavecell.commands.impact import SUPPORT
     from weavecell.scenes import impact as scenes_impact
+    from weavecell.scenes.of_commands import IMPACT
 
     given = DEFAULTS | {key: value for key, value in options.items() if value is not None}
     known = tables()
@@ -134,9 +136,9 @@ def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
     table["projectile"] = {**table["projectile"], **struck}
     written = _written(table, scenes_impact.Scene)
     written["fabric"] |= {"name": fabric}
-    rejected = dict(SUPPORT.rejected) | {"history.report_positions": "left out: `weavecell.setup` does not support it"}
+    rejected = dict(IMPACT.rejected) | {"history.report_positions": "left out: `weavecell.setup` does not support it"}
     try:
-        return scenes_impact.check(written, None, replace(SUPPORT, rejected=rejected))
+        return scenes_impact.check(written, None, replace(IMPACT, rejected=rejected))
     except InputError as problem:
         raise named(problem) from None
 

@@ -53,12 +53,17 @@ def coupon(
     ------
     InputError : an unknown test or option, a value that is not allowed, or a law that is missing
     UnstableError : shear in bands, yarns that passed one another, or no equilibrium; its attribute `result` is the run
+
+    Examples
+    --------
+    >>> frame = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
+    >>> frame.outcome, f"{frame.summary()['shear_stress_Pa'] / 1e6:.2f} MPa"
+    ('complete', '0.84 MPa')
     """
     from shellfabric.cell.model import CellModel
     from shellfabric.coupon import quasistatic
-    from shellfabric.panel import quality
     from weavecell.results.coupon import CouponRecord
-    from weavecell.results.coupon_measures import PRESCRIBED, measures
+    from weavecell.results.coupon_measures import PRESCRIBED, indicators, measures
     from weavecell.scenes.coupon import TESTS, TOLERANCE
 
     if test not in TESTS:
@@ -75,16 +80,12 @@ def coupon(
     table = CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE)
     options.setdefault("tolerance", TOLERANCE)
     result = run(table, **options)
-    reached = [float(tension.max()) for tension in result.coupon.tensions(result.states[-1].x)]
-    if result.outcome == "yarn at its strength":
-        reached = [min(one, yarn.strength) for one, yarn in zip(reached, cloth.weave.yarns)]
-    worst = max(state.residual for state in result.states)
+    title = f"{cloth.name}, {test.replace('_', ' ')}"
     record = CouponRecord.of(
-        result, measures(test, SimpleNamespace(**defaults | options), result), PRESCRIBED[test],
-        title=f"{cloth.name}, {test.replace('_', ' ')}", fabric=cloth.name, test=test, failure_message="",
-        wall_time=time.perf_counter() - began,
+        result, measures(test, SimpleNamespace(**defaults | options), result), PRESCRIBED[test], title=title,
+        fabric=cloth.name, test=test, failure_message="", wall_time=time.perf_counter() - began,
         law_name=cell_model if laws is None else laws[0].provenance,
-        checks=quality.of_coupon(table, reached, worst, options["tolerance"]),
+        checks=indicators(result, table, options["tolerance"]),
     )  # fmt: skip
     done = CouponResult(record, tuple(assumed.lines(cloth)))
     done.warn()
@@ -166,6 +167,11 @@ def calibrate(
     ------
     InputError : the fabric cannot be meshed, has no solid law that could be assumed, or a bad curve
     UnstableError : no path got far enough for a fit
+
+    Examples
+    --------
+    >>> found = wc.calibrate("S-720", mesh="coarse", assumed_range=False)  # doctest: +SKIP
+    >>> wc.shoot("S-720", "150 m/s", law=found)  # doctest: +SKIP
     """
     from meshing.mesh_plan import with_room
     from unitcell3d.identify import calibrate as solver

@@ -33,6 +33,12 @@ class CouponResult(Result):
     ----------
     record : `weavecell.results.coupon.CouponRecord`
     assumed : lines that name the laws that are assumed
+
+    Examples
+    --------
+    >>> frame = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
+    >>> [round(float(angle), 3) for angle in frame.record.prescribed]  # [rad]
+    [0.044, 0.087]
     """
 
     record: CouponRecord
@@ -155,6 +161,11 @@ class CalibrationResult(Result):
     calibration : `unitcell3d.identify.calibration.Calibration`
     assumed : lines that name the laws that are assumed
     failed : {"soft" or "stiff": why this end of the assumed range has no law}
+
+    Examples
+    --------
+    >>> found = wc.calibrate("S-720", mesh="coarse")  # doctest: +SKIP
+    >>> found.law.a, found.law.b  # doctest: +SKIP
     """
 
     fabric: Fabric

@@ -19,7 +19,14 @@ __all__ = ["Result"]
 
 
 class Result:
-    """What every result offers; a derived class gives `summary`, `_columns` and, where it has them, the others."""
+    """What every result offers; a derived class gives `summary`, `_columns` and, where it has them, the others.
+
+    Examples
+    --------
+    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> isinstance(shot, wc.Result), shot.doubtful, shot.checks_text
+    (True, False, 'ok')
+    """
 
     @property
     def checks(self) -> tuple[Indicator, ...]:

@@ -40,6 +40,16 @@ class ShotResult(Result):
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
     range : AssumedRange of the residual velocity over the assumed laws, or None
+
+    Examples
+    --------
+    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> shot
+    ShotResult(S-720, 150 m/s: in flight, residual velocity 148 m/s, checks ok)
+    >>> f"{1e3 * shot.deflection[-1]:.1f} mm"
+    '1.6 mm'
+    >>> shot.to_vtk("shot").name
+    'panel.pvd'
     """
 
     record: ImpactRecord
@@ -126,7 +136,7 @@ class ShotResult(Result):
 
         Colours are the higher of warp and weft tension over the strength [%].
         """
-        from weavecell.commands import view
+        from weavecell.report.shot import view
 
         return figure(view.end, self.record)
 
@@ -160,6 +170,12 @@ class SweepResult(Result, Sequence):
     Parameters
     ----------
     shots : tuple of ShotResult
+
+    Examples
+    --------
+    >>> shots = wc.sweep([wc.setup("S-720", 150, opening="20 mm", end_time="10 us")])
+    >>> len(shots), shots[0].outcome
+    (1, 'in flight')
     """
 
     shots: tuple[ShotResult, ...]
@@ -229,6 +245,12 @@ class DrawsResult(Result):
     Parameters
     ----------
     study : `weavecell.analysis.uncertainty.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
+
+    Examples
+    --------
+    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2)
+    >>> found.study.outcomes["in flight"]
+    2
     """
 
     study: Draws
@@ -256,6 +278,13 @@ class CriticalVelocityResult(Result):
     assumed : lines that name the laws that are assumed
     range : AssumedRange of the critical velocity over the assumed laws, or None
     setup : `shellfabric.impact.simulation.ImpactSetup` of what was shot at; None of one ply of the fabric
+
+    Examples
+    --------
+    >>> found = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
+    >>> low, high = found.bracket
+    >>> low < found.velocity < high
+    True
     """
 
     fabric: Fabric
@@ -344,6 +373,13 @@ class V50Result(Result):
     Parameters
     ----------
     study : `weavecell.analysis.uncertainty.v50.Study`, with shots, fitted curves and the limit without scatter
+
+    Examples
+    --------
+    >>> found = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
+    >>> low, high = found.interval
+    >>> low < found.v50 < high
+    True
     """
 
     study: Study

@@ -45,7 +45,7 @@ def fabrics() -> tuple[str, ...]:
 
     Examples
     --------
-    >>> fabrics()[:2]
+    >>> wc.fabrics()[:2]
     ('S-720', 'S-726')
     """
     return catalogue.list_names()
@@ -66,9 +66,9 @@ def fabric(name: FilePath, *, linear_density: Literal["effective", "nominal"] = 
 
     Examples
     --------
-    >>> fabric("S-720").name
+    >>> wc.fabric("S-720").name
     'S-720'
-    >>> round(1e3 * fabric("S-720", linear_density="nominal").weave.areal_density)  # [g/m2]
+    >>> round(1e3 * wc.fabric("S-720", linear_density="nominal").weave.areal_density)  # [g/m2]
     253
     """
     if linear_density not in ("effective", "nominal"):
@@ -81,7 +81,7 @@ def backings() -> tuple[str, ...]:
 
     Examples
     --------
-    >>> backings()[0]
+    >>> wc.backings()[0]
     'Roma Plastilina No. 1'
     """
     return backing_data.list_names()
@@ -92,7 +92,7 @@ def projectiles() -> tuple[str, ...]:
 
     Examples
     --------
-    >>> projectiles()[3]
+    >>> wc.projectiles()[3]
     'FSP 1.10 g'
     """
     return projectile_data.list_names()
@@ -112,7 +112,7 @@ def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
 
     Examples
     --------
-    >>> projectile("FSP 1.10 g", obliquity="30 deg")["diameter"]
+    >>> wc.projectile("FSP 1.10 g", obliquity="30 deg")["diameter"]
     '5.46 mm'
     """
     return projectile_data.table(name, changes)
@@ -142,7 +142,7 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
 
     Examples
     --------
-    >>> setup("S-720", "92.5 m/s", opening="50 mm").opening
+    >>> wc.setup("S-720", "92.5 m/s", opening="50 mm").opening
     0.05
     """
     from weavecell.scenes import build
@@ -197,6 +197,12 @@ def shoot(
     ------
     InputError : as `setup`
     UnstableError : the run became unphysical; its attribute `result` is the ShotResult up to then
+
+    Examples
+    --------
+    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
+    ('in flight', 148)
     """
 
     given = setup(fabric, velocity, **options)
@@ -233,6 +239,12 @@ def sweep(setups: Iterable[ImpactSetup], *, jobs: int = 1, executor: str | Execu
     Raises
     ------
     InputError : a set-up that cannot be run, jobs below 1, or no such executor
+
+    Examples
+    --------
+    >>> setups = [wc.setup("S-720", velocity, opening="20 mm", end_time="10 us") for velocity in (100, 150)]
+    >>> [round(shot.residual_velocity) for shot in wc.sweep(setups)]
+    [99, 148]
     """
     given = [(each,) for each in setups]
     found: dict[int, ShotResult] = {}
@@ -266,6 +278,12 @@ def draws(
     Raises
     ------
     InputError : a set-up that cannot be run, fewer than two draws, or yarns that do not fail
+
+    Examples
+    --------
+    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2, seed=7)
+    >>> found.summary()["in_flight"]
+    2
     """
     from tempfile import TemporaryDirectory
 
@@ -329,6 +347,12 @@ def critical_velocity(
     InputError : as `setup`, or a panel that stops, or does not stop, a projectile at any velocity
     UndecidedError : a shot neither stopped nor perforated
     UnstableError : a shot became unphysical; its attribute `shots` holds those before
+
+    Examples
+    --------
+    >>> found = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
+    >>> round(found.velocity, -1), found.bracket_checks  # [m/s]
+    (90.0, 'ok')
     """
     from shellfabric.impact.limit_scan import ScanRange
     from weavecell.analysis import limit_search
@@ -371,6 +395,12 @@ def v50(
     ------
     InputError : as `critical_velocity`, fewer than four shots, or yarns that do not fail
     UnstableError : a shot became unphysical
+
+    Examples
+    --------
+    >>> found = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
+    >>> round(found.v50, -1)  # [m/s]
+    80.0
     """
     from tempfile import TemporaryDirectory
 

@@ -1,1 +1,1 @@
-"""The command line: arguments and help of every command."""
+"""The command line: all commands as one program, its errors and exit codes."""

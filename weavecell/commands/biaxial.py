@@ -13,69 +13,83 @@ from __future__ import annotations
 import csv
 import time
 from collections.abc import Sequence
+from enum import StrEnum
+from math import isfinite, sqrt
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
+import typer
 
-import weavecell
-from fabrics import catalogue
+from fabrics import lazy
 from fabrics.errors import InputError
-from fabrics.files import write_whole
-from fabrics.units import si
-from fabrics.variants import with_linear_density
-from weavecell.commands.calibrate import with_3d_data
-from weavecell.report import chapters
-from weavecell.report import page as report_page
-from weavecell.report.page import Section, Table
-from weavecell.results import json_file, progress, provenance
+from weavecell.commands.options import RESULTS, FabricArgument, OutOption, Size, example
+
+with lazy.imports():
+    from fabrics import catalogue, files, units, variants
+    from weavecell.commands import mesh
+    from weavecell.report import chapters
+    from weavecell.report import page as report_page
+    from weavecell.results import json_file, progress, provenance
+
 
 STATES = 241
 _COLUMNS = {"T1": "warp tension [N]", "T2": "weft tension [N]", "F": "contact force [N]", "h1": "warp height [m]",
             "h2": "weft height [m]", "W": "stored energy [J]"}  # fmt: skip
 
 
-def biaxial_command(
-    name: str, out: Path, *, ratios: Sequence[str], size: str | None = None, form: str = "variational",
-    profile: str = "cosine", toe: float | Sequence[float] = 0.0,
-) -> None:  # fmt: skip
-    """Stretch the crossover of one fabric along each of `ratios`, write it and print where each path ends.
+class Profile(StrEnum):
+    """Profiles of the yarns of the shell's cell."""
 
-    Parameters
-    ----------
-    ratios : texts such as "2:1", warp strain to weft strain
-    size : of the mesh of the 3D crossover that is solved beside the cell; None for the cell alone
-    form, profile, toe : of the cell
+    cosine = "cosine"
+    straight = "straight"
+
+
+@example("weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse")
+def biaxial(
+    name: FabricArgument,
+    ratio: Annotated[
+        list[str] | None,
+        typer.Option(help="Warp strain to weft strain; may be given again. 0 holds a yarn.", metavar="WARP:WEFT"),
+    ] = None,
+    crossover: Annotated[
+        Size | None, typer.Option("--compare-3d", help="Solve the 3D crossover too, with this mesh, and compare.")
+    ] = None,
+    profile: Annotated[
+        Profile, typer.Option(help="Centre line of the yarns: the thesis's cosine, or Kawabata's straight segments.")
+    ] = Profile.cosine,
+    toe: Annotated[
+        str,
+        typer.Option(
+            "--fibre-slack",
+            help="Mean slack of the fibres of a yarn (toe of its tensile curve): of both, or of warp and weft.",
+            metavar="WARP[,WEFT]",
+        ),
+    ] = "0",
+    out: OutOption = None,
+) -> None:
+    """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
+
+    The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen: `weavecell coupon`.
     """
     from shellfabric.cell.biaxial_path import to_strength
     from shellfabric.cell.model import CellModel
 
-    wanted = {text: _ratio(text) for text in ratios}
-    fabric = with_linear_density(catalogue.load(name) if size is None else with_3d_data(name), "effective")
-    options: dict[str, Any] = {"profile": profile, "toe": toe}
-    model, began = CellModel(fabric, form=form, **options), time.perf_counter()
+    out, size = out or RESULTS / f"biaxial-{Path(name).stem}", crossover and crossover.value
+    wanted = {text: _ratio(text) for text in ratio or ("1:1", "1:0", "0:1")}
+    plain = catalogue.load(name) if size is None else mesh.with_3d_data(name)
+    fabric = variants.with_linear_density(plain, "effective")
+    options: dict[str, Any] = {"profile": profile.value, "toe": _toes(toe)}
+    model, began = CellModel(fabric, **options), time.perf_counter()
     found = {text: to_strength(model, ratio, STATES) for text, ratio in wanted.items()}
     solved = {} if size is None else _crossovers(fabric, found, size, out)
-    stamp = provenance.stamp("", fabric)
     ends = {text: _end(path) | _misses(model, solved.get(text)) for text, path in found.items()}
-    with write_whole(out / "biaxial.csv") as file:
+    with files.write_whole(out / "biaxial.csv") as file:
         rows = csv.writer(file)
         rows.writerow(["ratio", "warp strain [-]", "weft strain [-]", *_COLUMNS.values()])
         for text, path in found.items():
             columns = (*path.strain.T, *(path.response[key] for key in _COLUMNS))
             rows.writerows([text, *(f"{value:.8g}" for value in row)] for row in zip(*columns))
-    content = {"fabric": fabric.name, "form": form, **options, "mesh": size, "paths": ends, "provenance": stamp}
-    json_file.write(out / "biaxial.json", content)
-    section = _chapter(fabric, found, solved, ends, options)
-    report_page.write_pictures([section], out / "pictures")
-    page = report_page.Report(
-        f"{fabric.name}: biaxial response",
-        "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first yarn.",
-        ((chapters.fabric_card(fabric), chapters.law_card(fabric.laws[0], source="published")),),  # type: ignore[index]
-        (section, chapters.sources(fabric), chapters.making(stamp, {"all of it": time.perf_counter() - began})),
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
-    )
-    report_page.write(page, out / "report.html")
+    _report(out, model, found, solved, ends, options, size, began)
     for text, end in ends.items():
         print(
             f"{text:<8}{end['failed']} at its strength at strains {100 * end['strain'][0]:.2f} / "
@@ -85,9 +99,26 @@ def biaxial_command(
     print(f"written to {out}")
 
 
-def toes(text: str) -> float | Sequence[float]:
+def _report(out, model, found, solved, ends, options, size, began):
+    """Write biaxial.json, pictures and report."""
+    fabric, stamp = model.fabric, provenance.stamp("", model.fabric)
+    content = {"fabric": fabric.name, "form": model.form, **options, "mesh": size, "paths": ends, "provenance": stamp}
+    json_file.write(out / "biaxial.json", content)
+    section = _chapter(fabric, found, solved, ends, options)
+    report_page.write_pictures([section], out / "pictures")
+    page = report_page.Report(
+        f"{fabric.name}: biaxial response",
+        "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first yarn.",
+        ((chapters.fabric_card(fabric), chapters.law_card(fabric.laws[0], source="published")),),  # type: ignore[index]
+        (section, chapters.sources(fabric), chapters.making(stamp, {"all of it": time.perf_counter() - began})),
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
+    )
+    report_page.write(page, out / "report.html")
+
+
+def _toes(text: str) -> float | Sequence[float]:
     """A toe from "0.1 %", or those of warp and weft from "0.1 %, 0.2 %"."""
-    values = tuple(si(part.strip(), "", key="--fibre-slack") for part in text.split(","))
+    values = tuple(units.si(part.strip(), "", key="--fibre-slack") for part in text.split(","))
     return values[0] if len(values) == 1 else values
 
 
@@ -98,7 +129,7 @@ def _ratio(text):
         ratio = tuple(float(part) for part in text.split(":"))
     except ValueError:
         raise bad from None
-    if len(ratio) != 2 or not np.isfinite(ratio).all() or not min(ratio) >= 0 < max(ratio):
+    if len(ratio) != 2 or not all(map(isfinite, ratio)) or not min(ratio) >= 0 < max(ratio):
         raise bad
     return ratio
 
@@ -131,7 +162,7 @@ def _misses(model, history):
     w1, w2 = model.fabric.weave.w
     cell = model.solve(1 + history.d1 / w1, 1 + history.d2 / w2)
     pairs = ((cell["T1"], history.T1), (cell["T2"], history.T2))
-    return {"rms_from_3d": [float(np.sqrt(np.mean((own - other) ** 2))) for own, other in pairs]}
+    return {"rms_from_3d": [sqrt(((own - other) ** 2).mean()) for own, other in pairs]}
 
 
 def _chapter(fabric, found, solved, ends, options):
@@ -153,8 +184,8 @@ def _chapter(fabric, found, solved, ends, options):
         )
         for text, end in ends.items()
     )  # fmt: skip
-    table = Table(columns, rows, "Where each path ends, warp / weft", numeric=columns[2:])
-    return Section("cell", drawn.title, drawn.lead, drawn.figures, (table,))
+    table = report_page.Table(columns, rows, "Where each path ends, warp / weft", numeric=columns[2:])
+    return report_page.Section("cell", drawn.title, drawn.lead, drawn.figures, (table,))
 
 
 def _pair(values, form):

@@ -12,20 +12,22 @@ Folder of `weavecell calibrate`
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import weavecell
-from fabrics import assumed
-from fabrics.checks import FilePath, FloatArray
-from weavecell.commands import calibrate_solid, mesh
-from weavecell.commands.mesh import with_3d_data
-from weavecell.report import chapters
-from weavecell.report import page as report_page
-from weavecell.report.page import Section, Table
-from weavecell.results import json_file, progress, provenance
+import typer
+
+from fabrics import lazy
+from fabrics.errors import InputError
+from weavecell.commands import options
+
+with lazy.imports():
+    from fabrics import assumed, checks
+    from weavecell.commands import calibrate_all, calibrate_chain, calibrate_solid, mesh
+    from weavecell.report import chapters
+    from weavecell.report import page as report_page
+    from weavecell.results import json_file, progress, provenance
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -34,29 +36,82 @@ if TYPE_CHECKING:
     from unitcell3d.solver.history import History
 
 
-def calibrate_command(
-    name: str, out: Path, *, size: str, jobs: int, executor: str, friction: float = 0.0,
-    plates: FilePath | None = None, fit_solid: bool = False, resume: bool = False,
-) -> None:  # fmt: skip
+PlatenCurveOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--platen-curve",
+        help="First fit E_c, V_c and K_r to this platen curve (pressure and thickness).",
+        metavar="CURVE.csv",
+    ),
+]
+
+
+@options.example("weavecell calibrate S-720 --mesh coarse")
+def calibrate(
+    fabric: Annotated[
+        str | None, typer.Argument(metavar="[FABRIC]", help="A name of the catalogue, or the path of a fabric file.")
+    ] = None,
+    all: Annotated[
+        bool, typer.Option("--all", help="Every fabric of the catalogue, side by side in one table.")
+    ] = False,
+    size: options.MeshOption = options.Size.medium,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    plates: PlatenCurveOption = None,
+    fit_solid: Annotated[
+        bool,
+        typer.Option(
+            "--fit-solid", help="First fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves."
+        ),
+    ] = False,
+    page: Annotated[
+        Path | None,
+        typer.Option(help="With --all --fit-solid: put tables and pictures into this page too.", metavar="PAGE.md"),
+    ] = None,
+    friction: options.FrictionOption = 0.0,
+    out: options.OutOption = None,
+    resume: options.ResumeOption = False,
+) -> None:
+    """Solve the 3D crossover and fit its compression law: law.json, histories and a report.
+
+    The curve of --platen-curve is a CSV file headed, for example, "pressure \\[MPa], thickness \\[mm]": one ply between
+    flat platens, loading only, at least five rows. A finished path is kept at once, for --resume.
+    """
+    if all == (fabric is not None):
+        raise InputError("give either a fabric or --all")
+    if page is not None and not (all and fit_solid):
+        raise InputError("--page goes with --all --fit-solid")
+    choices: dict[str, Any] = {"size": size.value, "friction": friction, "jobs": jobs, "executor": executor}
+    if fabric is not None:
+        _one(fabric, out or options.RESULTS / f"calibrate-{Path(fabric).stem}", plates, fit_solid, resume, choices)
+    elif plates is not None:
+        raise InputError("--platen-curve goes with one fabric")
+    elif fit_solid:
+        calibrate_chain.command(out or options.RESULTS / "calibrate-chain", resume=resume, page=page, **choices)
+    else:
+        calibrate_all.command(out or options.RESULTS / "calibrate-all", resume=resume, **choices)
+
+
+def _one(name, out, plates, fit_solid, resume, choices):
     """Calibrate one fabric, its solid first where it is to be fitted, write what came of it and print the law."""
-    fabric = with_3d_data(name)
+    fabric = mesh.with_3d_data(name)
     solid = None
     if plates is not None or fit_solid:
         solid = calibrate_solid.fit(fabric, calibrate_solid.curve_for(fabric, plates), out, resume=resume)
         fabric = assumed.given(solid.fabric, "solid")
-    built = mesh.build(fabric, size=size, domain="whole")
+    built = mesh.build(fabric, size=choices["size"], domain="whole")
     mesh.write(built, out, fabric=fabric)
-    done = calibrate(fabric, out, size=size, jobs=jobs, executor=executor, friction=friction, resume=resume)
-    done = assumed_range(fabric, done, out, size=size, jobs=jobs, executor=executor, friction=friction)
+    done = assumed_range(fabric, solved(fabric, out, resume=resume, **choices), out, **choices)
     tell(done)
     around: dict[str, Any] = {}
     if solid is not None:
-        _, around = calibrate_solid.law_interval(solid, done.law, out, friction=friction, jobs=jobs, executor=executor)
-    page(fabric, done, solid, around, built, out)
+        beside = {key: choices[key] for key in ("friction", "jobs", "executor")}
+        _, around = calibrate_solid.law_interval(solid, done.law, out, **beside)
+    write_page(fabric, done, solid, around, built, out)
     print(f"written to {out}")
 
 
-def page(fabric: Fabric, done: Calibration, solid: SolidFit | None, around: Any, built: Any, out: Path) -> None:
+def write_page(fabric: Fabric, done: Calibration, solid: SolidFit | None, around: Any, built: Any, out: Path) -> None:
     """Write the report of a calibration."""
     laws = {"fitted": done.law}
     if done.published is not None:
@@ -78,7 +133,7 @@ def page(fabric: Fabric, done: Calibration, solid: SolidFit | None, around: Any,
         + (f" Coulomb friction between the yarns: {done.friction:g}." if done.friction else ""),
         ((chapters.fabric_card(fabric), chapters.law_card(done.law, done.published, "fitted to the 3D crossover")),),
         sections,
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
     )
     report_page.write(content, out / "report.html")
 
@@ -121,14 +176,14 @@ def _mm(pair):
     return " .. ".join(f"{1e3 * value:.4f}" for value in pair)
 
 
-def calibrate(
+def solved(
     fabric: Fabric, out: Path, *, size: str, jobs: int, executor: str, friction: float = 0.0, resume: bool = False
 ) -> Calibration:
     """Solve the crossover, fit its law and write both to the folder `out`; returns the Calibration."""
     from unitcell3d.identify import calibrate as solver
 
     with progress.bar(f"Calibration of {fabric.name}") as advance:
-        on_progress = progress_by_path(advance, 1 + len(solver.PATHS))
+        on_progress = progress.by_path(advance, 1 + len(solver.PATHS))
         return solver.calibrate(
             fabric,
             size=size,
@@ -150,7 +205,7 @@ def assumed_range(fabric: Fabric, done: Calibration, out: Path, **choices: Any) 
 
     with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
         done, failed = solver.with_assumed_range(
-            fabric, done, on_progress=progress_by_path(advance, 2 * (1 + len(PATHS))), **choices
+            fabric, done, on_progress=progress.by_path(advance, 2 * (1 + len(PATHS))), **choices
         )
     for end, why in failed.items():
         print(f"{'no range':<12}the {end} end of the assumed solid law has no compression law: {why}")
@@ -158,19 +213,7 @@ def assumed_range(fabric: Fabric, done: Calibration, out: Path, **choices: Any) 
     return done
 
 
-def progress_by_path(advance: Callable[..., object], count: int) -> Callable[..., None]:
-    """Progress of `count` paths, as `unitcell3d.identify.calibrate` reports it, shown on one bar."""
-    shares = {}
-
-    def report_path(fabric, path, share):
-        shares[fabric, path] = share
-        text = ", ".join(f"{name} {100 * done:.0f} %" for (_, name), done in shares.items() if done < 1)
-        advance(sum(shares.values()) / count, text)
-
-    return report_path
-
-
-def fit_chapter(done: Calibration, laws: Any) -> Section:
+def fit_chapter(done: Calibration, laws: Any) -> report_page.Section:
     """The chapter of a Calibration: its samples and laws, each path alone, and fibre failure."""
     from unitcell3d.identify.calibration import samples
 
@@ -187,7 +230,7 @@ def fit_chapter(done: Calibration, laws: Any) -> Section:
         )
         for name, history in done.histories.items()
     )
-    alone = Table(columns, rows, "Each path", numeric=(*columns[1:4], columns[5]))
+    alone = report_page.Table(columns, rows, "Each path", numeric=(*columns[1:4], columns[5]))
     heads = ("path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]")
     found_failures = tuple(
         (
@@ -200,7 +243,9 @@ def fit_chapter(done: Calibration, laws: Any) -> Section:
         for name, found in done.failures.items()
         for item in found
     )
-    failure = Table(heads, found_failures, "Where the fibre strain first reaches the failure strain", numeric=heads[3:])
+    failure = report_page.Table(
+        heads, found_failures, "Where the fibre strain first reaches the failure strain", numeric=heads[3:]
+    )
     return replace(chapter, tables=(*chapter.tables, _laws(done), alone, failure))
 
 
@@ -230,7 +275,7 @@ def _laws(done):
         c = " .. ".join(f"{1e6 * ratio.compliance(m):.3f}" for m in ratio.m_range)
         name = f"c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
         rows.append((name, "-", "-", _um(ratio.residual_rms)))
-    return Table(columns, tuple(rows), "Fitted laws; impacts use the joint one", numeric=columns[1:])
+    return report_page.Table(columns, tuple(rows), "Fitted laws; impacts use the joint one", numeric=columns[1:])
 
 
 def _um(value):
@@ -246,7 +291,7 @@ def stretched(done: Calibration) -> dict[str, History]:
     return {name: history for name, history in done.histories.items() if history is not done.plates}
 
 
-def paths(done: Calibration, fabric: Fabric) -> dict[str, tuple[FloatArray, ...]]:
+def paths(done: Calibration, fabric: Fabric) -> dict[str, tuple[checks.FloatArray, ...]]:
     """{path: (strain1, strain2, T1, T2)} [-, N] of a Calibration: end displacements over half cell lengths."""
     w1, w2 = fabric.weave.w
     return {name: (path.d1 / w1, path.d2 / w2, path.T1, path.T2) for name, path in stretched(done).items()}

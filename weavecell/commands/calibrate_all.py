@@ -7,15 +7,12 @@ Folder of `weavecell calibrate --all`
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import weavecell
 from fabrics import catalogue
 from fabrics.errors import UnstableError
-from fabrics.files import write_whole
-from weavecell.commands.calibrate import progress_by_path
+from fabrics.files import write, write_csv
 from weavecell.report import chapters, pictures, pictures_solid
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
@@ -45,15 +42,13 @@ def command(out: Path, *, size: str, jobs: int, executor: str, resume: bool, fri
             resume=resume,
             jobs=jobs,
             executor=executor,
-            on_progress=progress_by_path(advance, len(fabrics) * (1 + len(PATHS))),
+            on_progress=progress.by_path(advance, len(fabrics) * (1 + len(PATHS))),
         )
     rows = [row(fabric, found[fabric.name]) for fabric in fabrics]
-    with write_whole(out / "summary.csv") as file:
-        csv.writer(file).writerows([COLUMNS, *rows])
+    write_csv(out / "summary.csv", [COLUMNS, *rows])
     done = {name: each for name, each in found.items() if not isinstance(each, Exception)}
     picture = pictures.render(pictures_solid.laws, done, kind="png")
-    with write_whole(out / "summary.png", "wb") as file:
-        file.write(picture)
+    write(out / "summary.png", picture)
     _report(out, fabrics, rows, picture, size, friction)
     for line in rows:
         print(
@@ -114,6 +109,6 @@ def _report(out, fabrics, rows, picture, size, friction):
             *(chapters.sources(fabric) for fabric in fabrics[:1]),
             chapters.making(stamp, {}),
         ),
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
     )
     report_page.write(content, out / "report.html")

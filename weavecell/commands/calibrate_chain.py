@@ -11,16 +11,13 @@ Folder
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import weavecell
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
-from fabrics.files import write_whole
+from fabrics.files import write, write_csv
 from weavecell.commands import calibrate_solid
-from weavecell.commands.calibrate import progress_by_path
 from weavecell.report import chapters, marked_page, pictures, pictures_solid
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
@@ -111,7 +108,7 @@ def _laws(fabrics, folder, resume, **choices):
     from unitcell3d.identify.calibrate import PATHS, calibrate_all
 
     with progress.bar(f"Calibration of {len(fabrics)} fabrics") as advance:
-        on_progress = progress_by_path(advance, len(fabrics) * (1 + len(PATHS)))
+        on_progress = progress.by_path(advance, len(fabrics) * (1 + len(PATHS)))
         return calibrate_all(fabrics, folder=folder, resume=resume, on_progress=on_progress, **choices)
 
 
@@ -205,11 +202,9 @@ def _ratios(fits, done, intervals):
 def _write(out, tables, drawn, remarks, size, friction, page):
     stamp = provenance.stamp()
     for name, rows in tables.items():
-        with write_whole(out / f"{name}.csv") as file:
-            csv.writer(file).writerows(rows)
+        write_csv(out / f"{name}.csv", rows)
     for name, picture in drawn.items():
-        with write_whole(out / f"{name}.png", "wb") as file:
-            file.write(picture)
+        write(out / f"{name}.png", picture)
     captions = {
         "platens": "Closure against pressure: the platen law, and the crossover before and after the fit.",
         "laws": "a and b over the published values; bars: 95 % of the fitted constants.",
@@ -226,7 +221,7 @@ def _write(out, tables, drawn, remarks, size, friction, page):
         + (f" Coulomb friction between the yarns: {friction:g}." if friction else ""),
         ((Card("Fabrics", f"{len(tables['laws']) - 1}", ("with a platen law",)),),),
         (*sections, chapters.making(stamp, {})),
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
     )  # fmt: skip
     report_page.write(content, out / "report.html")
     if page is not None:
@@ -236,8 +231,7 @@ def _write(out, tables, drawn, remarks, size, friction, page):
 def _write_page(page, tables, drawn, captions, remarks, size, stamp):
     """Put tables and pictures between the marks of a page."""
     for name, picture in drawn.items():
-        with write_whole(page.parent / "figures" / f"calibration-chain-{name}.png", "wb") as file:
-            file.write(picture)
+        write(page.parent / "figures" / f"calibration-chain-{name}.png", picture)
     lines = [
         f"Made by `weavecell calibrate --all --fit-solid --mesh {size}`, commit {stamp['commit']}, {stamp['date']}."
     ]

@@ -10,17 +10,24 @@ The folder of `weavecell compare`
 from __future__ import annotations
 
 import csv
+from math import isnan
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
+import typer
 
+from fabrics import lazy
 from fabrics.errors import InputError
-from fabrics.files import write_whole
-from weavecell.commands.critical_velocity import SUPPORT
-from weavecell.report import checks, pictures
-from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import target
+from weavecell.commands import options
+
+with lazy.imports():
+    from fabrics import files
+    from shellfabric.impact import ballistic_limit
+    from weavecell.analysis import fired_tests
+    from weavecell.report import checks, pictures
+    from weavecell.results import json_file, progress, provenance
+    from weavecell.scenes import of_commands, target
+
 
 _HEADS = (
     "velocity [m/s]", "tested", "computed", "tested residual velocity [m/s]", "computed residual velocity [m/s]",
@@ -28,64 +35,66 @@ _HEADS = (
 )  # fmt: skip
 
 
-def compare(tests: Path, name: str, out: Path, *, tolerance: float, jobs: int, executor: str) -> None:
-    """Fire the shots of a table of tests at what `name` says, and find its critical velocity.
+@options.example("weavecell compare tests.csv examples/S-728-pack.toml")
+def compare(
+    tests: Annotated[Path, typer.Argument(metavar="TESTS", help="Table of tests (*.csv): a row a shot.")],
+    name: options.TargetArgument,
+    tolerance: options.ToleranceOption = "1 m/s",
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    out: options.OutOption = None,
+) -> None:
+    r"""Put the shots of a laboratory beside the computed ones: V50 and residual velocities, with intervals.
 
-    Parameters
-    ----------
-    tests : of `fired_tests.FiredTests.read`
-    name : of `target.read`
-    out : folder
-    tolerance : [m/s] of the critical velocity
-    jobs, executor : as of `ballistic_limit.critical_velocity`
+    TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated) and, where it was
+    measured, residual velocity, each speed with its unit in the heading: "velocity \[m/s]". The shots are fired at the
+    target at these velocities, and its critical velocity is found, on the mesh of the scene.
 
-    Raises
-    ------
-    InputError : a wrong table or input file; nothing has been written
-    UnstableError, UndecidedError : a shot became unphysical, or neither stopped nor perforated
+    Of a scene these keys are ignored: title, projectile.strike_velocity, run.end_time, run.snapshot_interval,
+    run.checkpoint_interval, run.outputs. \[history] and \[accuracy] are rejected.
+
+    The folder then holds comparison.json, shots.csv, comparison.svg and scene.toml.
     """
-    from shellfabric.impact import ballistic_limit
-    from weavecell.analysis import fired_tests
-
+    width = options.above_zero(tolerance, "m/s", "--tolerance")
+    out = out or options.RESULTS / f"compare-{Path(name).stem}"
     fired = fired_tests.FiredTests.read(tests)
-    this = target.read(name, out, SUPPORT)
+    this = target.read(name, out, of_commands.LIMITS)
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
     try:
         panel = this.setup.target()
         with progress.bar(f"{this.title}, critical velocity") as advance:
             limit = ballistic_limit.critical_velocity(
-                panel, tolerance=tolerance, report=lambda share, _: advance(share), **beside
+                panel, tolerance=width, report=lambda share, _: advance(share), **beside
             )
         with progress.bar("Shots of the tests") as advance:
-            strikes, where = np.unique(fired.velocity, return_inverse=True)
+            strikes = sorted({float(velocity) for velocity in fired.velocity})
             shots = ballistic_limit.shoot(panel, strikes, report=lambda share, _: advance(share), **beside)
     except InputError as problem:
         raise this.in_file(problem) from None
-    found = fired_tests.compare(fired, tuple(shots[k] for k in where), limit)
+    found = fired_tests.compare(fired, tuple(shots[strikes.index(velocity)] for velocity in fired.velocity), limit)
     _write(out, this, found)
     _tell(this.title, found, out)
 
 
 def _write(out, this, found):
-    with write_whole(out / "scene.toml") as file:
-        file.write(this.text)
+    files.write(out / "scene.toml", this.text)
     words = ("stopped", "perforated")
-    with write_whole(out / "shots.csv") as file:
+    with files.write_whole(out / "shots.csv") as file:
         rows = csv.writer(file)
         rows.writerow(_HEADS)
         for shot, velocity, hit, residual in zip(
             found.shots, found.tests.velocity, found.tests.perforated, found.tests.residual
         ):
-            tested = "" if np.isnan(residual) else f"{residual:.4g}"
+            tested = "" if isnan(residual) else f"{residual:.4g}"
             computed = f"{shot.residual_velocity:.4g}"
             rows.writerow(
                 [f"{velocity:.4f}", words[int(hit)], shot.outcome, tested, computed, checks.status(shot.checks)]
             )
     summary = {"format": "weavecell comparison 1", "fabric": this.title, "projectile": this.projectile}
-    summary |= found.summary() | {"provenance": provenance.stamp(this.text, *this.setup.fabrics)}
+    stamp = provenance.stamp(this.text, *this.setup.fabrics, shot=this.setup.projectile)
+    summary |= found.summary() | {"provenance": stamp}
     json_file.write(out / "comparison.json", summary)
-    with write_whole(out / "comparison.svg", "wb") as file:
-        file.write(pictures.render(pictures.tested_and_computed, this.title, found))
+    files.write(out / "comparison.svg", pictures.render(pictures.tested_and_computed, this.title, found))
 
 
 def _tell(title, found, out):

@@ -19,21 +19,23 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import weavecell
-from fabrics import run_cache
+import typer
+
+from fabrics import lazy
 from fabrics.errors import InputError, UnstableError
-from weavecell.commands.impact import Interrupted
-from weavecell.report import chapters, checks, pictures, pictures_coupon
-from weavecell.report import page as report_page
-from weavecell.report.page import Card, Figure, Section, Table
-from weavecell.results import progress, provenance, pull_out, run_folder
-from weavecell.results.coupon import CouponRecord, read_states, write_states
-from weavecell.results.coupon_measures import PRESCRIBED, measures
-from weavecell.scenes import build
-from weavecell.scenes import coupon as scenes_coupon
-from weavecell.scenes.supported import Rule, Support, of
+from weavecell.commands.options import RESULTS, OutOption, ResumeOption, StrictOption, example
+
+with lazy.imports():
+    from fabrics import run_cache
+    from weavecell.commands import impact
+    from weavecell.report import chapters, checks, pictures, pictures_coupon
+    from weavecell.report import page as report_page
+    from weavecell.results import coupon as results_coupon
+    from weavecell.results import coupon_measures, progress, provenance, pull_out, run_folder
+    from weavecell.scenes import build, of_commands
+    from weavecell.scenes import coupon as scenes_coupon
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
@@ -45,42 +47,22 @@ WORDS = {
     "bias_extension": "bias extension", "picture_frame": "picture frame", "uniaxial": "uniaxial tension",
     "biaxial": "biaxial tension", "pull_out": "yarn pull-out",
 }  # fmt: skip
-SUPPORT = Support(
-    scenes_coupon.CouponScene,
-    rejected={
-        "fabric.surface": "left out: the cell of a coupon is made from laws",
-    },
-    rules=(
-        *build.CELL_RULES,
-        Rule(
-            "fabric.bending", lambda scene: scene.test != "pull_out",
-            "left out: the yarns of a coupon have no bending stiffness, but in a pull-out",
-        ),
-        *(
-            Rule(key, lambda scene: scene.test == "pull_out", "left out in a pull-out")
-            for key in ("fabric.fibre_slack", *of("run", "steps elements_per_crossover tolerance max_iterations"))
-        ),
-    ),
-)  # fmt: skip
 
 
-def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False) -> None:
-    """Run the test of the scene at `path` and write its results to the folder `out`.
+@example("weavecell coupon examples/coupons/S-728-bias.toml")
+def coupon(
+    path: Annotated[Path, typer.Argument(metavar="SCENE", help="The scene file of a coupon (*.toml).")],
+    out: OutOption = None,
+    resume: ResumeOption = False,
+    strict: StrictOption = False,
+) -> None:
+    """Test a piece of fabric quasi-statically: bias extension, picture frame, uniaxial or biaxial tension.
 
-    Parameters
-    ----------
-    path, out : Path
-    resume : whether to go on from a checkpoint
-    strict : whether a doubtful result is an error
-
-    Raises
-    ------
-    InputError : the scene or what it names is wrong, or there is nothing to resume; nothing has been written
-    UnstableError : the run became unstable; what it had computed has been written
-    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
-    Interrupted : by the user; the states of the steps done have been kept
+    The folder then holds report.html, summary.json, histories.h5, pictures/ and scene.toml; while the run goes on,
+    checkpoint.h5.
     """
-    scene, text = scenes_coupon.load(path, SUPPORT)
+    out = out or RESULTS / path.stem
+    scene, text = scenes_coupon.load(path, of_commands.COUPON)
     this = build.build(scene, path, path.stem)
     checkpoint = out / "checkpoint.h5"
     if resume and not checkpoint.exists():
@@ -96,11 +78,12 @@ def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False)
         raise build.in_file(problem, path, {scene.test: type(scene.test_table)}) from None
     except KeyboardInterrupt:
         hint = "; --resume goes on from its last step" if checkpoint.exists() else ""
-        raise Interrupted(f"interrupted{hint}") from None
-    record = CouponRecord.of(
-        result, measures(scene.test, scene.test_table, result), PRESCRIBED[scene.test], title=title,
+        raise impact.Interrupted(f"interrupted{hint}") from None
+    record = results_coupon.CouponRecord.of(
+        result, coupon_measures.measures(scene.test, scene.test_table, result), coupon_measures.PRESCRIBED[scene.test],
+        title=title,
         fabric=this.fabric.name, law_name=this.law_name, test=scene.test, failure_message=str(failure or ""),
-        wall_time=time.perf_counter() - began, checks=_indicators(result, table, scene.run.tolerance),
+        wall_time=time.perf_counter() - began, checks=coupon_measures.indicators(result, table, scene.run.tolerance),
     )  # fmt: skip
     with progress.bar("Writing results") as advance:
         _write(out, this, record, text, advance)
@@ -151,30 +134,22 @@ def _pull_out_chapter(record):
     content = pictures.render(pictures_coupon.pull_out, record)
     rows = tuple((line[:44].strip(), line[44:].strip()) for line in record.lines())
     lead = f"The run was stopped: {record.failure_message}." if record.failure_message else ""
-    table = Table(("quantity", "value"), rows, "", numeric=("value",))
-    return Section("coupon", WORDS["pull_out"].capitalize(), lead, (Figure(content, "svg", caption, "load"),), (table,))
-
-
-def _indicators(result, table, tolerance):
-    """Quality indicators of a test; the load step in which a yarn fails may go beyond its strength."""
-    from shellfabric.panel import quality
-
-    reached = [float(tension.max()) for tension in result.coupon.tensions(result.states[-1].x)]
-    if result.outcome == "yarn at its strength":
-        reached = [min(one, yarn.strength) for one, yarn in zip(reached, table.model.fabric.weave.yarns)]
-    return quality.of_coupon(table, reached, max(state.residual for state in result.states), tolerance)
+    table = report_page.Table(("quantity", "value"), rows, "", numeric=("value",))
+    return report_page.Section(
+        "coupon", WORDS["pull_out"].capitalize(), lead, (report_page.Figure(content, "svg", caption, "load"),), (table,)
+    )
 
 
 def _pull(this, title, checkpoint, resume):
     """(Result, its CellTable, the UnstableError that ended it or None), with a bar and checkpoints."""
     scene, table, failure = this.scene, _table(this), None
     stamp = _stamp(table, scene)
-    states = list(read_states(checkpoint, stamp)) if resume else []
+    states = list(results_coupon.read_states(checkpoint, stamp)) if resume else []
     with progress.bar(title) as advance:
 
         def keep(state):
             states.append(state)
-            write_states(checkpoint, stamp, states)
+            results_coupon.write_states(checkpoint, stamp, states)
             advance(state.load, f"{state.iterations} iterations")
 
         try:
@@ -235,10 +210,10 @@ def _write(out, this, record, text, advance):
         report_page.write(_page(this, record, section, stamp, lead, lines(record)[:-1]), out / "report.html")
 
 
-def chapter(record: CouponRecord, tolerance: float) -> Section:
+def chapter(record: results_coupon.CouponRecord, tolerance: float) -> report_page.Section:
     """The chapter of one test: the coupon, its curves, and a table of all steps."""
     figures = [
-        Figure(
+        report_page.Figure(
             pictures.render(pictures_coupon.cloth, record, kind="png"), "png",
             "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.", "coupon",
         )
@@ -246,10 +221,10 @@ def chapter(record: CouponRecord, tolerance: float) -> Section:
     for name, chosen, label, caption in pictures_coupon.DRAWN[record.test]:
         drawn = tuple(measure for measure in chosen if measure in record.measures)
         content = pictures.render(pictures_coupon.curves, record, drawn, label)
-        figures.append(Figure(content, "svg", caption, name))
+        figures.append(report_page.Figure(content, "svg", caption, name))
     content = pictures.render(pictures_coupon.relaxation, record, tolerance)
     caption = "Dynamic relaxation: out-of-balance force on the free nodes over the reaction; lines end the load steps."
-    figures.append(Figure(content, "svg", caption, "relaxation"))
+    figures.append(report_page.Figure(content, "svg", caption, "relaxation"))
     columns = (
         _headed(record.prescribed_name, record.prescribed_unit),
         *(_headed(n, u) for n, (u, _) in record.measures.items()),
@@ -265,8 +240,8 @@ def chapter(record: CouponRecord, tolerance: float) -> Section:
         for k in range(len(record.prescribed))
     )
     lead = f"The run was stopped: {record.failure_message}." if record.failure_message else ""
-    table = Table(columns, rows, "After each load step", numeric=columns)
-    return Section("coupon", WORDS[record.test].capitalize(), lead, tuple(figures), (table,))
+    table = report_page.Table(columns, rows, "After each load step", numeric=columns)
+    return report_page.Section("coupon", WORDS[record.test].capitalize(), lead, tuple(figures), (table,))
 
 
 def _headed(name, unit):
@@ -279,7 +254,7 @@ def _as_text(name, unit, value):
     return f"{pictures_coupon.axis(name, unit)[0] * value:.4g}"
 
 
-def lines(record: CouponRecord) -> list[str]:
+def lines(record: results_coupon.CouponRecord) -> list[str]:
     """What a test came to, in a few lines."""
     found, moved = [], (record.prescribed_unit, record.prescribed)
     for name, (unit, values) in {record.prescribed_name: moved, **record.measures}.items():
@@ -298,7 +273,7 @@ def _page(this, record, section, stamp, lead, shown):
     cards = (
         chapters.fabric_card(this.fabric),
         chapters.law_card(this.laws[0], source=this.law_name if model == "compressible" else model),
-        Card(WORDS[record.test], record.outcome, tuple(" ".join(line.split()) for line in shown), tone),
+        report_page.Card(WORDS[record.test], record.outcome, tuple(" ".join(line.split()) for line in shown), tone),
     )
     return report_page.Report(
         record.title,
@@ -311,5 +286,5 @@ def _page(this, record, section, stamp, lead, shown):
             chapters.sources(this.fabric),
             chapters.making(stamp, {"test": record.wall_time}),
         ),
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
     )

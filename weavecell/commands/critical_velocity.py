@@ -16,18 +16,26 @@ import time
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
+from fabrics import lazy
 from fabrics.errors import InputError, UndecidedError, UnstableError
-from fabrics.files import write_whole
-from weavecell.report import chapters_assumed, checks, pictures
-from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import target
+from weavecell.commands import options
+
+with lazy.imports():
+    from fabrics import files, units
+    from shellfabric.impact import limit_scan
+    from shellfabric.panel import quality
+    from weavecell.analysis import limit_search
+    from weavecell.report import chapters_assumed, checks, pictures
+    from weavecell.results import json_file, progress, provenance
+    from weavecell.scenes import of_commands, target
 
 if TYPE_CHECKING:
     from shellfabric.impact.lambert_jonas import LambertJonas
 
-SUPPORT = target.support(ignored=("title", *target.UNWRITTEN, "projectile.strike_velocity", "run.end_time"))
 _COLUMNS = {
     "strike velocity [m/s]": lambda shot: f"{shot.strike_velocity:.4f}",
     "outcome": lambda shot: shot.outcome,
@@ -41,42 +49,45 @@ _COLUMNS = {
 }
 
 
+@options.example("weavecell critical-velocity S-720 --tolerance '1 m/s'")
 def critical_velocity(
-    name: str, out: Path, *, tolerance: float, curve: int, jobs: int, executor: str, scan: Any = None,
-    strict: bool = False, with_range: bool = True,
-) -> None:  # fmt: skip
-    """Find the critical velocity of what `name` says: an input file, a fabric of the catalogue or a fabric file.
+    name: options.TargetArgument,
+    tolerance: options.ToleranceOption = "1 m/s",
+    curve: Annotated[
+        int, typer.Option("--residual-shots", min=0, max=100, help="Shots above the limit, for residual velocities.")
+    ] = 8,
+    scan_above: Annotated[
+        str, typer.Option(help="Range above the highest stop that is scanned for further stops.", metavar="SHARE")
+    ] = "25 %",
+    scan_below: Annotated[
+        str, typer.Option(help="Range below the lowest perforation that is scanned for others.", metavar="SHARE")
+    ] = "10 %",
+    scan_step: Annotated[str, typer.Option(help="Interval between shots of the scan.", metavar="SHARE")] = "2 %",
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    strict: options.StrictOption = False,
+    assumed_range: options.AssumedRangeOption = True,
+    out: options.OutOption = None,
+) -> None:
+    """Bisect for the velocity between stop and perforation, and fit residual velocities (Lambert-Jonas).
 
-    Where a shot stops that is faster than one that perforates, no single critical velocity exists: the zone of mixed
-    outcomes is reported in its place, and the result is doubtful.
+    Further shots scan the velocities about the bracket. If one stops that is faster than one that perforates, no single
+    critical velocity exists: the zone of mixed outcomes is reported, and the result is doubtful (exit code 3 with
+    --strict). --scan-above "0 %" --scan-below "0 %" leave the scan out.
 
-    Parameters
-    ----------
-    name : of `target.read`
-    out : Path of the folder to write to
-    tolerance : [m/s]
-    curve : number of shots above the limit for the curve of residual velocity
-    jobs, executor : as of `ballistic_limit.critical_velocity`
-    scan : `limit_scan.ScanRange`, the range about the bracket that is scanned; None for its defaults
-    strict : whether a doubtful result is an error
-    with_range : whether the range over assumed laws is computed (`analysis.assumed_range`)
+    A fabric is shot at as in the tests of the thesis. Of a scene these keys are ignored: title,
+    projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs.
+    \\[history] and \\[accuracy] are rejected.
 
-    Raises
-    ------
-    InputError : the scene or fabric is wrong, or its panel has no critical velocity; nothing has been written
-    UnstableError : a shot became unphysical; those before it have been written
-    UndecidedError : a shot neither stopped nor perforated; those before it have been written
-    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
+    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.
     """
-    from shellfabric.impact.limit_scan import ScanRange
-    from weavecell.analysis import limit_search
-
-    this, began = target.read(name, out, SUPPORT), time.perf_counter()
+    width, scan = options.above_zero(tolerance, "m/s", "--tolerance"), _scan(scan_above, scan_below, scan_step)
+    out = out or options.RESULTS / f"critical-velocity-{Path(name).stem}"
+    this, began = target.read(name, out, of_commands.LIMITS), time.perf_counter()
     shots: list[Any] = []
-    scan = scan or ScanRange()
     try:
         found = limit_search.search(
-            this.setup, tolerance=tolerance, residual_shots=curve, scan=scan, with_range=with_range, jobs=jobs,
+            this.setup, tolerance=width, residual_shots=curve, scan=scan, with_range=assumed_range, jobs=jobs,
             executor=executor, stage=_stage, keep=shots.append,
         )  # fmt: skip
     except InputError as problem:
@@ -86,6 +97,17 @@ def critical_velocity(
         raise
     shots.sort(key=lambda shot: shot.strike_velocity)
     _report(out, this, found, shots, scan, time.perf_counter() - began, strict)
+
+
+def _scan(scan_above, scan_below, scan_step):
+    """The ScanRange of the options."""
+    given = {"above": scan_above, "below": scan_below, "step": scan_step}
+    try:
+        return limit_scan.ScanRange(**{name: units.si(text, "", key=f"--scan-{name}") for name, text in given.items()})
+    except InputError as problem:
+        if problem.key in given:
+            raise InputError(key=f"--scan-{problem.key}", value=given[problem.key], allowed=problem.allowed) from None
+        raise
 
 
 @contextmanager
@@ -112,16 +134,12 @@ def _report(out, this, found, shots, scan, seconds, strict):
 
 
 def _indicators(found):
-    from shellfabric.impact import limit_scan
-    from shellfabric.panel import quality
-
     return (*quality.worst(shot.checks for shot in found.shots), limit_scan.indicator(found))
 
 
 def _write_shots(out, text, shots):
-    with write_whole(out / "scene.toml") as file:
-        file.write(text)
-    with write_whole(out / "shots.csv") as file:
+    files.write(out / "scene.toml", text)
+    with files.write_whole(out / "shots.csv") as file:
         rows = csv.writer(file)
         rows.writerow(_COLUMNS)
         rows.writerows([column(shot) for column in _COLUMNS.values()] for shot in shots)
@@ -148,11 +166,12 @@ def _write(out, this, search, shots, indicators, scan, wall_time):
         **checks.summary(indicators),
         **chapters_assumed.summary(search.range),
         "wall_time_s": wall_time,
-        "provenance": provenance.stamp(this.text, *this.setup.fabrics),
+        "provenance": provenance.stamp(this.text, *this.setup.fabrics, shot=this.setup.projectile),
     }
     json_file.write(out / "critical-velocity.json", summary)
-    with write_whole(out / "residual-velocity.svg", "wb") as file:
-        file.write(pictures.render(pictures.residual_velocity, this.title, found, fit, shots))
+    files.write(
+        out / "residual-velocity.svg", pictures.render(pictures.residual_velocity, this.title, found, fit, shots)
+    )
 
 
 def _entry(shot):

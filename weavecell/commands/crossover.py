@@ -10,20 +10,23 @@ A yarn pulled out adds its slip threshold to the law.json of a calibration, wher
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
+import typer
 
-from fabrics.compression import CompressionLaw
+from fabrics import lazy
 from fabrics.errors import InputError, UnstableError
-from fabrics.files import write_whole
-from fabrics.friction.pull_out import FRICTION
-from fabrics.units import si
-from weavecell.commands import mesh, mesh_options
-from weavecell.commands.mesh_options import pair
-from weavecell.report import checks, pictures, pictures_crossover
-from weavecell.results import json_file, progress, provenance
+from weavecell.commands import options
+
+with lazy.imports():
+    from fabrics import compression, files, units
+    from fabrics.friction import pull_out as friction_pull_out
+    from weavecell.commands import mesh
+    from weavecell.report import checks, crossover_cases, pictures, pictures_crossover
+    from weavecell.results import json_file, progress, provenance
+
 
 DOMAINS = {
     "yarn": ("quarter", "whole"),
@@ -36,27 +39,164 @@ DOMAINS = {
 }
 
 
-def command(
-    name: str, case: str, out: Path, *, domain: str | None, size: str, section: str | None, gap: str | None,
-    strict: bool = False, **choices: Any,
-) -> None:  # fmt: skip
-    """Run a case of a fabric, write it and print what it found; options are texts of the command line.
+class Case(StrEnum):
+    """What is done to the yarns."""
 
-    strict : whether a doubtful result is an error
+    yarn = "yarn"
+    platens = "platens"
+    stack = "stack"
+    biaxial = "biaxial"
+    path = "path"
+    shear = "shear"
+    pull_out = "pull-out"
+
+
+class Part(StrEnum):
+    """How much of the weave is meshed."""
+
+    quarter = "quarter"
+    whole = "whole"
+    periodic = "periodic"
+
+
+class Family(StrEnum):
+    """Yarn families."""
+
+    warp = "warp"
+    weft = "weft"
+
+
+_OF_ALL = ("name", "case", "size", "domain", "section", "gap", "out")
+_OF_CASE = {
+    Case.yarn: ("failure", "yarn", "bars", "one_point"),
+    Case.platens: ("friction", "pressure"),
+    Case.stack: ("friction", "plies", "shift", "pressure"),
+    Case.biaxial: ("failure", "friction", "stretch"),
+    Case.path: ("failure", "friction", "path"),
+    Case.shear: ("failure", "friction", "stretch", "gamma"),
+    Case.pull_out: ("friction", "yarn", "stretch", "pressure", "pull", "law"),
+}
+
+
+CaseOption = Annotated[
+    Case,
+    typer.Option(
+        help="Load case: one yarn in tension, plies between platens, biaxial tension, a path, shear, or the pull-out "
+        "of one yarn."
+    ),
+]
+PartOption = Annotated[
+    Part | None,
+    typer.Option(
+        help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or periodic (2 x 2); "
+        "pull-out: whole."
+    ),
+]
+FailureOption = Annotated[bool, typer.Option("--failure", help="Let fibres fail at their failure strain.")]
+FamilyOption = Annotated[Family, typer.Option(help="yarn, pull-out: family of the yarn that is pulled.")]
+BarsOption = Annotated[
+    int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
+]
+ReducedOption = Annotated[
+    bool,
+    typer.Option("--reduced-integration", help="yarn: one integration point, to see the zero-energy modes."),
+]
+PliesOption = Annotated[int, typer.Option(help="stack: number of plies.")]
+ShiftOption = Annotated[
+    str, typer.Option(help="stack: offset of each ply from the one below, in crossovers along x and y.", metavar="X,Y")
+]
+PressureOption = Annotated[
+    str | None,
+    typer.Option(
+        help="platens, stack: pressure at the end; by default the highest of the thesis. pull-out: of platens that "
+        "press the yarns together in place of --end-displacement, one for each transverse load.",
+        metavar="PRESSURE[,PRESSURE]",
+    ),
+]
+StretchOption = Annotated[
+    str,
+    typer.Option(
+        "--end-displacement",
+        help="biaxial, shear: displacement of each yarn end, of both or of warp and weft; pull-out: of the crossing "
+        "yarn's ends, one for each transverse load; four shares of its crimp if not given.",
+        metavar="LENGTH[,LENGTH]",
+    ),
+]
+AngleOption = Annotated[str, typer.Option("--shear-angle", help="shear: angle at the end.", metavar="ANGLE")]
+PathOption = Annotated[
+    Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
+]
+
+CoefficientOption = Annotated[
+    float | None,
+    typer.Option(
+        "--friction", "--mu", min=0, help="Coulomb's coefficient between the yarns; if not given 0, pull-out: 0.2."
+    ),
+]
+PullOption = Annotated[
+    str | None, typer.Option(help="pull-out: displacement of the yarn along its axis.", metavar="LENGTH")
+]
+LawOption = Annotated[
+    Path | None,
+    typer.Option(help="pull-out: law.json of a calibration, to which the slip threshold is added.", metavar="FILE"),
+]
+
+
+@options.example("weavecell crossover S-720 --case shear --shear-angle '50 deg' --mesh coarse")
+def crossover(
+    context: typer.Context,
+    name: options.FabricArgument,
+    case: CaseOption,
+    size: options.FinenessOption = "coarse",
+    domain: PartOption = None,
+    section: options.SectionOption = None,
+    gap: options.GapOption = "0 mm",
+    failure: FailureOption = False,
+    friction: CoefficientOption = None,
+    yarn: FamilyOption = Family.warp,
+    bars: BarsOption = None,
+    one_point: ReducedOption = False,
+    plies: PliesOption = 2,
+    shift: ShiftOption = "0,0",
+    pressure: PressureOption = None,
+    stretch: StretchOption = "0 mm",
+    gamma: AngleOption = "0.6 rad",
+    path: PathOption = None,
+    pull: PullOption = None,
+    law: LawOption = None,
+    out: options.OutOption = None,
+) -> None:
+    """Load the 3D crossover: one yarn pulled straight, platens, biaxial stretch, any path, shear, or yarn pull-out.
+
+    The folder then holds case.h5 (every converged state), case.json and pictures/. A case that finds no equilibrium
+    keeps what it has computed and ends with exit code 3.
     """
+    options.refuse_others(context, (*_OF_ALL, *_OF_CASE[case]), f"with --case {case.value}")
+    choices: dict[str, Any] = {
+        "failure": failure, "friction": friction, "family": list(Family).index(yarn), "bars": bars,
+        "one_point": one_point, "plies": plies, "shift": shift, "pressure": pressure, "stretch": stretch,
+        "gamma": gamma, "path": path, "pull": pull, "law": law,
+    }  # fmt: skip
+    out = out or options.RESULTS / f"crossover-{case.value}-{Path(name).stem}"
+    chosen = options.mesh_choices(size=size, section=section and section.value, gap=gap)
+    _run(name, case.value, out, domain and domain.value, size, chosen, choices)
+
+
+def _run(name, case, out, domain, size, chosen, choices):
+    """Run a case of a fabric, write it and print what it found; `choices` are texts of the command line."""
     fabric = mesh.with_3d_data(name)
     if choices["law"] is not None:
-        CompressionLaw.from_json(choices["law"])  # refused before anything is computed
+        compression.CompressionLaw.from_json(choices["law"])  # refused before anything is computed
     run = CASES[case](fabric, choices)
-    shifted = case == "stack" and any(pair(choices["shift"], "", "--shift", "along x and y"))
+    shifted = case == "stack" and any(options.pair(choices["shift"], "", "--shift", "along x and y"))
     allowed = ("periodic",) if shifted else ("quarter",) if case == "stack" else DOMAINS[case]
     domain = allowed[0] if domain is None else domain
     if domain not in allowed:
         raise InputError(key="--domain", value=domain, allowed=f"{' or '.join(allowed)} for this case")
-    built = mesh.build(fabric, domain=domain, **mesh_options.parse(size=size, section=section, gap=gap))
+    built = mesh.build(fabric, domain=domain, **chosen)
     with progress.bar(f"{fabric.name}, {case}") as advance:
         record = run(built, hooks=[lambda share, row: advance(share)])
-    found = SUMMARIES[case](fabric, record)
+    found = crossover_cases.SUMMARIES[case](fabric, record)
     indicators = _indicators(fabric, record)
     record.write(out / "case.h5")
     content = {
@@ -65,17 +205,18 @@ def command(
         "provenance": provenance.stamp("", fabric),
     }  # fmt: skip
     json_file.write(out / "case.json", content)
-    with write_whole(out / "pictures" / "curve.svg", "wb") as file:
-        file.write(pictures.render(pictures_crossover.CURVES[case], fabric, record, found))
+    files.write(out / "pictures" / "curve.svg", pictures.render(pictures_crossover.CURVES[case], fabric, record, found))
     pictures_crossover.deformed(built, record, out / "pictures" / "deformed.png")
     if choices["law"] is not None and not record.failed:
-        _threshold(record, size).add_to(choices["law"])
+        from unitcell3d.cases import pull_out
+
+        pull_out.fit(record, size).add_to(choices["law"])
     for key, value in found.items():
-        print(f"{key:<44}{_as_text(value)}")
+        print(f"{key:<44}{crossover_cases.as_text(value)}")
     print(f"written to {out}")
     if record.failed:
         raise UnstableError(record.failed)
-    checks.report(indicators, strict)
+    checks.report(indicators, strict=False)
 
 
 def _indicators(fabric, record):
@@ -107,8 +248,8 @@ def _stack(fabric, choices):
     from unitcell3d.cases import stack
 
     pressure = choices["pressure"]
-    pressure = stack.PLATEN_PRESSURE if pressure is None else si(pressure, "Pa", key="--pressure")
-    shift = pair(choices["shift"], "", "--shift", "along x and y")
+    pressure = stack.PLATEN_PRESSURE if pressure is None else units.si(pressure, "Pa", key="--pressure")
+    shift = options.pair(choices["shift"], "", "--shift", "along x and y")
     if choices["plies"] < 1:
         raise InputError(key="--plies", value=choices["plies"], allowed="a whole number from 1 on")
     return lambda built, hooks: stack.stack_compression(
@@ -119,7 +260,7 @@ def _stack(fabric, choices):
 def _biaxial(fabric, choices):
     from unitcell3d.cases import periodic_cell
 
-    d = pair(choices["stretch"], "m", "--end-displacement")
+    d = options.pair(choices["stretch"], "m", "--end-displacement")
     if not any(d):
         raise InputError(key="--end-displacement", value=choices["stretch"], allowed="a length that is not 0")
     return lambda built, hooks: periodic_cell.biaxial(
@@ -142,8 +283,8 @@ def _shear(fabric, choices):
     from unitcell3d.cases import periodic_cell
 
     gamma, stretch = (
-        si(choices["gamma"], "rad", key="--shear-angle"),
-        pair(choices["stretch"], "m", "--end-displacement"),
+        units.si(choices["gamma"], "rad", key="--shear-angle"),
+        options.pair(choices["stretch"], "m", "--end-displacement"),
     )
     if not 0 < gamma <= periodic_cell.STEEPEST:
         raise InputError(
@@ -159,25 +300,21 @@ def _pull_out(fabric, choices):
 
     pulled = choices["family"]
     given = [text for text in choices["stretch"].split(",") if text.strip() not in ("", "0 mm")]
-    lengths = [si(text, "m", key="--end-displacement") for text in given]
-    pressures = [si(text, "Pa", key="--pressure") for text in (choices["pressure"] or "").split(",") if text.strip()]
+    lengths = [units.si(text, "m", key="--end-displacement") for text in given]
+    pressures = [
+        units.si(text, "Pa", key="--pressure") for text in (choices["pressure"] or "").split(",") if text.strip()
+    ]
     if pressures and lengths:
         raise InputError(key="--pressure", value=choices["pressure"], allowed="left out with --end-displacement")
     if pressures and not min(pressures) > 0:
         raise InputError(key="--pressure", value=choices["pressure"], allowed="pressures above 0")
     lengths = lengths or ([] if pressures else list(pull_out.displacements(fabric, pulled)))
-    pull = None if choices["pull"] is None else si(choices["pull"], "m", key="--pull")
-    friction = FRICTION if choices["friction"] is None else choices["friction"]
+    pull = None if choices["pull"] is None else units.si(choices["pull"], "m", key="--pull")
+    friction = friction_pull_out.FRICTION if choices["friction"] is None else choices["friction"]
     numerics = _numerics(choices | {"friction": friction})
     return lambda built, hooks: pull_out.pull_out(
         built, fabric, lengths, pressures=pressures, pulled=pulled, pull=pull, numerics=numerics, hooks=hooks
     )
-
-
-def _threshold(record, size=""):
-    from unitcell3d.cases import pull_out
-
-    return pull_out.fit(record, size)
 
 
 def _numerics(choices):
@@ -195,128 +332,3 @@ CASES = {
     "shear": _shear,
     "pull-out": _pull_out,
 }
-
-
-def _yarn_summary(fabric, record):
-    taut = record["T_taut"] > 0.1 * record["T_taut"].max()
-    found = {"greatest tension [N]": record["T"].max()}
-    if np.count_nonzero(taut) > 1 and not record["broken"].any():
-        slope, start = np.polyfit(record["strain"][taut], record["T"][taut], 1)
-        EA = fabric.weave.yarns[record.facts["yarn"]].EA
-        found["stiffness when taut over E A / (1 + crimp) [-]"] = slope * (1 + record.facts["crimp"]) / EA
-        found["strain at which it is straight [-]"] = -start / slope
-        found["crimp [-]"] = record.facts["crimp"]
-    if record["broken"].any():
-        found["greatest tension over the yarn's strength [-]"] = (
-            record["T"].max() / fabric.weave.yarns[record.facts["yarn"]].strength
-        )
-        found["bars failed at the end [-]"] = record["broken"][-1]
-    return found
-
-
-def _stack_summary(fabric, record):
-    from unitcell3d.cases.stack import law_closure
-
-    found = {
-        "pressure at the end [MPa]": record["pressure"][-1] / 1e6,
-        "closure of a ply at the end [um]": 1e6 * record["closure_ply"][-1],
-        "deepest penetration [um]": 1e6 * record["deepest"].max(),
-    }
-    if fabric.areal_density_measured is not None and record.facts["plies"] in (1, 4, 8, 16):
-        pressure, law, closure = law_closure(fabric, record)
-        if pressure.size:
-            found["closure since 28 kPa [um]"] = 1e6 * closure[-1]
-            found["the same by the pressure law (eq. 2-6) [um]"] = 1e6 * law[-1]
-    return found
-
-
-def _tension_summary(fabric, record):
-    found = {f"{name} at the end [N]": record[name][-1] for name in ("T1", "T2", "F_c")}
-    found |= {f"greatest {name} [N]": record[name].max() for name in ("T1", "T2")}
-    if np.any(record["broken"]):
-        found["bars failed at the end [-]"] = np.max(record["broken"][-1])
-    return found
-
-
-def _shear_summary(fabric, record):
-    from fabrics.trellis import touching_angle
-    from unitcell3d.identify import shear_fit
-
-    turned = record["gamma"] > 0
-    gamma = np.concatenate([[0.0], record["gamma"][turned]])
-    tau = np.concatenate([[0.0], record["tau"][turned]])
-    found = {
-        "shear angle reached [rad]": gamma[-1],
-        "shear stress there [MPa]": tau[-1] / 1e6,
-        "tensions there [N]": [record["T1"][-1], record["T2"][-1]],
-    }
-    for family, name in enumerate(("warps", "wefts")):
-        met = np.flatnonzero(record["F_side"][:, family] > 0)
-        found[f"parallel {name} meet at [rad]"] = record["gamma"][met[0]] if met.size else None
-        width, spacing = record.facts["width"][family], record.facts["spacing"][family]
-        found[f"by width and spacing of {name} (eq. 4-32) [rad]"] = (
-            touching_angle(width, spacing) if width < spacing else None
-        )
-    try:
-        fit = shear_fit.fit(gamma, tau)
-    except InputError as problem:
-        found["fit"] = str(problem)
-        return found
-    found |= {"fit of eq. 4-35: " + key: value for key, value in _law(fit.law).items()}
-    found["rms of the fit [MPa]"] = fit.rms / 1e6
-    found["gamma2 lies inside the curve"] = fit.locked
-    if fabric.shear is not None:
-        slope = np.gradient(tau, gamma)
-        for part, modulus in (("G1", fabric.shear.G1), ("G2", fabric.shear.G2)):
-            stiffer = np.flatnonzero(slope >= modulus)
-            found[f"tangent modulus passes the data's {part} at [rad]"] = gamma[stiffer[0]] if stiffer.size else None
-        found |= {"fabric's data (Table 4-1): " + key: value for key, value in _law(fabric.shear).items()}
-    return found
-
-
-def _pull_out_summary(fabric, record):
-    from unitcell3d.cases import pull_out
-
-    F_c, T_f = pull_out.thresholds(record)
-    found = {
-        "Coulomb's coefficient of the contact [-]": record.facts["friction"],
-        "contact forces in slip [N]": F_c.tolist(),
-        "slip thresholds [N]": T_f.tolist(),
-        "largest force of the normal pressures along the axis [N]": np.abs(record["P_geometric"]).max(),
-        "largest share of Coulomb's limit [-]": record["mobilised"].max(),
-    }
-    if F_c.size > 1:
-        law = _threshold(record)
-        found |= {
-            "threshold without contact force, c0 [N]": law.c0,
-            "effective coefficient, mu_eff [-]": law.mu_eff,
-            "rms of the fit [N]": law.residual_rms,
-            "range of the coefficient [-]": list(law.friction_range),
-            "status of the range": law.status,
-        }
-    return found
-
-
-def _law(law):
-    return {
-        "gamma1 [rad]": law.gamma1, "gamma2 [rad]": law.gamma2, "G1 [MPa]": law.G1 / 1e6, "G2 [MPa]": law.G2 / 1e6
-    }  # fmt: skip
-
-
-SUMMARIES = {
-    "yarn": _yarn_summary,
-    "platens": _stack_summary,
-    "stack": _stack_summary,
-    "biaxial": _tension_summary,
-    "path": _tension_summary,
-    "shear": _shear_summary,
-    "pull-out": _pull_out_summary,
-}
-
-
-def _as_text(value):
-    if isinstance(value, list | tuple):
-        return ", ".join(_as_text(part) for part in value)
-    if value is None:
-        return "-"
-    return f"{value:.5g}" if isinstance(value, float | np.floating) else str(value)

@@ -13,45 +13,49 @@ The folder of `weavecell demo`
 
 from __future__ import annotations
 
-import logging
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import resources
 from pathlib import Path
 
-import tomlkit
-
-import weavecell
-from fabrics import assumed, catalogue
+from fabrics import lazy
 from fabrics.errors import WeavecellError
-from fabrics.executors import CONTEXT
-from fabrics.units import si
-from fabrics.variants import with_linear_density
-from weavecell.commands import calibrate, impact, mesh
-from weavecell.report import chapters
-from weavecell.report import page as report_page
-from weavecell.report.shot import chapters_mesh, chapters_shot, tables_shot
-from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import build
-from weavecell.scenes import impact as scenes_impact
+from weavecell.commands.options import CORES, RESULTS, ExecutorOption, JobsOption, MeshOption, OutOption, Size, example
+
+with lazy.imports():
+    from fabrics import assumed, catalogue, executors, units, variants
+    from weavecell.commands import calibrate, impact, mesh
+    from weavecell.report import chapters
+    from weavecell.report import page as report_page
+    from weavecell.report.shot import chapters_mesh, chapters_shot, tables_shot
+    from weavecell.results import json_file, progress, provenance
+    from weavecell.scenes import build, of_commands
+    from weavecell.scenes import impact as scenes_impact
 
 
-def demonstrate(out: Path, *, size: str, jobs: int, executor: str) -> None:
-    """Run the demonstration with a crossover of mesh `size`, write everything to `out`, print the summary."""
+@example("weavecell demo --out results/demo")
+def demo(
+    out: OutOption = None,
+    mesh_size: MeshOption = Size.medium,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+) -> None:
+    """S-720 of the catalogue: mesh, calibration, and four impacts, with a summary and one HTML page."""
+    out, size = out or RESULTS / "demo", mesh_size.value
     began = time.perf_counter()
     file = resources.files("weavecell") / "scenes" / "demo.toml"
     text, plan = scenes_impact.read_toml(file, what="demonstration")  # type: ignore[arg-type]
     fabric = catalogue.load(plan["calibration"]["fabric"])
     clock = Clock()
-    compiler = CONTEXT.Process(target=_compile, args=(plan,), daemon=True)
+    compiler = executors.CONTEXT.Process(target=_compile, args=(plan,), daemon=True)
     if jobs > 1:
         compiler.start()
     with clock.stage("mesh"):
         meshed = mesh.build(fabric, size=size, domain="whole")
         mesh.write(meshed, out / "mesh")
     with clock.stage("calibration"):
-        calibration = calibrate.calibrate(fabric, out / "calibration", size=size, jobs=jobs, executor=executor)
+        calibration = calibrate.solved(fabric, out / "calibration", size=size, jobs=jobs, executor=executor)
     with clock.stage("impacts"):
         if jobs > 1:
             compiler.join()
@@ -92,8 +96,10 @@ class Clock:
 
 def _compile(plan):
     """Compile the kernels of the impacts, in a process beside the calibration: by one of them, of which nothing is
-    kept. What goes wrong is told by the impact itself, and the kernels are announced by nobody: the bars of the
+    kept. What goes wrong the impact itself reports, and the kernels are not announced: the bars of the
     calibration are on the terminal."""
+    import logging
+
     logging.getLogger("weavecell").setLevel(logging.ERROR)
     with suppress(WeavecellError, KeyboardInterrupt):
         from shellfabric.impact import simulation
@@ -104,6 +110,8 @@ def _compile(plan):
 
 def _set_up(plan, case, law, out):
     """(folder, title, text of the scene, Case, ImpactSetup) of one impact."""
+    import tomlkit
+
     words, value = LAWS[law]
     folder = out / f"{case['name']}-{law}"
     title = f"{case['strike_velocity']}, {words}"
@@ -112,7 +120,7 @@ def _set_up(plan, case, law, out):
     table["projectile"]["strike_velocity"] = case["strike_velocity"]
     table["run"]["outputs"] = ["paraview"]
     file = folder / "scene.toml"
-    this = build.build(scenes_impact.check(table, file, impact.SUPPORT), file, folder.name)
+    this = build.build(scenes_impact.check(table, file, of_commands.IMPACT), file, folder.name)
     return folder, title, tomlkit.dumps(table), this, build.setup(this, file)
 
 
@@ -149,14 +157,14 @@ def _targets(plan, shots):
         ("artificial viscosity, of the absorbed energy", "numerical", "viscous_energy_fraction"),
     ):
         worst = max((getattr(record, measure) for _, record in shots))
-        share = si(limits[key], "")
+        share = units.si(limits[key], "")
         met = "yes" if worst <= share else "no"
         rows.append((what, f"at most {limits[key]}", tables_shot.percent(worst), met))
     return rows
 
 
 def _page(fabric, plan, calibration, records, sections, stamp, clock, setup):
-    used = with_linear_density(fabric, plan["scene"]["fabric"]["linear_density"])
+    used = variants.with_linear_density(fabric, plan["scene"]["fabric"]["linear_density"])
     law_card = chapters.law_card(calibration.law, fabric.laws[0], "fitted to the 3D crossover")
     more = (
         chapters_mesh.section(records[0], setup),
@@ -172,7 +180,7 @@ def _page(fabric, plan, calibration, records, sections, stamp, clock, setup):
             chapters.sources(used),
             chapters.making(stamp, clock.times, tables_shot.cost(records, setup)),
         ),
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
         outcome=" ".join(_of_law(words, records) for words, _ in LAWS.values()),
     )
 

@@ -1,4 +1,4 @@
-"""A panel or pack as a deck for LS-DYNA, OpenRadioss or Abaqus, with the error of its material card.
+"""A panel or pack as a deck for another code (`report.deck_folder`), and results in standard formats.
 
 The folder of `weavecell export`
     NAME.k                       the deck for LS-DYNA
@@ -7,95 +7,93 @@ The folder of `weavecell export`
     mapping.svg                  the law less the cell over the biaxial plane
     summary.json                 the mapping's error, provenance
     report.html                  the error in a table and the plot, and what the law does not hold
-
-No deck has been run in the code that it is for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
+from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
+import typer
+
+from fabrics import lazy
 from fabrics.errors import InputError
-from fabrics.files import write_whole
-from shellfabric.impact.simulation import ImpactSetup
-from weavecell.analysis.material_card.cloth import MATCHES, Cloth
-from weavecell.analysis.material_card.laws import CrimpExchange, Linear, UncoupledCurves
-from weavecell.analysis.material_card.mismatch import LIMIT
-from weavecell.report import page as report_page
-from weavecell.report import pictures, pictures_card
-from weavecell.report.page import Card, Figure, Report, Section, Table
-from weavecell.results import deck, deck_abaqus, deck_ls_dyna, deck_radioss, json_file, provenance
-from weavecell.scenes import target
-from weavecell.scenes.impact import SlipTable
+from weavecell.commands.options import RESULTS, OutOption, TargetArgument, example
+
+with lazy.imports():
+    from weavecell.report import deck_folder
+    from weavecell.results import convert as results_convert
+    from weavecell.scenes import target
 
 
-@dataclass(frozen=True)
-class Form:
-    """A law that a code has: its class here, its keyword there."""
+class Target(StrEnum):
+    """Codes that decks are written for."""
 
-    kind: Any
-    keyword: str
-
-
-@dataclass(frozen=True)
-class Code:
-    """A code that decks are written for; the first of its laws is the default."""
-
-    name: str
-    write: Callable[[deck.Deck, str], dict[str, str]]
-    laws: Mapping[str, Form]
+    lsdyna = "lsdyna"
+    radioss = "radioss"
+    abaqus = "abaqus"
 
 
-CODES = {
-    "lsdyna": Code(
-        "LS-DYNA", deck_ls_dyna.write, {"fabric34": Form(UncoupledCurves, "*MAT_FABRIC (034), FORM 14")}
-    ),
-    "radioss": Code(
-        "OpenRadioss", deck_radioss.write,
-        {"law58": Form(CrimpExchange, "/MAT/LAW58 (FABR_A)"), "law19": Form(Linear, "/MAT/LAW19 (FABRI)")},
-    ),
-    "abaqus": Code("Abaqus/Explicit", deck_abaqus.write, {"fabric": Form(UncoupledCurves, "*FABRIC, test data")}),
-}  # fmt: skip
-ROWS = {
-    "rms": "rms over the biaxial plane", "largest": "largest over the biaxial plane",
-    "uniaxial": "largest in uniaxial tension", "shear": "largest in trellis shear until locking",
-}  # fmt: skip
-_NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
-_SIDES = [f"panel.boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields]
-SUPPORT = target.support(
-    ignored=(*target.UNWRITTEN, "history"),
-    rejected={key: allowed for key, (allowed, _) in deck.REFUSED.items() if key != "panel.boundary"}
-    | dict.fromkeys(_SIDES, deck.REFUSED["panel.boundary"][0]),
-)  # fmt: skip
+class Unit(StrEnum):
+    """Consistent units of a deck."""
+
+    si = "kg-m-s"
+    small = "g-mm-ms"
 
 
-def export(name: str, out: Path, *, to: str, law: str | None, units: str, match: str) -> None:
-    """Write the deck of an input file or fabric to the folder `out`, and print the error of its material card.
+class Format(StrEnum):
+    """Formats of results."""
 
-    Parameters
-    ----------
-    name : of `target.read`
-    out : folder
-    to, law, units, match : as of `decks`
+    vtkhdf = "vtkhdf"
+    parquet = "parquet"
 
-    Raises
-    ------
-    InputError : an unknown code, law or unit, or a key that no deck holds; nothing has been written
+
+class Match(StrEnum):
+    """What a law is to be nearest to."""
+
+    plane = "plane"
+    uniaxial = "uniaxial"
+
+
+@example("weavecell export examples/S-720-stops.toml --to lsdyna --units g-mm-ms")
+def export(
+    name: TargetArgument,
+    to: Annotated[Target, typer.Option(help="Code that the deck is for.")],
+    law: Annotated[
+        str | None,
+        typer.Option(
+            help="Material: fabric34 of lsdyna, law58 (default) or law19 of radioss, fabric of abaqus.",
+            metavar="fabric34|law58|law19|fabric",
+        ),
+    ] = None,
+    units: Annotated[Unit, typer.Option(help="Consistent units of the deck.")] = Unit.si,
+    match: Annotated[
+        Match,
+        typer.Option(help="What the law is nearest to: the cell over the biaxial plane, or in uniaxial tension."),
+    ] = Match.plane,
+    out: OutOption = None,
+) -> None:
+    """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile, contact, output.
+
+    The error of the material card against the unit cell is in the deck's header, printed, and in report.html. Of the
+    input file, the tables history and numerics, the contact law of plies, and what a run records mean nothing here. No
+    deck has been run in the code that it is for.
     """
-    form = chosen(to, law)
-    this = target.read(name, out, SUPPORT)
+    out = out or RESULTS / f"export-{Path(name).stem}-{to.value}"
+    form = deck_folder.chosen(to.value, law)
+    this = target.read(name, out, deck_folder.SUPPORT)
     try:
-        made = made_of(this.setup, to, form, units, match, title=_title(this), source=this.case.law_name)
+        made = deck_folder.made_of(
+            this.setup, to.value, form, units.value, match.value, title=_title(this), source=this.case.law_name
+        )
     except InputError as problem:
         raise this.in_file(problem) from None
-    write(made, out, to, Path(name).stem, match, this.text, this.case.fabric)
+    deck_folder.write(made, out, to.value, Path(name).stem, match.value, this.text, this.case.fabric)
     for card in made.cards:
-        print(f"{card.name}: " + ", ".join(f"{ROWS[k]} {_percent(v)}" for k, v in card.mismatch.numbers().items()))
-    print(f"of the strength; the deck has not been run in {CODES[to].name}")
+        numbers = card.mismatch.numbers().items()
+        print(f"{card.name}: " + ", ".join(f"{deck_folder.ROWS[k]} {deck_folder.percent(v)}" for k, v in numbers))
+    print(f"of the strength; the deck has not been run in {deck_folder.CODES[to].name}")
     print(f"written to {out}", flush=True)
 
 
@@ -104,82 +102,20 @@ def _title(this):
     return scene.title or f"{this.title}, {scene.projectile.strike_velocity:g} m/s"
 
 
-def chosen(to: str, law: str | None) -> str:
-    """The name of a law of a code, or of its first one.
+@example("weavecell convert results/S-720-stops --to vtkhdf")
+def convert(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished impact, or of a coupon.")],
+    to: Annotated[Format, typer.Option(help="Format that is written.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", help="File to write; by default panel.vtkhdf or histories.parquet in FOLDER.", metavar="FILE"
+        ),
+    ] = None,
+) -> None:
+    """Results of a finished run in a standard format.
 
-    Raises
-    ------
-    InputError : an unknown code, or a law that it does not have here
+    vtkhdf: all snapshots of an impact in one file for ParaView, with the fields of panel.pvd, which the run must have
+    written. parquet: the histories of an impact or a coupon, a row a sample, with units in the schema; needs pyarrow.
     """
-    if to not in CODES:
-        raise InputError(key="--to", value=to, allowed=" or ".join(CODES))
-    laws = CODES[to].laws
-    if law is not None and law not in laws:
-        raise InputError(key="--law", value=law, allowed=f"{' or '.join(laws)} of {to}")
-    return law or next(iter(laws))
-
-
-def made_of(setup: ImpactSetup, to: str, law: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
-    """The deck of a set-up; parameters and exceptions as `deck.build`, with names of code and law, and of MATCHES."""
-    if match not in MATCHES:
-        raise InputError(key="--match", value=match, allowed=" or ".join(MATCHES))
-    form = CODES[to].laws[law]
-    make: Callable[[Cloth], Any] = partial(_law, form.kind, match)
-    return deck.build(
-        setup, make, units, title=title, source=source, law=f"{form.keyword}, {_NEAREST[match]}",
-        code=CODES[to].name,
-    )  # fmt: skip
-
-
-def _law(kind, match, cloth):
-    return kind.of(cloth, match)
-
-
-def write(made: deck.Deck, out: Path, to: str, stem: str, match: str, text: str, fabric: Any) -> None:
-    """Write the files of the folder, each whole or not at all."""
-    files = CODES[to].write(made, stem)
-    section = chapter(made)
-    stamp = provenance.stamp(text, fabric)
-    for name, content in files.items():
-        with write_whole(out / name) as file:
-            file.write(content)
-    report_page.write_pictures([section], out)
-    numbers = [{"material": card.name} | card.mismatch.numbers() for card in made.cards]
-    entries = {
-        "code": to,
-        "match": match,
-        "run_in_the_code": False,
-        "error_over_strength": numbers,
-        "provenance": stamp,
-    }
-    json_file.write(out / "summary.json", entries | {"provenance": stamp})
-    worst = max(card.mismatch.worst for card in made.cards)
-    headline = f"{_percent(worst)} of the strength at most"
-    head = Card("Error of the material card", headline, (), "unstable" if worst > LIMIT else "plain")
-    page = Report(made.title, f"Deck for {CODES[to].name}, not run in it", ((head,),), (section, _text(made.header)))
-    report_page.write(page, out / "report.html")
-
-
-def chapter(made: deck.Deck) -> Section:
-    """Error of the cards in a table and a plot."""
-    first = made.cards[0]
-    rows = tuple(
-        (words, *(_percent(card.mismatch.numbers()[key]) for card in made.cards)) for key, words in ROWS.items()
-    )
-    figure = Figure(
-        pictures.render(pictures_card.plane, first.mismatch), "svg",
-        f"Law less cell of {first.name}, where both yarns are below their strength.", "mapping",
-    )  # fmt: skip
-    columns = ("over the strength", *(card.name for card in made.cards))
-    lead = (
-        f"The law is evaluated here by its own equations, and held against the unit cell. Not held: {first.law.lost}."
-    )
-    return Section("mapping", "Error of the mapping", lead, (figure,), (Table(columns, rows, "", columns[1:]),))
-
-
-def _text(lines):
-    return Section("header", "Header of the deck", details=(("as in the file", "\n".join(lines)),))
-
-
-def _percent(value):
-    return f"{100 * value:.1f} %"
+    print(f"written to {results_convert.convert(folder, to.value, out)}")

@@ -9,21 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError, UnstableError
 from weavecell.report.page import Section, Table
-from weavecell.scenes import build, target
+from weavecell.scenes import build, of_commands
 from weavecell.scenes import impact as scenes_impact
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.supported import Support
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.analysis.fidelity.select import Answer
-
-SUPPORT = Support(
-    scenes_impact.Scene, rules=build.SHOT_RULES,
-    rejected=build.NO_SLACK | build.PINNED
-    | {"panel.grading": "left out in a scene with [accuracy], whose mesh is chosen"},
-)  # fmt: skip
-EXPLAIN = replace(SUPPORT, ignored=("title", *target.UNWRITTEN, "history"))
 
 # keys of a scene that a model of the ladder would change; what is given there stays
 _BY_HAND = {
@@ -120,7 +112,7 @@ def explain(path: Path) -> None:
 
     from weavecell.analysis.fidelity import error_database, select
 
-    scene, _ = scenes_impact.load(path, EXPLAIN)
+    scene, _ = scenes_impact.load(path, of_commands.EXPLAIN)
     if scene.accuracy is None:
         raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
     this = build.build(scene, path, path.stem)

@@ -23,65 +23,90 @@ import csv
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import tomlkit
+import typer
 
-from fabrics import assumed, catalogue, run_cache
+from fabrics import lazy
 from fabrics.errors import InputError
-from fabrics.executors import open_executor
-from fabrics.fabric import Fabric
-from fabrics.files import write_whole
-from fabrics.plate_curve import PlateCurve
-from weavecell.analysis import fit as analysis
-from weavecell.analysis.fit import Fit
-from weavecell.analysis.uncertainty import inputs
-from weavecell.commands import fit_model, mesh
-from weavecell.commands.uncertainty import RUNS
-from weavecell.report import pictures
-from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import target
+from weavecell.commands import options
+
+with lazy.imports():
+    from fabrics import assumed, catalogue, executors, files, plate_curve, run_cache
+    from fabrics import fabric as fabrics_fabric
+    from weavecell.analysis import fit as fit_of
+    from weavecell.analysis.uncertainty import inputs
+    from weavecell.commands import fit_model, mesh
+    from weavecell.report import pictures
+    from weavecell.results import json_file, progress, provenance
+    from weavecell.scenes import target
 
 
+@options.example("weavecell fit examples/S-720-stops.toml radar.csv --free modulus --free crimp_warp")
 def fit(
-    name: str, data: Path, out: Path, free: Sequence[str], *, jobs: int, executor: str, resume: bool
-) -> Fit | None:  # fmt: skip
-    """Fit what `free` names to the data, write and print what is found.
+    name: Annotated[
+        str, typer.Argument(metavar="FILE|FABRIC", help="An input file of a shot or a coupon, a fabric's name or file.")
+    ],
+    data: Annotated[Path, typer.Argument(metavar="DATA", help="Measured curve (*.csv), units in its heading.")],
+    free: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="What is fitted; may be given again. Without a range: half to twice what the file has.",
+            metavar="NAME[=LOW..HIGH]",
+        ),
+    ] = None,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    resume: options.ResumeOption = False,
+    out: options.OutOption = None,
+) -> None:
+    r"""Fit numbers of a fabric or an input file to a measured curve, with intervals and what the curve leaves open.
 
-    Parameters
-    ----------
-    name : of an input file of a shot or coupon, or of a fabric
-    data : CSV file of the table above
-    free : texts NAME or NAME=LOW..HIGH; NAME is a factor on the fabric (`fit_model.NUMBERS`) or a key of the input file
-    jobs, executor : as of `fabrics.executors.open_executor`
-    resume : whether to take what runs/ holds
+    DATA has the columns time and velocity of a projectile; or velocity, outcome and residual velocity of shots, as of
+    `weavecell compare`; or what a coupon is prescribed and its loads; or pressure and thickness or closure of a ply
+    between platens. Each has its unit in the heading: "time \[us], velocity \[m/s]".
 
-    Returns
-    -------
-    Fit; None of platens
+    NAME is a key of the input file that holds a number, such as panel.crossover_friction, or a factor on the fabric:
+    modulus, failure_strain, crimp_warp, crimp_weft, compression_a, compression_b, trellis_stiffness, trellis_angles.
+    Platens give E_c, V_c and K_r of the yarns in 3D, without --free.
 
-    Raises
-    ------
-    InputError : a wrong file, table or parameter; nothing has been written
-    UnstableError : the model cannot be computed where the fit begins
+    Ignored keys of the input file: title, run.snapshot_interval, run.checkpoint_interval, run.outputs, and with shots
+    projectile.strike_velocity and run.end_time; \[history] and \[accuracy] are rejected.
+
+    The folder then holds fit.json, fit.csv, fit.svg, scene.toml, and with fitted values fitted.toml and fabric.toml.
     """
+    run(
+        name,
+        data,
+        out or options.RESULTS / f"fit-{Path(name).stem}",
+        free or (),
+        jobs=jobs,
+        executor=executor,
+        resume=resume,
+    )
+
+
+def run(
+    name: str, data: Path, out: Path, free: Sequence[str], *, jobs: int, executor: str, resume: bool
+) -> fit_of.Fit | None:  # fmt: skip
+    """Fit what `free` names to the data, write and print what is found; as `weavecell.fit`."""
     if _is_platens(data):
         _platens(name, data, out, free, resume)
         return None
     points = fit_model.read(name, data)
     model = fit_model.Model(name, points, out)
     if not resume:
-        run_cache.RunCache(out / RUNS).clear()
+        run_cache.RunCache(out / options.RUNS).clear()
     with (
         progress.bar(f"{model.title}, fit of {', '.join(free)}") as advance,
-        open_executor(executor, jobs) as pool,
+        executors.open_executor(executor, jobs) as pool,
     ):
 
         def report(trials, rms):
             advance(1 - 0.8 ** (trials / (2 * len(free) + 1)), f"misfit {100 * rms:.2f} %")
 
         try:
-            found = fit_model.solve(model, free, report, folder=out / RUNS, executor=pool, jobs=jobs)
+            found = fit_model.solve(model, free, report, folder=out / options.RUNS, executor=pool, jobs=jobs)
         except InputError as problem:
             if problem.key == "points":
                 raise InputError(file=data, key="rows", value=problem.value, allowed=problem.allowed) from None
@@ -102,12 +127,11 @@ def _platens(name, data, out, free, resume):
 
     for text in free:
         raise InputError(key="--free", value=text, allowed="left out: a platen curve gives E_c, V_c and K_r")
-    curve = PlateCurve.read(data)
+    curve = plate_curve.PlateCurve.read(data)
     fabric = mesh.with_3d_data(name)
     found = calibrate_solid.fit(fabric, curve, out, resume=resume)
     chapter = calibrate_solid.chapter(found, {})
-    with write_whole(out / "fit.svg", "wb") as file:
-        file.write(chapter.figures[0].content)
+    files.write(out / "fit.svg", chapter.figures[0].content)
     solids = found.fabric.solid_laws
     units = {"E_a": "Pa", "E_c": "Pa", "K_r": "", "K_G": "", "V_c": "", "Vf0": ""}
     entries = {
@@ -133,6 +157,8 @@ def _write_fabric(out, text, entries, fitted, source):
     fitted : the keys of `entries` that were fitted; the others, assumed, belong to them and are written where missing
     source : name of the data
     """
+    import tomlkit
+
     table = tomlkit.parse(text)
     for key, (value, unit) in entries.items():
         *parts, last = key.split(".")
@@ -148,8 +174,7 @@ def _write_fabric(out, text, entries, fitted, source):
         if last == "failure_strain":  # the same, in other words
             for other in {"strength", "tenacity"} & set(inner):
                 inner.remove(other)
-    with write_whole(out / "fabric.toml") as file:
-        file.write(tomlkit.dumps(table))
+    files.write(out / "fabric.toml", tomlkit.dumps(table))
 
 
 def _fitted_fabric(model, factors):
@@ -157,7 +182,7 @@ def _fitted_fabric(model, factors):
     cloth = model.case.scene.fabric
     own = assumed.with_shear(catalogue.load(cloth.file or cloth.name)) if any(
         name.startswith("trellis") for name in factors) else catalogue.load(cloth.file or cloth.name)  # fmt: skip
-    fabric: Fabric = inputs.changed(own, **factors)
+    fabric: fabrics_fabric.Fabric = inputs.changed(own, **factors)
     entries, fitted = {}, set()
     for name in factors:
         rows = fit_model.NUMBERS[name]
@@ -176,6 +201,8 @@ def _fitted_fabric(model, factors):
 
 
 def _write(out, model, found):
+    import tomlkit
+
     points = model.points
     values = {one.name: float(value) for one, value in zip(found.parameters, found.values)}
     factors = {name: value for name, value in values.items() if name in fit_model.NUMBERS}
@@ -191,10 +218,9 @@ def _write(out, model, found):
         ("fitted.toml", tomlkit.dumps(target.changed(table, model.changes(values)))),
         ("scene.toml", model.text),
     ):
-        with write_whole(out / name) as file:
-            file.write(text)
+        files.write(out / name, text)
     x, unit, at = points.x
-    with write_whole(out / "fit.csv") as file:
+    with files.write_whole(out / "fit.csv") as file:
         rows = csv.writer(file)
         heads = [f"{x} [{unit or '1'}]", "quantity", *(f"{name} [{points.unit}]" for name in _LINES)]
         rows.writerow(heads)
@@ -204,8 +230,7 @@ def _write(out, model, found):
     summary = {"format": "weavecell fit 1", "fabric": model.title, "data": points.source}
     stamp = provenance.stamp(model.text, model.fabric)
     json_file.write(out / "fit.json", summary | found.summary() | {"provenance": stamp})
-    with write_whole(out / "fit.svg", "wb") as file:
-        file.write(pictures.render(pictures.fitted, model.title, points, found))
+    files.write(out / "fit.svg", pictures.render(pictures.fitted, model.title, points, found))
 
 
 _LINES = "measured", "computed before", "computed"
@@ -242,5 +267,5 @@ def _tell(found, points, out):
             "within its scatter; the intervals are widened for it"
         )
     if not found.met:
-        print(f"doubtful: not converged within {analysis.MOST} evaluations")
+        print(f"doubtful: not converged within {fit_of.MOST} evaluations")
     print(f"written to {out}", flush=True)

@@ -23,9 +23,7 @@ from weavecell.analysis import fit as analysis
 from weavecell.analysis.fit import Fit, Parameter
 from weavecell.analysis.uncertainty import inputs
 from weavecell.commands import coupon
-from weavecell.commands.compare import SUPPORT as TESTS
-from weavecell.commands.sweep import alone
-from weavecell.scenes import build, supported, target
+from weavecell.scenes import build, of_commands, supported, target
 from weavecell.scenes import coupon as scenes_coupon
 from weavecell.scenes import impact as scenes
 from weavecell.scenes.schema import unit_of
@@ -51,10 +49,6 @@ NUMBERS = {
     "trellis_stiffness": (("shear.G1", None, "G1", "Pa"), ("shear.G2", None, "G2", "Pa")),
     "trellis_angles": (("shear.gamma1", None, "gamma1", ""), ("shear.gamma2", None, "gamma2", "")),
 }
-SHOTS = target.support(
-    rejected={"history": "left out: the runs record nothing along yarns; `weavecell impact` does"},
-)
-COUPONS = replace(coupon.SUPPORT, ignored=("title", "run.outputs"))
 
 
 @dataclass(frozen=True)
@@ -233,7 +227,7 @@ class Model:
         factors = {name: value for name, value in values.items() if name in NUMBERS}
         case, setup, _ = self._read(self.changes(values))
         if not self.test:
-            setup = alone(inputs.changed_setup(setup, **factors) if factors else setup)
+            setup = inputs.alone(inputs.changed_setup(setup, **factors) if factors else setup)
             if self.points.kind == "velocity":
                 setup = replace(setup, end_time=float(self.points.x[2].max()) * 1.001)
             return setup
@@ -257,13 +251,13 @@ class Model:
         """(Case, ImpactSetup or None, text) of the input file with other values of keys."""
         with redirect_stdout(io.StringIO()) if quiet else nullcontext():
             if not self.test:
-                check = SHOTS if self.points.kind == "velocity" else TESTS
+                check = of_commands.FIT if self.points.kind == "velocity" else of_commands.LIMITS
                 one = target.read(self.name, self.out, check, changes=changes)
                 self.from_file = one.from_file
                 return one.case, one.setup, one.text
             self.from_file = True
             text, table = scenes.read_toml(self.name, what="scene")
-            scene = scenes_coupon.check(target.changed(table, changes), self.name, COUPONS)
+            scene = scenes_coupon.check(target.changed(table, changes), self.name, of_commands.FIT_COUPON)
             return build.build(scene, Path(self.name), Path(self.name).stem), None, text
 
 

@@ -2,6 +2,7 @@
 
 The folder of `weavecell impact`
     scene.toml      the input file as it was given
+    projectile.stl  a copy of the STL file of the projectile, where the input file names one
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
@@ -23,21 +24,25 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
+from fabrics import lazy
 from fabrics.errors import InputError, UnstableError, WeavecellError
-from weavecell.analysis import assumed_range
-from weavecell.commands import fidelity
-from weavecell.report import chapters_assumed, chapters_discretisation, checks
-from weavecell.report import page as report_page
-from weavecell.report.shot import shot_page, tables_shot
-from weavecell.results import paraview, progress, provenance, run_folder
-from weavecell.results.impact import ImpactRecord
-from weavecell.results.impact_shapes import Shape
-from weavecell.scenes import build
-from weavecell.scenes import impact as scenes_impact
-from weavecell.scenes.supported import Support
-from weavecell.scenes.words import shot_in_words
+from weavecell.commands import options
+
+with lazy.imports():
+    from weavecell.analysis import assumed_range as over_assumed
+    from weavecell.commands import fidelity
+    from weavecell.commands import uncertainty as scatter
+    from weavecell.report import chapters_assumed, chapters_discretisation, checks
+    from weavecell.report import page as report_page
+    from weavecell.report.shot import shot_page, tables_shot
+    from weavecell.results import impact as results_impact
+    from weavecell.results import impact_shapes, paraview, progress, provenance, run_folder
+    from weavecell.scenes import build, of_commands, words
+    from weavecell.scenes import impact as scenes_impact
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
@@ -45,13 +50,9 @@ if TYPE_CHECKING:
     from shellfabric.output.snapshots import Snapshot
     from weavecell.analysis.discretisation import Discretisation
     from weavecell.analysis.fidelity.select import Answer
+    from weavecell.results.impact import ImpactRecord
 
-SUPPORT = Support(scenes_impact.Scene, rejected=build.NO_SLACK, rules=build.SHOT_RULES)
-
-
-def support(scene: scenes_impact.Scene) -> Support:
-    """The declaration that holds for a scene: one with [accuracy] has its own."""
-    return SUPPORT if scene.accuracy is None else fidelity.SUPPORT
+_OF_DRAWS = ("draws", "shape", "seed", "jobs", "executor")
 
 
 class Interrupted(WeavecellError):
@@ -60,19 +61,63 @@ class Interrupted(WeavecellError):
     exit_code = 130
 
 
+@options.example("weavecell impact examples/S-720-stops.toml")
 def impact(
-    path: Path, out: Path, *, resume: bool = False, strict: bool = False, with_range: bool = True,
+    context: typer.Context,
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (*.toml).")],
+    out: options.OutOption = None,
+    resume: options.ResumeOption = False,
+    strict: options.StrictOption = False,
+    assumed_range: options.AssumedRangeOption = True,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
+    ] = False,
+    uncertainty: Annotated[
+        bool,
+        typer.Option(
+            "--uncertainty", help="Run a finer mesh too, and report the discretisation uncertainty of each result."
+        ),
+    ] = False,
+    draws: Annotated[
+        int | None,
+        typer.Option(
+            min=2, metavar="N", help="Shoot at N panels whose yarns differ in strength (Weibull), and report the mean."
+        ),
+    ] = None,
+    shape: options.WeibullOption = None,
+    seed: options.SeedOption = 1,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+) -> None:
+    """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
+
+    The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
+    while the run goes on, checkpoint.h5. A scene with a table \\[accuracy] says how well it wants to know something:
+    the cheapest model that will do is chosen and checked. A key of the scene that cannot be honoured is rejected.
+
+    --draws N computes the whole panel N times, each yarn of each ply with a strength of its own, and writes mean,
+    scatter and probability of perforation: summary.json, summary.html, draws.csv and runs/, from which --resume goes
+    on, also to more draws. --weibull-shape, --seed, --jobs and --executor are of --draws alone. It ignores
+    panel.symmetry, --explain ignores title, and both ignore run.snapshot_interval, run.checkpoint_interval,
+    run.outputs, history.interval, history.warp, history.weft and history.report_positions.
+    """
+    if explain:
+        options.refuse_others(context, ("scene", "explain"), "with --explain, which runs and writes nothing")
+        fidelity.explain(scene)
+    elif draws is not None:
+        options.refuse_others(context, ("scene", "out", "resume", *_OF_DRAWS), "with --draws")
+        folder = out or options.RESULTS / f"{scene.stem}-draws"
+        scatter.draws(scene, folder, count=draws, shape=shape, seed=seed, jobs=jobs, executor=executor, resume=resume)
+    else:
+        options.refuse_others(context, set(context.params) - set(_OF_DRAWS), "without --draws")
+        run(scene, out or options.RESULTS / scene.stem, resume, strict, assumed_range, uncertainty)
+
+
+def run(
+    path: Path, out: Path, resume: bool = False, strict: bool = False, with_range: bool = True,
     uncertainty: bool = False,
 ) -> None:  # fmt: skip
-    """Run the scene at `path` and write its results to the folder `out`.
-
-    Parameters
-    ----------
-    path, out : Path
-    resume : whether to go on from a checkpoint
-    strict : whether a doubtful result is an error
-    with_range : whether the range over assumed laws is computed
-    uncertainty : whether the scene is run on a finer mesh too, for the discretisation uncertainty of its results
+    """Run the scene at `path` and write its results to the folder `out`; the others are options of `impact`.
 
     Raises
     ------
@@ -81,7 +126,7 @@ def impact(
     DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     Interrupted : by the user; the last checkpoint has been kept
     """
-    scene, text = scenes_impact.load(path, support)
+    scene, text = scenes_impact.load(path, of_commands.impact)
     this = build.build(scene, path, path.stem)
     setup = build.setup(this, path)
     if resume and not checkpoints(out):
@@ -113,11 +158,11 @@ def impact(
 
 def _range(setup, record):
     """The AssumedRange of a shot; None where nothing is assumed, or where the user interrupts it."""
-    if not assumed_range.corners(setup.fabric, setup.laws):
+    if not over_assumed.corners(setup.fabric, setup.laws):
         return None
     try:
         with progress.bar("Range over the assumed laws") as advance:
-            return assumed_range.residual_velocity(setup, record.outcome, record.residual_velocity, advance)
+            return over_assumed.residual_velocity(setup, record.outcome, record.residual_velocity, advance)
     except KeyboardInterrupt:
         return None
 
@@ -155,7 +200,12 @@ def fire(
         title,
         hooks,
     )
-    return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
+    return (
+        results_impact.ImpactRecord.of(result, title, this.law_name, str(failure or "")),
+        result.snapshots,
+        failure,
+        result,
+    )
 
 
 def write(
@@ -165,14 +215,16 @@ def write(
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
-    stamp = provenance.stamp(text, *setup.fabrics)
+    stamp = provenance.stamp(text, *setup.fabrics, shot=setup.projectile)
     more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
-    more |= chapters_discretisation.summary(pair) | {"projectile": shot_in_words(this.scene.projectile)}
+    more |= chapters_discretisation.summary(pair) | {"projectile": words.shot_in_words(this.scene.projectile)}
     run_folder.write(out, text, record, more, stamp)
+    if this.scene.projectile.stl is not None:
+        shutil.copyfile(this.scene.projectile.stl, out / "projectile.stl")
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:
-        before = [tuple(map(Shape.of, shots)) for shots in snapshots if shots[0].t < record.final[0].t]
+        before = [tuple(map(impact_shapes.Shape.of, shots)) for shots in snapshots if shots[0].t < record.final[0].t]
         paraview.write_panel(out, [*before, record.final], record.quads)
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):

@@ -10,10 +10,10 @@ import sys
 from dataclasses import fields
 from pathlib import Path
 
-from fabrics.files import write_whole
-from weavecell.commands import coupon, critical_velocity, export, fidelity, impact, uncertainty
+from fabrics.files import write
+from weavecell.report import deck_folder
 from weavecell.results import keys
-from weavecell.scenes import build, supported
+from weavecell.scenes import build, of_commands, supported
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.schema import Table, unit_of
@@ -37,8 +37,8 @@ out; its text then says what holds. **Commands** says who uses the key: *impact*
 same with a table `[accuracy]`, *limits* are `weavecell critical-velocity` and `v50`, *sensitivity*, *export*
 and *coupon* are the commands of these names; `sweep`, `compare` and `fit` use keys as the command that they repeat."""
 COMMANDS = {
-    "impact": impact.SUPPORT, "[accuracy]": fidelity.SUPPORT, "limits": critical_velocity.SUPPORT,
-    "sensitivity": uncertainty.OF_SOBOL, "export": export.SUPPORT, "coupon": coupon.SUPPORT,
+    "impact": of_commands.IMPACT, "[accuracy]": of_commands.ACCURACY, "limits": of_commands.LIMITS,
+    "sensitivity": of_commands.SENSITIVITY, "export": deck_folder.SUPPORT, "coupon": of_commands.COUPON,
 }  # fmt: skip
 RESULTS = {
     "summary.json of all runs": keys.SHARED,
@@ -145,8 +145,7 @@ def _table(columns, rows):
 def main() -> None:
     """Write the page."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else PAGE
-    with write_whole(path) as file:
-        file.write(page())
+    write(path, page())
     print(f"written to {path}")
 
 

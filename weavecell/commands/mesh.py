@@ -9,14 +9,21 @@ Folder of `weavecell mesh`
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from fabrics import assumed, catalogue
+import typer
+
+from fabrics import lazy
 from fabrics.errors import InputError
-from weavecell.commands import mesh_options
-from weavecell.commands.fabrics import print_table
-from weavecell.results import json_file, progress, provenance
+from weavecell.commands import options
+
+with lazy.imports():
+    from fabrics import assumed, catalogue
+    from meshing.texgen import comparison, geometry
+    from weavecell.commands import fabrics
+    from weavecell.results import json_file, progress, provenance
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -32,25 +39,87 @@ _COMPARED = {
 }  # fmt: skip
 
 
-def mesh_command(
-    name: str, out: Path, *, domain: str | None, patch: str | None, formats: Sequence[str],
-    texgen: Path | None = None, **options: Any,
-) -> None:  # fmt: skip
-    """Mesh a fabric, write the mesh and print what it is; `options` are texts, as of `mesh_options.parse`.
+class Domain(StrEnum):
+    """How much of a crossover is meshed."""
 
-    texgen : file whose yarns the mesh is held against, or None
+    quarter = "quarter"
+    whole = "whole"
+    periodic = "periodic"
+
+
+class Overlap(StrEnum):
+    """What to do with sections that overlap."""
+
+    solve = "solve"
+    refuse = "refuse"
+
+
+TipOption = Annotated[
+    float,
+    typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
+]
+TexGenOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="Compare sections and paths with those of the TexGen file that the fabric is from.", metavar="FILE.tg3"
+    ),
+]
+
+
+@options.example("weavecell mesh S-720 --patch 3x4 --mesh coarse --format vtu,k")
+def mesh(
+    name: options.FabricArgument,
+    size: options.FinenessOption = "medium",
+    domain: Annotated[
+        Domain | None,
+        typer.Option(help="A quarter by symmetry (default), one whole crossover, or a periodic cell of 2 x 2."),
+    ] = None,
+    patch: Annotated[
+        str | None, typer.Option(help="A woven patch of N warp and M weft yarns instead.", metavar="NxM")
+    ] = None,
+    section: options.SectionOption = None,
+    gap: options.GapOption = "0 mm",
+    width: Annotated[
+        str | None,
+        typer.Option(help="Width of both yarns, or of warp and weft; else the fabric's.", metavar="LENGTH[,LENGTH]"),
+    ] = None,
+    crimp: Annotated[
+        str,
+        typer.Option(
+            help="Crimp: measured by hand, from micrographs, or values for both yarns or warp and weft.",
+            metavar="hand|micrograph|CRIMP[,CRIMP]",
+        ),
+    ] = "hand",
+    tip_thickness_ratio: TipOption = 0.075,
+    overlap: Annotated[
+        Overlap, typer.Option(help="Treatment of sections that overlap by more than a shift removes.")
+    ] = Overlap.solve,
+    end_shells: Annotated[
+        str | None, typer.Option(help="Close the yarn ends with shells of this thickness.", metavar="LENGTH")
+    ] = None,
+    texgen: TexGenOption = None,
+    format: Annotated[
+        str, typer.Option(help="Files to write, separated by commas.", metavar="msh|vtu|k|inp|rad,...")
+    ] = "msh,vtu",
+    out: options.OutOption = None,
+) -> None:
+    """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
+
+    A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad).
     """
-    from meshing.texgen import comparison
-    from meshing.texgen.geometry import WeaveGeometry
-
-    drawn = None if texgen is None else WeaveGeometry.read(texgen)
+    out = out or options.RESULTS / f"mesh-{Path(name).stem}"
+    drawn = None if texgen is None else geometry.WeaveGeometry.read(texgen)
     fabric = with_3d_data(name)
     if patch is not None and domain is not None:
         raise InputError(key="--patch", value=patch, allowed="left out where --domain is given")
-    count = None if patch is None else mesh_options.parse_count(patch)
-    built = build(fabric, domain=domain or "quarter", count=count, **mesh_options.parse(**options))
+    count = None if patch is None else options.parse_count(patch)
+    chosen = options.mesh_choices(
+        size=size, crimp=crimp, width=width, end_shells=end_shells, gap=gap, section=section and section.value,
+        tip_thickness_ratio=tip_thickness_ratio, overlap=overlap.value,
+    )  # fmt: skip
+    built = build(fabric, domain=domain.value if domain else "quarter", count=count, **chosen)
     compared = {} if drawn is None else {"texgen": {"file": drawn.name, **comparison.compare(drawn, built)}}
-    write(built, out, _formats(formats), fabric, compared)
+    write(built, out, _formats(format), fabric, compared)
     for key, value in facts(built).items():
         print(f"{key:<24}{value}")
     if compared:
@@ -67,7 +136,7 @@ def tell(compared: Mapping[str, Any]) -> None:
             pair = [f"{factor * found[one]:.4g}" for one in ("texgen", "mesh")] if isinstance(found, dict) else ["", ""]
             off = f"{found['deviation']:+.2%}" if isinstance(found, dict) else f"{found:.2%}"
             rows.append([f"{family}, {words}", *pair, off])
-    print_table(f"Sections and paths against {compared['file']}", ["", "TexGen", "mesh", "deviation"], rows)
+    fabrics.print_table(f"Sections and paths against {compared['file']}", ["", "TexGen", "mesh", "deviation"], rows)
 
 
 def with_3d_data(name: str) -> Fabric:

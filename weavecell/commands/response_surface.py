@@ -10,29 +10,57 @@ Folder of `weavecell surface`
 
 from __future__ import annotations
 
+from math import sqrt
 from pathlib import Path
+from typing import Annotated
 
-import numpy as np
+import typer
 
-import weavecell
+from fabrics import lazy
 from fabrics.errors import InputError
-from fabrics.units import si
-from weavecell.commands.calibrate import with_3d_data
-from weavecell.report import chapters, pictures, pictures_surface
-from weavecell.report import page as report_page
-from weavecell.report.page import Figure, Section, Table
-from weavecell.results import json_file, progress, provenance
+from weavecell.commands import options
+
+with lazy.imports():
+    from fabrics import units
+    from weavecell.commands import mesh
+    from weavecell.report import chapters, pictures, pictures_surface
+    from weavecell.report import page as report_page
+    from weavecell.results import json_file, progress, provenance
 
 
-def surface_command(
-    name: str, out: Path, *, d1: str, d2: str, points: int, tolerance: float | None, size: str, jobs: int,
-    executor: str, resume: bool, friction: float = 0.0,
-) -> None:  # fmt: skip
-    """Sample the surface of one fabric, write it and print its errors; `d1`, `d2` are texts such as "0 mm .. 1 mm"."""
+@options.example("weavecell surface S-720 --mesh coarse --points 11")
+def surface(
+    name: options.FabricArgument,
+    size: options.MeshOption = options.Size.medium,
+    d1: Annotated[
+        str, typer.Option("--d1", help="End displacements of the warp, per end.", metavar="'LOW .. HIGH'")
+    ] = "0 mm .. 0.03 mm",
+    d2: Annotated[
+        str, typer.Option("--d2", help="End displacements of the weft, per end.", metavar="'LOW .. HIGH'")
+    ] = "0 mm .. 0.03 mm",
+    points: Annotated[int, typer.Option(help="Initial number of lines in each direction.")] = 21,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            help="Refine until every line is interpolated from the others within this share of the largest force.",
+            metavar="SHARE",
+        ),
+    ] = None,
+    friction: options.FrictionOption = 0.0,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    out: options.OutOption = None,
+    resume: options.ResumeOption = False,
+) -> None:
+    """Sample the response surface of the 3D crossover: tensions, contact force and heights over (d1, d2).
+
+    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, partial.h5. With
+    friction the response depends on the path: the surface is that of stretching the weft first and the warp then.
+    """
     from unitcell3d.identify import response_surface as identify_response_surface
-    from unitcell3d.identify.interpolant import Interpolant
 
-    fabric = with_3d_data(name)
+    out = out or options.RESULTS / f"surface-{Path(name).stem}"
+    fabric = mesh.with_3d_data(name)
     spans = [_span(text, key) for text, key in ((d1, "--d1"), (d2, "--d2"))]
     stamp = provenance.stamp("", fabric)
     partial = out / "partial.h5"
@@ -43,7 +71,7 @@ def surface_command(
             d2=spans[1],
             points=(points, points),
             tolerance=tolerance,
-            size=size,
+            size=size.value,
             friction=friction,
             partial=partial,
             resume=resume,
@@ -52,6 +80,20 @@ def surface_command(
             on_progress=advance,
             provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
         )
+    chosen = {
+        "fabric": fabric.name, "mesh": size.value, "friction": friction, "d1_m": spans[0], "d2_m": spans[1],
+        "lines": found.surface.T1.shape, "tolerance": tolerance,
+    }  # fmt: skip
+    _write(out, fabric, found, chosen, stamp)
+    partial.unlink(missing_ok=True)
+    print(f"{'grid':<10}{found.surface.d1.size} x {found.surface.d2.size}, {size.value} mesh")
+    _print_errors(found)
+    print(f"written to {out}")
+
+
+def _write(out, fabric, found, chosen, stamp):
+    from unitcell3d.identify.interpolant import Interpolant
+
     found.surface.write(out / "surface.h5")
     interpolant, cell = Interpolant(found.surface), _cell(fabric, found.surface)
     sections = (
@@ -59,25 +101,21 @@ def surface_command(
         chapters.sources(fabric),
         chapters.making(stamp, found.seconds),
     )
-    chosen = {
-        "fabric": fabric.name, "mesh": size, "friction": friction, "d1_m": spans[0], "d2_m": spans[1],
-        "lines": found.surface.T1.shape, "tolerance": tolerance,
-    }  # fmt: skip
     json_file.write(out / "surface.json", chosen | _results(found, cell) | {"provenance": stamp})
     report_page.write_pictures(sections[:1], out / "pictures")
     page = report_page.Report(
         f"{fabric.name}: response surface of the 3D crossover",
         "Tensions, contact force and heights of one crossing over the end displacements of its two yarns."
-        + (f" Coulomb friction {friction:g}; the weft is stretched first, then the warp." if friction else ""),
+        + (
+            f" Coulomb friction {chosen['friction']:g}; the weft is stretched first, then the warp."
+            if chosen["friction"]
+            else ""
+        ),
         ((chapters.fabric_card(fabric),),),
         sections,
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
     )
     report_page.write(page, out / "report.html")
-    partial.unlink(missing_ok=True)
-    print(f"{'grid':<10}{found.surface.d1.size} x {found.surface.d2.size}, {size} mesh")
-    _print_errors(found)
-    print(f"written to {out}")
 
 
 def _results(found, cell):
@@ -104,7 +142,7 @@ def _span(text, key):
     ends = text.split("..")
     if len(ends) != 2:
         raise InputError(key=key, value=text, allowed='two lengths, such as "0 mm .. 0.03 mm"')
-    return tuple(si(end.strip(), "m", key=key) for end in ends)
+    return tuple(units.si(end.strip(), "m", key=key) for end in ends)
 
 
 def _unit(quantity):
@@ -123,7 +161,7 @@ def _cell(fabric, surface):
 
 
 def _differences(surface, cell):
-    return {name: float(np.sqrt(np.mean((getattr(surface, name) - values) ** 2))) for name, values in cell.items()}
+    return {name: sqrt(((getattr(surface, name) - values) ** 2).mean()) for name, values in cell.items()}
 
 
 def _chapter(found, interpolant, cell):
@@ -155,13 +193,13 @@ def _chapter(found, interpolant, cell):
         drawn = (surface, cell, "shell's cell, published law")
         caption = "Circles: 3D crossover. Lines: the shell's cell, whose yarns are sine curves with the published law."
         figures.insert(2, ("slices", "svg", pictures_surface.slices, drawn, caption))
-    return Section(
+    return report_page.Section(
         "surface",
         "Response surface",
         f"{surface.d1.size} × {surface.d2.size} samples, {found.solves} equilibria.",
         tuple(
-            Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name)
+            report_page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name)
             for name, kind, draw, arguments, caption in figures
         ),
-        (Table(columns, tuple(rows), numeric=columns[1:]),),
+        (report_page.Table(columns, tuple(rows), numeric=columns[1:]),),
     )

@@ -6,58 +6,75 @@ runs/, a file for each finished run. A sweep that was interrupted goes on from t
 
 from __future__ import annotations
 
-import csv
 import io
 import itertools
-import tomllib
 from contextlib import nullcontext, redirect_stdout, suppress
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from fabrics import run_cache
+import typer
+
+from fabrics import lazy
 from fabrics.errors import InputError
-from fabrics.files import write_whole
-from weavecell.analysis import sweep as analysis
-from weavecell.analysis.sweep import QUANTITIES, Wanted
-from weavecell.commands.uncertainty import OF_V50, RUNS
-from weavecell.report import pictures_uncertainty
-from weavecell.results import json_file, parquet, progress, provenance
-from weavecell.results.parquet import Column
-from weavecell.scenes import impact as scenes
-from weavecell.scenes import supported, target
-from weavecell.scenes.schema import unit_of
+from weavecell.commands import options
 
-OF_SWEEP = target.support(
-    rejected={"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"},
-)
+with lazy.imports():
+    from fabrics import files, run_cache
+    from weavecell.analysis import sweep as analysis
+    from weavecell.analysis.uncertainty import inputs
+    from weavecell.report import pictures_uncertainty
+    from weavecell.results import json_file, parquet, progress, provenance
+    from weavecell.scenes import impact as scenes
+    from weavecell.scenes import of_commands, schema, supported, target
 
 
+@options.example("weavecell sweep pack.toml --over panel.plies=2,4,8 --quantity critical-velocity")
 def sweep(
-    name: str, out: Path, over: list[str], wanted: Wanted, *, jobs: int, executor: str, resume: bool
+    name: options.TargetArgument,
+    over: Annotated[
+        list[str],
+        typer.Option(
+            help="A key of the input file and its values; may be given again, for all combinations.",
+            metavar="KEY=VALUE,VALUE,...",
+        ),
+    ],
+    quantity: Annotated[
+        str, typer.Option(help="What is computed of each: one shot, its ballistic limit, or its V50.",
+                          metavar="shot|critical-velocity|v50")
+    ] = "shot",
+    tolerance: Annotated[
+        str, typer.Option(help="Of a critical velocity: between stop and perforation.", metavar="VELOCITY")
+    ] = "1 m/s",
+    shots: Annotated[int, typer.Option(min=4, help="Of a V50.")] = 60,
+    seed: options.SeedOption = 1,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    resume: options.ResumeOption = False,
+    out: options.OutOption = None,
 ) -> None:  # fmt: skip
-    """Compute a quantity of every combination of values; print and write the table.
+    """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50 of each.
 
-    Parameters
-    ----------
-    name : of `target.read`
-    over : texts KEY=VALUE,VALUE,...
-    wanted : what is computed
-    jobs, executor : as of `fabrics.executors.open_executor`
-    resume : whether to take what runs/ holds
+    All combinations are checked before the first is computed. Ignored keys of the input file: title,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50 projectile.strike_velocity and
+    run.end_time; \\[history] and \\[accuracy] are rejected.
 
-    Raises
-    ------
-    InputError : a key or value that is not allowed, in any combination; nothing has been written
+    The folder then holds sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies), scene.toml, and
+    sweep.parquet where pyarrow is installed.
     """
+    width = options.above_zero(tolerance, "m/s", "--tolerance")
+    try:
+        wanted = analysis.Wanted(quantity, width, shots, seed)
+    except InputError as problem:
+        raise InputError(key=f"--{problem.key}", value=problem.value, allowed=problem.allowed) from None
+    out = out or options.RESULTS / f"sweep-{Path(name).stem}"
     keys = [parse(text) for text in over]
-    check = OF_SWEEP if wanted.quantity == "shot" else OF_V50
+    check = of_commands.SWEEP if wanted.quantity == "shot" else of_commands.LIMITS
     combinations = [dict(zip((key for key, _ in keys), values)) for values in itertools.product(*(v for _, v in keys))]
     targets, own = [], wanted.quantity == "v50"
     for number, changes in enumerate(combinations):
         with redirect_stdout(io.StringIO()) if number else nullcontext():  # what is assumed is printed once
             targets.append(target.read(name, out, check, changes=changes, own_mesh=own))
-    rows = _rows(targets, wanted, out / RUNS, jobs, executor, resume)
+    rows = _rows(targets, wanted, out / options.RUNS, jobs, executor, resume)
     table = [
         changes | {"areal_density_kg_m2": one.setup.areal_density} | row
         for changes, one, row in zip(combinations, targets, rows)
@@ -80,6 +97,8 @@ def parse(text: str) -> tuple[str, list[Any]]:
 
 def _value(text):
     """A number or a truth value as in TOML; any other text as it is."""
+    import tomllib
+
     try:
         found = tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -101,30 +120,24 @@ def _rows(targets, wanted, folder, jobs, executor, resume):
                     found.append(analysis.v50_of(one.setup, wanted, report=report, **runs))
                 return found
             return run_cache.results(
-                analysis.point, [(alone(one.setup), wanted) for one in targets], batches=False,
+                analysis.point, [(inputs.alone(one.setup), wanted) for one in targets], batches=False,
                 report=lambda done, total: advance(done / total, f"{done} of {total}"), **runs,
             )  # fmt: skip
     except InputError as problem:
         raise targets[0].in_file(problem) from None
 
 
-def alone(setup: Any) -> Any:
-    """The set-up on one thread, since others run beside it, that records nothing beside its samples."""
-    numerics = replace(setup.numerics, threads=1)
-    return replace(setup, numerics=numerics, snapshot_interval=None)
-
-
 def _write(out, targets, keys, table, wanted):
     columns = list(dict.fromkeys(name for row in table for name in row))
-    with write_whole(out / "scene.toml") as file:
-        file.write(targets[0].text)
-    with write_whole(out / "sweep.csv") as file:
-        csv.writer(file).writerows([columns, *([row.get(name, "") for name in columns] for row in table)])
-    stamp = provenance.stamp(targets[0].text, *targets[0].setup.fabrics)
+    files.write(out / "scene.toml", targets[0].text)
+    files.write_csv(out / "sweep.csv", [columns, *([row.get(name, "") for name in columns] for row in table)])
+    stamp = provenance.stamp(targets[0].text, *targets[0].setup.fabrics, shot=targets[0].setup.projectile)
     json_file.write(out / "sweep.json", {"quantity": wanted.quantity, "rows": table, "provenance": stamp})
     with suppress(ImportError):
-        parquet.write(out / "sweep.parquet", {name: Column([row.get(name) for row in table]) for name in columns})
-    column, ends, label = QUANTITIES[wanted.quantity]
+        parquet.write(
+            out / "sweep.parquet", {name: parquet.Column([row.get(name) for row in table]) for name in columns}
+        )
+    column, ends, label = analysis.QUANTITIES[wanted.quantity]
     x, words = _abscissa(targets, keys[0], table)
     pictures_uncertainty.save(
         pictures_uncertainty.sweep, out / "sweep.png", x, words, table, keys[1:], (column, ends, label)
@@ -151,5 +164,5 @@ def _abscissa(targets, key, table):
         values.append(value)
     if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
         return [str(row[key]) for row in table], key
-    unit = unit_of(supported.entries(scenes.Scene)[key])
+    unit = schema.unit_of(supported.entries(scenes.Scene)[key])
     return values, f"{key} [{unit}]" if unit not in (None, "1") else key

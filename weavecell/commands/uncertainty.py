@@ -10,54 +10,84 @@ from __future__ import annotations
 
 import csv
 import time
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from fabrics import run_cache
+import typer
+
+from fabrics import lazy
 from fabrics.errors import InputError, UnstableError
-from fabrics.files import write_whole
-from shellfabric.panel import grading as panel_grading
-from weavecell.analysis.uncertainty import draws as draws_of
-from weavecell.analysis.uncertainty import inputs, protocol, sobol, v50
-from weavecell.commands import impact as commands_impact
-from weavecell.commands.critical_velocity import SUPPORT, parameters
-from weavecell.report import marked_page, pictures_uncertainty
-from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import build, target
-from weavecell.scenes import impact as impact_scenes
+from weavecell.commands import options
+
+with lazy.imports():
+    from fabrics import files, run_cache, units
+    from shellfabric.panel import grading as panel_grading
+    from weavecell.analysis.uncertainty import draws as draws_of
+    from weavecell.analysis.uncertainty import inputs, protocol, sobol
+    from weavecell.analysis.uncertainty import v50 as v50_of
+    from weavecell.commands import critical_velocity
+    from weavecell.report import marked_page, pictures_uncertainty
+    from weavecell.results import json_file, progress, provenance
+    from weavecell.scenes import build, of_commands, target
+    from weavecell.scenes import impact as impact_scenes
 
 if TYPE_CHECKING:
-    from fabrics.fabric import Fabric
+    from shellfabric.impact.simulation import ImpactSetup
 
-RUNS = "runs"
 STRIKES = 92.5, 170.0  # [m/s] of a fabric's sensitivities
-OF_V50 = SUPPORT
-OF_SOBOL = target.support()
 
 
+OpeningOption = Annotated[
+    str | None,
+    typer.Option(help="Side of a fabric's square panel, 203 mm; an input file has its own.", metavar="LENGTH"),
+]
+GradingOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Sides of a fabric's elements by distance from the impact point, as panel.grading of an input file. If "
+        "not given, one crossover near the impact point and up to four far off.",
+        metavar="ZONES",
+    ),
+]
+PageOption = Annotated[
+    Path | None, typer.Option(help="Also put table and picture between their marks of this page.", metavar="FILE.md")
+]
+
+
+@options.example("weavecell sensitivity S-720 --samples 64")
 def sensitivity(
-    name: str, out: Path, *, velocities: Sequence[float], samples: int, seed: int, jobs: int, executor: str,
-    opening: str | None, resume: bool, page: Path | None = None,
-) -> None:  # fmt: skip
-    """Sobol indices of a target; see `sobol.study`.
+    name: options.TargetArgument,
+    velocity: Annotated[
+        list[str] | None, typer.Option(help="Strike velocity; may be given again.", metavar="VELOCITY")
+    ] = None,
+    samples: Annotated[int, typer.Option(min=2, help="N, a power of 2; N (inputs + 2) rows are run.")] = 64,
+    seed: options.SeedOption = 1,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    opening: OpeningOption = None,
+    resume: options.ResumeOption = False,
+    page: PageOption = None,
+    out: options.OutOption = None,
+) -> None:
+    """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
 
-    Parameters
-    ----------
-    name, opening : of `target.read`
-    velocities : [m/s]; none: that of the input file, or those of `STRIKES`
-    page : Markdown file to put table and picture into
+    Where no strike velocity is given it is that of the input file, or 92.5 and 170 m/s at a fabric. A fabric is shot at
+    as in the tests of the thesis: one ply, and a flat cylinder of 3 g and 5.5 mm. Of an input file these keys are
+    ignored: title, run.snapshot_interval, run.checkpoint_interval, run.outputs; \\[history] and \\[accuracy] are
+    rejected. The folder then holds sobol.html, .csv, .json, .png and scene.toml.
     """
-    began, this = time.perf_counter(), _begin(name, out, page, "sobol", resume, OF_SOBOL, opening=opening)
-    velocities = velocities or ((this.setup.strike_velocity,) if this.from_file else STRIKES)
+    velocities = [units.si(text, "m/s", key="--velocity") for text in velocity or ()]
+    out, began = out or options.RESULTS / f"sensitivity-{Path(name).stem}", time.perf_counter()
+    this = _begin(name, out, page, "sobol", resume, of_commands.SENSITIVITY, opening=opening)
+    velocities = velocities or list((this.setup.strike_velocity,) if this.from_file else STRIKES)
     try:
         with progress.bar(f"{this.title}, sensitivities") as advance:
             found = sobol.study(
-                this.setup, velocities, samples=samples, seed=seed, folder=out / RUNS, jobs=jobs, executor=executor,
-                report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
+                this.setup, velocities, samples=samples, seed=seed, folder=out / options.RUNS, jobs=jobs,
+                executor=executor, report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
             )  # fmt: skip
     except InputError as problem:
         raise this.in_file(problem) from None
@@ -84,37 +114,80 @@ def sensitivity(
     command = f"weavecell sensitivity {name} --samples {samples} --seed {seed}"
     title = f"{this.title}: Sobol indices, {count} rows"
     content = {"indices": [_plain(one) for one in found], "inputs": [asdict(one) for one in entries.values()]}
-    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, this.setup.fabrics,
+    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, this.setup,
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
-def probabilistic(
-    name: str, out: Path, *, shots: int, batch: int, seed: int, scatter: Any, jobs: int, executor: str,
-    opening: str | None, resume: bool, grading: str | None = None, page: Path | None = None,
-) -> None:  # fmt: skip
-    """The curve of perforation of a target; see `v50.study`. `name`, `opening` and `grading` are of `target.read`."""
+@options.example("weavecell v50 S-720 --shots 200 --weibull-shape 14.3")
+def v50(
+    name: options.TargetArgument,
+    shots: Annotated[int, typer.Option(min=4, help="Number of shots.")] = 100,
+    batch: Annotated[
+        int, typer.Option(min=4, help="Shots in a batch; each batch is placed by the results of those before.")
+    ] = 10,
+    shape: options.WeibullOption = None,
+    modulus: Annotated[
+        str | None,
+        typer.Option(
+            "--modulus-cov", help="Coefficient of variation of the modulus between panels.", metavar="FRACTION"
+        ),
+    ] = None,
+    crimp: Annotated[
+        str | None,
+        typer.Option("--crimp-cov", help="Coefficient of variation of the crimp between panels.", metavar="FRACTION"),
+    ] = None,
+    seed: options.SeedOption = 1,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    opening: OpeningOption = None,
+    grading: GradingOption = None,
+    resume: options.ResumeOption = False,
+    page: PageOption = None,
+    out: options.OutOption = None,
+) -> None:
+    """V0, V50 and V100 of panels or packs whose yarns differ in strength, by repeated shots, with intervals.
+
+    What is not given of the scatter is taken from weavecell/analysis/uncertainty/inputs.toml. Without scatter V50 is
+    the critical velocity. A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g and
+    5.5 mm. Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs; \\[history] and \\[accuracy] are rejected.
+
+    The folder then holds v50.html, .csv, .json, .png, shots.csv and scene.toml.
+    """
+    own = {"shape": shape}
+    for key, text in (("modulus", modulus), ("crimp", crimp)):
+        own[key] = None if text is None else units.si(text, "", key=f"--{key}-cov")
+    scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
+    out = out or options.RESULTS / f"v50-{Path(name).stem}"
+    sides = None
     if grading is not None:
+        import tomllib
+
         grading_of(grading, "--grading")  # which refuses a wrong one
-    sides = None if grading is None else tomllib.loads(f"grading = {grading}")["grading"]
+        sides = tomllib.loads(f"grading = {grading}")["grading"]
     began = time.perf_counter()
-    this = _begin(name, out, page, "v50", resume, OF_V50, opening=opening, grading=sides)
+    this = _begin(name, out, page, "v50", resume, of_commands.LIMITS, opening=opening, grading=sides)
     try:
         with progress.bar(f"{this.title}, repeated shots") as advance:
-            study = v50.study(
-                this.setup, scatter, shots=shots, batch=batch, seed=seed, folder=out / RUNS, jobs=jobs,
+            study = v50_of.study(
+                this.setup, scatter, shots=shots, batch=batch, seed=seed, folder=out / options.RUNS, jobs=jobs,
                 executor=executor, report=advance,
             )  # fmt: skip
     except InputError as problem:
         raise this.in_file(problem) from None
+    command = f"weavecell v50 {name} --shots {len(study.shots)} --batch {batch} --seed {seed}"
+    command += f' --grading "{grading}"' if grading is not None else ""
+    _write_v50(out, page, this, study, scatter, batch, seed, command, began)
+
+
+def _write_v50(out, page, this, study, scatter, batch, seed, command, began):
     _write_scene(out, this.text)
     _write_shots(study, out / "shots.csv")
     for link, curve in study.curves.items():
         interval = "{:.1f} to {:.1f} m/s".format(*curve.intervals["V50"])
         print(f"V50 ({link}) {curve.V50:.1f} m/s, {interval} with {100 * curve.confidence:g} % confidence")
-    command = f"weavecell v50 {name} --shots {len(study.shots)} --batch {batch} --seed {seed}"
-    command += f' --grading "{grading}"' if grading is not None else ""
     title = f"{this.title}: probability of perforation, {len(study.shots)} shots"
-    zones = v50.graded(this.setup).grading
+    zones = v50_of.graded(this.setup).grading
     content = {
         **study.summary(), "plies": this.case.scene.panel.plies, "projectile": this.projectile,
         "deterministic": study.deterministic, "series": asdict(study.series),
@@ -125,7 +198,7 @@ def probabilistic(
     }  # fmt: skip
     head, rows = _curves_table(study)
     remarks = _v50_remarks(study, scatter, batch, seed, zones)
-    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, this.setup.fabrics,
+    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, this.setup,
             lambda path: pictures_uncertainty.save(pictures_uncertainty.perforation, path, study, title))  # fmt: skip
 
 
@@ -160,7 +233,7 @@ def _v50_remarks(study, scatter, batch, seed, zones):
     if study.doubtful:
         remarks.append(_doubts(study.shots))
     if study.fit is not None:
-        remarks.append(f"Residual velocities, Lambert-Jonas: {parameters(study.fit)}.")
+        remarks.append(f"Residual velocities, Lambert-Jonas: {critical_velocity.parameters(study.fit)}.")
     if zones is not None:
         text = grading_text(zones)
         remarks.append(f"Sides of the elements, (until, side) in crossovers from the impact point: {text}.")
@@ -173,13 +246,6 @@ def _doubts(shots):
     checks = ", ".join(f"{name} in {count}" for name, count in counts.most_common())
     some = sum(bool(shot.doubtful) for shot in shots)
     return f"{some} of {len(shots)} shots are doubtful; checks beyond their limits: {checks}."
-
-
-DRAWS = replace(
-    commands_impact.SUPPORT,
-    ignored=("panel.symmetry", *target.UNWRITTEN, "history"),
-    rejected=build.NO_SLACK | {"accuracy": "left out with --draws, which runs the mesh of the scene"},
-)  # fmt: skip
 
 
 def draws(
@@ -199,7 +265,7 @@ def draws(
     UnstableError : a draw became unstable; all results have been written
     """
     began = time.perf_counter()
-    scene, text = impact_scenes.load(path, DRAWS)
+    scene, text = impact_scenes.load(path, of_commands.DRAWS)
     this = build.build(scene, path, path.stem)
     setup = build.setup(this, path)
     scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
@@ -207,19 +273,18 @@ def draws(
     try:
         with progress.bar(f"{title}, draws") as advance:
             study = draws_of.study(
-                setup, scatter, count, folder=out / RUNS, seed=seed, jobs=jobs, executor=executor, resume=resume,
-                report=lambda done, total: advance(done / total, f"{done} of {total} draws"),
+                setup, scatter, count, folder=out / options.RUNS, seed=seed, jobs=jobs, executor=executor,
+                resume=resume, report=lambda done, total: advance(done / total, f"{done} of {total} draws"),
             )  # fmt: skip
     except InputError as problem:
         raise build.in_file(problem, path) from None
     _write_scene(out, text)
     columns = study.columns()
-    with write_whole(out / "draws.csv") as file:
-        csv.writer(file).writerows([_HEADS, *zip(*(columns[name] for name in _HEADS.values()))])
+    files.write_csv(out / "draws.csv", [_HEADS, *zip(*(columns[name] for name in _HEADS.values()))])
     head, rows, remarks = draws_table(study)
     title = f"{title}: {count} draws of yarn strength"
     done = f"weavecell impact {path.name} --draws {count} --seed {seed}"
-    _finish(out, None, "summary", title, head, rows, remarks, done, study.summary(), began, setup.fabrics,
+    _finish(out, None, "summary", title, head, rows, remarks, done, study.summary(), began, setup,
            lambda file: pictures_uncertainty.draws(study, file, title))  # fmt: skip
     unstable = len(study.draws) - len(study.counted)
     if unstable:
@@ -260,6 +325,8 @@ def grading_of(text: str, key: str = "grading") -> tuple[tuple[float, float], ..
     ------
     InputError : another text, or zones that do not go together
     """
+    import tomllib
+
     try:
         zones = impact_scenes.zones(tomllib.loads(f"grading = {text}")["grading"])
     except (tomllib.TOMLDecodeError, ValueError, ZeroDivisionError):
@@ -284,13 +351,13 @@ def _begin(name, out, page, mark, resume, support, **panel):
     if page is not None:
         marked_page.split(page, *_marks(mark))
     if not resume:
-        run_cache.RunCache(out / RUNS).clear()
+        run_cache.RunCache(out / options.RUNS).clear()
     return this
 
 
 def _finish(
     out: Path, page: Path | None, name: str, title: str, head: Sequence[str], rows: Sequence[Sequence[str]],
-    remarks: Sequence[str], command: str, content: dict[str, Any], began: float, fabrics: Sequence[Fabric],
+    remarks: Sequence[str], command: str, content: dict[str, Any], began: float, setup: ImpactSetup,
     draw: Callable[[Path], object],
 ) -> None:  # fmt: skip
     """Write table, record, picture and page of a study, and print its remarks.
@@ -302,9 +369,8 @@ def _finish(
     command : that made it; content : of the record; began : perf_counter() at the start
     draw : called with the path of the picture
     """
-    stamp = provenance.stamp("", *fabrics)
-    with write_whole(out / f"{name}.csv") as file:
-        csv.writer(file).writerows([head, *rows])
+    stamp = provenance.stamp("", *setup.fabrics, shot=setup.projectile)
+    files.write_csv(out / f"{name}.csv", [head, *rows])
     record = {**_finite(content), "wall_time": time.perf_counter() - began, "provenance": stamp}
     json_file.write(out / f"{name}.json", record)
     draw(out / f"{name}.png")
@@ -319,8 +385,7 @@ def _finish(
 
 
 def _write_scene(out, text):
-    with write_whole(out / "scene.toml") as file:
-        file.write(text)
+    files.write(out / "scene.toml", text)
 
 
 def _series_words(found):
@@ -354,8 +419,7 @@ def _write_html(path, name, title, head, rows, remarks, footer):
 
     text = (resources.files("weavecell.report") / "templates" / "scatter.html.j2").read_text("utf-8")
     template = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined).from_string(text)
-    with write_whole(path) as file:
-        file.write(template.render(name=name, title=title, head=head, rows=rows, remarks=remarks, footer=footer))
+    files.write(path, template.render(name=name, title=title, head=head, rows=rows, remarks=remarks, footer=footer))
 
 
 def _write_shots(study, path):
@@ -364,7 +428,7 @@ def _write_shots(study, path):
         "number", "strike velocity [m/s]", "outcome", "residual velocity [m/s]", "factor on modulus", "on warp crimp",
         "on weft crimp", "on the weakest warp", "on the weakest weft", "energy balance [-]",
     ]  # fmt: skip
-    with write_whole(path) as file:
+    with files.write_whole(path) as file:
         rows = csv.writer(file)
         rows.writerow(head)
         for s in study.shots:

@@ -1,4 +1,4 @@
-"""Chapters of what an impact may also have: histories along yarns, an elastic projectile, a block behind the cloth."""
+"""Chapters of what an impact may also have: histories along yarns, an elastic projectile, a block behind the fabric."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
         for name, caption, arguments in drawn
     )
     title = f"Along the yarns and at the edges{f', ply {ply}' if ply else ''}"
-    columns = ("front", "yarn", "speed in the cloth [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
+    columns = ("front", "yarn", "speed in the fabric [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
     return Section(
         f"measures{of_ply}", title, "", figures,
         (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else (),
@@ -71,8 +71,8 @@ def body(record: ImpactRecord) -> list[Section]:
             f"Back-face signature: {1e3 * block.back_face_signature:.1f} mm, volume of the dent "
             f"{1e6 * block.volume:.3g} cm³; the block still moves with {moving:.2g} % of the strike energy. "
             f"The crater is {1e3 * block.depth:.1f} mm deep and {2e3 * block.half_width:.1f} mm wide at half of that; "
-            f"its wall stands at {np.degrees(block.steepness):.0f}° to the face. {int(block.gone.sum())} bricks of the "
-            "quarter are eroded."
+            f"its wall stands at {np.degrees(block.steepness):.0f}° to the face. {int(block.gone.sum())} bricks of "
+            f"{'the block' if block.share == 1 else 'its modelled part'} are eroded."
         )
         picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
         caption = "The block cut along the warp through the impact point, at the end of the run, to scale."

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.errors import InputError
-from fabrics.files import write_whole
+from fabrics.files import write
 
 
 def markdown(rows: Sequence[Sequence[object]], *, numbers: bool = False) -> str:
@@ -33,5 +33,4 @@ def split(page: Path, begin: str, end: str) -> tuple[str, str]:
 def put(page: Path, begin: str, end: str, content: str) -> None:
     """Put a text between two marks of a page; InputError as `split`."""
     before, after = split(page, begin, end)
-    with write_whole(page) as file:
-        file.write(f"{before}{begin}{content}{end}{after}")
+    write(page, f"{before}{begin}{content}{end}{after}")

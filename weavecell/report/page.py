@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
+from fabrics import files
 from fabrics.checks import FilePath
-from fabrics.files import write_whole
 
 _MIME = {"svg": "image/svg+xml", "png": "image/png"}
 
@@ -94,13 +94,11 @@ def render(report: Report) -> str:
 def write(report: Report, path: FilePath) -> None:
     """Write the page, whole or not at all."""
     page = render(report)
-    with write_whole(path) as file:
-        file.write(page)
+    files.write(path, page)
 
 
 def write_pictures(sections: Iterable[Section], folder: Path) -> None:
     """Write the pictures of the sections as files of their own, named after what they show."""
     for section in sections:
         for figure in section.figures:
-            with write_whole(folder / f"{figure.name}.{figure.kind}", "wb") as file:
-                file.write(figure.content)
+            files.write(folder / f"{figure.name}.{figure.kind}", figure.content)

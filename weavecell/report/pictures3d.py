@@ -11,7 +11,7 @@ from meshing.pictures_style import RED, STEEL, tension_map
 from weavecell.report.pictures_painter import SIZE, Camera, paint
 
 _HALF_HEIGHT = 0.6  # [reach] of a close-up
-CLOTH_DEPTH = 1.0  # [mm] by which the projectile is drawn behind cloth that it touches
+CLOTH_DEPTH = 1.0  # [mm] by which the projectile is drawn behind fabric that it touches
 
 
 def new_plotter(off_screen: bool = True, size: tuple[int, int] = (1500, 820)) -> Any:

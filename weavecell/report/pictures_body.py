@@ -62,11 +62,12 @@ def crater(pyplot: Any, blocks: Any) -> Any:
         x = block.nodes[block.bricks]
         cut = ~block.gone & (np.abs(x[:, [0, 1, 4, 5], 1]).max(axis=1) < 1e-9)
         corners = MM * x[cut][:, [0, 1, 5, 4]][..., [0, 2]] - np.array([0, MM * block.face])
-        for side in (1, -1):
+        for side in (1, -1) if block.share < 1 else (1,):
             faces = PolyCollection(corners * np.array([side, 1]), cmap="YlOrBr", ec="#6b5a45", lw=0.25)
             faces.set_array(block.plastic[cut])
             faces.set_clim(0, most)
             axes.add_collection(faces)
+        for side in (1, -1):
             axes.plot(side * MM * block.crater[:, 0], MM * block.crater[:, 1], color=INK, lw=1.4)
         axes.set(xlim=(-MM * reach, MM * reach), ylim=(MM * (1.35 * deepest + 2e-3), -4), title=title, aspect="equal")
         axes.grid(False)
@@ -86,7 +87,7 @@ def depth_map(pyplot: Any, block: BackingResult) -> Any:
     block : shellfabric.backing.coupling.BackingResult
     """
     x, y, depth = MM * np.moveaxis(block.depth_map, -1, 0)
-    for axis in (0, 1):  # the quarter and its mirror images
+    for axis in (0, 1) if block.share < 1 else ():  # the quarter and its mirror images
         back = tuple(slice(None, 0, -1) if c == axis else slice(None) for c in (0, 1))
         signs = (-1, 1, 1) if axis == 0 else (1, -1, 1)
         x, y, depth = (np.concatenate([sign * v[back], v], axis) for sign, v in zip(signs, (x, y, depth)))

@@ -1,7 +1,7 @@
 """What a test on a coupon leaves, in HDF5: its record (histories.h5), and the states to go on from (checkpoint.h5).
 
 Layout of the record: attributes of the root for scalars and texts; /histories with one value a load step; /coupon with
-the cloth at rest; /states with nodes and shear angles after every step; /final with the tensions of the yarns at the
+the fabric at rest; /states with nodes and shear angles after every step; /final with the tensions of the yarns at the
 end; /relaxation with the out-of-balance force of every iteration. Every dataset has the attribute "unit".
 """
 

@@ -11,6 +11,7 @@ from shellfabric.coupon import quasistatic
 
 if TYPE_CHECKING:
     from shellfabric.coupon.solver import Result
+    from shellfabric.panel.quality import Indicator
 
 # what each test prescribes: name, unit
 PRESCRIBED = {
@@ -77,3 +78,13 @@ def _biaxial(inputs, result):
     for name, force in zip(("warp", "weft"), ("N1", "N2")):
         found[f"cell at these strains, {name}"] = "N", cell[force]
     return found
+
+
+def indicators(result: Any, table: Any, tolerance: float) -> tuple[Indicator, ...]:
+    """Quality indicators of a test on a CellTable; the load step in which a yarn fails may go beyond its strength."""
+    from shellfabric.panel import quality
+
+    reached = [float(tension.max()) for tension in result.coupon.tensions(result.states[-1].x)]
+    if result.outcome == "yarn at its strength":
+        reached = [min(one, yarn.strength) for one, yarn in zip(reached, table.model.fabric.weave.yarns)]
+    return quality.of_coupon(table, reached, max(state.residual for state in result.states), tolerance)

@@ -26,6 +26,7 @@ from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.output.snapshots import quads
 from shellfabric.panel import boundary
+from shellfabric.projectile.solid import volume
 from weavecell.analysis.material_card.cloth import Cloth
 from weavecell.analysis.material_card.laws import Law
 from weavecell.analysis.material_card.mismatch import LIMIT, Mismatch
@@ -34,16 +35,20 @@ STEEL = 7800.0, 2e11, 0.3  # [kg/m3], [Pa], [-] of the projectile's shells: its 
 _TABLE = 8  # samples a side of a cell's table that nothing uses
 _SKIN, _CLEARANCE = 0.1, 0.01  # [ply thicknesses] of the projectile's shells, and from them to the first ply
 _RINGS, _AROUND = 2, 2  # every ... of the rings and points of the projectile's drawn surface
+_SEEN = 0.9  # of the volume of a body of any shape that this surface holds at least
 _PICTURES, _SAMPLES = 50, 1000  # of a run
 
 # what a membrane of another code does not have: key of the input file, what is allowed, and whether a set-up has it
 REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
-    "backing": ("left out: a block behind the cloth is not exported", lambda ply: ply.backing is not None),
+    "backing": ("left out: a block behind the fabric is not exported", lambda ply: ply.backing is not None),
     "fabric.surface": ("left out: a card is made from compression laws", lambda ply: ply.surface is not None),
     "fabric.bending": ("0: a membrane has no bending stiffness", lambda ply: bool(np.any(ply.bending))),
     "panel.weave_angle": ("0: an oblique weave is not exported", lambda ply: ply.weave_angle != 0),
+    "panel.ply.angle": ("0 or 90 deg in an exported deck", lambda ply: ply.angled),
     "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
     "panel.impact_point": ("0", lambda ply: any(ply.impact_point)),
+    "panel.rate_dependence": ("false: cards have one strength", lambda ply: ply.rate_dependence),
+    "panel.nose_bending": ("false: cards have one strength", lambda ply: ply.nose_bending),
     "panel.crossovers": ('"pinned": no law here lets yarns slide', lambda ply: ply.crossovers is not None),
     "panel.boundary": ("clamped or free: no side that slips is exported", lambda ply: boundary.slips(ply.edge)),
     "projectile.body": ('"rigid"', lambda ply: ply.projectile.bar is not None),
@@ -90,7 +95,7 @@ class Card:
     Parameters
     ----------
     number, name : from 1
-    cloth, law, mismatch : what it was made of, the law, and how far they differ
+    fabric, law, mismatch : what it was made of, the law, and how far they differ
     failure : whether yarns are to fail
     """
 
@@ -137,7 +142,7 @@ class Nose:
     mass : [kg] of the modelled part
     inertia : [kg m2] about each axis; it does not turn, but no code takes zero
     velocity : (3,) [m/s]
-    friction : [-] with the cloth
+    friction : [-] with the fabric
     """
 
     points: FloatArray
@@ -215,7 +220,7 @@ def build(
     Parameters
     ----------
     setup : ImpactSetup
-    make : the law of a cloth
+    make : the law of a fabric
     units : of UNITS
     title, source, law, code : in words: of the shot, of its compression law, of the law and the code for the header
 
@@ -281,9 +286,14 @@ def _nose(shot, speed, share, thickness, plies):
     poles = first + n * m, first + n * m + 1
     front = np.stack([np.full(m, poles[0]), ahead[0], number[0]], axis=1)
     back = np.stack([np.full(m, poles[1]), number[-1], ahead[-1]], axis=1)
-    points = start + np.vstack([rings.reshape(-1, 3), tip, tail])
+    points, ends = start + np.vstack([rings.reshape(-1, 3), tip, tail]), np.vstack([front, back])
+    if shot.solid is not None:
+        held = abs(volume(points, np.vstack([sides[:, [0, 1, 2]], sides[:, [0, 2, 3]], ends]) - first))
+        if held < _SEEN * volume(shot.solid.points, shot.solid.faces):
+            allowed = "a body whose surface is seen from its axis: from there it is drawn"
+            raise InputError(key="projectile.stl", allowed=allowed)
     return Nose(
-        points, sides, np.vstack([front, back]), start - shot.radius * shot.frame[2], first + len(points),
+        points, sides, ends, start - shot.radius * shot.frame[2], first + len(points),
         share * shot.mass, 0.4 * share * shot.mass * shot.radius**2, speed * shot.flight, shot.friction,
     )  # fmt: skip
 

@@ -6,19 +6,20 @@ each ply's shape and state when the projectile had lost half of the energy that 
 at the end, /quads/00, ... with the node numbers of its elements; /cuts with the section through the impact point at the
 instants of the snapshots. Where there are any: /measured/00, ... with histories along the yarns of a ply (samples by
 elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories of tip, tail and centre
-of mass of an elastic projectile; /backing with the quarter of a block at the end; /slip/00, ... of sliding crossovers.
-Nodes count from the middle surface of the first ply at rest. Every dataset has the attribute "unit".
+of mass of an elastic projectile; /backing with the block at the end, as far as it is modelled; /slip/00, ... of
+sliding crossovers. Nodes count from the middle surface of the first ply at rest. Every dataset has an attribute "unit".
 """
 
 from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, field
+from math import degrees
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from fabrics.checks import FilePath
+from fabrics.checks import FilePath, FloatArray
 from fabrics.files import read_hdf5, write_hdf5
 from fabrics.ply_law import SOLID_TRAVEL
 from weavecell.results import keys
@@ -84,13 +85,14 @@ class ImpactRecord:
     z_rest, thickness : (plies,) [m] middle surfaces at rest
     gaps : (plies - 1,) [m]
     max_penetration_ratio : (plies - 1,) [-] deepest penetration of a ply into the next, over the thickness
-    torn_contact : (2,) [-] impulses that kept torn cloth from passing through another ply, and passages despite them
+    torn_contact : (2,) [-] impulses that kept torn fabric from passing through another ply, and how often it did
     half_energy, final : (plies,) Shape when the projectile had lost half of the energy that it lost, and at the end
     quads : (plies,) arrays (m, 4) of node numbers
     cuts : tuple of Cut
     projectile : (a, b, 3) [m] surface of the projectile about its nose, as it is drawn
     max_deflection : [m] largest entry of `deflection`
     pack : {key of keys.PACK: value} what is stacked, of several plies; empty of one
+    failure : {key of keys.FAILURE: value} of strengths that follow strain rate or bending; empty of constant ones
     checks : tuple of shellfabric.panel.quality.Indicator
     measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
     bar : shellfabric.projectile.dynamics.BarHistory of an elastic projectile, or None
@@ -137,6 +139,7 @@ class ImpactRecord:
     max_deflection: float
     cuts: tuple = ()
     pack: dict[str, Any] = field(default_factory=dict)
+    failure: dict[str, float | None] = field(default_factory=dict)
     checks: tuple = ()
     measured: tuple[Histories, ...] = ()
     bar: BarHistory | None = None
@@ -169,10 +172,10 @@ class ImpactRecord:
             gaps=np.array(target.gaps), max_penetration_ratio=result.deepest,
             torn_contact=result.held_apart, half_energy=_half_energy(result, final), final=final,
             quads=tuple(map(quads, panels)),
-            cuts=tuple(Cut.of(shots, mirror_y) for shots in (*before, result.last)),
+            cuts=tuple(Cut.of(shots, result.panels) for shots in (*before, result.last)),
             projectile=_drawn(setup.projectile), max_deflection=result.max_deflection,
             pack=_stacked(setup, target) if several else {}, checks=result.checks, measured=result.histories,
-            bar=result.bar, backing=result.backing, slips=result.slips,
+            bar=result.bar, backing=result.backing, slips=result.slips, failure=_failure(result),
         )  # fmt: skip
 
     @property
@@ -217,6 +220,16 @@ class ImpactRecord:
         return float(self.energies["viscous"][-1]) / self.absorbed_energy
 
     @property
+    def rear(self) -> tuple[Shape, Shape]:
+        """Shapes of the last ply: when half of the energy was absorbed, and at the end."""
+        return self.half_energy[-1], self.final[-1]
+
+    def nose_place(self, t: float) -> FloatArray:
+        """(2,) [m] place x and y of the nose at time t, linear between impact, half energy and end."""
+        places = np.array([np.zeros(3), *(shape.projectile_position for shape in self.rear)])
+        return np.array([np.interp(t, [0.0, *(shape.t for shape in self.rear)], places[:, axis]) for axis in (0, 1)])
+
+    @property
     def peaks(self) -> dict[str, Peak]:
         """{"warp", "weft": Peak} the highest tension of each family over all plies."""
         found = {}
@@ -247,6 +260,7 @@ class ImpactRecord:
                 "torn_corrections": int(self.torn_contact[0]),
                 "torn_unresolved": int(self.torn_contact[1]),
             }
+        found |= self.failure
         if self.bar is not None:
             found |= {"plastic_shortening_m": self.bar.shortening, "bar_period_s": self.bar.period}
         if self.backing is not None:
@@ -284,6 +298,7 @@ class ImpactRecord:
                 file.attrs[key] = getattr(self, name)
             file.attrs["checks"] = json.dumps([asdict(one) for one in self.checks])
             file.attrs["pack"] = json.dumps(self.pack)
+            file.attrs["failure"] = json.dumps(self.failure)
             for name, unit in HISTORIES.items():
                 put(file, f"histories/{name}", getattr(self, name), unit)
             for name, values in self.energies.items():
@@ -303,7 +318,7 @@ class ImpactRecord:
             if self.bar is not None:
                 write_group(file.create_group("bar"), self.bar, keys.BAR, ("period", "shortening"))
             if self.backing is not None:
-                write_group(file.create_group("backing"), self.backing, keys.BACKING, ("face",))
+                write_group(file.create_group("backing"), self.backing, keys.BACKING, ("face", "share"))
             for ply, slip in enumerate(self.slips):
                 write_group(file.create_group(f"slip/{ply:02d}"), slip, (), vars(slip))
 
@@ -324,7 +339,7 @@ class ImpactRecord:
             return cls(
                 **values, projectile=file["projectile"][()], cuts=read_cuts(file), bar=read_group(file, "bar"),
                 backing=read_group(file, "backing"), checks=_read_checks(file.attrs["checks"]),
-                pack=json.loads(file.attrs["pack"]),
+                pack=json.loads(file.attrs["pack"]), failure=json.loads(file.attrs.get("failure", "{}")),
             )  # fmt: skip
 
 
@@ -338,10 +353,18 @@ def _stacked(setup, pack):
     return {
         "stacking": "lay-up" if setup.lay_up else setup.stacking,
         "ply_fabrics": [setup.fabric_of(p).name for p in plies],
-        "ply_angles_deg": [90.0 if setup.is_turned(p) else 0.0 for p in plies],
+        "ply_angles_deg": [round(degrees(setup.angle_of(p)), 6) for p in plies],
         "ply_gap_low_m": gap.low, "ply_gap_high_m": gap.high, "ply_gap_source": gap.source,
         "ply_contact_source": law.source, "ply_contact_status": law.status, "ply_contact_travel_m": law.travel,
     }  # fmt: skip
+
+
+def _failure(result):
+    """{key of keys.FAILURE: value} where strengths follow strain rate or bending; None before a yarn has failed."""
+    if not (result.setup.rate_dependence or result.setup.nose_bending):
+        return {}
+    count, *sums = result.failures.sum(axis=0)
+    return {key.name: float(value / count) if count else None for key, value in zip(keys.FAILURE, sums)}
 
 
 def _half_energy(result, final):
@@ -379,6 +402,6 @@ def _read_checks(text):
 def _drawn(shot):
     """The projectile as it is drawn, set back by its edge radius.
 
-    The flat elements of the cloth cut across the rounding that they lie on, and it would stick out between them.
+    The flat elements of the fabric cut across the rounding that they lie on, and it would stick out between them.
     """
     return shot.surface(shot.edge_radius)

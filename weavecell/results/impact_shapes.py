@@ -1,4 +1,4 @@
-"""What records of an impact hold besides histories: shapes of the cloth, cuts through it, and peak tensions."""
+"""What records of an impact hold besides histories: shapes of the fabric, cuts through it, and peak tensions."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from weavecell.results.hdf5_file import PACKED, plain, put
 
 if TYPE_CHECKING:
     from shellfabric.output.snapshots import Snapshot
+    from shellfabric.panel.model import Panel
 
 # datasets whose attribute in the object that holds them has another name
 _SHAPE_FIELDS = {"time": "t"}
@@ -56,7 +57,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Cut:
-    """The cloth cut open along x through the impact point, at one instant.
+    """The fabric cut open along x through the impact point, at one instant.
 
     Parameters
     ----------
@@ -69,14 +70,30 @@ class Cut:
     lines: tuple
 
     @classmethod
-    def of(cls, shots: Sequence[Snapshot], mirror_y: bool) -> Cut:
-        """The cut of the plies' `shellfabric.output.snapshots.Snapshot` of one instant."""
+    def of(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
+        """The cut of the plies' `shellfabric.output.snapshots.Snapshot` of one instant, along x at rest."""
         lines = []
-        for shot in shots:
-            j = 0 if mirror_y else shot.nodes.shape[1] // 2
+        for shot, panel in zip(shots, panels):
+            j = 0 if panel.mirrors[1] else shot.nodes.shape[1] // 2
             line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.failed[:, j, 0])
+            if panel.ply_angle:
+                line, gone = _across(shot, panel)
             lines.append(np.insert(line, gone + 1, np.nan, axis=0))
         return cls(float(shots[0].t), float(shots[0].nose_position), tuple(lines))
+
+
+def _across(shot, panel):
+    """((n, 2) [m] places x and z of a turned ply along x at rest, from grid line to grid line, numbers of those after
+    which a yarn of the element has failed)."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    lines, way = panel.lines(), panel.axes[:, 0]  # a step along x in the ply's own frame
+    at = np.unique(np.concatenate([line / step for line, step in zip(lines, way)]))
+    inside = [(at * step >= line[0]) & (at * step <= line[-1]) for line, step in zip(lines, way)]
+    at = at[inside[0] & inside[1]]
+    middle = [np.searchsorted(line, 0.5 * (at[1:] + at[:-1]) * step) - 1 for line, step in zip(lines, way)]
+    places = RegularGridInterpolator(lines, shot.nodes[..., [0, 2]])(np.multiply.outer(at, way))
+    return places, np.flatnonzero(shot.failed[middle[0], middle[1], :2].any(axis=1))
 
 
 @dataclass(frozen=True)

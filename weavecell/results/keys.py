@@ -62,12 +62,13 @@ SHARED = keys(
     ("checks.status", "", '"ok", "noted" or "doubtful"'),
     ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status"),
     ("assumed_range.*", "", "residual or critical velocity over the ranges of assumed laws: low_m_s, high_m_s, runs"),
-    ("provenance.*", "", "versions, commit, date, machine, threads, text of the input file, assumed tables"),
+    ("provenance.*", "", "versions, commit, date, machine, threads, text of the input file, assumed tables, digest, "
+     "unit and edge radius of an STL file"),
 )  # fmt: skip
 PACK = keys(
     ("stacking", "", 'pack: "aligned", "alternating" or "lay-up"'),
     ("ply_fabrics", "", "pack: name of the fabric of each ply"),
-    ("ply_angles_deg", "", "pack: angle of each ply's warp, 0 or 90"),
+    ("ply_angles_deg", "", "pack: angle of each ply's warp, above -90 and at most 90"),
     ("ply_contact_source", "", "pack: where the contact law of plies comes from"),
     ("ply_contact_status", "", "pack: its status, such as computed, fitted or assumed"),
     ("ply_contact_travel_m", "m", "pack: its closure before solid fibre is pressed"),
@@ -75,6 +76,11 @@ PACK = keys(
     ("ply_gap_high_m", "m", "pack: high end of that range"),
     ("ply_gap_source", "", "pack: where the gap comes from"),
 )
+FAILURE = keys(
+    ("tension_at_failure_over_strength", "1", "rate_dependence, nose_bending: tension of the segments that have failed "
+     "over the strength of their yarn, mean; null without failures"),
+    ("bending_strain_at_failure", "1", "nose_bending: strain of bending of their fibres over the nose, mean"),
+)  # fmt: skip
 IMPACT = keys(
     ("strike_velocity_m_s", "m/s", "strike velocity along the line of flight"),
     ("residual_velocity_m_s", "m/s", "velocity at the end along the normal; 0 of a projectile that has stopped"),
@@ -115,11 +121,12 @@ IMPACT = keys(
     ("largest_window_m", "m", "sliding crossovers: widest distance between neighbouring yarns of a ply at the end"),
     ("pulled_out_segments", "1", "sliding crossovers: segments whose yarn has left a crossover without failure"),
     ("crossover_friction_work_J", "J", "sliding crossovers: work of friction"),
+    *FAILURE,
     *PACK,
     ("ply_gap_m", "m", "pack: gap between the first two plies at rest"),
     ("max_penetration_ratio", "1", "pack: deepest penetration of a ply into the next, over the thickness"),
     ("torn_corrections", "1", "pack: impulses that kept torn fabric from passing through another ply"),
-    ("torn_unresolved", "1", "pack: passages of torn fabric that no impulse prevented"),
+    ("torn_unresolved", "1", "pack: how often torn fabric came through another ply all the same"),
     ("accuracy.targets", "1", "targets of [accuracy]: {quantity: error at most}"),
     ("accuracy.model", "", "the model that was chosen"),
     ("accuracy.symmetry", "", "its part of the panel"),
@@ -222,7 +229,7 @@ BACKING = keys(
     ("crater", "m", "radius and depth of the crater along the warp"),
     ("crater_weft", "m", "the same along the weft"),
     ("depth_map", "m", "x, y and depth of the nodes of its face, by rows along x: the shape of the dent"),
-    ("nodes", "m", "nodes of the quarter that is modelled"),
+    ("nodes", "m", "nodes of the part that is modelled"),
     ("bricks", "1", "node numbers of its bricks"),
     ("plastic", "1", "effective plastic strain"),
     ("eroded", "1", "whether a brick is eroded"),
@@ -334,12 +341,17 @@ COUPON_DATASETS = (
     ),
 )
 ATTRIBUTES = (
-    *keys(("checks", "", "quality indicators as JSON"), ("pack", "", "what is stacked, as JSON; empty of one ply")),
+    *keys(
+        ("checks", "", "quality indicators as JSON"),
+        ("pack", "", "what is stacked, as JSON; empty of one ply"),
+        ("failure", "", "what the strength came to at failures, as JSON; empty where it is constant"),
+    ),
     *_under("measured/*", MEASURED_ATTRIBUTES),
     *keys(
         ("bar/period", "", "[s] period of the first axial mode"),
         ("bar/shortening", "", "[m] shortening by plastic strain"),
         ("backing/face", "", "[m] position of the block's face at rest"),
+        ("backing/share", "", "[-] part of the block that is modelled"),
         ("slip/*/pulled_out_length", "", "[m] longest length of yarn that has passed through a crossover"),
         ("slip/*/largest_window", "", "[m] widest distance between neighbouring yarns at the end"),
         ("slip/*/pulled_out_segments", "", "segments whose yarn has left a crossover without failure"),

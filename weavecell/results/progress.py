@@ -59,3 +59,15 @@ def watched(run: Callable[[tuple], Any], title: str, hooks: Sequence = ()) -> tu
             return run((watching, *hooks)), None
         except UnstableError as problem:
             return problem.result, problem
+
+
+def by_path(advance: Callable[..., object], count: int) -> Callable[..., None]:
+    """Progress of `count` paths, as `unitcell3d.identify.calibrate` reports it, shown on one bar."""
+    shares = {}
+
+    def report_path(fabric, path, share):
+        shares[fabric, path] = share
+        text = ", ".join(f"{name} {100 * done:.0f} %" for (_, name), done in shares.items() if done < 1)
+        advance(sum(shares.values()) / count, text)
+
+    return report_path

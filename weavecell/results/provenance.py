@@ -16,6 +16,7 @@ from fabrics import assumed
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
+    from shellfabric.projectile.projectile import Projectile
 
 PACKAGES = (
     "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "h5py",
@@ -23,10 +24,14 @@ PACKAGES = (
 )  # fmt: skip
 
 
-def stamp(scene_text: str = "", *fabrics: Fabric) -> dict[str, str]:
-    """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, which of their tables were assumed."""
+def stamp(scene_text: str = "", *fabrics: Fabric, shot: Projectile | None = None) -> dict[str, str]:
+    """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, which of their tables were assumed, and
+    of a projectile from an STL file what that was."""
     lines = [line for fabric in fabrics if fabric.assumed for line in assumed.lines(fabric)]
-    return ({"assumed": "; ".join(lines)} if lines else {}) | {
+    known = {"assumed": "; ".join(lines)} if lines else {}
+    if shot is not None and shot.solid is not None:
+        known["projectile_stl"] = shot.solid.digest
+    return known | {
         "weavecell": weavecell.__version__,
         "commit": commit(),
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),

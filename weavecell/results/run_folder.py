@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fabrics.files import write_whole
+from fabrics import files
 from weavecell.results import json_file
 
 
@@ -21,7 +21,6 @@ def write(out: Path, scene_text: str, record: Any, more: Mapping[str, Any], stam
     more : further entries of the summary
     stamp : of `results.provenance`
     """
-    with write_whole(out / "scene.toml") as file:
-        file.write(scene_text)
+    files.write(out / "scene.toml", scene_text)
     record.write(out / "histories.h5")
     json_file.write_summary(out / "summary.json", record.summary() | dict(more) | {"provenance": stamp})

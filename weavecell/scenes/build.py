@@ -18,8 +18,8 @@ from fabrics.ply_law import PlyLaw
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from fabrics.yarn import WeavingDamage
-from weavecell.scenes import supported
-from weavecell.scenes.impact import Scene
+from weavecell.scenes import stl_file, supported
+from weavecell.scenes.impact import BESIDE_ANGLES, Scene, is_angled
 from weavecell.scenes.schema import FabricTable, InlineLaw, Table
 from weavecell.scenes.supported import Rule, of
 from weavecell.scenes.words import shot_in_words
@@ -60,6 +60,19 @@ CELL_RULES = (
 )
 SHOT_RULES = (
     *CELL_RULES,
+    *(
+        Rule(f"projectile.{key}", lambda scene: scene.projectile.shape != "stl", 'left out but for the shape "stl"')
+        for key in ("stl", "stl_unit", "density")
+    ),
+    *(
+        Rule(f"panel.{key}", lambda scene: not scene.panel.yarn_failure, "left out where yarns do not fail")
+        for key in ("rate_dependence", "nose_bending")
+    ),
+    Rule(
+        "panel.rate_dependence",
+        lambda scene: scene.fabric.surface is not None,
+        "left out with fabric.surface, whose yarns have one modulus",
+    ),
     Rule("projectile.bore_diameter", lambda scene: scene.projectile.body == "rigid", "left out for a rigid projectile"),
     *(
         Rule(f"panel.{key}", lambda scene: scene.panel.crossovers == "pinned", "left out where crossovers are pinned")
@@ -68,6 +81,14 @@ SHOT_RULES = (
     *(
         Rule(key, lambda scene: bool(scene.panel.ply), "left out with [[panel.ply]]")
         for key in ("fabric.surface", "panel.weave_angle")
+    ),
+    *(
+        Rule(key, lambda scene: is_angled(scene.panel), f"{allowed} {BESIDE_ANGLES}")
+        for key, allowed in (
+            ("panel.boundary", "clamped"),
+            ("panel.crossovers", "pinned"),
+            ("accuracy", "left out: no mesh was measured"),
+        )
     ),
     *(Rule(key, lambda scene: scene.panel.plies == 1, "left out for a single ply") for key in _OF_A_PACK),
     Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
@@ -111,14 +132,14 @@ def build(scene: Any, file: Path, name: str) -> Case:
     cloths, plies = lay_up(scene, lambda table: _cloth(table, scene, file))
     fabric, surface, laws, law_name = cloths[0]
     shot = getattr(scene, "projectile", None)
-    if shot is not None and shot.name is not None:
+    if shot is not None and (shot.name is not None or shot.stl is not None):
         print(f"projectile: {shot_in_words(shot)}")
     return Case(name, fabric, laws, law_name, scene, surface, plies)
 
 
 def _cloth(table, scene, file):
     """(fabric, surface, laws, where they come from) of a table [fabric]."""
-    fabric = _sheared(_fabric(table, file), scene, file)
+    fabric = _sheared(_with_strength(_fabric(table, file), scene, file), scene, file)
     surface = surface_of(table, fabric, file)
     fabric = _with_ply_contact(fabric, table.law, scene, file)
     if surface is not None:
@@ -201,8 +222,12 @@ def _crossovers(table):
 def _projectile(table):
     from shellfabric.projectile.projectile import Projectile
 
-    given = _given(table, "projectile", but=("name", "diameter", "strike_velocity"))
-    return Projectile(radius=table.diameter / 2, **given)
+    of_stl = ("stl", "stl_unit", "density")
+    given = _given(table, "projectile", but=("name", "diameter", "strike_velocity", *of_stl))
+    if table.shape != "stl":
+        return Projectile(radius=table.diameter / 2, **given)
+    solid = stl_file.solid(table.stl, table.stl_unit, table.edge_radius)
+    return Projectile(**given | {"solid": solid, "radius": solid.radius, "length": solid.length})
 
 
 def _given(table, name, but=()):
@@ -280,15 +305,29 @@ def damaged(fabric: Fabric, table: FabricTable) -> Fabric:
     return fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
 
 
+def _with_strength(fabric, scene, file):
+    """The fabric with what its strength depends on besides the tension, where the scene asks for it."""
+    panel = getattr(scene, "panel", None)
+    for key, completed in (
+        ("rate_dependence", assumed.with_strain_rate), ("nose_bending", assumed.with_fibre_diameter),
+    ):  # fmt: skip
+        if getattr(panel, key, False):
+            try:
+                fabric = completed(fabric)
+            except InputError as problem:
+                raise InputError(f"needs more: {problem}", file=file, key=f"panel.{key}") from None
+    return fabric
+
+
 def _sheared(fabric, scene, file):
-    """The fabric with the trellis law that its cloth needs; prints one line where that is assumed or left out."""
+    """The fabric with the trellis law that its fabric needs; prints one line where that is assumed or left out."""
     need = getattr(scene, "trellis_law", "needed")
     try:
         fabric = fabric if need == "unused" else assumed.with_shear(fabric)
     except InputError as problem:
         if need == "needed":
             raise InputError(str(problem), file=file) from None
-        print(f"no [shear] of {fabric.name}: its cloth has no shear stiffness")
+        print(f"no [shear] of {fabric.name}: its fabric has no shear stiffness")
     for line in assumed.lines(fabric):
         print(line)
     return fabric

@@ -1,4 +1,4 @@
-"""Scene files of coupons: one test on a piece of cloth, described in TOML as impacts are (`tables`)."""
+"""Scene files of coupons: one test on a piece of fabric, described in TOML as impacts are (`tables`)."""
 
 from __future__ import annotations
 

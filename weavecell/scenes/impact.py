@@ -12,7 +12,7 @@ from fabrics import backings, projectiles
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.units import si
-from weavecell.scenes import supported
+from weavecell.scenes import stl_file, supported
 from weavecell.scenes.schema import (
     LAW,
     TEXT_OR_TWO,
@@ -39,14 +39,14 @@ from weavecell.scenes.schema import (
 
 SHAPES = {  # of `shellfabric.projectile.projectile`, in words
     "flat": "a cylinder", "hemisphere": "a round-nosed cylinder", "cone": "a conical projectile", "sphere": "a sphere",
-    "chisel": "a chisel-nosed fragment simulator",
+    "chisel": "a chisel-nosed fragment simulator", "stl": "a body from an STL file",
 }  # fmt: skip
 
 
 def _name_or_size(schema):
     """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not required."""
     schema["required"] = ["strike_velocity"]
-    schema["anyOf"] = [{"required": ["name"]}, {"required": ["mass", "diameter"]}]
+    schema["anyOf"] = [{"required": ["name"]}, {"required": ["mass", "diameter"]}, {"required": ["stl"]}]
 
 
 class ProjectileTable(Table):
@@ -67,7 +67,10 @@ class ProjectileTable(Table):
     ) = None  # fmt: skip
     mass: quantity("mass", "kg", "3 g")
     diameter: quantity("diameter", "m", "5.5 mm")
-    edge_radius: quantity("rounding of the edges; required except for a sphere", "m", "0.3 mm") = None
+    edge_radius: quantity(
+        "rounding of the edges; required except for a sphere. Of an STL file the smallest radius of the nose's edges, "
+        "to which sharp ones are rounded", "m", "0.3 mm",
+    ) = None  # fmt: skip
     strike_velocity: quantity("speed along the line of flight", "m/s", "92.5 m/s", most="1000 m/s")
     shape: one_of("shape of the nose", *SHAPES) = "flat"
     length: quantity(
@@ -80,6 +83,12 @@ class ProjectileTable(Table):
     flat_angle: angle(
         "angle of a chisel's two flats against the plane of the nose; required for a chisel", 5, 85, "35 deg"
     ) = None
+    stl: string(
+        "STL file of the body, its z axis along the flight; required for the shape stl. Its path is relative to the "
+        "input file", "the path of an STL file (*.stl)",
+    ) = None  # fmt: skip
+    stl_unit: one_of("unit of the lengths in the STL file; required with it", *stl_file.UNITS) = None
+    density: quantity("density of the body of an STL file, in place of its mass", "kg/m^3", "7.85 g/cm^3") = None
     obliquity: angle("angle between line of flight and normal of the panel", 0, 75, "30 deg") = 0.0
     azimuth: angle("direction of the obliquity in the plane of the panel, from the warp", -360, 360, "90 deg") = 0.0
     yaw: angle("angle between axis and line of flight", -75, 75, "5 deg") = 0.0
@@ -180,14 +189,16 @@ def _ply_contact(value):
     raise ValueError("no law")
 
 
-def _right_angle(text):
+def _ply_angle(text):
+    """[rad] above -pi/2 and at most pi/2: half a turn leaves a weave as it is."""
     degrees = round(math.degrees(si(text, "rad")), 6)
-    if degrees not in (0, 90):
-        raise ValueError("no right angle")
-    return degrees == 90
+    if not -180 <= degrees <= 180:
+        raise ValueError("out of range")
+    least = math.remainder(degrees, 180)
+    return math.radians(90 if least == -90 else least)
 
 
-MOST_PLIES = 32
+MOST_PLIES = 100
 
 
 class PlyTable(Table):
@@ -199,7 +210,7 @@ class PlyTable(Table):
 
     [[panel.ply]]
     name = "S-726"
-    angle = "90 deg"
+    angle = "45 deg"
     gap = "0.1 mm"
     """
 
@@ -211,9 +222,12 @@ class PlyTable(Table):
     law: Annotated[Law | None, described(
         "compression law of the ply; where not given `published`, for plies of [fabric] the law of `fabric.law`", LAW,
     )] = None  # fmt: skip
-    angle: from_text(bool, _right_angle, "angle of the warp of the ply", '"0 deg" or "90 deg", of the warp', "rad") = (
-        False
-    )
+    angle: from_text(
+        float, _ply_angle,
+        "angle of the warp of the ply to that of a ply at 0, towards its weft; another one than 0 and 90 deg needs "
+        "clamped edges and pinned crossovers, and has the whole panel modelled",
+        'an angle from -180 to 180 deg, such as "45 deg"', "rad", "45 deg",
+    ) = 0.0  # fmt: skip
     gap: quantity(
         "clearance to the next ply at rest; where not given `panel.ply_gap`, else the mean of the gaps of both "
         "fabrics", "m", "0.12 mm", zero=True,
@@ -268,6 +282,14 @@ class PanelTable(Table):
     )] = None  # fmt: skip
     ply_friction: number("pack: Coulomb coefficient between plies", 0.2, ge=0.0, le=2.0) = 0.0
     yarn_failure: flag("whether a yarn fails at its strength") = True
+    rate_dependence: flag(
+        "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the table "
+        "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
+    ) = False  # fmt: skip
+    nose_bending: flag(
+        "failure strain of the yarns lowered by the strain of bending of their fibres over the nose, of the "
+        "`fibre_diameter` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
+    ) = False  # fmt: skip
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(zones),
@@ -466,7 +488,9 @@ def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
 def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> Scene:
     """Turn a scene's table into a checked Scene; `file`, where there is one, is named in errors and anchors relative
     paths."""
-    table = _with_named_backing(_with_named_projectile(table, file), file)
+    table = _with_named(table, file, "projectile", "name", projectiles)
+    table = stl_file.described(table, ProjectileTable.model_fields, file)
+    table = _with_named(table, file, "backing", "material", backings)
     scene = _with_counted_plies(validated(Scene, table, file), file)
     _check_relations(scene, table, file)
     if support is not None:
@@ -474,20 +498,12 @@ def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> 
     return scene if file is None else anchored(scene, Path(file).parent)
 
 
-def _with_named_projectile(table, file):
-    """The table with the data of the projectile that [projectile] names, as if they were written there."""
-    given = table.get("projectile")
-    if not isinstance(given, dict) or not isinstance(given.get("name"), str):
+def _with_named(table, file, name, key, data):
+    """The table with the data of what [name] names by its `key`, as if they were written there."""
+    given = table.get(name)
+    if not isinstance(given, dict) or not isinstance(given.get(key), str):
         return table
-    return table | {"projectile": projectiles.table(given["name"], given, file=file, key="projectile.name")}
-
-
-def _with_named_backing(table, file):
-    """The table with the data of the backing that [backing] names, as if they were written there."""
-    given = table.get("backing")
-    if not isinstance(given, dict) or not isinstance(given.get("material"), str):
-        return table
-    return table | {"backing": backings.table(given["material"], given, file=file, key="backing.material")}
+    return table | {name: data.table(given[key], given, file=file, key=f"{name}.{key}")}
 
 
 def _with_counted_plies(scene, file):
@@ -506,7 +522,21 @@ def _with_counted_plies(scene, file):
     if not 2 <= plies <= MOST_PLIES:
         allowed = f"2 to {MOST_PLIES} plies in all; [fabric] alone is one ply"
         raise InputError(file=file, key="panel.ply", value=f"{plies} plies", allowed=allowed)
-    return scene.model_copy(update={"panel": panel.model_copy(update={"plies": plies})})
+    more = {}
+    if is_angled(panel):
+        if panel.symmetry != "whole" and "symmetry" in panel.model_fields_set:
+            allowed = f"whole, or left out, {BESIDE_ANGLES}"
+            raise InputError(file=file, key="panel.symmetry", value=panel.symmetry, allowed=allowed)
+        more = {"symmetry": "whole"}
+    return scene.model_copy(update={"panel": panel.model_copy(update={"plies": plies} | more)})
+
+
+BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
+
+
+def is_angled(panel: PanelTable) -> bool:
+    """Whether a ply of a lay-up is at another angle than 0 and 90 deg."""
+    return any(ply.angle not in (0.0, math.pi / 2) for ply in panel.ply)
 
 
 def _check_relations(scene, table, file):

@@ -322,7 +322,9 @@ def exactly_one(table: BaseModel, names: Sequence[str], key: str, file: FilePath
 def anchored(scene: Any, folder: Path) -> Any:
     """The scene with its relative paths taken from the folder of the scene file."""
     updates: dict[str, Any] = {"fabric": _anchored(scene.fabric, folder, ("file", "law", "surface"))}
-    panel = getattr(scene, "panel", None)
+    shot, panel = getattr(scene, "projectile", None), getattr(scene, "panel", None)
+    if shot is not None:
+        updates["projectile"] = _anchored(shot, folder, ("stl",))
     if panel is not None:
         plies = tuple(_anchored(ply, folder, ("file", "law")) for ply in panel.ply)
         updates["panel"] = _anchored(panel, folder, ("ply_contact",)).model_copy(update={"ply": plies})

@@ -131,7 +131,7 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
 
 
 def _target(scene, name, stem, text, from_file=False):
-    case = build.build(scene, name, stem)  # which prints the projectile where it has a name
-    if scene.projectile.name is None:
+    case = build.build(scene, name, stem)  # which prints the projectile where it has a name or a file
+    if scene.projectile.name is None and scene.projectile.stl is None:
         print(f"projectile: {words.shot_in_words(scene.projectile)}")
     return Target(case, build.setup(case, name), text, name, from_file)

@@ -10,7 +10,7 @@ from weavecell.scenes.impact import SHAPES, PanelTable, ProjectileTable
 def shot_in_words(shot: ProjectileTable) -> str:
     """The projectile and how it comes, for the reader."""
     words = f"{shot.name}, " if shot.name else ""
-    words += f"{SHAPES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
+    words += f"{SHAPES[shot.shape]} of {1e3 * shot.mass:.4g} g and {1e3 * shot.diameter:.4g} mm"
     if shot.obliquity:
         words += f", {degrees(shot.obliquity):.3g}° off the normal"
     if shot.body == "elastic_bar":

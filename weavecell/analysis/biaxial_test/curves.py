@@ -25,7 +25,7 @@ class Curve:
     Parameters
     ----------
     label : "k = 2", "free weft", "free warp"
-    strain : (n, 2) [-] of the cloth along warp and weft; the free direction's strain is not prescribed, it is nan
+    strain : (n, 2) [-] of the fabric along warp and weft; the free direction's strain is not prescribed, it is nan
     tension : (n, 2) [N] per yarn
     failed : "warp", "weft" or None, the yarn that reaches its strength at the end of the curve
     """

@@ -28,7 +28,7 @@ class Test:
 
     Parameters
     ----------
-    strain : (n, 2) [-] of the cloth along warp and weft
+    strain : (n, 2) [-] of the fabric along warp and weft
     tension : (n, 2) [N] per yarn; nan in a column that was not measured
     source : where it comes from
 

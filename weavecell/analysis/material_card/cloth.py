@@ -1,7 +1,7 @@
 """The cell of a fabric as a membrane of nominal stresses: what the laws of other codes are made of and held against.
 
 Nominal stress is force over the width and the thickness at rest: a force of N in each warp yarn is N warp_count /
-thickness. Stretches L1, L2 are those of the cloth along warp and weft, gamma [rad] is the loss of the right angle
+thickness. Stretches L1, L2 are those of the fabric along warp and weft, gamma [rad] is the loss of the right angle
 between the yarns, tau the stress that works on it.
 """
 
@@ -55,7 +55,7 @@ class Cloth:
 
     @property
     def density(self) -> float:
-        """[kg/m3] of the membrane, which has the areal density of the cloth."""
+        """[kg/m3] of the membrane, which has the areal density of the fabric."""
         return self.model.fabric.weave.areal_density / self.thickness
 
     @property

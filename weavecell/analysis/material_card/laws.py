@@ -139,7 +139,7 @@ class CrimpExchange:
     crimp : (2,) [-] S1, S2
     counts : N1, N2
     trellis : (n, 2) shear angle [rad], stress [Pa] that works on it
-    limit : (2,) true strain of the cloth at which a direction fails: that of uniaxial tension
+    limit : (2,) true strain of the fabric at which a direction fails: that of uniaxial tension
     """
 
     E: FloatArray
@@ -149,7 +149,7 @@ class CrimpExchange:
     limit: FloatArray
     lost: ClassVar[str] = (
         "flattening of the yarns and the rounding of their path, sliding of yarns at the crossovers; failure is by "
-        "the strain of the cloth (/FAIL/FABRIC), not by the tension of the yarn"
+        "the strain of the fabric (/FAIL/FABRIC), not by the tension of the yarn"
     )
 
     @classmethod

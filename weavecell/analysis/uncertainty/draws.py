@@ -20,7 +20,7 @@ from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import fired
-from weavecell.analysis.uncertainty import strengths
+from weavecell.analysis.uncertainty import inputs, strengths
 from weavecell.analysis.uncertainty.inputs import Scatter
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ def study(
     """
     if count < 2:
         raise InputError(key="draws", value=count, allowed="at least 2")
-    alike, given = replace(scatter, modulus=0.0, crimp=0.0), strengths.whole(setup)
+    alike, given = replace(scatter, modulus=0.0, crimp=0.0), inputs.alone(setup, symmetry="whole")
     strengths.check(given, alike)
     arguments = [(given, alike, seed, number) for number in range(count)]
     found = run_cache.results(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 from math import inf
+from typing import Any
 
 from fabrics import variants
 from fabrics.compression import CompressionLaw
@@ -114,6 +115,12 @@ def changed_with_laws(
         scales = (factors.get(f"compression_{name}", 1.0) for name in "ab")
         laws = variants.scale_laws(replace(fabric, laws=laws), *scales).laws
     return changed(fabric, **factors), laws
+
+
+def alone(setup: ImpactSetup, **others: Any) -> ImpactSetup:
+    """The set-up on one thread, since others run beside it, that records nothing beside its samples; others change."""
+    numerics = replace(setup.numerics, threads=1)
+    return replace(setup, **{"numerics": numerics, "history": None, "snapshot_interval": None} | others)
 
 
 def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:

@@ -148,10 +148,7 @@ def study(
     rows = sample(given, samples, seed)
     if setup.surface is not None:
         raise InputError("a response surface holds for one fabric", key="surface", allowed="left out")
-    numerics = replace(setup.numerics, threads=1)
-    plain = replace(
-        setup, strike_velocity=1.0, history=None, snapshot_interval=None, numerics=numerics, table_size=TABLE
-    )
+    plain = inputs.alone(setup, strike_velocity=1.0, table_size=TABLE)
     runs = [
         (plain, tuple((name, round(float(x), _DIGITS)) for name, x in zip(entries, row)), tuple(velocities))
         for row in rows

@@ -29,7 +29,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import grading as grading_of_panels
 from shellfabric.panel.model import Panel
 from shellfabric.plies.model import Pack
-from weavecell.analysis.uncertainty.inputs import Scatter, changed_setup
+from weavecell.analysis.uncertainty.inputs import Scatter, alone, changed_setup
 
 _SMALL = 11  # samples a side of a cell's table that no run uses
 
@@ -50,12 +50,6 @@ class Drawn:
     weakest: tuple[float, float]
 
 
-def whole(setup: ImpactSetup) -> ImpactSetup:
-    """The set-up of the whole panel, which records nothing beside its samples, on one thread."""
-    numerics = replace(setup.numerics, threads=1)
-    return replace(setup, symmetry="whole", history=None, snapshot_interval=None, numerics=numerics)
-
-
 def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn:
     """The panel or pack of a number.
 
@@ -63,7 +57,7 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     ------
     InputError : yarns that do not fail, or a response surface where modulus or crimp scatter
     """
-    given = whole(setup)
+    given = alone(setup, symmetry="whole")
     check(given, scatter)
     plain = replace(given, table_size=_SMALL).target().plies
     found = [

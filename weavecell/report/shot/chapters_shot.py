@@ -144,6 +144,7 @@ def _reactions(record):
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
     """What `pictures_shot.cuts` draws of a cut of a record."""
     outline = pictures_shot.outline(record.projectile)
+    outline[:, 0] += record.nose_place(cut.t)[0]
     return pictures_shot.CutView(title, cut, record.thickness, record.mirror_x, outline)
 
 
@@ -165,7 +166,7 @@ def _cut_views(records):
 def _panels(records):
     """The back face of the last ply and the impact point, all under one scale of tension that ends at the highest."""
     shares = {
-        record.title: [np.max(shape.tension / record.strength[-1], axis=1) for shape in _rear(record)]
+        record.title: [np.max(shape.tension / record.strength[-1], axis=1) for shape in record.rear]
         for record in records
     }
     top = max(float(share.max()) for pair in shares.values() for share in pair)
@@ -173,7 +174,7 @@ def _panels(records):
     images = {}
     for record in records:
         drawn, mirrors = [], (record.mirror_x, record.mirror_y)
-        for shape, share, reach in zip(_rear(record), shares[record.title], (None, CLOSE_UP)):
+        for shape, share, reach in zip(record.rear, shares[record.title], (None, CLOSE_UP)):
             body = shape.projectile_position + record.projectile
             image = pictures3d.panel(
                 shape.nodes, record.quads[-1], share, failed_yarns(shape.failed), body, mirrors, reach, top_share=top,
@@ -189,11 +190,6 @@ def _panels(records):
         "absorbed. Right: the impact point at the end of the run, the quarter in front left out to show the projectile."
     )
     return Figure(pictures.render(pictures.panels, images, top, bar, kind="png"), "png", caption, "panel")
-
-
-def _rear(record):
-    """Shapes of the last ply: when half of the energy was absorbed, and at the end."""
-    return record.half_energy[-1], record.final[-1]
 
 
 def _of_plies(record):

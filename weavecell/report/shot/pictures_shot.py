@@ -113,12 +113,11 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
 
 
 def outline(projectile: np.ndarray) -> np.ndarray:
-    """(n, 2) [m] a surface (a, b, 3) as it is seen from the side, the foremost point at height 0."""
-    x, z = projectile[..., 0].ravel(), projectile[..., 2].ravel()
-    heights = np.unique(np.round(z, 7))
-    low = [x[np.abs(z - height) < 1e-6].min() for height in heights]
-    high = [x[np.abs(z - height) < 1e-6].max() for height in heights]
-    found = np.concatenate([np.column_stack([low, heights]), np.column_stack([high, heights])[::-1]])
+    """(n, 2) [m] convex outline of a surface (a, b, 3) as it is seen from the side, the foremost point at height 0."""
+    from scipy.spatial import ConvexHull
+
+    points = projectile[..., [0, 2]].reshape(-1, 2)
+    found = points[ConvexHull(points).vertices]
     found[:, 1] -= found[:, 1].max()
     return found
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import weavecell
 from fabrics import assumed
 from weavecell.report import chapters, chapters_assumed, chapters_discretisation, chapters_impact, checks
 from weavecell.report.page import Report, Section
@@ -85,7 +84,7 @@ def page(
             chapters.sources(*setup.fabrics),
             chapters.making(stamp, {"time integration": record.wall_time}, tables_shot.cost([record], setup.meshed)),
         ),
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
         outcome=chapters_shot.outcome(record),
         tone=record.outcome,
     )

@@ -38,6 +38,7 @@ def results(records: Sequence[ImpactRecord]) -> Table:
         ("largest contact force [kN]", lambda record: f"{1e-3 * record.contact_force.max():.3g}"),
         *(row for family in ("warp", "weft") for row in _peak_rows(family)),
         ("failed yarn segments", lambda record: f"{int(record.failed_segments[-1])}"),
+        *(row for row in _FAILURE if any(record.failure for record in records)),
         ("energy error, of the strike energy [%]", lambda record: f"{100 * record.energy_error_max:.3f}"),
         (
             "artificial viscosity, of the absorbed energy [%]",
@@ -47,6 +48,22 @@ def results(records: Sequence[ImpactRecord]) -> Table:
     columns = ("result", *(("value",) if len(records) == 1 else (record.title for record in records)))
     found = tuple((name, *(value(record) for record in records)) for name, value in rows)
     return Table(columns, found, "Results", numeric=columns[1:])
+
+
+def _of_failure(key, factor, digits):
+    """What the record of a failure holds, as text; a dash where there is none."""
+
+    def text(record):
+        value = record.failure.get(key)
+        return "–" if value is None else f"{factor * value:.{digits}f}"
+
+    return text
+
+
+_FAILURE = (
+    ("tension at failure over the strength of the yarn, mean", _of_failure("tension_at_failure_over_strength", 1, 3)),
+    ("bending strain at failure [%], mean", _of_failure("bending_strain_at_failure", 100, 2)),
+)
 
 
 def _peak_rows(family):
@@ -81,7 +98,7 @@ def ply_table(record: ImpactRecord) -> Table:
     caption = f"Plies, from the front. A ply was pressed into the next by at most {deepest:.0f} % of its thickness."
     held, missed = record.torn_contact
     if held or missed:
-        caption += f" Torn cloth was kept from passing through other plies {held:g} times, {missed:g} times in vain."
+        caption += f" Torn fabric was kept from passing through other plies {held:g} times, {missed:g} times in vain."
     return Table(columns, rows, caption=caption, numeric=columns[1:])
 
 

@@ -1,4 +1,4 @@
-"""`weavecell validate`, `cost-accuracy` and `stability`: their options, for `validation.commands`."""
+"""`weavecell validate`, `cost-accuracy` and `stability`, which `validation.commands` carries out."""
 
 from __future__ import annotations
 
@@ -8,11 +8,7 @@ from typing import Annotated
 
 import typer
 
-from weavecell.cli.options import CORES, RESULTS, ExecutorOption, JobsOption, OutOption, ResumeOption, refuse_others
-
-COST_ACCURACY = "Example: [bold]weavecell cost-accuracy --scene ply-stopped[/bold]"
-VALIDATE = "Example: [bold]weavecell validate --topic impact1 --topic cell[/bold]"
-STABILITY = "Example: [bold]weavecell stability --map time-step[/bold]"
+from weavecell.commands import options
 
 
 class Level(StrEnum):
@@ -30,6 +26,7 @@ PageOption = Annotated[
 AllOption = Annotated[bool, typer.Option("--all", help="All standard scenes or maps.")]
 
 
+@options.example("weavecell cost-accuracy --scene ply-stopped")
 def cost_accuracy(
     context: typer.Context,
     scene: Annotated[
@@ -42,10 +39,10 @@ def cost_accuracy(
     only: Annotated[
         str, typer.Option(help="crossover: choices to vary, by commas; all if not given.", metavar="CHOICE,...")
     ] = "",
-    jobs: JobsOption = CORES,
-    executor: ExecutorOption = "local",
-    out: OutOption = None,
-    resume: ResumeOption = False,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    out: options.OutOption = None,
+    resume: options.ResumeOption = False,
 ) -> None:
     """Run the standard cases with every method: CPU time against error, and the Pareto-optimal methods.
 
@@ -56,9 +53,9 @@ def cost_accuracy(
     from validation.commands import cost_accuracy as module
 
     of_crossover = (scene or []) == [module.LONG]
-    options = ("level", "only", "jobs", "executor") if of_crossover else ("everything", "quick", "page")
+    own = ("level", "only", "jobs", "executor") if of_crossover else ("everything", "quick", "page")
     where = f"{'with' if of_crossover else 'without'} --scene {module.LONG}"
-    refuse_others(context, ("scene", "out", "resume", *options), where)
+    options.refuse_others(context, ("scene", "out", "resume", *own), where)
     module.chart_command(
         scene or [],
         out,
@@ -73,6 +70,7 @@ def cost_accuracy(
     )
 
 
+@options.example("weavecell stability --map time-step")
 def stability(
     maps: Annotated[
         list[str] | None, typer.Option("--map", help="Name of the map; an unknown one lists them.", metavar="NAME")
@@ -80,10 +78,10 @@ def stability(
     everything: AllOption = False,
     quick: Annotated[bool, typer.Option("--quick", help="Few points, as a check that everything runs.")] = False,
     page: PageOption = None,
-    jobs: JobsOption = CORES,
-    executor: ExecutorOption = "local",
-    out: OutOption = None,
-    resume: ResumeOption = False,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    out: options.OutOption = None,
+    resume: options.ResumeOption = False,
 ) -> None:
     """Compute stability maps of the methods, and the margins of the defaults.
 
@@ -96,6 +94,7 @@ def stability(
     )
 
 
+@options.example("weavecell validate --topic impact1 --topic cell")
 def validate(
     topic: Annotated[
         list[str] | None, typer.Option(help="Only the claims of this topic; may be given again.", metavar="TOPIC")
@@ -108,10 +107,10 @@ def validate(
     page: Annotated[
         Path | None, typer.Option(help="Also write this page, with its data beside it in data/.", metavar="FILE.md")
     ] = None,
-    jobs: JobsOption = CORES,
-    executor: ExecutorOption = "local",
-    resume: ResumeOption = False,
-    out: OutOption = None,
+    jobs: options.JobsOption = options.CORES,
+    executor: options.ExecutorOption = "local",
+    resume: options.ResumeOption = False,
+    out: options.OutOption = None,
 ) -> int:
     """Compare computed values with the statements of the thesis: value, result and, where missed, the cause.
 
@@ -125,7 +124,7 @@ def validate(
     from validation.commands import claims as module
 
     return module.validate(
-        out or RESULTS / "validate",
+        out or options.RESULTS / "validate",
         topics=topic or (),
         slow=slow,
         jobs=jobs,

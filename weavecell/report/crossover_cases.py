@@ -1,0 +1,135 @@
+"""What the cases of the 3D crossover come to: {quantity [unit]: value} of each record (`weavecell crossover`)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fabrics.errors import InputError
+
+
+def _yarn_summary(fabric, record):
+    taut = record["T_taut"] > 0.1 * record["T_taut"].max()
+    found = {"greatest tension [N]": record["T"].max()}
+    if np.count_nonzero(taut) > 1 and not record["broken"].any():
+        slope, start = np.polyfit(record["strain"][taut], record["T"][taut], 1)
+        EA = fabric.weave.yarns[record.facts["yarn"]].EA
+        found["stiffness when taut over E A / (1 + crimp) [-]"] = slope * (1 + record.facts["crimp"]) / EA
+        found["strain at which it is straight [-]"] = -start / slope
+        found["crimp [-]"] = record.facts["crimp"]
+    if record["broken"].any():
+        found["greatest tension over the yarn's strength [-]"] = (
+            record["T"].max() / fabric.weave.yarns[record.facts["yarn"]].strength
+        )
+        found["bars failed at the end [-]"] = record["broken"][-1]
+    return found
+
+
+def _stack_summary(fabric, record):
+    from unitcell3d.cases.stack import law_closure
+
+    found = {
+        "pressure at the end [MPa]": record["pressure"][-1] / 1e6,
+        "closure of a ply at the end [um]": 1e6 * record["closure_ply"][-1],
+        "deepest penetration [um]": 1e6 * record["deepest"].max(),
+    }
+    if fabric.areal_density_measured is not None and record.facts["plies"] in (1, 4, 8, 16):
+        pressure, law, closure = law_closure(fabric, record)
+        if pressure.size:
+            found["closure since 28 kPa [um]"] = 1e6 * closure[-1]
+            found["the same by the pressure law (eq. 2-6) [um]"] = 1e6 * law[-1]
+    return found
+
+
+def _tension_summary(fabric, record):
+    found = {f"{name} at the end [N]": record[name][-1] for name in ("T1", "T2", "F_c")}
+    found |= {f"greatest {name} [N]": record[name].max() for name in ("T1", "T2")}
+    if np.any(record["broken"]):
+        found["bars failed at the end [-]"] = np.max(record["broken"][-1])
+    return found
+
+
+def _shear_summary(fabric, record):
+    from fabrics.trellis import touching_angle
+    from unitcell3d.identify import shear_fit
+
+    turned = record["gamma"] > 0
+    gamma = np.concatenate([[0.0], record["gamma"][turned]])
+    tau = np.concatenate([[0.0], record["tau"][turned]])
+    found = {
+        "shear angle reached [rad]": gamma[-1],
+        "shear stress there [MPa]": tau[-1] / 1e6,
+        "tensions there [N]": [record["T1"][-1], record["T2"][-1]],
+    }
+    for family, name in enumerate(("warps", "wefts")):
+        met = np.flatnonzero(record["F_side"][:, family] > 0)
+        found[f"parallel {name} meet at [rad]"] = record["gamma"][met[0]] if met.size else None
+        width, spacing = record.facts["width"][family], record.facts["spacing"][family]
+        found[f"by width and spacing of {name} (eq. 4-32) [rad]"] = (
+            touching_angle(width, spacing) if width < spacing else None
+        )
+    try:
+        fit = shear_fit.fit(gamma, tau)
+    except InputError as problem:
+        found["fit"] = str(problem)
+        return found
+    found |= {"fit of eq. 4-35: " + key: value for key, value in _law(fit.law).items()}
+    found["rms of the fit [MPa]"] = fit.rms / 1e6
+    found["gamma2 lies inside the curve"] = fit.locked
+    if fabric.shear is not None:
+        slope = np.gradient(tau, gamma)
+        for part, modulus in (("G1", fabric.shear.G1), ("G2", fabric.shear.G2)):
+            stiffer = np.flatnonzero(slope >= modulus)
+            found[f"tangent modulus passes the data's {part} at [rad]"] = gamma[stiffer[0]] if stiffer.size else None
+        found |= {"fabric's data (Table 4-1): " + key: value for key, value in _law(fabric.shear).items()}
+    return found
+
+
+def _pull_out_summary(fabric, record):
+    from unitcell3d.cases import pull_out
+
+    F_c, T_f = pull_out.thresholds(record)
+    found = {
+        "Coulomb's coefficient of the contact [-]": record.facts["friction"],
+        "contact forces in slip [N]": F_c.tolist(),
+        "slip thresholds [N]": T_f.tolist(),
+        "largest force of the normal pressures along the axis [N]": np.abs(record["P_geometric"]).max(),
+        "largest share of Coulomb's limit [-]": record["mobilised"].max(),
+    }
+    if F_c.size > 1:
+        law = pull_out.fit(record)
+        found |= {
+            "threshold without contact force, c0 [N]": law.c0,
+            "effective coefficient, mu_eff [-]": law.mu_eff,
+            "rms of the fit [N]": law.residual_rms,
+            "range of the coefficient [-]": list(law.friction_range),
+            "status of the range": law.status,
+        }
+    return found
+
+
+def _law(law):
+    return {
+        "gamma1 [rad]": law.gamma1, "gamma2 [rad]": law.gamma2, "G1 [MPa]": law.G1 / 1e6, "G2 [MPa]": law.G2 / 1e6
+    }  # fmt: skip
+
+
+SUMMARIES = {
+    "yarn": _yarn_summary,
+    "platens": _stack_summary,
+    "stack": _stack_summary,
+    "biaxial": _tension_summary,
+    "path": _tension_summary,
+    "shear": _shear_summary,
+    "pull-out": _pull_out_summary,
+}
+
+
+def as_text(value: Any) -> str:
+    """A number, some of them or a word, as it is printed."""
+    if isinstance(value, list | tuple):
+        return ", ".join(as_text(part) for part in value)
+    if value is None:
+        return "-"
+    return f"{value:.5g}" if isinstance(value, float | np.floating) else str(value)

@@ -1,0 +1,257 @@
+"""A projectile's body from an STL file: checks of its surface, and its signed distance on a grid, by VTK.
+
+The z axis of the file is the axis of the projectile and points along its flight; x and y lie along warp and weft at no
+obliquity and roll. Where the body lies along z makes no difference: its foremost point is where the nose is.
+
+Rounding. Where triangles meet at a convex edge by more than SHARP, the body is opened by a ball of the edge radius rho:
+it becomes all places of that ball in it. With K the points at least rho deep, d = dist(p, K) - rho outside K.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fabrics.checks import FilePath, FloatArray
+from fabrics.errors import InputError
+from fabrics.units import si
+from shellfabric.projectile import solid as solid_body
+
+UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 25.4e-3}  # [m]
+WIDTHS = (0.5e-3, 100e-3)  # [m] of a projectile: what is narrower or wider has another unit
+DENSITIES = (500.0, 23000.0)  # [kg/m3] mean of a body, from light and hollow ones to osmium
+SHARP = 30.0  # [deg] between the normals of neighbouring triangles
+SAMPLES = 3  # of the distance, in an edge radius (docs/reports/stl-noses.md)
+COARSE = 4  # times further apart, where the body is deep
+MOST_SAMPLES = 8_000_000  # about 0.7 GiB while they are computed, 64 MiB then
+_SAME = 1e-6  # [largest extent] between corners that are one
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A closed surface, its foremost point at z = 0.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) [m] corners; (m, 3) those of each triangle, counterclockwise seen from outside
+    volume : [m3]
+    digest : SHA-256 of the file
+    """
+
+    points: FloatArray
+    faces: np.ndarray
+    volume: float
+    digest: str
+
+    @property
+    def width(self) -> float:
+        """[m] twice the largest distance from the axis."""
+        return 2 * float(np.hypot(*self.points[:, :2].T).max())
+
+    @property
+    def length(self) -> float:
+        """[m] along the axis."""
+        return float(-self.points[:, 2].min())
+
+    @property
+    def sharp(self) -> bool:
+        """Whether triangles meet at a convex edge by more than SHARP."""
+        corners = self.points[self.faces]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        edges = np.sort(_edges(self.faces), axis=1)
+        order = np.lexsort(edges.T)
+        one, other = (order[k::2] % len(self.faces) for k in (0, 1))  # the two triangles of each edge
+        below = np.einsum("ij,ij->i", corners[other].mean(axis=1) - corners[one].mean(axis=1), normals[one])
+        cosine = np.einsum("ij,ij->i", normals[one], normals[other])
+        return bool(np.any((below < 0) & (cosine < np.cos(np.radians(SHARP)))))
+
+
+def surface(path: FilePath, unit: str) -> Surface:
+    """The surface in an STL file, ASCII or binary, whose lengths have a unit of UNITS.
+
+    Raises
+    ------
+    InputError : one line: no file, no triangles, not closed, facing inwards, or of no projectile's size in this unit
+    """
+    try:
+        digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    except OSError as problem:
+        raise InputError(f"cannot be read; must be an STL file ({problem.strerror})", file=path) from None
+    return _surface(str(path), unit, digest)
+
+
+@lru_cache(maxsize=4)
+def _surface(path, unit, digest):
+    import pyvista
+
+    with pyvista.vtk_verbosity("off"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            mesh: Any = pyvista.read(path, force_ext=".stl")
+            corners = np.asarray(mesh.points, float)[mesh.regular_faces]
+        except Exception:  # pyvista has several of its own
+            corners = np.empty((0, 3, 3))
+    if not len(corners) or not np.all(np.isfinite(corners)):
+        raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
+    scale = _SAME * np.ptp(corners.reshape(-1, 3), axis=0).max()
+    _, first, numbers = np.unique(
+        np.round(corners.reshape(-1, 3) / scale), axis=0, return_index=True, return_inverse=True
+    )
+    faces = numbers.reshape(-1, 3)
+    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]  # what has shrunk to a line or a point goes
+    _check_closed(faces, path)
+    points = UNITS[unit] * corners.reshape(-1, 3)[first]
+    points[:, 2] -= points[:, 2].max()
+    volume = solid_body.volume(points, faces)
+    if volume <= 0:
+        raise InputError("its triangles face inwards; must be a surface whose normals point outwards", file=path)
+    found = Surface(points, faces, volume, digest)
+    if not WIDTHS[0] <= max(found.width, found.length) or not found.width <= WIDTHS[1]:
+        low, high = (1e3 * width for width in WIDTHS)
+        wide = f"{1e3 * found.width:.4g} mm wide and {1e3 * found.length:.4g} mm long in {unit}"
+        raise InputError(f"is {wide}; must be a body of {low:g} to {high:g} mm: see projectile.stl_unit", file=path)
+    return found
+
+
+def _edges(faces):
+    """(3 m, 2) the edges of triangles as they go round them: the first ones, the second ones, the third ones."""
+    return np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+
+
+def _check_closed(faces, path):
+    """Every edge has two triangles, which go along it both ways."""
+    edges = _edges(faces)
+    _, together, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    wrong = {
+        "is not closed: {} edges have one triangle": np.sum(count == 1),
+        "is not the surface of a body: {} edges have more than two triangles": np.sum(count > 2),
+        "has normals that point both ways: {} edges between such triangles": np.sum(
+            np.bincount(together.ravel(), np.where(edges[:, 0] < edges[:, 1], 1, -1)) != 0
+        ),
+    }
+    for words, number in wrong.items():
+        if number:
+            raise InputError(f"{words.format(number)}; must be a watertight surface, normals outwards", file=path)
+
+
+def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[str, str]:
+    """{key: value} of the table [projectile] that follow from its STL file: diameter, length, and mass of a density.
+
+    Raises
+    ------
+    InputError : as `surface`; a mass that the body cannot have in this unit, or no edge radius
+    """
+    found = surface(path, given["stl_unit"])
+    known = {"mass": given.get("mass", "1 g"), "diameter": f"{found.width!r} m", "length": f"{found.length!r} m"}
+    try:
+        mass = si(given["mass"], "kg") if "mass" in given else si(given["density"], "kg/m^3") * found.volume
+    except InputError:
+        return known  # the schema tells of it
+    mean, (low, high) = mass / found.volume, DENSITIES
+    if not low <= mean <= high:
+        allowed = f"a unit in which the body has a mean density of {1e-3 * low:g} to {1e-3 * high:g} g/cm^3, not "
+        allowed += f"{1e-3 * mean:.3g}"
+        raise InputError(file=file, key="projectile.stl_unit", value=given["stl_unit"], allowed=allowed)
+    return known | {"mass": f"{mass!r} kg"}
+
+
+def described(table: dict[str, Any], fields: Mapping[str, Any], file: FilePath | None) -> dict[str, Any]:
+    """The table of a scene with what the STL file of [projectile] says of it, as if it were written there; the whole
+    panel unless another symmetry is given.
+
+    Parameters
+    ----------
+    table : of the scene
+    fields : of the schema of [projectile], whose descriptions say what is allowed
+    file : of the scene, whose folder the path of the STL file counts from
+
+    Raises
+    ------
+    InputError : a key that is missing or does not go with an STL file, or what `data` raises
+    """
+    given = table.get("projectile")
+    if not isinstance(given, dict) or given.get("shape") != "stl":
+        return table
+    for key in ("stl", "stl_unit", "edge_radius"):
+        if key not in given:
+            raise InputError("is missing", file=file, key=f"projectile.{key}", allowed=fields[key].description)
+    for key, fits in (("stl", isinstance(given["stl"], str)), ("stl_unit", given["stl_unit"] in [*UNITS])):
+        if not fits:
+            raise InputError(file=file, key=f"projectile.{key}", value=given[key], allowed=fields[key].description)
+    for key in ("diameter", "length"):
+        if key in given:
+            allowed = "left out: the STL file has it"
+            raise InputError(file=file, key=f"projectile.{key}", value=given[key], allowed=allowed)
+    if ("mass" in given) == ("density" in given):
+        raise InputError("give exactly one of projectile.mass and projectile.density", file=file, key="projectile")
+    found = data(given, Path("." if file is None else Path(file).parent, given["stl"]), file)
+    panel = table.get("panel")
+    whole = {"panel": {"symmetry": "whole"} | panel} if isinstance(panel, dict) else {}
+    return table | whole | {"projectile": given | found}
+
+
+def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:
+    """The body in an STL file, its convex edges rounded to the edge radius [m] where they are sharp.
+
+    Raises
+    ------
+    InputError : as `surface`; an edge radius too large or too small for the body, or an axis outside of it
+    """
+    return _solid(str(path), surface(path, unit).digest, unit, edge_radius)
+
+
+@lru_cache(maxsize=4)
+def _solid(path, digest, unit, edge_radius):
+    found, h = _surface(path, unit, digest), edge_radius / SAMPLES
+    size = np.prod(np.array([found.width, found.width, found.length]) / h)
+    if size > MOST_SAMPLES:
+        least = 1e3 * edge_radius * (size / MOST_SAMPLES) ** (1 / 3)
+        raise InputError(key="edge_radius", value=edge_radius, allowed=f"at least {least:.2g} mm for this body")
+    axes = solid_body.Solid.axes(found.points, h)
+    distances = _distances(found, axes, h, edge_radius, path)
+    middle = distances[axes[0].size // 2, axes[1].size // 2]
+    if not middle.min() < 0:
+        raise InputError("its z axis, x = y = 0, must lie in the body: it is the projectile's axis", file=path)
+    return solid_body.Solid(f"{digest} {unit} {edge_radius!r}", h, found.points, found.faces, distances)
+
+
+def _distances(found, axes, h, rho, path):
+    """(i, j, k) [m] signed distance of the body, opened where it has sharp edges; exact where it is below 1.2 rho.
+
+    Further away, where a search for the nearest triangle takes long, it is interpolated between samples COARSE h apart.
+    """
+    import pyvista
+    from scipy import ndimage
+
+    def distance(places, skin):
+        return np.array(pyvista.PolyData(places).compute_implicit_distance(skin)["implicit_distance"])
+
+    def places(axes):
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+    skin: Any = pyvista.PolyData(found.points, faces=np.insert(found.faces, 0, 3, axis=1).ravel())
+    wide = [np.linspace(axis[0], axis[-1], axis.size // COARSE + 2) for axis in axes]
+    at = places(wide)
+    d = distance(at.reshape(-1, 3), skin).reshape(at.shape[:3])
+    d = ndimage.zoom(d, [axis.size / one.size for axis, one in zip(axes, wide)], order=1)
+    at, near = places(axes), np.abs(d) < 2 * rho
+    d[near] = distance(at[near], skin)
+    steps = (np.abs(np.diff(np.clip(d, -1.2 * rho, 1.2 * rho), axis=axis)).max() for axis in range(3))
+    if max(steps) > 1.05 * h:
+        raise InputError("its distance jumps; must be a surface that does not cut itself, without slivers", file=path)
+    if found.sharp:
+        grid: Any = pyvista.ImageData(dimensions=d.shape, spacing=(h, h, h), origin=[axis[0] for axis in axes])
+        core: Any = grid.contour([-rho], scalars=d.ravel(order="F"))
+        if not core.n_cells:
+            raise InputError(key="edge_radius", value=rho, allowed=f"below {-1e3 * d.min():.3g} mm for this body")
+        shell = near & (d > -rho)
+        d[shell] = np.abs(distance(at[shell], core)) - rho
+    return d
