@@ -9,7 +9,7 @@ N ?= 1000
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
 # in processes of their own: each loads other libraries, and memory that compiled code takes is not given back
-APART = tests/meshing tests/validation tests/weavecell
+APART = tests/installed tests/meshing tests/validation tests/weavecell
 WEAVECELL_APART = $(addprefix tests/weavecell/,analysis api commands limits)
 QUICK = $(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
 
@@ -20,7 +20,7 @@ demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report
 
 test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(APART:%=--ignore=%)
-	$(QUICK) tests/meshing
+	$(QUICK) tests/installed tests/meshing
 	$(QUICK) tests/validation
 	$(QUICK) tests/weavecell $(WEAVECELL_APART:%=--ignore=%)
 	$(QUICK) tests/weavecell/analysis

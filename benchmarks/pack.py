@@ -30,7 +30,7 @@ from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
-from validation.published.ply_friction import page as friction_page
+from validation.published import ply_friction as friction_page
 from weavecell.report.marked_page import put
 from weavecell.results.provenance import stamp
 
@@ -113,7 +113,7 @@ def with_friction(panel, chosen, report):
             f"{plain[0]:.1f} ns without friction. Plies that are pressed together everywhere cost {rubbed[1]:.1f} ns,\n"
             f"{touching:.2f} times the {plain[1]:.1f} ns without.\n"
         )
-        put(chosen.page, friction_page.BEGIN, friction_page.END, text)
+        put(chosen.page, *friction_page.COST_MARKS, text)
 
 
 def main():

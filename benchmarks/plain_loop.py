@@ -32,7 +32,7 @@ from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import move_rows
 from shellfabric.projectile import contact_kernels
 from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import run_steps
+from shellfabric.solver.pack_solver import PackSolver
 
 plain = njit(cache=True, error_model="numpy", fastmath=True)
 
@@ -221,18 +221,19 @@ def cpu(function, *arguments):
 
 
 def shaken(panel):
-    """A state in motion everywhere: what 40 steps have made of random velocities of 0.5 m/s."""
-    state, rng = panel.state(92.5), np.random.default_rng(1)
+    """A solver in motion everywhere: what 40 steps have made of random velocities of 0.5 m/s."""
+    solver, rng = PackSolver(panel, 92.5, 1.0), np.random.default_rng(1)
+    state, solver.exchange = solver.state, np.inf  # no checks of the energy
     for part in state.v:
         part[: state.mass.size] = np.where(state.dt_over_mass > 0, rng.uniform(-0.5, 0.5, state.mass.size), 0.0)
     state.active_rows[:] = 0, panel.counts[0]
-    run_steps(state, panel.constants(), panel.work(), 40, np.empty((40, 3)))
-    return state
+    solver.advance(np.empty((40, 3)))
+    return solver
 
 
 def difference(panel):
     """Largest difference of the nodes' forces between both, over the largest force [-]; viscosity is left out."""
-    state = shaken(panel)
+    state = shaken(panel).state
     other = Plain(panel, state)
     other.dt, other.kick[:] = 0.0, 0.0
     other.run(2)
@@ -261,12 +262,13 @@ def main():
     history, out = np.empty((steps, 3)), np.empty(5)
     with one_core():
         for repeat in range(chosen.repeats + 1):
-            state = shaken(panel)
+            solver = shaken(panel)
+            state = solver.state
             other = Plain(panel, state)
             state.v[2][0] = other.v[2, 0, 0] = 92.5
             parts = {
                 "plain": (other.run, steps),
-                "kernels": (run_steps, state, const, work, steps, history),
+                "kernels": (solver.advance, history),
                 "elements": (elements_only, state, const, work, steps),
                 "nose": (nose_only, state, const, work, steps),
                 "failure": (failure_only, state, const, work, steps),

@@ -32,7 +32,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity, shoot
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import PackSolver, run_steps
+from shellfabric.solver.pack_solver import PackSolver
 
 END = 250e-6
 FORMS = ("equilibrium", "variational")
@@ -77,13 +77,14 @@ def one_core():
 
 def march(panel, strike_velocity, steps, everywhere):
     """(wall, cpu) [s] of marching a fresh panel."""
-    state, const, work = panel.state(strike_velocity), panel.constants(), panel.work()
+    solver = PackSolver(panel, strike_velocity, END)
+    solver.threads, solver.exchange = 1, np.inf  # no checks of the energy
     if everywhere:
-        state.active_rows[:] = 0, const.ni
-    fine = np.empty((max(steps, FIRST), 3))
-    run_steps(state, const, work, FIRST if everywhere else 0, fine)
+        solver.state.active_rows[:] = 0, solver.const.ni
+        solver.advance(np.empty((FIRST, 3)))
+    fine = np.empty((steps, 3))
     wall, cpu = time.perf_counter(), time.process_time()
-    made, _ = run_steps(state, const, work, steps, fine)
+    made, _ = solver.advance(fine)
     return (time.perf_counter() - wall) / made * steps, (time.process_time() - cpu) / made * steps
 
 

@@ -16,9 +16,9 @@ from PIL import Image
 
 from fabrics import catalogue
 from fabrics.errors import UnstableError
-from fabrics.files import replace_whole, write_whole
+from fabrics.files import replace_whole, write
+from validation.program import save
 from validation.published.biaxial_glass import model_comparison, options
-from validation.published.biaxial_glass import pictures as biaxial_pictures
 from weavecell.commands import biaxial, calibrate_all, coupon
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
@@ -46,8 +46,10 @@ def glass(_):
     """What the options of the cell change, and one weave in three models."""
     for name in ("glass-balanced", "glass-unbalanced"):
         weave = catalogue.load(name)
-        biaxial_pictures.options(weave, options.same_constants(weave), REPORTS / f"biaxial-options-{name}.png")
-        biaxial_pictures.sides(weave, model_comparison.compare(weave)[0], REPORTS / f"biaxial-sides-{name}.png")
+        save(options.chart, weave, options.same_constants(weave), to=REPORTS / f"biaxial-options-{name}.png")
+        save(
+            model_comparison.chart, weave, model_comparison.compare(weave)[0], to=REPORTS / f"biaxial-sides-{name}.png"
+        )
 
 
 def laws(_):
@@ -67,17 +69,16 @@ def coupons(_):
     with TemporaryDirectory() as folder:
         for name, pictures in FROM_COUPONS.items():
             with suppress(UnstableError):
-                coupon.coupon(COUPONS / f"{name}.toml", Path(folder) / name)
+                coupon.coupon(COUPONS / f"{name}.toml", out=Path(folder) / name)
             for picture in pictures:
                 keep(Path(folder) / name / "pictures" / picture, f"coupon-{name}-{picture}")
-        biaxial.biaxial_command("S-731", Path(folder) / "biaxial", ratios=("1:1", "1:0", "0:1"))
+        biaxial.biaxial("S-731", out=Path(folder) / "biaxial")
         keep(Path(folder) / "biaxial" / "pictures" / "cell.svg", "biaxial-S-731.svg")
 
 
 def keep(source, name, folder=FIGURES):
     """Copy a picture to the figures."""
-    with write_whole(folder / name, "wb") as file:
-        file.write(source.read_bytes())
+    write(folder / name, source.read_bytes())
     if name.endswith(".png"):
         shrink(folder / name)
 

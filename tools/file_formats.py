@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from fabrics import catalogue, ply_law, surface  # noqa: E402
+from fabrics.families import strain_rate  # noqa: E402
 from weavecell.report.marked_page import markdown, put  # noqa: E402
 
 MEANINGS = {
@@ -31,6 +32,10 @@ MEANINGS = {
     "top.areal_density": "optional: of the data sheet; checked against counts, linear densities and crimp",
     "top.areal_density_measured": "optional: of Kevlar 129, for the pressure law of thesis eq. 2-6",
     "top.interlayer_gap": "optional: approach of neighbouring plies of a pack in a test up to 19.4 MPa",
+    "top.fibre_diameter": "optional: of a fibre, for `panel.nose_bending`; without it assumed by fibre family",
+    "strain_rate.rates": "optional: rising strain rates, for `panel.rate_dependence`; without it by fibre family",
+    "strain_rate.strength": "strength at these rates over that of the file, a list",
+    "strain_rate.modulus": "optional: modulus at these rates over that of the file, a list",
     "crimp": "length of the yarn over length of the fabric, minus one; optional where thickness is given",
     "count": "yarns per width of fabric",
     "width": "optional: width of the yarn in the fabric",
@@ -80,17 +85,19 @@ def fabric_file() -> list[list[str]]:
             "areal_density": "kg/m^2",
             "areal_density_measured": "kg/m^2",
             "interlayer_gap": "m",
+            "fibre_diameter": "m",
         },
         "`[warp]`, `[weft]`": yarn | catalogue._YARN,
         "`[compression]`, or `[compression.warp]` and `[compression.weft]`": catalogue._LAW,
         "`[shear]`": catalogue._SHEAR,
         "`[solid]`, or `[solid.warp]` and `[solid.weft]`": catalogue._SOLID,
         "`[ply_contact]`, or its `file`": ply_law.UNITS,
+        "`[strain_rate]`": {f"strain_rate.{key}": unit for key, unit in strain_rate.UNITS.items()},
         "`[micrograph.warp]`, `[micrograph.weft]`": catalogue._MICROGRAPH,
     }
     for table, keys in tables.items():
         rows += [
-            [table, f"`{key}`", unit or "1", MEANINGS[f"top.{key}" if table == "top level" else key]]
+            [table, f"`{key.split('.')[-1]}`", unit or "1", MEANINGS[f"top.{key}" if table == "top level" else key]]
             for key, unit in keys.items()
         ]
     return rows

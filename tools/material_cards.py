@@ -16,7 +16,7 @@ import weavecell as wc  # noqa: E402
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth  # noqa: E402
 from weavecell.analysis.material_card.laws import CrimpExchange, Linear, UncoupledCurves  # noqa: E402
 from weavecell.analysis.material_card.mismatch import Mismatch  # noqa: E402
-from weavecell.commands import export  # noqa: E402
+from weavecell.report import deck_folder  # noqa: E402
 from weavecell.report.marked_page import markdown, put  # noqa: E402
 
 LAWS = {"curves (FORM 14, *FABRIC)": UncoupledCurves, "LAW58": CrimpExchange, "LAW19": Linear}
@@ -48,10 +48,10 @@ def errors(match: str) -> str:
 
 def card(to: str) -> str:
     """The card of S-720 in a deck, with the first points of each curve."""
-    law = export.chosen(to, None)
+    law = deck_folder.chosen(to, None)
     given = wc.setup("S-720", "100 m/s", opening="40 mm", elements_per_crossover=1)
-    made = export.made_of(given, to, law, "kg-m-s", "plane", title="S-720", source="published")
-    text = next(iter(export.CODES[to].write(made, "S-720").values()))
+    made = deck_folder.made_of(given, to, law, "kg-m-s", "plane", title="S-720", source="published")
+    text = next(iter(deck_folder.CODES[to].write(made, "S-720").values()))
     begin, end = CARDS[to]
     lines, points = [], 0
     for line in text[text.index(begin) : text.index(end)].splitlines():

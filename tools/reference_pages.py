@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from fabrics.files import write_whole  # noqa: E402
+from fabrics import files  # noqa: E402
 
 HEAD = "# Command line\n\nMade from the definitions of the commands. Exit codes: 0 done, 1 failed, 2 bad input, 3 a run"
 HEAD += " that became unstable or a doubtful result with `--strict`, 130 interrupted."
@@ -64,9 +64,9 @@ def cli():
     """cli.md"""
     import typer
 
-    from weavecell.cli.app import app
+    from weavecell.cli.app import program
 
-    return "\n\n".join([HEAD, *(section(*each) for each in commands(typer.main.get_command(app), "weavecell"))])
+    return "\n\n".join([HEAD, *(section(*each) for each in commands(typer.main.get_command(program()), "weavecell"))])
 
 
 def schemas():
@@ -84,8 +84,7 @@ def write(folder):
     for name, text in pages.items():
         path = Path(folder) / name
         if not path.exists() or path.read_text("utf-8") != text:  # Sphinx reads again what is newer
-            with write_whole(path) as file:
-                file.write(text)
+            files.write(path, text)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What the studies share as programs: their command line, their tables as CSV, and their place in a page.
+"""What the studies share as programs: their command line, their tables as CSV, their pictures and place in a page.
 
 The options of `python -m validation...` are the parameters of its main function, by their annotations:
 
@@ -23,7 +23,9 @@ from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from fabrics.errors import run_program
-from fabrics.files import write_whole
+from fabrics.files import replace_whole, write_whole
+from meshing.pictures_style import plots
+from validation.commits import computed
 from weavecell.report.marked_page import put
 
 NOTES = {
@@ -99,3 +101,25 @@ def publish(text: str, page: Path | None, marks: tuple[str, str], remark: str = 
     print(text)
     if page is not None:
         put(page, *marks, f"\n\n{text}\n{remark}")
+
+
+def marks(name: str, module: str) -> tuple[str, str]:
+    """The marks of a page between which the table of that name is, of a module that makes several."""
+    return f"<!-- {name} of {module} -->", f"<!-- end of {name} -->"
+
+
+def publish_all(texts: Mapping[str, str], page: Path | None, module: str, stamp: Mapping[str, str]) -> None:
+    """`publish` texts by their names, and between the marks "stamp" when, at which commit and by which command.
+
+    stamp : of `provenance.stamp`, taken before a page of the checkout is written to
+    """
+    for name, text in texts.items():
+        publish(text, page, marks(name, module))
+    if page is not None:
+        put(page, *marks("stamp", module), f"\n\n{computed(f'python -m {module} --page {page}', stamp)}\n\n")
+
+
+def save(compose: Callable[..., Any], *given: Any, to: Path, dpi: int = 120) -> None:
+    """Write the figure that compose(pyplot, *given) returns as PNG, in the look of all pictures."""
+    with plots() as pyplot, replace_whole(to) as beside:
+        compose(pyplot, *given).savefig(beside, format="png", dpi=dpi)

@@ -53,36 +53,14 @@ TOPICS = {
 }
 # what a unit is converted to; a found number is held against the target in SI and given in the unit
 SI = {
-    "mm": "m",
-    "um": "m",
-    "mm2": "m^2",
-    "us": "s",
-    "g": "kg",
-    "g/m2": "kg/m^2",
-    "kg/m3": "kg/m^3",
-    "GPa": "Pa",
-    "MPa": "Pa",
-    "kPa": "Pa",
-    "deg": "rad",
-    "mm uN^(1/3)": "m * N^(1/3)",
-    "Pa um3": "Pa * m^3",
-    "N": "N",
-    "m/s": "m/s",
-    "rad": "rad",
-    "Pa": "Pa",
-    "s": "s",
-    "J": "J",
-    "kN": "N",
-    "J/m2": "J/m^2",
-}
+    "mm": "m", "um": "m", "mm2": "m^2", "us": "s", "g": "kg", "g/m2": "kg/m^2", "kg/m3": "kg/m^3", "GPa": "Pa",
+    "MPa": "Pa", "kPa": "Pa", "deg": "rad", "mm uN^(1/3)": "m * N^(1/3)", "Pa um3": "Pa * m^3", "N": "N", "m/s": "m/s",
+    "rad": "rad", "Pa": "Pa", "s": "s", "J": "J", "kN": "N", "J/m2": "J/m^2",
+}  # fmt: skip
 _SPELLED = {
-    "g/m2": "g/m^2",
-    "kg/m3": "kg/m^3",
-    "mm2": "mm^2",
-    "Pa um3": "Pa um^3",
-    "mm uN^(1/3)": "mm * uN**(1/3)",
+    "g/m2": "g/m^2", "kg/m3": "kg/m^3", "mm2": "mm^2", "Pa um3": "Pa um^3", "mm uN^(1/3)": "mm * uN**(1/3)",
     "J/m2": "J/m^2",
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

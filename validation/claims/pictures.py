@@ -12,7 +12,7 @@ from meshing.pictures_style import BLUE, COLOURS, FAINT, GREEN, INK, ORANGE, RED
 from validation.claims.checks import cell as cell_checks
 from validation.claims.checks import coupling, impact, sensitivity, series, solids, waves
 from validation.claims.checks.geometry import KEVLAR
-from validation.claims.run import Run
+from validation.claims.registry import Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,6 +6,7 @@ among them is a remark.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -16,6 +17,23 @@ RunResult: TypeAlias = dict[str, Any]  # {name: number, text or array} of a shar
 CHECKS: dict[str, Check] = {}
 
 
+@dataclass(frozen=True, order=True)
+class Run:
+    """A computation by name, with its arguments as JSON; what several claims read is made once and kept."""
+
+    name: str
+    arguments: str
+
+    @classmethod
+    def of(cls, name: str, **arguments: Any) -> Run:
+        """The run `name` of `runs.RUNS` with these arguments."""
+        return cls(name, json.dumps(arguments, sort_keys=True))
+
+    @property
+    def keywords(self) -> dict[str, Any]:
+        return json.loads(self.arguments)
+
+
 @dataclass(frozen=True)
 class Check:
     """A check.
@@ -23,7 +41,7 @@ class Check:
     Parameters
     ----------
     function : called with runs and arguments
-    needs : arguments -> {name: run.Run}
+    needs : arguments -> {name: Run}
     """
 
     function: Callable

@@ -29,8 +29,7 @@ from validation.claims.claims import Claim
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Record
 
 if TYPE_CHECKING:
-    from validation.claims.registry import RunResult
-    from validation.claims.run import Run
+    from validation.claims.registry import Run, RunResult
 
 RUNS_FOLDER, RECORDS_FOLDER = "runs", "records"
 
@@ -167,9 +166,9 @@ def digest(run: Run) -> str:
 
 
 def _registry():
-    from validation.claims import runs, runs3d, runs_extra, runs_stack, runs_studies
+    from validation.claims import runs, runs3d, runs_extra, runs_studies
 
-    return runs.RUNS | runs_extra.RUNS | runs_studies.RUNS | runs3d.RUNS | runs_stack.RUNS
+    return runs.RUNS | runs_extra.RUNS | runs_studies.RUNS | runs3d.RUNS
 
 
 def _make(run, out, name):

@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics import catalogue
+from meshing import patch
+from validation.models.solid.model import SolidPatch
+from validation.models.solid.solver import SolidSolver
 from validation.published.pencilling.study import Case, bare, shoot
-from validation.published.solid_patch.study import march as solid_march
 
 if TYPE_CHECKING:
     from validation.claims.registry import RunResult
@@ -38,7 +41,9 @@ def pencil(
 
 def solids(*, fabric: str, velocity: float, count: int, time: float) -> RunResult:
     """A patch of solid yarns under impact: seconds of marching, its mass before and after, and what has failed."""
-    run = solid_march(fabric, count, (5, 5, 2), velocity, time, threads=1)
+    given = catalogue.load(fabric)
+    mesh = patch.build(given, (count, count), size=(5, 5, 2))
+    run = SolidSolver(SolidPatch(mesh, given), velocity, time, threads=1)
     before = float(run.const.mass.sum())
     run.run()
     after = float(run.const.mass.sum())

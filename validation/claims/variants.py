@@ -16,7 +16,7 @@ from __future__ import annotations
 from validation.claims.checks import CHECKS
 from validation.claims.claims import Claim
 from validation.claims.judge import NOT_TESTABLE, REPRODUCED, WRONG, Record
-from validation.claims.run import Run
+from validation.claims.registry import Run
 
 VARIANTS = {  # name: argument of the runs, and its value
     "the thesis's cell formulation": ("form", "equilibrium"),
@@ -25,12 +25,7 @@ VARIANTS = {  # name: argument of the runs, and its value
     "elastic-plastic bored projectile": ("body", "bored"),
 }
 OPTIONS = {"sliding crossovers": ("crossovers", 0.2)}  # the coefficient of friction of yarn on yarn
-NOT_SLIDING = (
-    "pull",
-    "bending",
-    "elements",
-    "form",
-)  # of a shot: sides, laws and meshes that sliding crossovers refuse
+NOT_SLIDING = "pull", "bending", "elements", "form"  # of a shot: sides, laws, meshes that sliding crossovers refuse
 TAKES = {  # run: arguments of VARIANTS that it takes
     "shot": ("form", "denier", "elements", "body", "crossovers"),
     "limit": ("form", "denier", "elements", "body", "crossovers"),

@@ -12,7 +12,6 @@ from __future__ import annotations
 import resource
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
@@ -124,17 +123,6 @@ def _summary(claims, records, shares, stamp, seconds, cpu):
     }
 
 
-@dataclass(frozen=True)
-class _Part:
-    """One topic on the page."""
-
-    key: str
-    title: str
-    lead: str
-    rows: tuple
-    figures: tuple = field(default_factory=tuple)
-
-
 def _write_page(out, claims, records, shares, stamp):
     import jinja2
 
@@ -143,7 +131,8 @@ def _write_page(out, claims, records, shares, stamp):
     for share in shares[1:]:
         rows = tuple((claim, by_id[claim.id]) for claim in claims if claim.topic == share.topic)
         counts = ", ".join(f"{count} {verdict}" for verdict, count in share.counts.items() if count)
-        parts.append(_Part(share.topic, data.TOPICS[share.topic], f"{counts}.", rows, _figures(share.topic, out)))
+        part = {"key": share.topic, "title": data.TOPICS[share.topic], "lead": f"{counts}.", "rows": rows}
+        parts.append(part | {"figures": _figures(share.topic, out)})
     folder = resources.files("weavecell.report") / "templates"
     loader = jinja2.FunctionLoader(lambda name: (folder / name).read_text("utf-8"))
     environment = jinja2.Environment(

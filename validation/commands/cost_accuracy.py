@@ -51,24 +51,12 @@ def chart_command(
     level, only, jobs, executor : of the long study
     resume : begin with the cases of an interrupted run
     """
-    kind = _kind()
-    names = studies.chosen(kind, scenes, everything, besides=(LONG,))
     if LONG in scenes:
         if everything or page is not None or len(scenes) > 1:
             raise InputError(key="--scene", value=LONG, allowed="by itself: it has a page of its own")
         crossover(out or Path("results/chart-crossover"), level, only, jobs, executor, resume)
-        return
-    found, out, stamp = studies.run(kind, names, out, page, tell=_tell, quick=quick, resume=resume)
-    studies.finish(kind, "charts", [_plain(chart) for chart in found], out, page, stamp)
-
-
-def _kind():
-    from validation.verification.cost_accuracy import page, pictures, study, tables
-
-    return studies.Kind(
-        "--scene", "Chart", "cases", "charts", "chart", "cost-accuracy", study=study, tables=tables,
-        pictures=pictures, page=page,
-    )  # fmt: skip
+    else:
+        studies.run(KIND, scenes, out, everything=everything, page=page, quick=quick, resume=resume)
 
 
 def _tell(chart):
@@ -93,6 +81,17 @@ def _plain(chart):
     return {"scene": chart.key, "fronts": fronts, "references": references, "failed": failed}
 
 
+def _modules():
+    from validation.verification.cost_accuracy import page, pictures, study, tables
+
+    return study, tables, pictures, page
+
+
+KIND = studies.Kind(
+    _modules, "cost-accuracy", "--scene", "Chart", "cases", "charts", "chart", "charts", _tell, _plain, (LONG,)
+)
+
+
 def crossover(out: Path, level: str, only: Sequence[str], jobs: int, executor: str, resume: bool) -> None:
     """The 3D crossover by all its choices."""
     from validation.verification.crossover_convergence import page, pictures, study, tables
@@ -103,7 +102,7 @@ def crossover(out: Path, level: str, only: Sequence[str], jobs: int, executor: s
             report=lambda done, total: advance(done / total, f"{done} of {total} cases"),
         )  # fmt: skip
     stamp = provenance.stamp()
-    tables.write_csv(found, out / "crossover.csv")
+    tables.write(found, out / "crossover.csv")
     tables.write_orders(found, out / "orders.csv")
     drawn = pictures.draw_all(found, out / "figures")
     words = [f"--only '{','.join(only)}'"] if only else []

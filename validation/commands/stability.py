@@ -40,21 +40,9 @@ def stability_command(
     jobs, executor : as of `fabrics.executors.open_executor`
     resume : begin with the points of an interrupted run
     """
-    kind = _kind()
-    names = studies.chosen(kind, names, everything)
-    maps, out, stamp = studies.run(
-        kind, names, out, page, tell=_tell, quick=quick, resume=resume, jobs=jobs, executor=executor
+    studies.run(
+        KIND, names, out, everything=everything, page=page, quick=quick, jobs=jobs, executor=executor, resume=resume
     )
-    studies.finish(kind, "maps", [_plain(found) for found in maps], out, page, stamp)
-
-
-def _kind():
-    from validation.verification.stability import page, pictures, study, tables
-
-    return studies.Kind(
-        "--map", "Stability", "points", "stability", "stability", "stability", study=study, tables=tables,
-        pictures=pictures, page=page,
-    )  # fmt: skip
 
 
 def _tell(found):
@@ -75,3 +63,14 @@ def _plain(found):
     ]
     counts = {kind: found.count(kind) for kind in ("stable", "wrong", "failed")}
     return {"map": found.key, "default": found.map.default, "edges": edges, "points": counts}
+
+
+def _modules():
+    from validation.verification.stability import page, pictures, study, tables
+
+    return study, tables, pictures, page
+
+
+KIND = studies.Kind(
+    _modules, "stability", "--map", "Stability", "points", "stability", "stability", "maps", _tell, _plain
+)

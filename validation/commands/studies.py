@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -20,112 +20,87 @@ class Kind:
 
     Parameters
     ----------
-    option : of the command line that names a study, as "--map"
+    modules : function that imports and returns the modules study, tables, pictures, page of a package
+        study.NAMES; study.load(name); study.run(name, folder, quick=, resume=, report=, ...) -> result with .key
+        tables.write(result, folder, made); tables.kept(name, folder); tables.read(study, folder) -> (result, made)
+        pictures.draw(result, path); page.write([(result, made)], path, command)
+    command, option : of the command line, and its option that names a study, as "--map"
     title : of the progress bar
     units : what a study has many of, "cases" or "points"; its folder of kept results as well
     folder : of results of several studies
     prefix : of the names of pictures, and of the folder of a single study
-    study, tables, pictures, page : modules of the package
-        study.NAMES; study.load(name); study.run(name, folder, quick=, resume=, report=, ...) -> result with .key
-        tables.write(result, folder, made); tables.kept(name, folder); tables.read(study, folder) -> (result, made)
-        pictures.draw(result, path); page.write([(result, made)], path, command)
+    key : of the results in the record of a command
+    tell, plain : what prints a result, and what makes it a dict for the record
+    besides : further names that the option takes
     """
 
+    modules: Callable[[], tuple[Any, Any, Any, Any]]
+    command: str
     option: str
     title: str
     units: str
     folder: str
     prefix: str
-    command: str
-    study: Any
-    tables: Any
-    pictures: Any
-    page: Any
-
-    @property
-    def measured(self) -> Path:
-        """Folder of the package with the tables of the last run of each study."""
-        return Path(str(resources.files(self.study.__package__))) / "measured"
+    key: str
+    tell: Callable[[Any], object]
+    plain: Callable[[Any], dict]
+    besides: tuple[str, ...] = ()
 
 
-def chosen(kind: Kind, names: Sequence[str], everything: bool, besides: Sequence[str] = ()) -> list[str]:
-    """Names of the studies to run.
+def run(
+    kind: Kind, names: Sequence[str], out: Path | None, *, everything: bool = False, page: Path | None = None,
+    **options: Any,
+) -> None:  # fmt: skip
+    """Run studies one after the other, write tables, pictures and a record, and print what each found.
+
+    Parameters
+    ----------
+    names : of studies
+    out : folder, or None for the default
+    everything : all studies
+    page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package, from
+        which the page also tells of the studies that were run before
+    options : as of study.run
 
     Raises
     ------
-    InputError : a name of no study, or none is named; `besides` : further names that there are
+    InputError : a name of no study, or none is named
     """
-    there = (*kind.study.NAMES, *besides)
+    study, tables, pictures, _ = kind.modules()
+    there = (*study.NAMES, *kind.besides)
     for name in names:
         known(kind.option, name, there)
     if not names and not everything:
         raise InputError(f"say --all, or which {kind.option}: {', '.join(there)}")
-    return list(kind.study.NAMES) if everything else list(names)
-
-
-def run(
-    kind: Kind,
-    names: Sequence[str],
-    out: Path | None,
-    page: Path | None,
-    *,
-    tell: Callable[[Any], object],
-    quick: bool = False,
-    resume: bool = False,
-    **options: Any,
-) -> tuple[list[Any], Path, dict[str, str]]:
-    """Run studies one after the other, write their tables and pictures, and print what each found.
-
-    Parameters
-    ----------
-    names : of `chosen`
-    out : folder, or None for the default
-    page : Path of a page to write too, or None; renews the tables of the package, from which the page also tells of
-        the studies that were run before
-    tell : called with each result, to print it
-    quick, resume, options : as of study.run
-
-    Returns
-    -------
-    (results, folder, stamp of provenance)
-    """
+    names = study.NAMES if everything else names
     out = out or Path("results") / (kind.folder if len(names) > 1 else f"{kind.prefix}-{names[0]}")
     found = []
     for name in names:
         with progress.bar(f"{kind.title}: {name}") as advance:
             report = lambda done, total, advance=advance: advance(done / total, f"{done} of {total} {kind.units}")  # noqa: E731
-            found.append(
-                kind.study.run(name, out / kind.units / name, quick=quick, resume=resume, report=report, **options)
-            )
-        kind.pictures.draw(found[-1], out / f"{kind.prefix}-{name}.png")
-        kind.tables.write(found[-1], out)
-        tell(found[-1])
+            found.append(study.run(name, out / kind.units / name, report=report, **options))
+        pictures.draw(found[-1], out / f"{kind.prefix}-{name}.png")
+        tables.write(found[-1], out)
+        kind.tell(found[-1])
     stamp = provenance.stamp()
     if page is not None:
         _renew_page(kind, found, page, stamp)
-    return found, out, stamp
-
-
-def finish(kind: Kind, key: str, contents: list, out: Path, page: Path | None, stamp: Mapping[str, str]) -> None:
-    """Write the record of a command, {key: contents} with its provenance, and say where everything is."""
-    json_file.write(out / f"{kind.folder}.json", {key: contents, "provenance": stamp})
+    json_file.write(out / f"{kind.folder}.json", {kind.key: list(map(kind.plain, found)), "provenance": stamp})
     print(f"written to {out}" + (f" and {page}" if page else ""))
 
 
 def _renew_page(kind, found, page, stamp):
+    study, tables, pictures, page_of = kind.modules()
+    measured = Path(str(resources.files(study.__package__))) / "measured"
     load = f"load average {os.getloadavg()[0]:.1f}"
     made = f"version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}, {load}."
     for result in found:
-        kind.tables.write(result, kind.measured, made)
-    there = [
-        kind.tables.read(kind.study.load(name), kind.measured)
-        for name in kind.study.NAMES
-        if kind.tables.kept(name, kind.measured)
-    ]
+        tables.write(result, measured, made)
+    there = [tables.read(study.load(name), measured) for name in study.NAMES if tables.kept(name, measured)]
     for result, _ in there:
         path = page.parent / "figures" / f"{kind.prefix}-{result.key}.png"
-        if getattr(kind.pictures, "pictured", lambda _: True)(result):
-            kind.pictures.draw(result, path)
+        if getattr(pictures, "pictured", lambda _: True)(result):
+            pictures.draw(result, path)
         else:
             path.unlink(missing_ok=True)
-    kind.page.write(there, page, f"weavecell {kind.command} --all --page {page}")
+    page_of.write(there, page, f"weavecell {kind.command} --all --page {page}")

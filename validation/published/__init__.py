@@ -1,1 +1,1 @@
-"""Cases of the literature, each a folder: input, reference with its provenance, comparison, stated difference."""
+"""Cases of the literature, each a module or folder: input, reference with provenance, comparison, difference."""

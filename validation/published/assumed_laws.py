@@ -18,10 +18,9 @@ from typing import TYPE_CHECKING, Any
 import weavecell as wc
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from validation.commits import computed
-from validation.program import program, publish, write_csv
+from validation.program import program, publish_all, write_csv
 from weavecell.analysis.assumed_range import AssumedRange
-from weavecell.report.marked_page import markdown, put
+from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 if TYPE_CHECKING:
@@ -57,11 +56,6 @@ class Comparison:
     strike: float
     residual: float
     residual_range: AssumedRange
-
-
-def marks(name: str) -> tuple[str, str]:
-    """The marks of the page between which the table of that name is."""
-    return f"<!-- {name} of validation.published.assumed_laws -->", f"<!-- end of {name} -->"
 
 
 def without_laws(fabric: Fabric) -> Fabric:
@@ -142,15 +136,13 @@ def combinations(found: list[Comparison]) -> Rows:
 
 
 def main(fabrics: Sequence[str] = FABRICS, *, out: Path = OUT, page: Path | None = None) -> None:
-    made = provenance.stamp()  # before a page of the checkout is written to
+    stamp = provenance.stamp()  # before a page of the checkout is written to
     found = [compare(name) for name in fabrics]
-    for table in (laws, velocities, combinations):
-        rows, name = table(found), table.__name__
+    tables = {table.__name__: table(found) for table in (laws, velocities, combinations)}
+    for name, rows in tables.items():
         write_csv(out / f"{name}.csv", rows)
-        publish(markdown(rows), page, marks(name))
-    if page is not None:
-        line = computed(f"python -m validation.published.assumed_laws --page {page}", made)
-        put(page, *marks("stamp"), f"\n\n{line}\n\n")
+    texts = {name: markdown(rows) for name, rows in tables.items()}
+    publish_all(texts, page, "validation.published.assumed_laws", stamp)
 
 
 if __name__ == "__main__":

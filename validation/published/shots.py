@@ -257,7 +257,7 @@ def content_of(results: Callable[..., dict[str, Any]], data: Path | None = None)
 def main(*, out: Path = Path("results/published-shots"), page: Path | None = None, only_packs: bool = False) -> None:
     if only_packs and page is None:
         raise InputError(key="--only-packs", value=True, allowed="with --page, which has the rows of one ply beside it")
-    content = content_of(packs.Results(out / "shots"), page.parent / "data" if page and only_packs else None)
+    content = content_of(packs.kept(out / "shots"), page.parent / "data" if page and only_packs else None)
     made = tables(*content)
     for rows, name in zip(content, FILES):
         write_records(out / name, rows)

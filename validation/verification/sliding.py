@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -18,8 +17,7 @@ import numpy as np
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import UndecidedError, UnstableError
-from fabrics.files import replace_whole
-from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE, RED, plots
+from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE, RED
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.impact.simulation import ImpactSetup
@@ -28,7 +26,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
 from shellfabric.solver.pack_solver import PackSolver
 from validation.models import cell_scaling
-from validation.program import program
+from validation.program import program, save
 from validation.verification import sliding_pull_out as pulls
 from validation.verification.study import known
 from weavecell.report.marked_page import markdown, put
@@ -168,35 +166,26 @@ def _limits(found):
     )
 
 
-def chart(found: list, path: Path) -> None:
+def chart(pyplot: Any, found: list) -> Any:
     """Critical velocities of the fabrics from the loosest weave to the densest, with the bracket of the tests."""
     weaves = [catalogue.load(name).weave for name in FABRICS]
     order = sorted(range(len(FABRICS)), key=lambda n: (weaves[n].warp_count + weaves[n].weft_count, FABRICS[n]))
     looks = ((INK, "s"), (ORANGE, "o"), (BLUE, "^"), (PURPLE, "D"))
-    with plots() as pyplot:
-        figure, axes = pyplot.subplots(figsize=(8.6, 4.8))
-        for case, label in enumerate(("pinned", *(f"sliding, µ = {mu:g}" for mu in MU))):
-            places = np.arange(len(order)) + 0.13 * (case - 0.5 * len(MU))
-            values = [0.5 * sum(found[n * (1 + len(MU)) + case][:2]) for n in order]
-            colour, marker = looks[case]
-            axes.plot(places, values, marker, color=colour, ms=8, label=label)
-        at = order.index(FABRICS.index("S-726")) + 0.34
-        axes.plot([at, at], BRACKET, "_-", color=RED, ms=12, label="tests: stopped, perforated")
-        counts = [
-            f"{FABRICS[n]}\n{weaves[n].warp_count * 0.0254:.0f} x {weaves[n].weft_count * 0.0254:.0f}" for n in order
-        ]
-        axes.set_xticks(range(len(order)), counts)
-        axes.grid(False, axis="x")
-        axes.set(xlabel="fabric, yarns per inch of warp and weft", ylabel="critical velocity [m/s]", ylim=(0, None))
-        axes.set_title("One ply, 203 mm, clamped; 3 g flat cylinder; one element per crossover")
-        axes.legend(loc="lower left", ncols=2)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with replace_whole(path) as beside:
-            figure.savefig(beside, format="png", dpi=120)
-
-
-def _progress(name, done, total):
-    print(f"{name}: {done} of {total}", flush=True)
+    figure, axes = pyplot.subplots(figsize=(8.6, 4.8))
+    for case, label in enumerate(("pinned", *(f"sliding, µ = {mu:g}" for mu in MU))):
+        places = np.arange(len(order)) + 0.13 * (case - 0.5 * len(MU))
+        values = [0.5 * sum(found[n * (1 + len(MU)) + case][:2]) for n in order]
+        colour, marker = looks[case]
+        axes.plot(places, values, marker, color=colour, ms=8, label=label)
+    at = order.index(FABRICS.index("S-726")) + 0.34
+    axes.plot([at, at], BRACKET, "_-", color=RED, ms=12, label="tests: stopped, perforated")
+    counts = [f"{FABRICS[n]}\n{_counts(weaves[n])}" for n in order]
+    axes.set_xticks(range(len(order)), counts)
+    axes.grid(False, axis="x")
+    axes.set(xlabel="fabric, yarns per inch of warp and weft", ylabel="critical velocity [m/s]", ylim=(0, None))
+    axes.set_title("One ply, 203 mm, clamped; 3 g flat cylinder; one element per crossover")
+    axes.legend(loc="lower left", ncols=2)
+    return figure
 
 
 def main(
@@ -218,15 +207,15 @@ def main(
     for name in only or cases:
         known("--only", name, tuple(cases))
         function, places = cases[name]
-        progress = partial(_progress, name)
-        results[name] = run_cache.results(function, places, folder=out, jobs=jobs, batches=False, report=progress)
+        report = lambda done, total, name=name: print(f"{name}: {done} of {total}", flush=True)  # noqa: E731
+        results[name] = run_cache.results(function, places, folder=out, jobs=jobs, batches=False, report=report)
     made = text(results)
     print(made)
     if page is not None:
         if "limit" in results:
-            chart(results["limit"], page.parent / "figures" / "sliding-limits.png")
+            save(chart, results["limit"], to=page.parent / "figures" / "sliding-limits.png")
         if "under_load" in results:
-            pulls.chart(results["under_load"], page.parent / "figures" / "sliding-pull-out.png")
+            save(pulls.chart, results["under_load"], to=page.parent / "figures" / "sliding-pull-out.png")
         name = f"python -m validation.verification.sliding --page {page}"
         put(page, *MARKS, f"\n\nMade by `{name}`, commit {commit}.\n\n{made}\n")
 

@@ -5,12 +5,10 @@ Part of `validation.verification.sliding`, which runs it.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from fabrics import catalogue
-from fabrics.files import replace_whole
-from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE, plots
+from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE
 from shellfabric.coupon import pull_out
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
@@ -89,24 +87,21 @@ def load_table(found: list) -> str:
     return f"{head}\n{markdown(rows)}\n{picture}"
 
 
-def chart(found: list, path: Path) -> None:
+def chart(pyplot: Any, found: list) -> Any:
     """Loads against the load on the crossing yarns, and against the number of crossovers."""
     per = len(LOADS)
-    with plots() as pyplot:
-        figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.2, 4.2), sharey=True)
-        for colour, (place, which) in zip((INK, ORANGE, BLUE, PURPLE), enumerate(STIFFNESS)):
-            rows = [
-                found[(place * len(COUNTS) + n) * per : (place * len(COUNTS) + n + 1) * per] for n in range(len(COUNTS))
-            ]
-            left.plot(LOADS, [peak for peak, *_ in rows[1]], "o-", color=colour, label=which)
-            right.plot(COUNTS, [row[LOADS.index(200.0)][0] for row in rows], "o-", color=colour)
-        left.set(
-            xlabel="load on the crossing yarns [N]",
-            ylabel="load on the pulled yarn [N]",
-            title=f"{COUNTS[1]} crossovers",
-        )
-        right.set(xlabel="crossovers", title="200 N on the crossing yarns", xlim=(0, None), ylim=(0, None))
-        left.legend(title="bending stiffness")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with replace_whole(path) as beside:
-            figure.savefig(beside, format="png", dpi=120)
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.2, 4.2), sharey=True)
+    for colour, (place, which) in zip((INK, ORANGE, BLUE, PURPLE), enumerate(STIFFNESS)):
+        rows = [
+            found[(place * len(COUNTS) + n) * per : (place * len(COUNTS) + n + 1) * per] for n in range(len(COUNTS))
+        ]
+        left.plot(LOADS, [peak for peak, *_ in rows[1]], "o-", color=colour, label=which)
+        right.plot(COUNTS, [row[LOADS.index(200.0)][0] for row in rows], "o-", color=colour)
+    left.set(
+        xlabel="load on the crossing yarns [N]",
+        ylabel="load on the pulled yarn [N]",
+        title=f"{COUNTS[1]} crossovers",
+    )
+    right.set(xlabel="crossovers", title="200 N on the crossing yarns", xlim=(0, None), ylim=(0, None))
+    left.legend(title="bending stiffness")
+    return figure

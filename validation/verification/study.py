@@ -6,7 +6,7 @@ continues where it was. Charts (`cost_accuracy`) and maps (`stability`) are writ
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from fabrics.errors import InputError
@@ -22,9 +22,7 @@ def known(option: str, name: str, names: Sequence[str]) -> None:
 
 def write_page(
     path: Path,
-    title: str,
-    question: str,
-    text: str,
+    texts: Mapping[str, str],
     command: str,
     one_by_one: str,
     overview: Iterable[str],
@@ -34,7 +32,7 @@ def write_page(
 
     Parameters
     ----------
-    title, question, text : of the page, what it answers, and its introduction
+    texts : title of the page, question that it answers, and text that introduces it
     command, one_by_one : that makes the page, and how else, as "map by map"
     overview : (heading, table) of all of them
     sections : pairs (paragraphs of one, when, where and by which version it was run)
@@ -42,7 +40,7 @@ def write_page(
     sections = list(sections)
     run = computed(command, *(made for _, made in sections))
     stated = f"{run[:-1]}, or {one_by_one}. Not to be edited by hand."
-    parts = [f"# {title}", f"*{question}*", stated, text, *overview]
+    parts = [f"# {texts['title']}", f"*{texts['question']}*", stated, texts["text"], *overview]
     for paragraphs, made in sections:
         parts += [*paragraphs, f"Run: {made}"]
     with write_whole(path) as file:

@@ -18,8 +18,7 @@ from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
 from validation.claims.checks.by_hand import departure
 from validation.claims.checks.geometry import KEVLAR
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn

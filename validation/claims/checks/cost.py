@@ -9,8 +9,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Panel
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 
 def _panel(fabric):

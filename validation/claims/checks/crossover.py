@@ -7,8 +7,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from validation.claims.checks.solids import fitted, paths
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 
 @check(lambda fabric: {"path": Run.of("stretched", fabric=fabric, ratio=(1.0, 0.0))})

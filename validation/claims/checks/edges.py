@@ -10,8 +10,7 @@ from scipy.stats import spearmanr
 
 from validation.claims.checks import series
 from validation.claims.checks.histories import high_zone
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 SLIPPED = 50e-6  # [m] from which on a yarn counts as slipped
 

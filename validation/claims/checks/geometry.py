@@ -13,8 +13,7 @@ from scipy.integrate import quad
 from fabrics import catalogue
 from fabrics.trellis import locking_modulus
 from fabrics.weave import arc_length, height_from_length
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 FAMILIES = ("warp", "weft")

@@ -11,8 +11,7 @@ from validation.claims.checks import series
 from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.checks.waves import shot as bare_shot
 from validation.claims.checks.waves import six
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 PERFORATED, STOPPED = "perforates", "stops"
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from validation.claims.checks import series
 from validation.claims.checks.impact import PERFORATED, STOPPED, outcome_of
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 FILTER = 2e-6  # [s] over which a tension is averaged before it is held against the strength
 

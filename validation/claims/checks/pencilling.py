@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 from validation.claims.runs import cloth
 from validation.published.pencilling.study import FABRIC, Case, march
 

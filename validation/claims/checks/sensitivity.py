@@ -16,8 +16,7 @@ from shellfabric.cell.model import CellModel
 from validation.claims.checks import series
 from validation.claims.checks.by_hand import departure
 from validation.claims.checks.impact import shot
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 FACTORS = (0.8, 1.0, 1.2)
 NAMES = {"modulus": "modulus", "crimp": "crimp", "mass": "areal density"}

@@ -14,8 +14,7 @@ from fabrics.errors import InputError
 from fabrics.trellis import locking_angle, locking_modulus, touching_angle
 from shellfabric.coupon.quasistatic import inextensible_shear
 from validation.claims.checks.geometry import FAMILIES, KEVLAR, ranked
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 
 @check()

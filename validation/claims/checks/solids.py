@@ -10,8 +10,7 @@ from scipy.integrate import trapezoid
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.plate_curve import PlateCurve
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 
 @check(lambda fabric, stretch: {"brick": Run.of("brick", fabric=fabric, stretch=stretch)})

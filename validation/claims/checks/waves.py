@@ -13,8 +13,7 @@ from fabrics import catalogue
 from shellfabric.output import wave_fronts
 from validation.claims.checks import series
 from validation.claims.checks.geometry import KEVLAR, ranked
-from validation.claims.registry import Found, RunResult, check
-from validation.claims.run import Run
+from validation.claims.registry import Found, Run, RunResult, check
 
 NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -115,15 +114,6 @@ class CableSolver(ExplicitSolver):
     def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
         return f"node ({int(node) // self.const.row_stride}, {int(node) % self.const.row_stride}) of the cable net"
-
-    def checkpoint_identity(self) -> tuple[Any, str]:
-        """See ExplicitSolver."""
-        known = self.strike_velocity, self.steps_per_sample, self.const._asdict(), self.state.mass
-        return known, "validation.models.cable.solver"
-
-    def checkpoint_arrays(self) -> dict[str, Any]:
-        """See ExplicitSolver."""
-        return {"state": self.state}
 
 
 def run(

@@ -11,7 +11,7 @@ energy goes to a term of its own, its mass stays.
 
 import math
 
-from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.compile import kernel
 from validation.models.solid.solid_kernels import BARS, FAILED, VISCOUS
 
 
@@ -74,17 +74,3 @@ def bar_forces(first, bars, sheet, x, v, length, stiffness, law, dt, alive, forc
         force[q, 2] += pull * d2
     sums[BARS] = stored
     sums[VISCOUS] += lost
-
-
-@entry()
-def tension(first, bars, sheet, x, length, stiffness, law, alive, total):
-    """Add the elastic forces of the bars of each section to total : (bars / sheet,) [N]."""
-    for m in range(bars):
-        if alive[m]:
-            p, q = first + m, first + m + sheet
-            square = 0.0
-            for c in range(3):
-                square += (x[q, c] - x[p, c]) ** 2
-            total[m // sheet] += (
-                stiffness[m % sheet] * fibre_law(math.sqrt(square) / length[m] - 1.0, law[0], law[1])[0]
-            )

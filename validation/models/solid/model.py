@@ -22,7 +22,7 @@ from fabrics.fabric import Fabric
 from shellfabric.backing.hex8 import Bricks
 from shellfabric.jit.by_reference import by_reference
 from shellfabric.projectile.projectile import Projectile
-from validation.models.solid import fibre_kernels, solid_kernels, step_kernels, yarn_contact_kernels
+from validation.models.solid import solid_kernels, step_kernels, yarn_contact_kernels
 from validation.models.solid.numerics import PatchNumerics
 
 Constants = namedtuple(
@@ -202,18 +202,6 @@ class SolidPatch:
         step_kernels.frequency_bounds(state, const, worst)
         yarn = int(np.argmax(np.where(np.isfinite(worst[:, 0]), worst[:, 0], np.inf)))
         return float(np.sqrt(worst[yarn, 0])), int(worst[yarn, 1])
-
-    def section_tension(self, const: Constants, state: State, yarn: int) -> FloatArray:
-        """(nx,) [N] elastic force of the bars of each section of a yarn."""
-        kind, total = const.yarn_type[yarn], np.zeros(const.bricks_along[yarn])
-        sheet = (const.ny + 1) * (const.nz + 1)
-        first = const.first_bar[yarn]
-        bars, start = total.size * sheet, const.type_bar[kind]
-        fibre_kernels.tension(
-            const.first_node[yarn], bars, sheet, state.x, const.bar_length[start : start + bars],
-            const.bar_stiffness[kind], const.fibre_law[kind], state.bar_intact[first : first + bars], total,
-        )  # fmt: skip
-        return total
 
     def _lowest(self):
         """[m] where the nose first touches: the lowest node under its flat or tip."""

@@ -10,7 +10,7 @@ evaluated as they stand. The solids' law has none: their entry is the work that 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numba
 import numpy as np
@@ -37,7 +37,7 @@ ENERGIES = (
     "failure_dissipation",
     "error",
 )
-SAMPLES = ("t", "v", "z", "push", "dt", "failed_bars", "warp_peak", "weft_peak", "warp_nose", "weft_nose", *ENERGIES)
+SAMPLES = ("t", "v", "z", "push", "dt", "failed_bars", *ENERGIES)
 SAME = 16  # steps of one length
 GROWTH = 1.5  # by which the fastest node may speed up meanwhile: sets for how long clear contacts may rest
 
@@ -57,9 +57,7 @@ class SolidSolver(ExplicitSolver):
     Attributes
     ----------
     const, state : what the kernels work on
-    samples : list of rows, one a sample, in the order of SAMPLES. Tensions [N] are elastic forces of whole sections:
-        the largest of a family, and the mean of its two middle yarns under the nose. The first is after one interval
-    snapshots : list of (time, places (n, 3)), where a hook takes them
+    samples : list of rows, one a sample, in the order of SAMPLES; the first is after one interval
 
     Raises
     ------
@@ -156,25 +154,8 @@ class SolidSolver(ExplicitSolver):
             -state.f_contact_nose[2],
             state.step_sizes[0],
             failed,
-            *self._tensions(),
         ]
         return row, energies
-
-    def _tensions(self):
-        """Largest tension of warp and weft, and the mean under the nose of their two middle yarns."""
-        peaks, means = [], []
-        place = 0
-        for family, count in enumerate(self.patch.count):
-            tensions = np.array([
-                self.patch.section_tension(self.const, self.state, yarn) for yarn in range(place, place + count)
-            ])  # fmt: skip
-            peaks.append(tensions.max())
-            middle = tensions[(count - 1) // 2 : count // 2 + 1]
-            reach = self.patch.projectile.radius / (2 * self.patch.mesh.w[family]) * self.patch.per_crossing
-            half = 0.5 * tensions.shape[1]
-            means.append(middle[:, max(int(half - reach), 0) : int(np.ceil(half + reach))].mean())
-            place += count
-        return *peaks, *means
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver. No node is too fast: a brick that is turned over ends the run (`_set_time_step`)."""
@@ -186,12 +167,3 @@ class SolidSolver(ExplicitSolver):
         yarn = int(np.searchsorted(self.const.first_node, node, side="right")) - 1
         x, y, z = self.state.x[node] * 1e3
         return f"node {int(node)} of {mesh.names[yarn]} ({x:.3g}, {y:.3g}, {z:.3g} mm)"
-
-    def checkpoint_identity(self) -> tuple[Any, str]:
-        """See ExplicitSolver."""
-        known = self.strike_velocity, self.interval, self.patch.numerics.cfl, self.const._asdict()
-        return known, "validation.models.solid.solver"
-
-    def checkpoint_arrays(self) -> dict[str, Any]:
-        """See ExplicitSolver."""
-        return {"state": self.state}

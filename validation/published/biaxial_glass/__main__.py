@@ -5,17 +5,16 @@ Curves as CSV and PNG. With --options also what each option of the cell changes,
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics import catalogue
-from fabrics.errors import run_program
-from validation.program import write_csv
+from fabrics.units import si
+from meshing.pictures_style import BLUE, FAINT, GREEN, RED
+from validation.program import program, save, write_csv
 from validation.published.biaxial_glass import options as studied
-from validation.published.biaxial_glass import pictures
 from weavecell.analysis.biaxial_test.curves import curves
-from weavecell.analysis.biaxial_test.options import add_options
 from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
@@ -31,30 +30,31 @@ def write_curves(results: Any, path: Path) -> None:
     write_csv(path, rows)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.biaxial_glass", description=__doc__.splitlines()[2]
-    )
-    parser.add_argument("fabrics", nargs="*", default=["glass-balanced", "glass-unbalanced"], metavar="FABRIC")
-    add_options(parser)
-    parser.add_argument("--options", action="store_true", help="what the toe (0.1 %% if none is given), straight "
-                        "segments and both change")  # fmt: skip
-    parser.add_argument("--out", type=Path, default=Path("results/biaxial"))
-    options = parser.parse_args()
-    for name in options.fabrics:
-        fabric = catalogue.load(name)
-        results = curves(fabric, profile=options.profile, toe=options.toe)
-        write_curves(results, options.out / f"{fabric.name}.csv")
-        pictures.picture(fabric, results, options.out / f"{fabric.name}.png")
-        for curve in results:
-            warp, weft = curve.tension[-1]
-            loads = f"warp {warp:6.1f} N, weft {weft:6.1f} N"
-            print(f"{fabric.name:17} {curve.label:10} ends with the {curve.failed} at {loads}")
-        if options.options:
-            study(fabric, options.toe or studied.TOE, options.out)
+COLOURS = {"k = 0.5": BLUE, "k = 1": GREEN, "k = 2": RED, "free weft": FAINT, "free warp": FAINT}
 
 
-def study(fabric: Fabric, toe: float, out: Path) -> None:
+def picture(pyplot: Any, fabric: Fabric, curves: Any) -> Any:
+    """Draw the curves of one weave; a cross marks the failure of the yarn."""
+    figure, axes = pyplot.subplots(1, 2, figsize=(10.4, 4.6))
+    for index, (axis, direction) in enumerate(zip(axes, ("warp", "weft"))):
+        for curve in curves:
+            if curve.label == f"free {direction}":
+                continue
+            x, y = 100 * curve.strain[:, index], curve.tension[:, index]
+            style = {"color": COLOURS[curve.label], "linestyle": "--" if "free" in curve.label else "-"}
+            label = "cross yarns free" if "free" in curve.label else curve.label
+            axis.plot(x, y, label=label, **style)
+            if curve.failed == direction:
+                axis.plot(x[-1], y[-1], "x", color=style["color"], markersize=9, markeredgewidth=2)
+        axis.set(xlabel=f"{direction} strain [%]", title=f"{fabric.name}, {direction}", xlim=(0, None))
+        axis.set_ylim(bottom=0)
+    axes[0].set_ylabel("tension per yarn [N]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
+                  title="warp strain / weft strain (x: the yarn fails)")  # fmt: skip
+    return figure
+
+
+def study(fabric: Fabric, toe: Any, out: Path) -> None:
     """Write and print what the cell's options change."""
     same = studied.same_constants(fabric, toe)
     anew, laws, residuals = studied.fitted_anew(fabric, toe)
@@ -67,7 +67,7 @@ def study(fabric: Fabric, toe: float, out: Path) -> None:
             values = (f"{value:.5g}" for value in (row.rms, row.largest, row.share))
             table.append([constants, row.variant, row.test, row.yarn, *values])
     write_csv(out / f"{fabric.name}-options.csv", table)
-    pictures.options(fabric, same, out / f"{fabric.name}-options.png")
+    save(studied.chart, fabric, same, to=out / f"{fabric.name}-options.png")
     for constants, found in rows.items():
         print(f"\n{fabric.name}, constants: {constants}; rms N (of the strength), largest N\n")
         print(studied.table(found))
@@ -78,5 +78,33 @@ def study(fabric: Fabric, toe: float, out: Path) -> None:
     print(markdown(fits))
 
 
+def main(
+    fabrics: Sequence[str] = ("glass-balanced", "glass-unbalanced"),
+    *,
+    profile: Literal["cosine", "straight"] = "cosine",
+    toe: str = "0",
+    options: bool = False,
+    out: Path = Path("results/biaxial"),
+) -> None:
+    values = tuple(si(part.strip(), "", key="--toe") for part in toe.split(","))
+    slack = values[0] if len(values) == 1 else values
+    for name in fabrics:
+        fabric = catalogue.load(name)
+        results = curves(fabric, profile=profile, toe=slack)
+        write_curves(results, out / f"{fabric.name}.csv")
+        save(picture, fabric, results, to=out / f"{fabric.name}.png")
+        for curve in results:
+            warp, weft = curve.tension[-1]
+            loads = f"warp {warp:6.1f} N, weft {weft:6.1f} N"
+            print(f"{fabric.name:17} {curve.label:10} ends with the {curve.failed} at {loads}")
+        if options:
+            study(fabric, slack or studied.TOE, out)
+
+
 if __name__ == "__main__":
-    run_program(main)
+    program(
+        main,
+        profile="of the yarns",
+        toe="strain that the fibres' straightening takes: 0.1 %, or one of the warp and one of the weft, 0.1 %,0.2 %",
+        options="what the toe (0.1 % if none is given), straight segments and both change",
+    )

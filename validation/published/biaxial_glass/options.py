@@ -19,7 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
+from meshing.pictures_style import BLUE, INK, PURPLE, RED
 from shellfabric.cell.model import CellModel
 from weavecell.analysis.biaxial_test import fit
 from weavecell.analysis.biaxial_test.curves import RATIOS, Curve, at_ratio, curves
@@ -126,3 +128,42 @@ def table(rows: Any) -> str:
         ]
         lines.append([test, yarn, *cells])
     return markdown(lines)
+
+
+LOOKS = ((INK, "-"), (BLUE, "-"), (RED, "--"), (PURPLE, "-."))
+FREE = ("free weft", "free warp")  # test in which the crossing yarns of warp and weft are free
+
+
+def chart(pyplot: Any, fabric: Fabric, found: Any) -> Any:
+    """What each variant of the cell, {name: [Curve]}, changes of the tension: a column a test, a row a yarn.
+
+    The first variant is the reference. Differences at equal strain are over the largest tension of the reference.
+    """
+    reference, *others = found
+    columns = [curve.label for curve in found[reference] if curve.label not in FREE] + ["cross yarns free"]
+    figure, grid = pyplot.subplots(2, len(columns), figsize=(11.4, 5.8), sharex=True, sharey="row")
+    for m, direction in enumerate(("warp", "weft")):
+        for axes, column in zip(grid[m], columns):
+            wanted = FREE[m] if column == columns[-1] else column
+            known = {name: next(test for test in tests if test.label == wanted) for name, tests in found.items()}
+            strain, tension = known[reference].strain[:, m], known[reference].tension[:, m]
+            for name, (colour, dash) in zip(others, LOOKS[1:]):
+                change = relative(strain, tension, known[name].strain[:, m], known[name].tension[:, m])
+                axes.plot(100 * strain, 100 * change, dash, color=colour, lw=1.8, label=name)
+            axes.axhline(0, color=LOOKS[0][0], lw=1)
+            axes.set_title(f"{direction}, {column}", fontsize=11)
+        grid[m, 0].set_ylabel("difference of tension\n[% of the largest]")
+    grid[0, 0].set_xlim(left=0)  # after all is drawn: the axes are shared
+    for axes in grid[1]:
+        axes.set_xlabel("strain of the yarn [%]", fontsize=11)
+    figure.suptitle(f'{fabric.name}: tension less that of "{reference}", same constants', fontsize=13)
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def relative(strain: FloatArray, tension: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+    """(n,) [-] tension y at strain x less that of the reference at its strains, over the reference's largest; nan
+    beyond the end of either curve."""
+    order = np.argsort(x)
+    other = np.interp(strain, x[order], y[order], right=np.nan)
+    return (other - tension) / tension.max()

@@ -162,20 +162,15 @@ def passages(case: Case) -> dict[str, Any]:
     }
 
 
-class Results:
-    """Shots on disk, each under the key of its case and of the code (`fabrics.run_cache`); made where there is none."""
+def kept(folder: Path) -> Callable[..., dict[str, Any]]:
+    """results(case, fire=shoot): what it found, from the folder; it is made and kept where there is none."""
 
-    def __init__(self, folder: Path, report: Callable[..., object] | None = print) -> None:
-        self.kept, self.report = run_cache.RunCache(folder, run_cache.JSON), report
+    def results(case, fire=None):
+        [found] = run_cache.results(fire or shoot, [(case,)], folder=folder)
+        print(f"{case}: {found['outcome']} {found['time'] * 1e6:.0f} us, {sum(found['failed']):g} failed", flush=True)
+        return found
 
-    def __call__(self, case: Case, fire: Callable[..., Any] | None = None) -> dict[str, Any]:
-        fire = fire or shoot
-        name = run_cache.key((fire.__name__, case), fire.__module__)
-        if name not in self.kept:
-            self.kept[name] = found = fire(case)
-            failed = sum(found["failed"])
-            self.report(f"{case}: {found['outcome']} {found['time'] * 1e6:.0f} us, {failed:g} failed", flush=True)
-        return self.kept[name]
+    return results
 
 
 def failed(found: dict[str, Any]) -> bool:
@@ -209,16 +204,16 @@ def outcomes(results: Callable[..., dict[str, Any]]) -> list[tuple[Any, ...]]:
     return [(*row, results(Case(*row[:3]))) for row in PUBLISHED]
 
 
-def torn(results: Results) -> list[dict[str, Any]]:
+def torn(results: Callable[..., dict[str, Any]]) -> list[dict[str, Any]]:
     """[found, ...] of the shots that tear cloth."""
     return [results(Case(*row[:3], end_time=row[3]), passages) for row in TORN]
 
 
-def gaps(results: Results) -> dict[float, dict[str, Any]]:
+def gaps(results: Callable[..., dict[str, Any]]) -> dict[float, dict[str, Any]]:
     """{gap: found} of section 6.4.4."""
     return {gap: results(Case("S-728", 16, 170.0, gap=gap)) for gap in GAPS}
 
 
-def stackings(results: Results) -> dict[str, dict[str, Any]]:
+def stackings(results: Callable[..., dict[str, Any]]) -> dict[str, dict[str, Any]]:
     """{stacking: found} of Figure 5-57."""
     return {stacking: results(Case(*STACKED, stacking=stacking)) for stacking in STACKINGS}

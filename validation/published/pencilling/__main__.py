@@ -7,7 +7,6 @@ table goes into that page, between the marks of its edges, the pictures beside i
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -15,15 +14,13 @@ from typing import Any, Literal
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.errors import InputError, UnstableError
-from validation.program import program, write_csv
-from validation.published.pencilling import pictures
-from validation.published.pencilling.study import CASES, Case, bare, shoot
-from weavecell.report.marked_page import markdown, put
+from fabrics.errors import InputError
+from meshing.pictures_style import BLUE, GREEN, INK, ORANGE, RED, SKY, STEEL
+from validation.program import program, publish, save, write_csv
+from validation.published.pencilling.study import CASES, PROJECTILE, Case, fire
+from weavecell.report.marked_page import markdown
 
-END = "<!-- end of the table -->"
 BARE, TEXT = "bare block", "4 plies, 924 g/m²"
-SHOTS = "shots"
 
 
 def name_of(number: int) -> str:
@@ -31,12 +28,6 @@ def name_of(number: int) -> str:
     case = CASES[number]
     plies = "1 ply" if case.plies == 1 else f"{case.plies} plies"
     return f"{number}: {plies}, {96 * case.modulus:.0f} GPa, {1e3 * case.mass:.0f} g/m²"
-
-
-def key_of(case: Any, edge: str, elements: int) -> str:
-    """Key of a shot; `case` None is the bare block, whose shot does not depend on the options."""
-    inputs = "bare" if case is None else (case, edge, elements)
-    return run_cache.key(inputs, "validation.published.pencilling.study")
 
 
 def table(shots: Any) -> list[Any]:
@@ -56,11 +47,6 @@ def table(shots: Any) -> list[Any]:
     return rows
 
 
-def write_page(rows: Sequence[Sequence[str]], page: Path, edge: str) -> None:
-    """Put the table between its marks of a page."""
-    put(page, f"<!-- table of validation.published.pencilling, {edge} edges -->", END, f"\n\n{markdown(rows)}\n")
-
-
 def main(
     cases: Sequence[int] = (4, 5, 2, 1, 3),
     *,
@@ -74,47 +60,97 @@ def main(
 ) -> None:
     if unknown := [number for number in cases if number not in CASES]:
         raise InputError(key="CASE", value=unknown[0], allowed=f"one of {', '.join(map(str, CASES))}")
-    kept = run_cache.RunCache(out / SHOTS)
-    if not resume:
-        kept.clear()
     wanted = {name_of(n): CASES[n] for n in cases}
     if text:
         wanted[TEXT] = Case(4, 1.0, 0.924)
     if not no_bare:
         wanted[BARE] = None
-    shots, problem = {}, None
-    for name, case in wanted.items():
-        key = key_of(case, edge, elements)
-        if key in kept:
-            shots[name] = kept[key]
-            continue
-        begun = time.perf_counter()
-        try:
-            shots[name] = bare() if case is None else shoot(case, edge=edge, elements=elements)
-        except UnstableError as found:
-            problem = found
-            print(f"{name}: {found}", flush=True)
-            continue
-        shot = shots[name]
-        print(
-            f"{name}: {shot.outcome}, {1e3 * shot.depth:.1f} mm after {1e6 * shot.t[-1]:.0f} µs, "
-            f"balance {100 * shot.balance:.2f} %, {time.perf_counter() - begun:.0f} s",
-            flush=True,
-        )
-        kept[key] = shot
-    if not shots:
-        raise problem
-    shots = {name: shots[name] for name in sorted(shots)}
+    fired = run_cache.results(
+        fire, [(case, edge, elements) for case in wanted.values()], folder=out / "shots", batches=False, resume=resume
+    )
+    shots = dict(sorted(zip(wanted, fired)))
     rows = table(shots)
     write_csv(out / "pencilling.csv", rows)
-    for folder in [out] + ([page.parent / "figures"] if page else []):
-        prefix = "" if folder == out else {"clamped": "pencilling-", "free": "pencilling-free-"}[edge]
-        pictures.depths(shots, folder / f"{prefix}depths.png")
-        pictures.craters(shots, folder / f"{prefix}craters.png")
-    if page is not None:
-        write_page(rows, page, edge)
-    if problem is not None:
-        raise problem
+    folder, prefix = (
+        (page.parent / "figures", {"clamped": "pencilling-", "free": "pencilling-free-"}[edge]) if page else (out, "")
+    )
+    save(compose_depths, shots, to=folder / f"{prefix}depths.png", dpi=110)
+    covered = {name: shot for name, shot in shots.items() if shot.block is not None}
+    save(compose_craters, covered, to=folder / f"{prefix}craters.png", dpi=110)
+    marks = f"<!-- table of validation.published.pencilling, {edge} edges -->", "<!-- end of the table -->"
+    publish(markdown(rows), page, marks)
+
+
+_COLOURS = (BLUE, SKY, RED, ORANGE, GREEN, INK)
+_DASHES = ("-", "--", "-", "--", "-.", "-")
+
+
+def compose_depths(pyplot: Any, shots: Any) -> Any:
+    """Displacement of the projectile through time, and the crater's face; the bare block, far deeper, on its own."""
+    covered = {name: shot for name, shot in shots.items() if shot.block is not None}
+    alone = {name: shot for name, shot in shots.items() if shot.block is None}
+    widths = [1.25, 1, 0.7] if alone else [1.25, 1]
+    figure, row = pyplot.subplots(1, len(widths), figsize=(12.4, 5.2), width_ratios=widths)
+    left, right = row[:2]
+    for (name, shot), colour, dash in zip(covered.items(), _COLOURS, _DASHES):
+        left.plot(1e6 * shot.t, 1e3 * shot.z, dash, color=colour, label=name)
+        order = np.argsort(shot.crater[:, 0])
+        right.plot(1e3 * shot.crater[order, 0], 1e3 * shot.crater[order, 1], dash, color=colour)
+    left.set(title="targets", ylabel="displacement of the projectile [mm]")
+    right.set(title="crater at the end", xlabel="radius along the warp [mm]", ylabel="depth of the face [mm]")
+    right.set_xlim(0, 45)
+    right.invert_yaxis()
+    for name, shot in alone.items():
+        row[2].plot(1e6 * shot.t, 1e3 * shot.z, color=INK, label=name)
+        row[2].set(title=name)
+    for axes in (left, *row[2:]):
+        axes.set(xlabel="time after strike [µs]", xlim=(0, None), ylim=(0, None))
+    if covered:
+        figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def compose_craters(pyplot: Any, shots: Any) -> Any:
+    """The blocks cut along the warp, mirrored, coloured by effective plastic strain, all to one scale, and the nose."""
+    from matplotlib.collections import PolyCollection
+
+    across = min(3, len(shots))
+    down = -(-len(shots) // across)
+    deepest = 1e3 * max(shot.block.depth for shot in shots.values())
+    reach = max(30.0, 1.1 * deepest)
+    most = max(float(shot.block.plastic[~shot.block.gone].max()) for shot in shots.values())
+    tall = 10.6 / across * (1.3 * deepest + 14) / (2 * reach)
+    figure, grid = pyplot.subplots(
+        down, across, figsize=(11.4, 1.0 + down * (0.8 * tall + 0.5)), squeeze=False, sharex=True, sharey=True
+    )
+    for axes in grid.flat[len(shots) :]:
+        axes.set_visible(False)
+    for axes, (name, shot) in zip(grid.flat, shots.items()):
+        block = shot.block
+        x = block.nodes[block.bricks]
+        cut = ~block.gone & (np.abs(x[:, [0, 1, 4, 5], 1]).max(axis=1) < 1e-9)
+        corners = 1e3 * (x[cut][:, [0, 1, 5, 4]][..., [0, 2]] - np.array([0, block.face]))
+        for side in (1, -1):
+            faces = PolyCollection(corners * np.array([side, 1]), cmap="cividis_r", ec="#6b5a45", lw=0.2)
+            faces.set_array(block.plastic[cut])
+            faces.set_clim(0, most)
+            axes.add_collection(faces)
+        radius = 1e3 * PROJECTILE.radius
+        nose = 1e3 * (float(shot.z[-1]) - block.face)
+        axes.add_patch(pyplot.Rectangle((-radius, nose - 40), 2 * radius, 40, fc=STEEL, ec=INK, lw=0.6, zorder=3))
+        axes.set(xlim=(-reach, reach), ylim=(1.3 * deepest + 2, -12), aspect="equal")
+        axes.grid(False)
+        axes.set_title(name, fontsize=10)
+    for axes in grid[:, 0]:
+        axes.set_ylabel("depth [mm]")
+    for number, axes in enumerate(grid.flat[: len(shots)]):
+        if number + across >= len(shots):
+            axes.set_xlabel("from the impact point [mm]")
+            axes.tick_params(labelbottom=True)
+    bar = figure.colorbar(faces, ax=grid, shrink=0.7)
+    bar.set_label("effective plastic strain [-]")
+    bar.outline.set_visible(False)
+    return figure
 
 
 if __name__ == "__main__":

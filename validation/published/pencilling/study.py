@@ -11,7 +11,6 @@ be run.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +19,6 @@ import numpy as np
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult, radius_at, wall_angle
 from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.output.hooks import Progress
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile
@@ -117,14 +115,14 @@ def march(
     return PackSolver(pack, velocity, end_time)
 
 
-def shoot(case: Case, *, report: Callable[..., object] | None = None, **options: Any) -> Penetration:
+def shoot(case: Case, **options: Any) -> Penetration:
     """Fire at a target before a block, until the projectile turns back; options are those of `march`.
 
     Raises
     ------
     UnstableError : as PackSolver
     """
-    run = march(case, **options).run([Progress(report)] if report else [])
+    run = march(case, **options).run()
     block = run.backing.result()
     energies = {name: run.sample(name) for name in run.energy_names}
     balance = float(np.abs(energies["error"]).max()) / run.strike_energy
@@ -142,3 +140,8 @@ def bare(block: Any = BLOCK, velocity: float = VELOCITY, end_time: float = 2e-3)
         "stopped" if found.v[-1] <= 0 else "in flight", found.t, found.z, found.v, crater, wall_angle(crater),
         radius_at(crater, 0.5), found.energies, float(np.abs(found.energies["error"]).max()) / energy, np.nan,
     )  # fmt: skip
+
+
+def fire(case: Case | None, edge: str, elements: int) -> Penetration:
+    """A shot of the study; without a case at the bare block, whose shot does not depend on the rest."""
+    return bare() if case is None else shoot(case, edge=edge, elements=elements)

@@ -17,8 +17,10 @@ from dataclasses import dataclass
 from math import isnan, nan
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from fabrics.errors import UnstableError
-from validation.verification.pareto import non_dominated
 from validation.verification.richardson import Extrapolation, extrapolate
 
 MARGIN = 0.1  # a more expensive method is listed if it reduces the error by a tenth: times are no better known
@@ -210,6 +212,28 @@ def fronts(scene: Scene, references: dict[str, Reference], entries: Sequence[Ent
         errors = [max(entry.worst(quantities), known) for entry in entries]
         found[group] = [entries[i] for i in non_dominated(cost, errors, MARGIN)]
     return found
+
+
+def non_dominated(cost: ArrayLike, error: ArrayLike, margin: float = 0.0) -> list[int]:
+    """Numbers of the methods of which none other is at most as dear and at most as wrong, and better in one of the two.
+
+    Parameters
+    ----------
+    cost, error : (n,) of each method; one that is not a number dominates nothing and is left out
+    margin : share of the error that a dearer method has to take off the next cheaper one's to be named
+
+    Returns
+    -------
+    list of int, from the cheapest to that of the lowest error
+    """
+    cost, error = np.asarray(cost, float), np.asarray(error, float)
+    good = [int(i) for i in np.flatnonzero(np.isfinite(cost) & np.isfinite(error))]
+    kept, least = [], np.inf
+    for i in sorted(good, key=lambda i: (cost[i], error[i])):
+        if error[i] < least:
+            kept.append(i)
+            least = (1 - margin) * error[i]
+    return kept
 
 
 def _reference(scene, samples, name):

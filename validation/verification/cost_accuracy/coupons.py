@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import time
-import tomllib
 from dataclasses import dataclass, replace
-from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +13,6 @@ from fabrics.units import si
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.coupon import quasistatic
 from validation.published.bias_extension import cases, dynamic
-from validation.verification.cost_accuracy.core import Method
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -40,6 +37,9 @@ class Test:
     steps: int = 10
     tolerance: float = 1e-3
     explicit: str = ""
+
+    def changed(self, **changes: Any) -> Any:
+        return replace(self, **changes)
 
     def cell(self, fabric: Fabric) -> CellTable:
         """Table of a fabric."""
@@ -126,15 +126,12 @@ def run(case: Any) -> tuple[dict[str, float], dict[str, float]]:
     return values, {"table": table, "march": time.process_time() - begun - table}
 
 
-def read(name: str) -> Any:
+def read(case: dict[str, Any]) -> Any:
     """The default case of a scene of scenes.toml: a Bias or Cross."""
-    content = tomllib.loads(
-        (resources.files("validation.verification.cost_accuracy") / "scenes.toml").read_text("utf-8")
-    )[name]
     lengths: dict[str, Any] = {
-        key: si(content.pop(key), "m", key=key) for key in ("length", "width", "elongation") if key in content
+        key: si(case[key], "m", key=key) for key in ("length", "width", "elongation") if key in case
     }
-    return (Bias if lengths else Cross)(**content, **lengths)
+    return (Bias if lengths else Cross)(**case | lengths)
 
 
 def warm(case: Any) -> Bias | Cross:
@@ -143,45 +140,3 @@ def warm(case: Any) -> Bias | Cross:
         case, elements=1, table=21, explicit="", steps=1, tolerance=1e-1, model="compressible", law="regularised"
     )
     return replace(small, elongation=0.1 * case.elongation) if isinstance(case, Bias) else replace(small, strain=1e-3)
-
-
-def methods(base: Bias | Cross) -> tuple[Method, ...]:
-    """All methods for a coupon; the first is the default."""
-
-    def one(choice, name, **changes):
-        return Method(choice, name, replace(base, **changes))
-
-    found = [
-        one("default", "default"),
-        one("default", "default of version 0.2: tolerance 0.0001", tolerance=1e-4),
-        one("cell", "decoupled", model="decoupled"),
-        one("cell", "incompressible", model="incompressible"),
-        one("cell", "printed law", law="printed"),
-        *(one("table", f"table {n}", table=n) for n in (26, 51, 101)),
-        *(one("elements", f"{n} per crossover", elements=e) for n, e in (("1/2 element", 0.5), ("2 elements", 2))),
-        *(one("load step", f"{n} load step{'s' * (n > 1)}", steps=n) for n in (1, 10)),
-        *(one("tolerance", f"tolerance {t:g}", tolerance=t) for t in (1e-2,)),
-        one("combined", "table 51, 1 step", table=51, steps=1),
-        one("combined", "1/2 element per crossover, table 51, 1 step", elements=0.5, table=51, steps=1),
-        one("combined", "1/2, decoupled, 26, 1 step, 1e-2", elements=0.5, model="decoupled", table=26, steps=1,
-            tolerance=1e-2),
-    ]  # fmt: skip
-    if isinstance(base, Bias):
-        found += [one("explicit", f"explicit, {name}, table 51", explicit=element, table=51)
-                  for element, name in (("yarns", "yarn grid"), ("one point", "one-point element"))]  # fmt: skip
-    return tuple(found)
-
-
-def references(base: Bias | Cross, finest: tuple[float, ...]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """(meshes, finer) for `core.Scene`: the meshes, and a finer table, finer steps and tolerance at the first.
-
-    All are relaxed to a tenth of the default tolerance.
-    """
-    base = replace(base, tolerance=0.1 * base.tolerance)
-    meshes = tuple((1 / n, replace(base, elements=n)) for n in finest)
-    first = replace(base, elements=finest[0])
-    return meshes, (
-        (first, replace(first, table=401)),
-        (first, replace(first, steps=2 * base.steps)),
-        (first, replace(first, tolerance=0.1 * base.tolerance)),
-    )

@@ -1,12 +1,10 @@
-"""Impacts on one ply with all options of the explicit code: cases, their runs, and what is read off."""
+"""Impacts on one ply, and on packs, with all options of the explicit code: cases, their runs, and what is read off."""
 
 from __future__ import annotations
 
 import time
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from importlib import resources
 from math import inf
 from typing import Any
 
@@ -18,10 +16,10 @@ from fabrics.errors import UnstableError
 from fabrics.units import si
 from shellfabric.cell.model import FILL, CellModel
 from shellfabric.panel.model import Numerics, Panel
+from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
 from validation.models.cable import solver as cable_solver
 from validation.models.cable.model import CableNet, CableNumerics
-from validation.verification.cost_accuracy.core import Method
 
 LEFT, STOPS = "perforated", "stopped"
 
@@ -69,6 +67,22 @@ class Shell:
     grading: tuple[tuple[float, float], ...] | None = None
     fill: str = FILL
 
+    def changed(
+        self, *, cable: float = 0, time_step: float = 0, grading: Sequence[float] = (), **changes: Any
+    ) -> Shell | Cable:
+        """With other options; `time_step` is a factor, `cable` one on that of the cable net in place of the shell.
+
+        grading : elements in the first crossover, sides of those in the second zone and beyond [crossovers]
+        """
+        if cable:
+            return Cable(self.shot, cfl=cable * CableNumerics.cfl)
+        if time_step:
+            changes["cfl"] = time_step * Numerics.cfl
+        if grading:
+            n, middle, outer = grading
+            changes["grading"] = ((12.0, 1 / n), (24.0, middle), (inf, outer))
+        return replace(self, **changes)
+
 
 @dataclass(frozen=True)
 class Cable:
@@ -79,28 +93,54 @@ class Cable:
     symmetry: str = "quarter"
 
 
-def read(name: str) -> Shot:
-    """The shot of a scene of scenes.toml."""
-    content = tomllib.loads(
-        (resources.files("validation.verification.cost_accuracy") / "scenes.toml").read_text("utf-8")
-    )
-    shot = content["ply"] | content[name]
-    early = si(shot["early"], "s", key="early") if "early" in shot else None
-    return Shot(
-        shot["fabric"], si(shot["opening"], "m", key="opening"),
-        tuple(si(v, "m/s", key="velocities") for v in shot["velocities"]), si(shot["end"], "s", key="end"),
-        STOPS if "early" in shot else LEFT, early,
+@dataclass(frozen=True)
+class Plies:
+    """A shot at a pack.
+
+    Parameters
+    ----------
+    shell : of each ply, with the shot
+    plies : their number
+    gap : [m], or None for the fabric's own
+    stiffness, points, form : of the contact between plies, see `PlyContact`
+    """
+
+    shell: Shell
+    plies: int = 4
+    gap: float | None = None
+    stiffness: float = PlyContact.stiffness
+    points: int = PlyContact.points
+    form: str = PlyContact.form
+
+    def changed(
+        self, *, points: int | None = None, stiffness: float | None = None, contact_form: str = "", **of_shell: Any
+    ) -> Plies:
+        """With other options of the contact or, as of `Shell.changed`, of the plies."""
+        given = {"points": points, "stiffness": stiffness, "form": contact_form or None}
+        contact: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+        shell: Any = self.shell.changed(**of_shell)
+        return replace(self, shell=shell, **contact)
+
+
+def read(case: dict[str, Any]) -> Shell | Plies:
+    """The default case of a scene of scenes.toml."""
+    early = si(case["early"], "s", key="early") if "early" in case else None
+    shot = Shot(
+        case["fabric"], si(case["opening"], "m", key="opening"),
+        tuple(si(v, "m/s", key="velocities") for v in case["velocities"]), si(case["end"], "s", key="end"),
+        STOPS if early else LEFT, early,
     )  # fmt: skip
+    return Plies(Shell(shot), case["plies"]) if "plies" in case else Shell(shot)
 
 
-def run(case: Shell | Cable) -> tuple[dict[str, float], dict[str, float]]:
-    """({quantity: value}, {part: CPU time [s]}) of a Shell or Cable.
+def run(case: Shell | Cable | Plies) -> tuple[dict[str, float], dict[str, float]]:
+    """({quantity: value}, {part: CPU time [s]}) of a case.
 
     Raises
     ------
     UnstableError : a shot that becomes unphysical, or has not the outcome of its scene
     """
-    return (_shell if isinstance(case, Shell) else _cable)(case)
+    return {Shell: _shell, Cable: _cable, Plies: _pack}[type(case)](case)
 
 
 def panel(case: Shell) -> Panel:
@@ -151,6 +191,33 @@ def _cable(case):
     return found, {"table": 0.0, "march": time.process_time() - begun}
 
 
+def _pack(case):
+    begun = time.process_time()
+    ply = panel(case.shell)
+    contact = PlyContact(stiffness=case.stiffness, points=case.points, form=case.form)
+    pack = Pack.stacked(ply, case.plies, gap=case.gap, contact=contact)
+    found: dict[str, Any] = {}
+    filled, shot = time.process_time(), case.shell.shot
+    yarns = max(1, round(1 / case.shell.elements))  # a thick yarn stands for so many
+    for velocity in shot.velocities:
+        march = PackSolver(pack, velocity, shot.end)
+        if case.shell.awake:
+            _wake(march)
+        march.run()
+        fine = np.concatenate(march.step_history)
+        peak = march.peak_tensions[..., 0].max(axis=0) / yarns
+        found |= read_off(
+            shot, velocity, march.outcome, fine[:, 0], fine[:, 1], march.const.dt, ply.projectile.mass, peak
+        )
+    return found, {"table": filled - begun, "march": time.process_time() - filled}
+
+
+def _wake(march):
+    march.stack.awake[:] = True
+    for state, const in zip(march.states, march.consts):
+        state.active_rows[:] = 0, const.ni
+
+
 def read_off(
     shot: Shot, velocity: float, outcome: str, z: FloatArray, v: FloatArray, dt: float, mass: float,
     peak: Sequence[float],
@@ -176,60 +243,9 @@ def read_off(
 
 def warm(case: Any) -> Any:
     """A short run that compiles what a case needs."""
+    if isinstance(case, Plies):
+        return replace(case, shell=warm(case.shell), plies=2, gap=1e-4)
     short = replace(case.shot, velocities=case.shot.velocities[:1], end=1e-6, outcome="")
     if isinstance(case, Cable):
         return Cable(short)
     return Shell(short, table=8, precision=case.precision, form=case.form, grading=case.grading, fill=case.fill)
-
-
-def methods(shot: Shot, meshes: Sequence[float] = (2, 3)) -> tuple[Method, ...]:
-    """All methods for a shot; the first is the default."""
-    base = Shell(shot)
-
-    def one(choice, name, **changes):
-        return Method(choice, name, replace(base, **changes))
-
-    return (
-        one("default", "default"),
-        one("default", "default of version 0.2", fill="nested"),
-        Method("cell", "cable net", Cable(shot)),
-        Method("time step", "cable net, steps x 2", Cable(shot, cfl=2 * CableNumerics.cfl)),
-        one("cell", "decoupled", model="decoupled"),
-        one("cell", "incompressible", model="incompressible"),
-        one("cell", "printed law", law="printed"),
-        one("cell", "equilibrium form", form="equilibrium"),
-        one("cell", "equilibrium, printed", form="equilibrium", law="printed"),
-        *(one("table", f"table {n}", table=n) for n in (26, 51, 101, 401)),
-        *(
-            one("elements", f"{label} per crossover, table {n}", elements=e, table=n)
-            for label, e in (("1/2 element", 0.5), *((f"{m} elements", m) for m in meshes))
-            for n in (51, 201)
-        ),
-        one("combined", "decoupled, 1/2, table 26", model="decoupled", elements=0.5, table=26),
-        one("combined", "1/2 element per crossover, table 26", elements=0.5, table=26),
-        one("combined", "equilibrium, table 51", form="equilibrium", table=51),
-        one("combined", "float32, table 51", precision="single", table=51),
-        *(
-            one(
-                "grading",
-                f"graded from 1/{n} crossover, table 51",
-                table=51,
-                grading=((12.0, 1 / n), (24.0, 1.0), (inf, 2.0)),
-            )
-            for n in (1, 2, 3, 4)
-        ),
-        *(one("time step", f"steps x {f:g}", cfl=f * Numerics.cfl) for f in (0.25, 0.5)),
-        *(one("viscosity", f"viscosity {x:g}", viscosity=x) for x in (0.05, 0.2)),
-        one("storage", "float32", precision="single"),
-        one("symmetry", "half", symmetry="half"),
-        one("symmetry", "whole", symmetry="whole"),
-        one("activity", "all rows awake", awake=True),
-    )
-
-
-def references(shot: Shot, finest: tuple[int, ...]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """(meshes, finer) for `core.Scene`: the meshes, and a finer table and time step at the first of them."""
-    base = Shell(shot)
-    meshes = tuple((1 / n, replace(base, elements=n)) for n in finest)
-    first = replace(base, elements=finest[0])
-    return meshes, ((first, replace(first, table=401)), (first, replace(first, cfl=0.5 * Numerics.cfl)))

@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 import time
-import tomllib
-from dataclasses import dataclass
-from importlib import resources
+from dataclasses import dataclass, replace
+from typing import Any
 
 from fabrics import catalogue
 from fabrics.units import si
 from validation.models.cable import smith
 from validation.models.cable.model import CableNumerics
-from validation.verification.cost_accuracy.core import Method, Quantity, Scene
-
-QUANTITIES = (
-    Quantity("tension", "N", "tension and force"),
-    Quantity("force", "N", "tension and force"),
-    Quantity("kink speed", "m/s", "wave speeds"),
-    Quantity("front speed", "m/s", "wave speeds"),
-)
 
 
 @dataclass(frozen=True)
@@ -31,6 +22,9 @@ class Yarn:
     bars: int = 2000
     cfl: float = smith.STRAIGHT.cfl
     viscosity: float = CableNumerics.viscosity
+
+    def changed(self, **changes: Any) -> Yarn:
+        return replace(self, **changes)
 
 
 def run(case: Yarn) -> tuple[dict[str, float], dict[str, float]]:
@@ -46,32 +40,16 @@ def _values(wave):
     return {"tension": wave.tension, "force": wave.force, "kink speed": wave.U, "front speed": wave.c}
 
 
-def scene(quick: bool = False) -> Scene:
-    """The scene; `quick` has none but short runs."""
-    content = tomllib.loads(
-        (resources.files("validation.verification.cost_accuracy") / "scenes.toml").read_text("utf-8")
-    )["yarn"]
-    fabric, velocity = content["fabric"], si(content["velocity"], "m/s", key="velocity")
-    given = fabric, velocity, si(content["length"], "m", key="length")
-    numbers = (125, 250, 500, 1000) if quick else (125, 250, 500, 1000, 4000)
-    methods = [Method("default", "default: 2000 bars", Yarn(*given))]
-    methods += [Method("default", "default of version 0.2: Courant factor 0.4", Yarn(*given, cfl=0.4))]
-    methods += [Method("elements", f"{n} bars", Yarn(*given, bars=n)) for n in numbers]
-    methods += [
-        Method("time step", f"{n} bars, Courant factor {s:g}", Yarn(*given, bars=n, cfl=s))
-        for n, s in ((500, 0.2), (500, 0.4), (2000, 0.2))
-    ]
-    methods += [
-        Method("viscosity", f"{n} bars, viscosity {x:g}", Yarn(*given, bars=n, viscosity=x))
-        for n in (500, 2000)
-        for x in (0.0, 0.03)
-    ]
-    exact = _values(smith.smith(catalogue.load(fabric).weave.warp, velocity))
-    text = (
-        f"Half of a straight warp of {fabric}, {1e3 * given[2]:g} mm long, is struck across at {velocity:g} m/s by the "
-        "cable model. The reference is the closed form of Smith, McCrackin and Schiefer, which is exact."
-    )
-    return Scene(
-        "struck-yarn", f"Struck yarn: {fabric} at {velocity:g} m/s", text, QUANTITIES, tuple(methods), run,
-        lambda case: Yarn(*given, bars=60), exact=exact,
-    )  # fmt: skip
+def read(case: dict[str, Any]) -> Yarn:
+    """The default case."""
+    return Yarn(case["fabric"], si(case["velocity"], "m/s", key="velocity"), si(case["length"], "m", key="length"))
+
+
+def exact(case: Yarn) -> dict[str, float]:
+    """Values of Smith's closed form."""
+    return _values(smith.smith(catalogue.load(case.fabric).weave.warp, case.velocity))
+
+
+def warm(case: Yarn) -> Yarn:
+    """A short case of the same kernels."""
+    return Yarn(case.fabric, case.velocity, case.length, bars=60)

@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 
 from fabrics.errors import InputError
-from fabrics.files import write_whole
+from validation.program import write_csv
 from validation.verification.cost_accuracy.core import Chart, Entry, Quantity, Reference, Sample, Scene, fronts
 from validation.verification.richardson import Extrapolation
 from weavecell.report.marked_page import markdown
@@ -34,39 +34,36 @@ def write(chart: Chart, folder: Path, made: str = "") -> None:
 def write_methods(chart: Chart, path: Path) -> None:
     """One row a method: cost, values (SI), errors [-], and on which fronts it is."""
     quantities = chart.scene.quantities
-    with write_whole(path) as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow([
-            "scene", "choice", "method", "cpu [s]", "wall [s]", "repeats", "table [s]", "march [s]",
-            *(f"{q.name} [{q.unit}]" for q in quantities), *(f"error of {q.name} [-]" for q in quantities),
-            "Pareto-optimal in", "failed",
+    rows: list[list[object]] = [[
+        "scene", "choice", "method", "cpu [s]", "wall [s]", "repeats", "table [s]", "march [s]",
+        *(f"{q.name} [{q.unit}]" for q in quantities), *(f"error of {q.name} [-]" for q in quantities),
+        "Pareto-optimal in", "failed",
+    ]]  # fmt: skip
+    for entry in chart.entries:
+        sample, method = entry.sample, entry.method
+        rows.append([
+            chart.scene.key, method.choice, method.name, f"{sample.cpu:.4g}", f"{sample.wall:.4g}", sample.repeats,
+            *(f"{sample.parts[part]:.4g}" if part in sample.parts else "" for part in ("table", "march")),
+            *(f"{sample.values[q.name]:.7g}" if q.name in sample.values else "" for q in quantities),
+            *(f"{entry.errors[q.name]:.3g}" if q.name in entry.errors else "" for q in quantities),
+            "; ".join(group for group, front in chart.fronts.items() if entry in front), sample.failed,
         ])  # fmt: skip
-        for entry in chart.entries:
-            sample, method = entry.sample, entry.method
-            rows.writerow([
-                chart.scene.key, method.choice, method.name, f"{sample.cpu:.4g}", f"{sample.wall:.4g}", sample.repeats,
-                *(f"{sample.parts[part]:.4g}" if part in sample.parts else "" for part in ("table", "march")),
-                *(f"{sample.values[q.name]:.7g}" if q.name in sample.values else "" for q in quantities),
-                *(f"{entry.errors[q.name]:.3g}" if q.name in entry.errors else "" for q in quantities),
-                "; ".join(group for group, front in chart.fronts.items() if entry in front), sample.failed,
-            ])  # fmt: skip
+    write_csv(path, rows)
 
 
 def write_references(chart: Chart, path: Path, made: str = "") -> None:
     """One row a quantity: reference (SI), half width, where from; `made` says when, where and by which version."""
-    with write_whole(path) as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(
-            ["scene", "quantity", "unit", "group", "reference", "half width", "basis", "order", "remark", "made"]
-        )
-        for quantity in chart.scene.quantities:
-            found = chart.references[quantity.name]
-            basis = found.basis
-            basis_text = ("closed form", "", "") if basis is None else (basis.basis, _order(basis), basis.remark)
-            rows.writerow([
-                chart.scene.key, quantity.name, quantity.unit, quantity.group, f"{found.value:.7g}",
-                f"{found.half_width:.3g}", *basis_text, made,
-            ])  # fmt: skip
+    rows = [["scene", "quantity", "unit", "group", "reference", "half width", "basis", "order", "remark", "made"]]
+    for quantity in chart.scene.quantities:
+        found = chart.references[quantity.name]
+        basis = found.basis
+        order = "" if basis is None or basis.order is None else f"{basis.order:.2f}"
+        basis_text = ("closed form", "", "") if basis is None else (basis.basis, order, basis.remark)
+        rows.append([
+            chart.scene.key, quantity.name, quantity.unit, quantity.group, f"{found.value:.7g}",
+            f"{found.half_width:.3g}", *basis_text, made,
+        ])  # fmt: skip
+    write_csv(path, rows)
 
 
 def kept(key: str, folder: Path) -> bool:
@@ -112,10 +109,6 @@ def _entry(scene, method, row):
         found[0], float(row["cpu [s]"]), float(row["wall [s]"]), found[2], int(row["repeats"]), row["failed"]
     )
     return Entry(method, sample, found[1])
-
-
-def _order(basis):
-    return "" if basis.order is None else f"{basis.order:.2f}"
 
 
 def reference_table(chart: Chart) -> str:

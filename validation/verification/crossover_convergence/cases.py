@@ -1,27 +1,34 @@
-"""One case of the study: a crossover meshed, formulated and stepped in one way, pulled along the paths, timed."""
+"""One case of the study: a crossover meshed, formulated and stepped in one way, pulled along the paths, timed.
+
+End conditions that are not the weave's, to be set beside its two-fold axis:
+
+pin           the middle row of the end face is held along the yarn and in height, the rest of the face is free
+upright face  the whole face is held along the yarn, its middle row in height
+clamped face  the whole face is held along the yarn and in height
+"""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fabrics import variants
+from fabrics.checks import IntArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
 from meshing import crossover as mesher
+from unitcell3d.assembly.constraints import AXIAL, VERTICAL, WIDTH, Constraints, Ties
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.identify.calibration import samples
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps, solve_load_path
-from validation.verification.crossover_convergence import ends
 
-if TYPE_CHECKING:
-    from fabrics.fabric import Fabric
-
+TWO_FOLD, PIN, UPRIGHT, CLAMPED = "two-fold axis", "pin", "upright face", "clamped face"
 QUANTITIES = ("T1", "T2", "F_c")
 TRIBUTARY, EQUAL = "tributary areas", "equal areas"
 
@@ -36,7 +43,7 @@ class Case:
     domain : "quarter" or "whole"
     section : of the yarns; None for the fabric's own
     tip_thickness_ratio : [-] of the tips; None for the mesher's own
-    end : end condition (`ends`)
+    end : end condition
     bars : `TRIBUTARY` or `EQUAL`: how the fibre area is shared out
     one_point : one-point integration of the solids
     numerics : pairs (field of model.crossover.Numerics, value)
@@ -48,7 +55,7 @@ class Case:
     domain: str = "quarter"
     section: str | None = None
     tip_thickness_ratio: float | None = None
-    end: str = ends.TWO_FOLD
+    end: str = TWO_FOLD
     bars: str = TRIBUTARY
     one_point: bool = False
     numerics: tuple = ()
@@ -146,7 +153,7 @@ def _mesh(fabric, case):
 def _model(mesh, fabric, case):
     integration = solid_law.ONE_POINT if case.one_point else solid_law.FULL
     model = CrossoverModel(mesh, fabric, case.full_numerics, integration=integration)
-    if case.end == ends.TWO_FOLD:
+    if case.end == TWO_FOLD:
         return model
     return _OtherEnds(mesh, fabric, case.full_numerics, integration=integration, end=case.end)
 
@@ -160,8 +167,29 @@ class _OtherEnds(CrossoverModel):
 
     def _build_pattern(self, *contact):
         # before the tangent is laid out for the first time
-        self.constraints = ends.held(self.crossover.grids, len(self.points), self._end)
+        self.constraints = held(self.crossover.grids, len(self.points), self._end)
         super()._build_pattern(*contact)
+
+
+def held(grids: tuple[IntArray, IntArray], n: int, end: str) -> Constraints:
+    """Constraints of a quarter crossover with another end condition.
+
+    Parameters
+    ----------
+    grids : of warp and weft, node numbers (i along, j across, k through), an even number of elements through
+    n : number of nodes
+    end : `PIN`, `UPRIGHT` or `CLAMPED`
+    """
+    ties = Ties(n, 2)
+    for yarn, grid in enumerate(grids):
+        ties.hold(grid[0], AXIAL[yarn])
+        ties.hold(grid[:, 0], WIDTH[yarn])
+        face = grid[-1]
+        row = face[:, face.shape[1] // 2]
+        ties.drive[3 * face + AXIAL[yarn], yarn] = 1.0
+        ties.hold(row if end == PIN else face, AXIAL[yarn])
+        ties.hold(face if end == CLAMPED else row, VERTICAL)
+    return ties.done(tuple(grid[-1].ravel() for grid in grids))
 
 
 def _law(histories):

@@ -12,32 +12,6 @@ from validation.verification.crossover_convergence.axes import METHOD
 from validation.verification.crossover_convergence.study import MEASURED, Study, measured, name
 from weavecell.report.marked_page import markdown
 
-LEADS = {
-    "mesh": "All three directions refined together; the section, the bars and the contact surfaces get finer with it.",
-    "mesh and penalty": "Both refined: how far a reference that adds up one choice at a time can be trusted.",
-    "elements along": "One direction alone, to see which of them the errors of the base come from.",
-    "penalty": "The contact stiffness of both passes together. A penetration within the smoothing length grows with "
-    "the root of smoothing length over penalty.",
-    "smoothing length": "The penetration over which the contact stiffness rises from zero. Its error and that of the "
-    "penalty are one error, so the reference counts the penalty's alone; nearly equal limits check both.",
-    "slack stiffness": "Residual stiffness of a slack fibre, over that of a taut one.",
-    "slack width": "The strain over which a fibre becomes taut.",
-    "load step": "The state at the end of a path does not depend on the way: steps change the time, and a, b by the "
-    "samples between them.",
-    "domain": "The whole crossover has the same answer as its quarter.",
-    "integration": "One-point integration has zero-energy (hourglass) modes.",
-    "end condition": "The plain weave has a two-fold rotation axis at the inflection point of each yarn. A pin holds "
-    "one row of the end face; an upright face is held along the yarn, its middle row in height; a clamped face is held "
-    "in both.",
-    "section": "All with the same yarn volume, or what the overlap leaves of it.",
-    "tip bluntness": "Height of the cut tips over that of the middle.",
-    "bars": "How the fibre area is shared out among the bars of a section: by the area that is nearest, or equally.",
-    "friction": "Coulomb's coefficient between the yarns.",
-    "shear modulus G": "Of the solid, with E_c kept.",
-    "axial modulus E_a": "Of the solid; the fibre bars carry the tension.",
-}
-
-
 QUESTION = "How far are forces and compression law of the 3D crossover from their limit, and what changes them?"
 CONVERGENCE = """![Distance of each force from its limit](figures/crossover-convergence.png)
 
@@ -125,8 +99,7 @@ def _summary(study):
 
 def _axis(study, axis):
     text = f"### {axis.name[0].upper()}{axis.name[1:]}\n\n"
-    if axis.name in LEADS:
-        text += f"{LEADS[axis.name]}\n\n"
+    text += f"{axis.lead}\n\n" if axis.lead else ""
     text += markdown([tables.columns(study, axis.name), *tables.rows(study, axis.name)], numbers=True)
     failed = [
         f"{entry.label}, {path}: {why}" for entry in study.of(axis.name) for path, why in entry.result["failed"].items()

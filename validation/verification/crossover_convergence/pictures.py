@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.files import replace_whole
-from meshing.pictures_style import BLUE, COLOURS, FAINT, INK, RED, plots
+from meshing.pictures_style import BLUE, COLOURS, FAINT, INK, RED
+from validation.program import save
 from validation.verification.crossover_convergence.axes import MODEL
 from validation.verification.crossover_convergence.study import Study, measured, name, quantities
 
@@ -24,11 +24,8 @@ def draw_all(study: Study, folder: Path) -> list[str]:
         drawn["convergence"] = convergence
     if any(axis.kind == MODEL for axis in study.axes):
         drawn["effects"] = effects
-    with plots() as pyplot:
-        for title, draw in drawn.items():
-            figure = draw(pyplot, study)
-            with replace_whole(folder / f"crossover-{title}.png") as beside:
-                figure.savefig(beside, format="png", dpi=130)
+    for title, draw in drawn.items():
+        save(draw, study, to=folder / f"crossover-{title}.png", dpi=130)
     return list(drawn)
 
 

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
 from fabrics.units import si
-from validation.verification.crossover_convergence.axes import BASE, METHOD, Axis, axes
-from validation.verification.crossover_convergence.cases import solve
-from validation.verification.pareto import non_dominated
+from validation.verification.cost_accuracy.core import non_dominated
+from validation.verification.crossover_convergence.axes import BASE, CONTENT, METHOD, Axis, axes
+from validation.verification.crossover_convergence.cases import Case, solve
 from validation.verification.richardson import extrapolate
-
-if TYPE_CHECKING:
-    from fabrics.fabric import Fabric
-    from validation.verification.crossover_convergence.cases import Case
 
 MARGIN = 0.1  # a method is worth more time if it takes a tenth off the error: times are no better known
 MEASURED = ("warp only", "equibiaxial")  # paths whose forces at the end the errors are taken of
@@ -82,11 +77,8 @@ class Study:
 
 def scene() -> tuple[Fabric, dict[str, Any]]:
     """(fabric, {path: (d1, d2)} [m]) of the study's data file."""
-    content = tomllib.loads(
-        (resources.files("validation.verification.crossover_convergence") / "scene.toml").read_text("utf-8")
-    )
-    paths = {name: tuple(si(end[d], "m", key=d) for d in ("d1", "d2")) for name, end in content["paths"].items()}
-    return catalogue.load(content["fabric"]), paths
+    paths = {name: tuple(si(end[d], "m", key=d) for d in ("d1", "d2")) for name, end in CONTENT["paths"].items()}
+    return catalogue.load(CONTENT["fabric"]), paths
 
 
 def run(

@@ -2,58 +2,49 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-from fabrics.files import write_whole
+from validation.program import write_csv
 from validation.verification.crossover_convergence.axes import METHOD
 from validation.verification.crossover_convergence.study import LAW, Study, measured, quantities
-
-if TYPE_CHECKING:
-    from validation.verification.richardson import Extrapolation
+from validation.verification.richardson import Extrapolation
 
 UNITS = {"a": ("a [mm]", 1e3, "{:.4f}"), "b": ("b [mm N^(1/3)]", 1e3, "{:.4f}")}
 
 
-def write_csv(study: Study, path: Path) -> None:
+def write(study: Study, path: Path) -> None:
     """One row an entry: values, changes from the base, error against the reference, cost."""
     names = list(study.reference)
-    with write_whole(path) as file:
-        rows = csv.writer(file)
-        rows.writerow([
-            "choice", "value", "goes to zero", *(heading(name) for name in names), "rms of the law [um]",
-            "largest error in the forces [%]", *(f"{name}, change from the base [%]" for name in names), "cpu [s]",
-            "wall [s]", "load steps", "tangents", "unknowns", "failed",
+    rows: list[list[Any]] = [[
+        "choice", "value", "goes to zero", *(heading(name) for name in names), "rms of the law [um]",
+        "largest error in the forces [%]", *(f"{name}, change from the base [%]" for name in names), "cpu [s]",
+        "wall [s]", "load steps", "tangents", "unknowns", "failed",
+    ]]  # fmt: skip
+    for entry in study.entries:
+        result, values = entry.result, quantities(entry.result)
+        rows.append([
+            entry.axis, entry.label, "" if entry.x is None else f"{entry.x:.4g}",
+            *(text(name, values.get(name)) for name in names),
+            "" if result["law"] is None else f"{1e6 * result['law']['rms']:.3f}",
+            "" if entry.error is None else f"{100 * entry.error:.3f}",
+            *("" if name not in entry.change else f"{100 * entry.change[name]:+.3f}" for name in names),
+            f"{result['cpu']:.2f}", f"{result['wall']:.2f}", result["steps"], result["tangents"], result["unknowns"],
+            "; ".join(f"{path}: {why}" for path, why in result["failed"].items()),
         ])  # fmt: skip
-        for entry in study.entries:
-            result, values = entry.result, quantities(entry.result)
-            rows.writerow([
-                entry.axis, entry.label, "" if entry.x is None else f"{entry.x:.4g}",
-                *(text(name, values.get(name)) for name in names),
-                "" if result["law"] is None else f"{1e6 * result['law']['rms']:.3f}",
-                "" if entry.error is None else f"{100 * entry.error:.3f}",
-                *("" if name not in entry.change else f"{100 * entry.change[name]:+.3f}" for name in names),
-                f"{result['cpu']:.2f}", f"{result['wall']:.2f}", result["steps"], result["tangents"],
-                result["unknowns"], "; ".join(f"{path}: {why}" for path, why in result["failed"].items()),
-            ])  # fmt: skip
+    write_csv(path, rows)
 
 
 def write_orders(study: Study, path: Path) -> None:
     """One row a choice with a limit and quantity: limit, observed order, and how far the base is from the limit."""
-    with write_whole(path) as file:
-        rows = csv.writer(file)
-        rows.writerow(
-            ["choice", "quantity", "limit", "observed order", "basis", "remark", "scatter", "base off by [%]"]
-        )
-        for name, found in study.limits.items():
-            for quantity, limit in found.items():
-                rows.writerow([
-                    name, heading(quantity), text(quantity, limit.limit),
-                    "" if limit.order is None else f"{limit.order:.2f}", limit.basis, limit.remark,
-                    text(quantity, limit.scatter), f"{100 * off(study, quantity, limit):+.3f}",
-                ])  # fmt: skip
+    head = ["choice", "quantity", "limit", "observed order", "basis", "remark", "scatter", "base off by [%]"]
+    rows = [
+        [name, heading(quantity), text(quantity, limit.limit), "" if limit.order is None else f"{limit.order:.2f}",
+         limit.basis, limit.remark, text(quantity, limit.scatter), f"{100 * off(study, quantity, limit):+.3f}"]
+        for name, found in study.limits.items() for quantity, limit in found.items()
+    ]  # fmt: skip
+    write_csv(path, [head, *rows])
 
 
 def off(study: Study, quantity: str, limit: Extrapolation) -> float:
@@ -73,14 +64,9 @@ def text(name: str, value: float) -> str:
     return form.format(scale * value)
 
 
-def forces(study: Study) -> list[str]:
-    """Names of the forces that errors are taken of."""
-    return [name for name in study.reference if measured(name)]
-
-
 def rows(study: Study, axis: str) -> Iterator[list[str]]:
     """Rows of one choice: label, forces, a, b, largest error or none, CPU time, tangents."""
-    names = [*forces(study), *LAW]
+    names = [*filter(measured, study.reference), *LAW]
     method = next(a for a in study.axes if a.name == axis).kind == METHOD
     for entry in study.of(axis):
         values = quantities(entry.result)
@@ -95,7 +81,7 @@ def rows(study: Study, axis: str) -> Iterator[list[str]]:
 
 def columns(study: Study, axis: str) -> list[str]:
     """Headings of `rows`."""
-    names = [*forces(study), *LAW]
+    names = [*filter(measured, study.reference), *LAW]
     method = next(a for a in study.axes if a.name == axis).kind == METHOD
     return [axis, *map(heading, names), *(["largest error [%]"] if method else []), "CPU [s]", "tangents"]
 

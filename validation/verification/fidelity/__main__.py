@@ -12,97 +12,72 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import fields
 from datetime import date
+from functools import partial
 from importlib import resources
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from fabrics import run_cache
 from fabrics.files import write_whole
-from validation.program import program, write_csv
-from validation.verification.fidelity import cable_net, fit_error_database, leave_one_out, page, survey, trial
-from validation.verification.fidelity.trial import TRIALS
+from validation.program import program, publish, write_csv
+from validation.verification.fidelity import fit_error_database, leave_one_out, page, survey, trial
 from validation.verification.study import known
 from weavecell.analysis.fidelity import error_database
 from weavecell.analysis.fidelity.ladder import FULL, LADDER
 
+Tables = dict[str, list[str]]
 
-@dataclass(frozen=True)
-class Study:
-    """What is run, kept in the folder `out` and put into a page.
 
-    Parameters
-    ----------
-    drawn : name of a trial
-    keep : make the survey's errors those that models are chosen by
-    jobs, executor : as of `fabrics.executors.open_executor`
-    """
+def report(done: int, total: int) -> None:
+    """Say how many runs are done."""
+    print(f"\r{done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
-    drawn: str
-    out: Path
-    jobs: int
-    executor: str
-    keep: bool
-    page: Path | None
 
-    def _runs(self, function, arguments):
-        def report(done, total):
-            print(f"\r{done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
+def surveyed(runs: Callable[..., Any], out: Path, keep: bool) -> Tables:
+    """Run the survey, and write what it found as errors.json, into the package too if it is to be kept; its tables."""
+    tasks = survey.tasks()
+    found = dict(zip(tasks, runs(survey.sample, tasks)))
+    rows = survey.rows(found)
+    standard = [place for place in survey.places() if place[0]]
+    full = [{FULL: found[*place, FULL]} for place in standard]
+    cable = [known | row for known, row in zip(full, runs(survey.of_cable_net, standard))]
+    content = {
+        "made": {"date": date.today().isoformat(), "scenes": len(rows)}, **fit_error_database.of(rows),
+        "others": {survey.CABLE: survey.cable_errors(cable)},
+    }  # fmt: skip
+    for folder in [out] + [Path(str(resources.files("weavecell.analysis.fidelity")))] * keep:
+        with write_whole(folder / error_database.FILE) as file:
+            file.write(json.dumps(content, indent=1) + "\n")
+    answered = leave_one_out.table(leave_one_out.rows(rows, LADDER))
+    return {"survey": page.survey_table(error_database.Book(**content)), "left out": answered}
 
-        return run_cache.results(
-            function, arguments, folder=self.out, executor=self.executor, jobs=self.jobs, report=report
-        )
 
-    def survey(self) -> None:
-        """Run the survey, print what it found, and keep it."""
-        tasks = survey.tasks()
-        found = dict(zip(tasks, self._runs(survey.sample, tasks)))
-        rows = survey.rows(found)
-        standard = [place for place in survey.places() if place[0]]
-        full = [{FULL: found[*place, FULL]} for place in standard]
-        cable = [known | row for known, row in zip(full, self._runs(cable_net.row, standard))]
-        content = fit_error_database.of(rows) | {"others": {cable_net.NAME: cable_net.errors(cable)}}
-        self._keep(rows, content, error_database.FILE, "survey")
-        lines = leave_one_out.table(leave_one_out.rows(rows, LADDER))
-        print("\n".join(lines))
-        page.put(self.page, "left out", lines)
-
-    def _keep(self, rows, content, name, title):
-        """Write what a survey found as a file `name`, and its table."""
-        content = {"made": {"date": date.today().isoformat(), "scenes": len(rows)}} | content
-        text = json.dumps(content, indent=1) + "\n"
-        with write_whole(self.out / name) as file:
-            file.write(text)
-        if self.keep:
-            with write_whole(Path(str(resources.files("weavecell.analysis.fidelity"))) / name) as file:
-                file.write(text)
-        lines = page.survey_table(error_database.Book(**content))
-        print("\n".join(lines))
-        page.put(self.page, title, lines)
-
-    def trial(self) -> None:
-        """Run a trial and print what it found."""
-        places = [(self.drawn, number) for number in range(trial.count(self.drawn))]
-        full = self._runs(trial.truth, places)
-        answers = self._runs(trial.answer, places)
-        rows = [trial.row(*given) for given in zip(*zip(*places), full, answers)]
-        names = [entry.name for entry in fields(trial.Row)]
-        table = [[*names, "met"], *([*(getattr(row, name) for name in names), row.met] for row in rows)]
-        write_csv(self.out / f"trial-{self.drawn}.csv", table)
-        lines = page.trial_table(rows)
-        print("\n".join(lines))
-        page.put(self.page, f"trial {self.drawn}", lines)
+def tried(runs: Callable[..., Any], out: Path, name: str) -> Tables:
+    """Run a trial, write its rows, and its table."""
+    places = [(name, number) for number in range(trial.count(name))]
+    rows = [trial.row(*given) for given in zip(*zip(*places), runs(trial.truth, places), runs(trial.answer, places))]
+    names = [entry.name for entry in fields(trial.Row)]
+    table = [[*names, "met"], *([*(getattr(row, name) for name in names), row.met] for row in rows)]
+    write_csv(out / f"trial-{name}.csv", table)
+    return {f"trial {name}": page.trial_table(rows)}
 
 
 def main(
-    command: Literal["survey", "trial"], *, trial: str = "everything", out: Path = Path("results/fidelity"),
+    command: Literal["survey", "trial"], *, trial: str = "refined", out: Path = Path("results/fidelity"),
     jobs: int = 1, executor: str = "local", keep: bool = False, page: Path | None = None,
 ) -> None:  # fmt: skip
-    known("--trial", trial, tuple(TRIALS))
-    out.mkdir(parents=True, exist_ok=True)
-    getattr(Study(trial, out, jobs, executor, keep, page), command)()
+    known("--trial", trial, TRIALS)
+    runs = partial(run_cache.results, folder=out, executor=executor, jobs=jobs, report=report)
+    tables = surveyed(runs, out, keep) if command == "survey" else tried(runs, out, trial)
+    for name, lines in tables.items():
+        marks = f"<!-- {name} of weavecell.analysis.fidelity -->", "<!-- end of the table -->"
+        publish("\n".join(lines), page, marks)
 
+
+TRIALS = tuple(trial.TRIALS)
 
 if __name__ == "__main__":
     program(main, trial=f"one of {', '.join(TRIALS)}", keep="make the survey's errors those that models are chosen by")

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import inf, isfinite, isnan
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import BY_NAME, FULL
-from weavecell.report import marked_page
 
 if TYPE_CHECKING:
     from validation.verification.fidelity.trial import Row
@@ -89,16 +86,3 @@ def _plain(name):
 
 def _percent(share):
     return "not known" if share == inf else f"{100 * share:.2g} %"
-
-
-def put(path: Path, name: str, lines: Sequence[str]) -> None:
-    """Put lines between a page's marks; nothing where no page is given.
-
-    Raises
-    ------
-    InputError : a page without the marks
-    """
-    if path is None:
-        return
-    content = "\n".join(["", *lines, ""])
-    marked_page.put(path, f"<!-- {name} of weavecell.analysis.fidelity -->", "<!-- end of the table -->", content)

@@ -7,12 +7,17 @@ Each run has one thread, and its cost is process time with the filling of its ta
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
 from shellfabric.impact.simulation import ImpactSetup, run
-from validation.verification.fidelity import scenes
+from validation.models.cable import solver as cable_solver
+from validation.models.cable.model import CableNet
+from validation.verification.fidelity import fit_error_database, scenes
 from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import (
     BY_NAME,
@@ -24,6 +29,7 @@ from weavecell.analysis.fidelity.ladder import (
     simplest,
 )
 
+CABLE = "cable net"  # beside the ladder, so that nobody need wonder: its yarns do not couple, and it is never cheapest
 SEED, COUNT = 7, 60
 MOST = 6e8  # elements times steps of the full model to the end: a drawn scene that could take more is left out
 LONG = ("S-731", 0), ("S-731", 1), ("S-727", 0)  # standard ones that take many minutes
@@ -65,3 +71,28 @@ def timed(model: Model, setup: ImpactSetup) -> dict[str, Any]:
     this = model.of(setup)
     result = run(this, table=this.table())
     return {"values": quantities.of(result), "seconds": time.process_time() - began}
+
+
+def of_cable_net(name: str, number: int) -> dict[str, Any]:
+    """What the net answers to a standard scene, and its process time [s]."""
+    setup = scenes.standard(name)[number]
+    setup = replace(setup, numerics=replace(setup.numerics, threads=1))
+    began = time.process_time()
+    found = cable_solver.run(CableNet.of(setup), setup.strike_velocity, setup.end_time, audit_interval=20e-6)
+    seconds = time.process_time() - began
+    result = SimpleNamespace(
+        setup=setup, outcome=found.outcome, residual_velocity=found.residual_velocity, step_history=found.step_history,
+        ply_tensions=[found.peak_tension],
+    )  # fmt: skip
+    return {CABLE: {"values": quantities.of(result), "seconds": seconds}}
+
+
+def cable_errors(rows: Iterable[dict[str, Any]]) -> dict[str, Any]:
+    """{"cost", "expected": {quantity: [-]}} as of a model of the ladder; rows joined to those of the survey."""
+    expected = {}
+    for name in quantities.NAMES:
+        alike = [row for row in rows if quantities.is_defined(name, quantities.regime(row[FULL]["values"]))]
+        off = np.array([fit_error_database.error(row[CABLE]["values"], row[FULL]["values"], name) for row in alike])
+        expected[name] = float(np.quantile(off[np.isfinite(off)], fit_error_database.OFTEN))
+    cost = float(np.median([row[CABLE]["seconds"] / row[FULL]["seconds"] for row in rows]))
+    return {"cost": cost, "expected": expected}

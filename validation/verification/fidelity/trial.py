@@ -1,10 +1,7 @@
 """Trials: random scenes that the survey has not seen, each answered to its targets and held against the full model.
 
-everything   all four quantities of every scene, to 2, 5 or 10 %
-again        the same of other scenes, after what the first trial showed of the fastest shots (`quantities.hasty`)
-scene        a scene with targets as a user may set them: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
-refined      as everything, of other scenes, with meshes among the models that are fine about the impact point alone
-refined-scene    as scene, likewise
+refined      all four quantities of every scene, to 2, 5 or 10 %
+refined-scene    targets as a user may set them: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
 packs        all four quantities of drawn packs, to 5 %, held against a third mesh, of twice as many elements per
              crossover near the impact point as the default has
 
@@ -26,9 +23,7 @@ from validation.verification.fidelity import fit_error_database, scenes
 from weavecell.analysis.fidelity import quantities, select
 from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Model, Tables, simplest
 
-TRIALS = {
-    "everything": 101, "again": 303, "scene": 202, "refined": 505, "refined-scene": 606, "packs": 707,
-}  # their seeds  # fmt: skip
+TRIALS = {"refined": 505, "refined-scene": 606, "packs": 707}  # their seeds
 COUNT, PACKS = 20, 40
 PACK_TARGET = 0.05
 THIRD = Model("third mesh of packs", (("table_size", 201),), near=2.0)
@@ -88,7 +83,7 @@ def targets_of(trial: str, number: int) -> dict[str, float]:
     """{quantity: [-]} targets of the scene of a number."""
     if trial == "packs":
         return dict.fromkeys(quantities.NAMES, PACK_TARGET)
-    if trial not in ("scene", "refined-scene"):
+    if trial == "refined":
         return dict.fromkeys(quantities.NAMES, TARGETS[number % len(TARGETS)])
     draw = np.random.default_rng((TRIALS[trial], number, 1))
     names = draw.choice(quantities.NAMES, int(draw.integers(1, 3)), replace=False)

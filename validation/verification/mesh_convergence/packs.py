@@ -2,7 +2,7 @@
 at a time.
 
     python -m validation.verification.mesh_convergence.packs [--fabrics F ...] [--plies N ...] [--levels N ...]
-        [--variations NAME ...] [--budget HOURS] [--draws N] [--list] [--jobs N] [--out FOLDER] [--page FILE.md]
+        [--variations NAME ...] [--budget HOURS] [--draws N] [--jobs N] [--out FOLDER] [--page FILE.md]
 
 The mesh of level n has elements with sides of 1/n crossover to f crossovers from the impact point, all that can come
 under the nose, then of one crossover to 2 f, and of two beyond; all levels share the outer mesh. For each case:
@@ -13,23 +13,20 @@ under the nose, then of one crossover to 2 f, and of two beyond; all levels shar
 - with --draws the last is repeated at drawn strengths of yarn, for a mean with its standard error.
 
 Every shot is kept in the folder as soon as it is done, so that the study can be interrupted and done in parts: cases
-run from the cheapest on, those beyond the budget are left, and the page has what there is. --list prints the estimated
-cost of each case.
+run from the cheapest on, those beyond the budget are left, and the page has what there is.
 """
 
 from __future__ import annotations
 
 import time
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
-from math import ceil, inf, isfinite
+from math import ceil, inf
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
@@ -50,7 +47,6 @@ from weavecell.results import provenance
 
 LEAST = 10  # [crossovers] of the first zone
 SEARCH = 20.0, 900.0  # [m/s] for the critical velocity
-RATE = 4e-4  # [s] of a shot over its weight, before there is one to go by
 MARKS = "<!-- tables of mesh_convergence.packs -->", "<!-- end of packs -->"
 NAME = "python -m validation.verification.mesh_convergence.packs"
 
@@ -120,6 +116,10 @@ class Found:
     through: Shot | None = None
     drawn: draws.Estimate | None = None
 
+    @property
+    def middle(self) -> float:
+        return 0.5 * (self.low + self.high)
+
 
 @cache
 def plan() -> dict[str, Any]:
@@ -186,8 +186,7 @@ def cases(fabrics: Sequence[str], plies: Sequence[int], levels: Sequence[int], n
             for f in fabrics for n in plies if n in given["variations"]["plies"]
         ]  # fmt: skip
     first = [Case(f, n, given["reference_level"]) for f in fabrics for n in plies]
-    ordered = sorted(dict.fromkeys([*first, *base, *varied]), key=lambda case: (case not in first, weight(case)))
-    return ordered
+    return sorted(dict.fromkeys([*first, *base, *varied]), key=lambda case: (case not in first, weight(case)))
 
 
 @cache
@@ -197,79 +196,47 @@ def weight(case: Case) -> float:
     return case.plies * panel.elements * max(case.level, 2) / case.step
 
 
-class Study:
-    """The shots of a folder.
+def critical(shots: Callable[[Sequence[float]], list[Shot]], guess: float, *, ahead: int = 1) -> Found:
+    """Bracket of the critical velocity and zone of mixed outcomes, of what shoots at velocities."""
+    tolerance = si(plan()["tolerance"], "m/s", key="tolerance")
+    bracket, seen = Bracket(guess, *SEARCH), dict[float, Shot]()
+    while bracket.width > tolerance:
+        if bracket.exhausted:
+            raise InputError(f"no critical velocity between {SEARCH[0]:g} and {SEARCH[1]:g} m/s")
+        wanted = bracket.ahead(ahead, tolerance)
+        seen |= {round(V, 4): shot for V, shot in zip(wanted, shots(wanted))}
+        while bracket.width > tolerance and round(bracket.next(), 4) in seen:
+            bracket = bracket.after(seen[round(bracket.next(), 4)].outcome == "perforated")
+    middle = 0.5 * (bracket.low + bracket.high)
+    every = [*seen.values(), *shots([(1 + share) * middle for share in plan()["scan"]])]
+    stop = max((shot.velocity for shot in every if shot.outcome != "perforated"), default=0.0)
+    through = min((shot.velocity for shot in every if shot.outcome == "perforated"), default=inf)
+    return Found(bracket.low, bracket.high, (through, stop) if through < stop else None)
 
-    Parameters
-    ----------
-    folder : of kept shots
-    jobs : shots beside each other
-    ends : perf_counter() at which no more is begun
-    """
 
-    def __init__(self, folder: Path, jobs: int = 1, ends: float = inf) -> None:
-        self.folder, self.jobs, self.ends = folder, jobs, ends
-        self.rates: list[float] = []  # [s] over weight, of all shots seen
+def study(
+    case: Case, reference: float | None, folder: Path, *, drawn: int = 0, jobs: int = 1, ends: float = inf
+) -> Found:
+    """All quantities of a case; `reference` is the critical velocity [m/s] of its reference level, None for that
+    itself. TimeoutError where a shot is missing after `ends` of perf_counter()."""
 
-    def shots(self, case: Case, velocities: Sequence[float]) -> list[Shot]:
-        """Shots at a case, those that are kept from the folder.
-
-        Raises
-        ------
-        TimeoutError : one would have to be computed, and the budget is spent
-        """
-        places = [(case, round(float(V), 4)) for V in velocities]
-        kept = run_cache.RunCache(self.folder)
-        missing = [one for one in places if self._key(one) not in kept]
-        if missing and time.perf_counter() > self.ends:
+    def shots(velocities):
+        places, kept = [(case, round(float(V), 4)) for V in velocities], run_cache.RunCache(folder)
+        keys = (run_cache.key((shoot.__qualname__, place), shoot.__module__) for place in places)
+        if time.perf_counter() > ends and not all(key in kept for key in keys):
             raise TimeoutError
-        found = run_cache.results(shoot, places, folder=self.folder, jobs=self.jobs)
-        self.rates += [shot.seconds / weight(case) for shot in found]
-        return found
+        return run_cache.results(shoot, places, folder=folder, jobs=jobs)
 
-    @staticmethod
-    def _key(one):
-        return run_cache.key((shoot.__qualname__, one), shoot.__module__)
-
-    def critical(self, case: Case, guess: float) -> Found:
-        """Bracket of the critical velocity and zone of mixed outcomes."""
-        tolerance = si(plan()["tolerance"], "m/s", key="tolerance")
-        bracket, seen = Bracket(guess, *SEARCH), dict[float, Shot]()
-        while bracket.width > tolerance:
-            if bracket.exhausted:
-                raise InputError(f"no critical velocity between {SEARCH[0]:g} and {SEARCH[1]:g} m/s", key=case.fabric)
-            wanted = bracket.ahead(self.jobs, tolerance)
-            seen |= {round(V, 4): shot for V, shot in zip(wanted, self.shots(case, wanted))}
-            while bracket.width > tolerance and round(bracket.next(), 4) in seen:
-                bracket = bracket.after(seen[round(bracket.next(), 4)].outcome == "perforated")
-        middle = 0.5 * (bracket.low + bracket.high)
-        about = self.shots(case, [(1 + share) * middle for share in plan()["scan"]])
-        every = [*seen.values(), *about]
-        stop = max((shot.velocity for shot in every if shot.outcome != "perforated"), default=0.0)
-        through = min((shot.velocity for shot in every if shot.outcome == "perforated"), default=inf)
-        return Found(bracket.low, bracket.high, (through, stop) if through < stop else None)
-
-    def run(self, case: Case, reference: float | None, drawn: int = 0) -> Found:
-        """All quantities of a case; `reference` is the critical velocity [m/s] of its reference level, None for that
-        itself."""
-        guess = reference or si(plan()["first_guess"], "m/s", key="first_guess")
-        found = self.critical(case, guess)
-        limit = reference or 0.5 * (found.low + found.high)
-        velocities = [round(plan()[name] * limit) for name in ("stops", "perforates")]
-        stop, through = self.shots(case, velocities)
-        estimate = None
-        if drawn:
-            folder = self.folder / "draws"
-            study = draws.study(
-                setup(case, velocities[1]), inputs.published(), drawn, folder=folder, jobs=self.jobs
-            )  # fmt: skip
-            estimate = study.estimate("absorbed_energy")
-        return replace(found, stop=stop, through=through, drawn=estimate)
-
-    def cost(self, case: Case) -> float:
-        """[s] of a case on one core, if nothing of it is done."""
-        shots = 9 + len(plan()["scan"]) + 2
-        return shots * weight(case) * (float(np.median(self.rates)) if self.rates else RATE)
+    found = critical(shots, reference or si(plan()["first_guess"], "m/s", key="first_guess"), ahead=jobs)
+    limit = reference or found.middle
+    velocities = [round(plan()[name] * limit) for name in ("stops", "perforates")]
+    stop, through = shots(velocities)
+    estimate = None
+    if drawn:
+        fast = setup(case, velocities[1])
+        several = draws.study(fast, inputs.published(), drawn, folder=folder / "draws", jobs=jobs)
+        estimate = several.estimate("absorbed_energy")
+    return replace(found, stop=stop, through=through, drawn=estimate)
 
 
 def main(
@@ -280,13 +247,10 @@ def main(
     variations: Sequence[str] | None = None,
     budget: float = inf,
     draws: int = 0,
-    list: bool = False,
     jobs: int = 1,
     out: Path = Path("results/convergence-packs"),
     page: Path | None = None,
 ) -> None:
-    if not (budget > 0 and (isfinite(budget) or budget == inf)):
-        raise InputError(key="--budget", value=budget, allowed="above 0")
     given = plan()
     there = tuple(name for name in given["variations"] if name != "plies")
     names = there if variations is None else variations
@@ -294,36 +258,21 @@ def main(
         known("--fabrics", fabric, given["fabrics"])
     for name in names:
         known("--variations", name, there)
-    todo = cases(fabrics or given["fabrics"], plies or given["plies"], levels or given["levels"], names)
-    ends = time.perf_counter() + 3600 * budget
-    study = Study(out, jobs, ends)
-    total = 0.0
-    for case in todo if list else ():
-        total += study.cost(case)
-        print(f"{_words(case):60} {weight(case):9.0f} {study.cost(case) / 60:8.1f} min")
-    if list:
-        print(f"{len(todo)} cases, about {total / 3600:.1f} h on one core")
-        return
     found: dict[Case, Found] = {}
-    for case in todo:
-        reference = replace(Case(case.fabric, case.plies, plan()["reference_level"]))
-        known_limit = found.get(reference)
-        if case != reference and known_limit is None:
-            continue
-        limit = None if known_limit is None else 0.5 * (known_limit.low + known_limit.high)
+    ends = time.perf_counter() + 3600 * budget
+    for case in cases(fabrics or given["fabrics"], plies or given["plies"], levels or given["levels"], names):
+        base = Case(case.fabric, case.plies, given["reference_level"])
+        words = f"{case.plies} x {case.fabric}, level {case.level}{', ' + case.variation if case.variation else ''}"
         try:
-            found[case] = study.run(case, limit, draws)
+            if case != base and base not in found:
+                raise TimeoutError
+            limit = None if case == base else found[base].middle
+            done = found[case] = study(case, limit, out, drawn=draws, jobs=jobs, ends=ends)
         except TimeoutError:
-            print(f"{_words(case)}: left, the budget is spent")
+            print(f"{words}: left, the budget is spent")
             continue
-        done = found[case]
-        print(f"{_words(case)}: {done.low:.1f} to {done.high:.1f} m/s{' mixed' if done.mixed else ''}", flush=True)
-    text = pages(found, plan())
-    publish(text, page, MARKS, f"Made by `{NAME}`, commit {provenance.stamp()['commit']}.\n\n")
-
-
-def _words(case):
-    return f"{case.plies} x {case.fabric}, level {case.level}{', ' + case.variation if case.variation else ''}"
+        print(f"{words}: {done.low:.1f} to {done.high:.1f} m/s{' mixed' if done.mixed else ''}", flush=True)
+    publish(pages(found, given), page, MARKS, f"Made by `{NAME}`, commit {provenance.stamp()['commit']}.\n\n")
 
 
 if __name__ == "__main__":
@@ -332,5 +281,4 @@ if __name__ == "__main__":
         variations="of packs.toml; all if not given, none if empty",
         budget="hours after which no shot is begun",
         draws="repeat the fast shot at so many drawn packs",
-        list="run nothing: print the cases and their estimated cost",
     )

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # name, unit, value of a Found, half the width of its bracket, target [-] of the default against the limit
 QUANTITIES: tuple[tuple[str, str, Callable[[Any], float], Callable[[Any], float], float], ...] = (
-    ("critical velocity", "m/s", lambda f: 0.5 * (f.low + f.high), lambda f: 0.5 * (f.high - f.low), 0.03),
+    ("critical velocity", "m/s", lambda f: f.middle, lambda f: 0.5 * (f.high - f.low), 0.03),
     ("peak tension of the warp", "N", lambda f: f.stop.warp, lambda f: 0.0, 0.05),
     ("peak tension of the weft", "N", lambda f: f.stop.weft, lambda f: 0.0, 0.05),
     ("absorbed energy", "J", lambda f: f.through.absorbed, lambda f: 0.0, 0.10),

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.files import replace_whole
-from meshing.pictures_style import COLOURS, FAINT, plots
-from validation.program import program
+from meshing.pictures_style import COLOURS, FAINT
+from validation.program import program, save
 from validation.verification.mesh_convergence.study import FACTORS, TARGETS
 
 if TYPE_CHECKING:
@@ -26,16 +25,9 @@ if TYPE_CHECKING:
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 
-def picture(quantities: Sequence[Quantity], path: Path) -> None:
-    """Deviation of every fabric from its own limit; hollow where the limit is no Richardson extrapolation."""
-    with plots() as pyplot:
-        figure = compose(pyplot, quantities)
-        with replace_whole(path) as beside:
-            figure.savefig(beside, format="png", dpi=120)
-
-
 def compose(pyplot: Any, quantities: Sequence[Quantity]) -> Any:
-    """The figure of `picture`: one panel a quantity, linear within its target and logarithmic beyond."""
+    """Deviation of every fabric from its own limit, one panel a quantity; hollow where the limit is no Richardson
+    extrapolation. The scale is linear within the target and logarithmic beyond."""
     kind = {id(entry): entry.name.partition(" at ")[0] for entry in quantities}
     ranks = [_rank(entry, quantities) for entry in quantities if entry.fabric == quantities[0].fabric]
     fabrics = list(dict.fromkeys(entry.fabric for entry in quantities))
@@ -79,31 +71,8 @@ def _rank(entry, quantities):
     return kind, (-1 if len(alike) == 1 else [one.name for one in alike].index(entry.name))
 
 
-def yarns(found: Any, path: Path) -> None:
-    """Tension across the weft yarns beside the nose's edge, one panel a fabric, one line a mesh (see `yarn`)."""
-    names = list(dict.fromkeys(entry.fabric for entry in found))
-    with plots() as pyplot:
-        figure, row = pyplot.subplots(1, len(names), figsize=(12.4, 4.8), sharey=True, squeeze=False)
-        for axes, name in zip(row[0], names):
-            below = {"va": "bottom", "fontsize": 10, "transform": axes.get_xaxis_transform()}
-            entries = [entry for entry in found if entry.fabric == name]
-            first = entries[0].number
-            axes.axvspan(first - 0.5, first + 0.5, color="#e8eef4", lw=0)
-            axes.text(first - 0.55, 0.02, "yarn that\nfails first", ha="right", **below)
-            axes.axvspan(*entries[0].edge, color="#f3d9b8", lw=0, alpha=0.7)
-            axes.text(max(entries[0].edge[1], first + 0.5) + 0.05, 0.02, "edge of\nthe nose", **below)
-            for k, entry in enumerate(entries):
-                label = f"{entry.elements} per crossover: mean over the yarn {entry.yarn:.0f} N"
-                axes.plot(entry.place, entry.tension, color=COLOURS[k], marker=MARKERS[k], ms=5, lw=1.6, label=label)
-            axes.set(title=name, xlabel="crossovers from the middle", xlim=(0, entries[0].place[-1]))
-            axes.legend(loc="upper left", fontsize=9)
-        row[0][0].set(ylabel="tension of the weft's lines [N]", ylim=(0, 380))
-        with replace_whole(path) as beside:
-            figure.savefig(beside, format="png", dpi=120)
-
-
 def read(path: Path) -> list[Any]:
-    """What `picture` needs of each quantity in the convergence.csv of a study."""
+    """What `compose` needs of each quantity in the convergence.csv of a study."""
     found = []
     with path.open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
@@ -119,7 +88,7 @@ def read(path: Path) -> list[Any]:
 
 
 def main(table: Path, figure: Path) -> None:
-    picture(read(table), figure)
+    save(compose, read(table), to=figure)
 
 
 if __name__ == "__main__":

@@ -8,23 +8,23 @@ projectile; what the outer mesh contributes is checked by a level on a uniform m
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib import resources
 from math import ceil, inf
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
+from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
 from fabrics.units import si
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
-from validation.verification.mesh_convergence.uncertainty import uncertainty
-from validation.verification.richardson import Extrapolation, extrapolate
-
-if TYPE_CHECKING:
-    from fabrics.fabric import Fabric
-    from shellfabric.panel.model import Panel
+from validation.verification.richardson import Extrapolation, extrapolate, uncertainty
 
 LEVELS = (1, 2, 3, 4)  # elements per crossover about the impact point, along each side
 TARGETS = {"m/s": 0.01, "J": 0.03, "N": 0.03}  # [-] of the value: uncertainty of the finest mesh, error of the others
@@ -113,7 +113,7 @@ class Quantity:
     values : (n,)
     noise : to which a value is known
     extrapolation : to an infinite number of elements
-    uncertainty : of the value on the finest mesh, see `uncertainty.uncertainty`
+    uncertainty : of the value on the finest mesh, see `richardson.uncertainty`
     """
 
     fabric: str
@@ -153,8 +153,6 @@ def quantity(
 
 def velocities() -> dict[str, Strikes]:
     """{fabric: Strikes}."""
-    import tomllib
-
     text = (resources.files("validation.verification.mesh_convergence") / "velocities.toml").read_text("utf-8")
     found = tomllib.loads(text)
     return {
@@ -171,107 +169,87 @@ def mesh(coarse: Panel, n: int, uniform: bool = False) -> Panel:
     return replace(coarse, elements_per_crossover=1, grading=((float(reach), 1 / n), (inf, 1)))
 
 
+@cache
+def coarse(name: str) -> Panel:
+    """The panel of a fabric of the catalogue on the default mesh."""
+    fabric = catalogue.load(name).with_effective_density()
+    return ImpactSetup(fabric, 100.0, numerics=Numerics(threads=1)).panel()
+
+
 def point(
-    coarse: Panel, strikes: Strikes, n: int, *, uniform: bool = False, tolerance: float = TOLERANCE,
-    guess: float | None = None, executor: str = "local", jobs: int = 1, report: Callable[..., object] | None = None,
-) -> Point:  # fmt: skip
-    """All quantities of a panel on the mesh of level n, as a Point.
+    name: str, strikes: Strikes, n: int, uniform: bool = False, tolerance: float = TOLERANCE, guess: float | None = None
+) -> Point:
+    """All quantities of a fabric on the mesh of level n.
 
     Parameters
     ----------
-    coarse : Panel of any mesh
+    name : of the fabric
     strikes : velocities of the shots
     uniform : whether elements are small everywhere
     tolerance : [m/s] of the critical velocity
     guess : [m/s] of a coarser mesh
-    executor, jobs : as of `ballistic_limit.critical_velocity`
-    report : called as report(level, Shot) after each shot
 
     Raises
     ------
     InputError : a shot at `strikes.stops` that perforates
     UnstableError : as `ballistic_limit.critical_velocity`
     """
-    panel, began = mesh(coarse, n, uniform), time.process_time()
-
-    def report_shot(_, shot):
-        if report is not None:
-            report(n, shot)
-
-    stopped, *through = ballistic_limit.shoot(panel, [strikes.stops, *strikes.perforate], report=report_shot)
+    panel, began = mesh(coarse(name), n, uniform), time.process_time()
+    stopped, *through = ballistic_limit.shoot(panel, [strikes.stops, *strikes.perforate])
     if stopped.perforated:
         raise InputError(
-            f"fabric {panel.fabric.name} with {n} elements per crossover is perforated", key="velocity",
-            value=strikes.stops, allowed="one that stops on every mesh",
+            f"fabric {name} with {n} elements per crossover is perforated", key="velocity", value=strikes.stops,
+            allowed="one that stops on every mesh",
         )  # fmt: skip
-    known = {} if guess is None else {"guess": guess, "step": NEAR}
-    found = ballistic_limit.critical_velocity(
-        panel, tolerance=tolerance, executor=executor, jobs=jobs, report=report_shot, **known
-    )
-    mass = panel.projectile.mass
+    near: dict[str, Any] = {} if guess is None else {"guess": guess, "step": NEAR}
+    found, mass = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **near), panel.projectile.mass
     return Point(
-        panel.fabric.name, n, uniform, panel.elements, found.velocity, found.half_width, strikes.stops,
-        *stopped.peak_tension, strikes.perforate, tuple(shot.residual_velocity for shot in through),
+        name, n, uniform, panel.elements, found.velocity, found.half_width, strikes.stops, *stopped.peak_tension,
+        strikes.perforate, tuple(shot.residual_velocity for shot in through),
         tuple(0.5 * mass * (shot.strike_velocity**2 - shot.residual_velocity**2) for shot in through),
         panel.table.model.form, time.process_time() - began,
     )  # fmt: skip
 
 
-def quantities(points: Sequence[Point]) -> tuple[Quantity, ...]:
-    """The quantities of one fabric from its points; InputError unless they are at least three meshes."""
-    points = sorted(points, key=lambda one: one.elements)
-    elements = [one.elements for one in points]
-    if len(set(elements)) < 3 or len(set(elements)) < len(elements):
-        raise InputError(key="elements", value=elements, allowed="at least three numbers that rise")
+def quantities(points: Sequence[Point]) -> list[Quantity]:
+    """The quantities of one fabric from its points, from coarse to fine."""
     found = []
     for entries in zip(*(one.results for one in points)):
         (name, unit, *_), noise = entries[0], max(entry[3] for entry in entries)
-        found.append(quantity(points[0].fabric, name, unit, elements, [entry[2] for entry in entries], noise))
-    return tuple(found)
+        values = [entry[2] for entry in entries]
+        found.append(quantity(points[0].fabric, name, unit, [one.elements for one in points], values, noise))
+    return found
 
 
 def study(
-    fabric: Fabric, strikes: Strikes, *, elements: Sequence[int] = LEVELS, setup: ImpactSetup | None = None,
-    known: Iterable[Point] = (), keep: Callable[[Point], object] | None = None, check: int | None = None,
-    **options: Any,
-) -> tuple[tuple[Quantity, ...], tuple[Point, ...]]:  # fmt: skip
-    """All quantities of one fabric on several meshes.
+    strikes: Mapping[str, Strikes], folder: Path, *, elements: Sequence[int] = LEVELS, check: int | None = None,
+    tolerance: float = TOLERANCE, jobs: int = 1,
+) -> tuple[list[Quantity], list[tuple[Point, Point]]]:  # fmt: skip
+    """All quantities of some fabrics on several meshes; each point is kept in the folder as soon as it is done.
 
     Parameters
     ----------
-    fabric : Fabric, as it is to be used (see Fabric.effective)
-    strikes : velocities of the shots
+    strikes : {fabric: velocities of its shots}
     elements : levels, at least three, from coarse to fine
-    setup : ImpactSetup of another panel or projectile
-    known : Points of earlier runs, which are not run again
-    keep : called as keep(Point) after each mesh that was run
     check : level that is run on a uniform mesh as well, or None
-    options : of `point`
+    tolerance : [m/s] of the critical velocities
+    jobs : fabrics beside each other
 
     Returns
     -------
-    quantities : tuple of Quantity
-    points : (graded, uniform) at the level `check`; empty if None
+    quantities of all fabrics, and of each fabric the points (graded, uniform) at the level `check`
 
     Raises
     ------
-    InputError : meshes that are not at least three from coarse to fine, or a shot at `strikes.stops` that perforates
-    UnstableError : as `ballistic_limit.critical_velocity`
+    InputError, UnstableError : meshes that are not at least three from coarse to fine, or as `point`
     """
     if len(elements) < 3 or list(elements) != sorted(set(elements)):
         raise InputError(key="elements", value=list(elements), allowed="at least three numbers that rise")
-    coarse = (setup or ImpactSetup(fabric, strikes.stops, numerics=Numerics(threads=1))).panel()
-    there = {(one.elements, one.uniform): one for one in known if one.fabric == fabric.name}
-    found: dict[tuple[int, bool], Point] = {}
-    wanted = [(n, False) for n in elements] + ([] if check is None else [(check, True)])
-    guess = None
-    for n, uniform in wanted:
-        if (n, uniform) not in there:
-            there[n, uniform] = point(coarse, strikes, n, uniform=uniform, guess=guess, **options)
-            if keep is not None:
-                keep(there[n, uniform])
-        found[n, uniform] = there[n, uniform]
-        guess = found[n, uniform].critical_velocity
-    graded = [found[n, False] for n in elements]
-    pair = () if check is None else (found[check, False], found[check, True])
-    return quantities(graded), pair
+    found: dict[tuple[str, int, bool], Point] = {}
+    guesses: dict[str, float | None] = dict.fromkeys(strikes)
+    for n, uniform in [(n, False) for n in elements] + ([] if check is None else [(check, True)]):
+        cases = [(name, each, n, uniform, tolerance, guesses[name]) for name, each in strikes.items()]
+        for name, one in zip(strikes, run_cache.results(point, cases, folder=folder, jobs=jobs, batches=False)):
+            found[name, n, uniform], guesses[name] = one, one.critical_velocity
+    pairs = [] if check is None else [(found[name, check, False], found[name, check, True]) for name in strikes]
+    return [each for name in strikes for each in quantities([found[name, n, False] for n in elements])], pairs

@@ -8,13 +8,13 @@ from fabrics import variants
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from validation.published.bias_extension import cases
-from validation.verification.cost_accuracy import coupons
+from validation.verification.cost_accuracy import coupons, study
 from validation.verification.stability.core import STABLE, WRONG, Outcome
 
 
 def concentration(factor: float, locking: bool) -> float:
     """Concentration of the shear, the yarns of the cloth left as they are and the trellis times a factor."""
-    fabric, base = cases.cloth("locking")[0], coupons.read("bias-extension")
+    fabric, base = cases.cloth("locking")[0], coupons.read(study.case_of("bias-extension"))
     shear = fabric.shear
     G2 = shear.G2 if locking else shear.G1
     if factor:

@@ -4,25 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from validation.verification.stability import study
-from validation.verification.stability.core import FAILED, MARGIN_TARGET, STABLE, WRONG
+from validation.verification.stability.core import FAILED, MARGIN_TARGET, STABLE, WRONG, Found
 from validation.verification.stability.pictures import number, pictured
 from validation.verification.study import write_page
 from weavecell.report.marked_page import markdown
-
-if TYPE_CHECKING:
-    from validation.verification.stability import study
-from validation.verification.stability.core import Found
-
-TITLE = "Stability limits of the methods"
-QUESTION = "How far are the defaults from the values at which a method becomes unstable or wrong?"
-TEXT = f"""\
-Each map is computed by running the method at every point. **Stable**: the run ends and its answer is good. **Wrong**:
-the run ends without a message, with an answer that is off by more than the map allows. **Failed**: a check stops the
-run with a message that says what happened, where and when (exit code 3). The margin is the ratio between the default
-and the edge of the stable region, found by bisection along the axis; the target is {MARGIN_TARGET:g}."""
 
 
 def write(maps: Sequence[tuple[Found, str]], path: Path, command: str) -> None:
@@ -39,7 +26,7 @@ def write(maps: Sequence[tuple[Found, str]], path: Path, command: str) -> None:
     if missing:
         overview.append(f"Maps that have not been computed with the present code: {', '.join(missing)}.")
     sections = [(_section(found), made) for found, made in maps]
-    write_page(path, TITLE, QUESTION, TEXT, command, "map by map", overview, sections)
+    write_page(path, study.PAGE, command, "map by map", overview, sections)
 
 
 def margins(maps: Sequence[Found]) -> str:

@@ -16,6 +16,7 @@ from validation.verification.study import known
 MAPS: dict[str, dict[str, Any]] = tomllib.loads(
     resources.files("validation.verification.stability").joinpath("maps.toml").read_text("utf-8")
 )
+PAGE = MAPS.pop("page")
 NAMES = tuple(MAPS)  # of the command line
 
 

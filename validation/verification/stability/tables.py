@@ -5,26 +5,23 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
-from fabrics.files import write_whole
+from validation.program import write_csv
 from validation.verification.stability.core import Edge, Found, Map, Outcome
 
 
 def write(found: Found, folder: Path, made: str = "") -> None:
     """NAME.csv, one row a point, and NAME-edges.csv, one row an edge; `made` says when, where and by which version."""
     chart = found.map
-    with write_whole(folder / f"{chart.key}.csv") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow([chart.x.name, chart.y.name, "outcome", chart.number or "number", "message", "made"])
-        for (x, y), outcome in found.outcomes.items():
-            value = "" if outcome.value is None else repr(outcome.value)
-            rows.writerow([x, y, outcome.kind, value, outcome.message, made])
-    with write_whole(folder / f"{chart.key}-edges.csv") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["y", "side", "default", "edge", "edge met", "margin", "beyond", "message"])
-        for edge in found.edges:
-            beyond = ("", "") if edge.beyond is None else (edge.beyond.kind, edge.beyond.message)
-            row = [edge.y, edge.side, chart.default[0], repr(edge.value), edge.met, repr(edge.margin), *beyond]
-            rows.writerow(row)
+    points = [[chart.x.name, chart.y.name, "outcome", chart.number or "number", "message", "made"]]
+    for (x, y), outcome in found.outcomes.items():
+        value = "" if outcome.value is None else repr(outcome.value)
+        points.append([x, y, outcome.kind, value, outcome.message, made])
+    write_csv(folder / f"{chart.key}.csv", points)
+    edges = [["y", "side", "default", "edge", "edge met", "margin", "beyond", "message"]]
+    for edge in found.edges:
+        beyond = ("", "") if edge.beyond is None else (edge.beyond.kind, edge.beyond.message)
+        edges.append([edge.y, edge.side, chart.default[0], repr(edge.value), edge.met, repr(edge.margin), *beyond])
+    write_csv(folder / f"{chart.key}-edges.csv", edges)
 
 
 def kept(key: str, folder: Path) -> bool:

@@ -1,16 +1,14 @@
-"""S-720 between platens with the constants of thesis Table 3-2: what each modelling choice changes, one at a time.
+"""python -m validation.published.platen [--out results/platen] [--page docs/reports/platens.md] [--jobs N]
 
-The platen law of the fabric (eqs. 2-5 to 2-9, erratum E-03) is the target. Its offset is free: the thesis states that
-the beginning of its test records is lost (chapter 7), so that the closure is known up to a constant. Each factor is
-varied alone from the published state. Two closures say where a variant differs from the law: from the first pressure to
-`PACKING` (loose yarn) and from there to the peak pressure (packed yarn).
+S-720 between platens with the published solid constants: what each modelling choice changes, one at a time (thesis
+section 3.4.3.2). Writes platen.csv and platen.png. With --page the tables go into that page, the picture beside it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,11 +19,47 @@ from fabrics.executors import open_executor
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
+from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED
 from unitcell3d.cases.biaxial_and_platens import plate_compression
 from unitcell3d.identify.platen_misfit import closures, platen_misfit
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps
+from validation.program import program, publish, save, write_tables
+from weavecell.report.marked_page import markdown
+
+MARKS = "<!-- tables of validation.published.platen -->", "<!-- end of the tables -->"
+HEAD = (
+    "factor", "variant", "Vf0 of the mesh", "misfit of closure, µm", "misfit of pressure, %",
+    "closure below 1 MPa, µm", "closure above 1 MPa, µm",
+)  # fmt: skip
+
+
+def law_closures(pressure: FloatArray, law: FloatArray) -> tuple[float, float]:
+    """[m] closures of the law below and above `PACKING`."""
+    loose = float(np.interp(np.log(PACKING), np.log(pressure), law))
+    return loose, float(law[-1]) - loose
+
+
+def factor_rows(outcomes: Sequence[Outcome], law: FloatArray) -> list[Any]:
+    """A header, the law, and a row a variant."""
+    loose, packed = law_closures(outcomes[0].pressure, law)
+    rows = [HEAD, ("", "**platen law**", "", "", "", f"{1e6 * loose:.1f}", f"{1e6 * packed:.1f}")]
+    for each in outcomes:
+        failed = f" (ended early: {each.failed})" if each.failed else ""
+        rows.append((
+            each.variant.group, each.variant.name + failed, " / ".join(f"{value:.3f}" for value in each.Vf0),
+            f"{1e6 * each.closure_rms:.1f}", f"{100 * each.pressure_rms:.0f}", f"{1e6 * each.loose:.1f}",
+            f"{1e6 * each.packed:.1f}",
+        ))  # fmt: skip
+    return rows
+
+
+def range_rows(ranges: Sequence[tuple[float, ...]]) -> list[Any]:
+    """A header, and a row for each range of pressures."""
+    rows = [("pressures from, MPa", "misfit of closure, µm", "misfit of pressure, %")]
+    return rows + [(f"{1e-6 * P:.3f}", f"{1e6 * closure:.1f}", f"{100 * ratio:.0f}") for P, closure, ratio in ranges]
+
 
 FABRIC = "S-720"
 SIZE = (6, 4, 2)
@@ -146,12 +180,6 @@ def outcome(variant: Variant) -> Outcome:
     )  # fmt: skip
 
 
-def outcomes(variants: tuple[Variant, ...] = VARIANTS, executor: str | Executor = "local", jobs: int = 1) -> Iterator:
-    """The outcome of each variant, in order."""
-    with open_executor(executor, jobs) as pool:
-        yield from pool.map(outcome, variants)
-
-
 def ranges() -> list[tuple[float, float, float]]:
     """(lower end [Pa], closure rms [m], relative pressure rms [-]) of the published constants over each range."""
     fabric = catalogue.load(FABRIC)
@@ -163,3 +191,60 @@ def ranges() -> list[tuple[float, float, float]]:
         misfit = platen_misfit(history, fabric.weave.cell_area, target, pressure)
         found.append((float(pressure[0]), misfit.closure, misfit.pressure))
     return found
+
+
+COLOURS = {"section": BLUE, "crimp": BLUE, "Vf0": BLUE, "contact": GREEN, "mesh": GREEN, "constants": RED}
+LABELS = {BLUE: "geometry", GREEN: "contact and mesh", RED: "solid constants"}
+
+
+def draw(plt: Any, outcomes: Sequence[Outcome], loose: float, packed: float) -> Any:
+    """Misfit of the pressure, and closures below and above 1 MPa, a row for each variant.
+
+    Parameters
+    ----------
+    outcomes : the published constants first; `closure_rms`, `pressure_rms`, `loose` and `packed` are drawn
+    loose, packed : [m] closures of the platen law below and above 1 MPa
+    """
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11.4, 7.2), sharey=True)
+    for row, each in enumerate(outcomes):
+        colour = COLOURS.get(each.variant.group, INK)
+        left.plot(100 * each.pressure_rms, row, "o", ms=8, color=colour)
+        for value, filled in ((each.loose, True), (each.packed, False)):
+            right.plot(1e6 * value, row, "o", ms=8, color=colour, mfc=colour if filled else "white", mew=1.8)
+    left.axvline(100 * outcomes[0].pressure_rms, color=FAINT, lw=1.2, ls="--")
+    left.axvline(15, color=ORANGE, lw=2)
+    right.axvline(1e6 * loose, color=ORANGE, lw=2)
+    right.axvline(1e6 * packed, color=ORANGE, lw=2, ls="--")
+    names = [each.variant.name for each in outcomes]
+    left.set_yticks(range(len(names)), ["published constants (Table 3-2)", *names[1:]])
+    left.invert_yaxis()
+    left.set(title="misfit of the pressure", xlabel="rms of the relative misfit [%]", xlim=(0, 80))
+    right.set(title="closure", xlabel="closure [µm]", xlim=(0, None))
+    line = plt.Line2D
+    marks = [line([], [], marker="o", ls="", color=colour, label=text) for colour, text in LABELS.items()]
+    marks += [
+        line([], [], color=ORANGE, label="left: target 15 %; right: platen law, below 1 MPa"),
+        line([], [], color=ORANGE, ls="--", label="platen law, above 1 MPa"),
+        line([], [], marker="o", ls="", color=INK, label="right, filled: closure below 1 MPa"),
+        line([], [], marker="o", ls="", color=INK, mfc="white", mew=1.8, label="open: above 1 MPa"),
+    ]
+    figure.legend(handles=marks, loc="outside lower center", ncols=3, fontsize=10)
+    return figure
+
+
+def main(*, out: Path = Path("results/platen"), page: Path | None = None, jobs: int = 1) -> None:
+    with open_executor("local", jobs) as pool:
+        found = list(pool.map(outcome, VARIANTS))
+    law = curve(catalogue.load(FABRIC)).at(found[0].pressure)
+    tables = {
+        "**One factor at a time.**": factor_rows(found, law),
+        "**Published constants, range of the comparison.**": range_rows(ranges()),
+    }
+    write_tables(out / "platen.csv", tables)
+    picture = page.parent / "figures" / "platen-factors.png" if page else out / "platen.png"
+    save(draw, found, *law_closures(found[0].pressure, law), to=picture, dpi=90)
+    publish("\n".join(f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()), page, MARKS)
+
+
+if __name__ == "__main__":
+    program(main)

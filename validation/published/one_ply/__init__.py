@@ -1,1 +1,0 @@
-"""One ply of six fabrics: critical and residual velocities, histories, back-face profiles, waves, reactions."""

@@ -1,1 +1,0 @@
-"""Friction between the plies of a pack: its effect on the first failure and on the ballistic limit."""
