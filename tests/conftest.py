@@ -3,7 +3,9 @@
 What makes a process grow are results held by fixtures, caches without a bound, and code compiled in it.
 """
 
+import importlib
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -55,6 +57,21 @@ def command(capsys, tmp_path, monkeypatch):
         return leaving.value.code, out, err
 
     return run
+
+
+@pytest.fixture
+def tool(monkeypatch):
+    """Import a module of tools/ by its name."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "tools"))
+    loaded = []
+
+    def load(name):
+        loaded.append(name)
+        return importlib.import_module(name)
+
+    yield load
+    for name in loaded:
+        sys.modules.pop(name, None)
 
 
 def pytest_collection_modifyitems(items):

@@ -54,9 +54,9 @@ def parsed(argv: list[str]) -> tuple[str, dict[str, Any]]:
     """(command, {parameter: value as text}) of a call of weavecell; a click error where an option does not exist."""
     import typer
 
-    from weavecell.cli.app import app
+    from weavecell.cli.app import program
 
-    command, name, rest = typer.main.get_command(app), "weavecell", argv[1:]
+    command, name, rest = typer.main.get_command(program()), "weavecell", argv[1:]
     while rest and rest[0] in getattr(command, "commands", {}):
         command, name, rest = command.commands[rest[0]], f"{name} {rest[0]}", rest[1:]
     if getattr(command, "commands", None):

@@ -1,4 +1,6 @@
-"""The scene that tests of the command line share: 3 g at a small panel of S-720, with what each test varies."""
+"""The scene that tests of the command line share, 3 g at a small panel of S-720, and what a file of results holds."""
+
+import h5py
 
 SCENE = """
 {head}
@@ -35,3 +37,13 @@ def impact_scene(
 def every(snapshots, checkpoints):
     """Lines of [run] with the intervals of snapshots and of checkpoints, as texts with a unit."""
     return f'snapshot_interval = "{snapshots}"\ncheckpoint_interval = "{checkpoints}"\n'
+
+
+def datasets(path):
+    """Every dataset of an HDF5 file, as bytes."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(
+            lambda name, item: found.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None
+        )
+    return found

@@ -11,12 +11,12 @@ def test_kept_results_are_those_of_the_content(tmp_path):
     """A second process parses nothing; a changed file is parsed anew."""
     package = tmp_path / "fabrics"
     package.mkdir()
-    for name in ("__init__.py", "source_code.py", "errors.py", "checks.py"):
+    for name in ("__init__.py", "__init__.pyi", "lazy.py", "source_code.py", "errors.py", "checks.py"):
         (package / name).write_bytes((ROOT / "fabrics" / name).read_bytes())
     other = package / "other.py"
     code = (
-        "import ast\nparse, count = ast.parse, []\nast.parse = lambda *a: count.append(1) or parse(*a)\n"
-        "from fabrics import source_code\nfrom pathlib import Path\n"
+        "import ast\nfrom fabrics import source_code\nfrom pathlib import Path\n"
+        "parse, count = ast.parse, []\nast.parse = lambda *a: count.append(1) or parse(*a)\n"
         "file = Path('fabrics/other.py').resolve()\n"
         "print(*source_code.imports(file), source_code.named_tuples(file).decode()[:6], len(count))"
     )

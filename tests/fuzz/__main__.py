@@ -43,7 +43,11 @@ def main():
 
 def _options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", default="1", help="packs1, packs2 ... for packs of 2 to 8 plies alone")
+    parser.add_argument(
+        "--seed",
+        default="1",
+        help="packs1 ...: packs of 2 to 8 plies; angled1 ...: at any angles; backed1 ...: before a block",
+    )
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0, help="index of the first scene")
     parser.add_argument("--only", type=int, nargs="+", help="indices to run, in place of --count")

@@ -6,9 +6,10 @@ The space
                 of the yarn's thickness, trellis shear law up to the locking modulus, gap at the crossovers
     projectile  five noses with all their parameters, 0.2 to 20 g, 3 to 15 mm, 20 to 700 m/s, friction, straight or
                 oblique with yaw and roll
-    panel       1 to 4 plies (packs: 2 to 8), aligned, alternating or a lay-up of two fabrics at right angles, clamped,
-                free or one pair of sides each, 12 to 40 crossovers from the centre to an edge, weave along the sides or
-                oblique
+    panel       1 to 4 plies (packs: 2 to 8), aligned, alternating or a lay-up of two fabrics at right or any angles,
+                clamped, free or one pair of sides each, 12 to 40 crossovers from the centre to an edge, weave along the
+                sides or oblique
+    behind      sequences "backed": clay, gelatine or the default block, and bodies of STL files
     run         until the projectile has flown some millimetres, within a budget of element updates
 
 All numbers come from the `random()` of one generator. With `random.Random` a scene depends on (seed, index) alone,
@@ -34,6 +35,7 @@ FIBRES = {
 }
 BODIES = (7.8, 2.7, 17.0)  # [g/cm3] steel, aluminium, tungsten alloy
 PLIES, PACKS = (1, 1, 2, 3, 4), (2, 3, 4, 5, 6, 8)
+BACKINGS = ("Roma Plastilina No. 1", "gelatine 10 %", "gelatine 20 %", "")
 SHAPES = ("flat", "sphere", "hemisphere", "cone", "chisel")
 # as Kevlar 129 in the thesis
 _SOLID = {"E_a": "1 MPa", "E_c": "2 GPa", "K_r": 0.02, "K_G": 0.001, "V_c": 1.0, "Vf0": 0.7}
@@ -52,29 +54,39 @@ class RandomScene:
     name : of the files that `write` makes
     fabric, scene : tables as tomllib reads them from the two files
     other : table of the second fabric of a lay-up
+    body : text of the STL file of the projectile, or none
     """
 
     name: str
     fabric: dict
     scene: dict
     other: dict
+    body: str = ""
 
     def write(self, folder) -> Path:
-        """Write NAME.toml, NAME-fabric.toml and, of a lay-up, NAME-other.toml; the path of the scene."""
+        """Write NAME.toml, NAME-fabric.toml and, where drawn, NAME-other.toml and NAME.stl; the path of the scene."""
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         (folder / f"{self.name}-fabric.toml").write_text(toml(self.fabric), encoding="utf-8")
         if "ply" in self.scene["panel"]:
             (folder / f"{self.name}-other.toml").write_text(toml(self.other), encoding="utf-8")
+        if self.body:
+            (folder / f"{self.name}.stl").write_text(self.body, encoding="utf-8")
         path = folder / f"{self.name}.toml"
         path.write_text(toml(self.scene), encoding="utf-8")
         return path
 
 
 def scene(seed, index) -> RandomScene:
-    """Scene number `index` of the sequence `seed`; where its name begins with "packs", a pack of 2 to 8 plies."""
-    plies = PACKS if str(seed).startswith("packs") else PLIES
-    return sample(random.Random(f"{seed}/{index}"), f"fuzz-{seed}-{index}", plies)
+    """Scene number `index` of the sequence `seed`.
+
+    Where its name begins with "packs", "angled" or "backed", it is a pack of 2 to 8 plies: "angled" at any angles and
+    with the options of strength, as is every third of "backed", which all stand before a block.
+    """
+    backed = str(seed).startswith("backed")
+    angled = str(seed).startswith("angled") or (backed and index % 3 == 0)
+    plies = PACKS if angled or backed or str(seed).startswith("packs") else PLIES
+    return sample(random.Random(f"{seed}/{index}"), f"fuzz-{seed}-{index}", plies, angled, backed)
 
 
 def scenes():
@@ -84,8 +96,8 @@ def scenes():
     return strategies.randoms(use_true_random=False).map(sample)
 
 
-def sample(generator, name="fuzz", plies=PLIES) -> RandomScene:
-    """Draw a scene with the generator's `random()`; plies : numbers to choose from."""
+def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False) -> RandomScene:
+    """Draw a scene with the generator's `random()`; plies : numbers to choose from; angled, backed : as of `scene`."""
     draw = Draw(generator)
     fabric = sample_fabric(draw, name)
     cells, thickness = _geometry(fabric)
@@ -94,13 +106,16 @@ def sample(generator, name="fuzz", plies=PLIES) -> RandomScene:
     half = max(half, 3.3, 14 * max(cells))
     shot = sample_projectile(draw, half)
     panel = sample_panel(draw, shot, thickness, draw.choice(plies))
+    if angled:
+        panel = {key: value for key, value in panel.items() if key not in ("weave_angle", "stacking")}
+        panel |= {"boundary": "clamped", "symmetry": "whole"} | sample_strength(draw, fabric)
     run = sample_run(draw, fabric, cells, half, shot, panel)
     if "plies" in panel and draw.chance(0.4):  # last, so that scenes without it are what they were
         panel["ply_friction"] = round(draw.uniform(0, 0.6), 3)
     other = {}
-    if "plies" in panel and "weave_angle" not in panel and draw.chance(0.3):
+    if "plies" in panel and "weave_angle" not in panel and (draw.chance(0.3) or angled):
         other = sample_other(draw, fabric, name)
-        panel["ply"] = sample_plies(draw, panel.pop("plies"), f"{name}-other.toml", thickness)
+        panel["ply"] = sample_plies(draw, panel.pop("plies"), f"{name}-other.toml", thickness, angled)
         panel.pop("stacking", None)
     if panel["boundary"] == "clamped" and draw.chance(0.15):
         panel["opening_shape"] = "round"
@@ -109,7 +124,15 @@ def sample(generator, name="fuzz", plies=PLIES) -> RandomScene:
         room = 0.6 * (half - _number(shot["diameter"]))
         panel |= {"impact_point": [_text(room * draw.uniform(-1, 1), "mm") for _ in range(2)]}
         panel["symmetry"] = "whole"
-    return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other)
+    body = ""
+    if backed:
+        panel["boundary"] = "clamped"
+        table["backing"] = sample_backing(draw, half)
+        shot = {key: value for key, value in shot.items() if key not in ("obliquity", "azimuth", "yaw", "roll")}
+        if draw.chance(0.3):
+            shot, body = sample_body(draw, shot, f"{name}.stl")
+            panel["symmetry"] = "whole"
+    return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other, body)
 
 
 class Draw:
@@ -232,6 +255,43 @@ def sample_projectile(draw, half) -> dict:
     return found
 
 
+def sample_body(draw, shot, file) -> tuple[dict, str]:
+    """The table [projectile] with the body of an STL file for its nose, and its text: a frustum of 3 to 6 sides."""
+    radius, sides = 0.5 * _number(shot["diameter"]), draw.choice((4, 3, 5, 6))
+    front, length = radius * draw.uniform(0.3, 1), radius * draw.uniform(0.8, 3)
+    corners = [(math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)) for k in range(sides)]
+    ends = [[(r * x, r * y, z) for x, y in corners] for r, z in ((radius, 0.0), (front, length))]
+    faces = []
+    for k in range(sides):
+        (a, b), (c, d) = ((ring[k], ring[(k + 1) % sides]) for ring in ends)
+        faces += [(a, b, c), (c, b, d), ((0, 0, 0.0), b, a), ((0, 0, length), c, d)]
+    lines = ["solid body"]
+    for face in faces:
+        points = "".join(f"vertex {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in face)
+        lines.append(f"facet normal 0 0 0\nouter loop\n{points}endloop\nendfacet")
+    kept = ("strike_velocity", "friction")
+    edge = _text(radius * draw.uniform(0.08, 0.25), "mm")
+    found = {key: shot[key] for key in kept if key in shot}
+    found |= {"shape": "stl", "stl": file, "stl_unit": "mm", "edge_radius": edge}
+    found["density"] = _text(draw.choice(BODIES), "g/cm^3")
+    return found, "\n".join([*lines, "endsolid body\n"])
+
+
+def sample_backing(draw, half) -> dict:
+    """The table [backing] behind a panel of a half width [mm]: small and coarse."""
+    found = {
+        "size": [_text(2.2 * half, "mm"), _text(2.2 * half, "mm"), _text(draw.uniform(20, 60), "mm")],
+        "min_size": _text(draw.uniform(1.5, 3), "mm"), "growth": 1.4,
+        "outer_boundary": draw.choice(("fixed", "absorbing", "free")),
+    }  # fmt: skip
+    material = draw.choice(BACKINGS)
+    if material:
+        found["material"] = material
+    if draw.chance(0.3):
+        found["standoff"] = _text(draw.uniform(0, 3), "mm")
+    return found
+
+
 def sample_panel(draw, shot, thickness, plies) -> dict:
     """The table [panel] but for its opening."""
     found = {"boundary": draw.choice(("clamped", "clamped", "free"))}
@@ -258,11 +318,22 @@ def sample_other(draw, fabric, name) -> dict:
     return found | {"name": f"{name}-other"}
 
 
-def sample_plies(draw, count, other, thickness) -> list:
-    """The tables [[panel.ply]]: each of either fabric, at 0 or 90 degrees; some gaps of their own."""
+def sample_strength(draw, fabric) -> dict:
+    """Entries of [panel] for the options of strength, whose data go into the table of the fabric."""
+    faster = draw.log_uniform(10, 1000)
+    fabric["fibre_diameter"] = _text(draw.log_uniform(5, 20), "um")
+    fabric["strain_rate"] = {
+        "rates": ["1 / s", _text(faster, "/ s")], "strength": [1.0, round(draw.uniform(1, 1.6), 3)],
+        "modulus": [1.0, round(draw.uniform(1, 1.3), 3)], "source": "drawn", "status": "assumed",
+    }  # fmt: skip
+    return {"rate_dependence": draw.chance(0.3), "nose_bending": draw.chance(0.3)}
+
+
+def sample_plies(draw, count, other, thickness, angled=False) -> list:
+    """The tables [[panel.ply]]: each of either fabric, at 0 or 90 degrees or any angle; some gaps of their own."""
     found = []
     for _ in range(count):
-        ply = {"angle": draw.choice(("0 deg", "90 deg"))}
+        ply = {"angle": _text(draw.uniform(-90, 90), "deg") if angled else draw.choice(("0 deg", "90 deg"))}
         if draw.chance(0.5):
             ply["file"] = other
         if draw.chance(0.3):

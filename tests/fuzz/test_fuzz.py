@@ -47,6 +47,13 @@ def test_few_are_rejected_and_most_kinds_are_there(rows):
     assert {row["end"] for row in rows} >= {"perforated", "stopped", "in flight"}
 
 
+def test_packs_before_a_block_are_set_ups(tmp_path):
+    setups = [runs.setup_of(scenes.scene("backed1", index).write(tmp_path))[1] for index in range(12)]
+    assert all(setup.backing is not None and setup.plies > 1 for setup in setups)
+    assert {setup.projectile.shape == "stl" for setup in setups} == {True, False}
+    assert {any(ply.angle for ply in setup.lay_up) for setup in setups} == {True, False}
+
+
 def sleep_or_die(what):
     if what == "sleep":
         time.sleep(60)

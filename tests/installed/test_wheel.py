@@ -215,9 +215,9 @@ def test_every_command_is_run_here():
     """The list above is complete: a new command goes into it, or needs PETSc."""
     from typer.main import get_command
 
-    from weavecell.cli.app import app
+    from weavecell.cli.app import program
 
-    assert set(get_command(app).commands) == {line.split()[0] for line in COMMANDS[1:]} | NEED_PETSC
+    assert set(get_command(program()).commands) == {line.split()[0] for line in COMMANDS[1:]} | NEED_PETSC
 
 
 @pytest.mark.slow

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from shellfabric.output import checkpoint
+from shellfabric.panel import grading
 from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import PackSolver
 
 
 def bring(panel, state, x):
@@ -15,6 +17,20 @@ def bring(panel, state, x):
         state.u[c][: X.size] = (x - rest)[..., c].ravel()
     ply_kernels.initial_forces(state, panel.constants(), None, panel.work())
     return state
+
+
+def solver_at_rest(panel, strike_velocity):
+    """PackSolver of one thread, for steps without samples and checks of the energy."""
+    solver = PackSolver(panel, strike_velocity, 1.0)
+    solver.threads, solver.exchange = 1, np.inf
+    return solver
+
+
+def advance(solver, steps):
+    """(made, 3) history of at most so many steps."""
+    history = np.empty((steps, 3))
+    made, _ = solver.advance(history)
+    return history[:made]
 
 
 def node_forces(panel, state):
@@ -66,3 +82,37 @@ class Interrupting(checkpoint.Checkpoints):
         super().__call__(solver)
         if solver.time > self.end:
             raise Interrupted
+
+
+def crumple(panel, scale=5e-6):
+    """(ni+1, nj+1, 3) [m] nodes of a stretched, sheared, crumpled panel, off by `scale` at random."""
+    X, Y = panel.coordinates()
+    x = np.stack([1.015 * X + 0.1 * Y, 1.012 * Y, 0.0005 * np.sin(200 * X)], axis=-1)
+    return x + np.random.default_rng(3).normal(scale=scale, size=x.shape)
+
+
+def plain_energy(panel, x):
+    """Energy of the cloth with nodes x (ni+1, nj+1, 3), graded or not, from the definitions alone."""
+    weave, shear, model = panel.weave, panel.fabric.shear, panel.table.model
+    (ni, nj), (w1, w2) = panel.counts, weave.w
+    a, b = panel.sides or map(np.full, panel.counts, panel.spacing)
+    m, n = grading.tributary(a), grading.tributary(b)
+    warp, weft = np.diff(x, axis=0) / a[:, None, None], np.diff(x, axis=1) / b[None, :, None]
+    l1, l2 = np.linalg.norm(warp, axis=-1), np.linalg.norm(weft, axis=-1)
+    total = 0.0
+    for i in range(ni):
+        for j in range(nj + 1):
+            met = [(l2[p, q], b[q]) for p in (i, i + 1) for q in (j - 1, j) if 0 <= q < nj]
+            mean = np.average([s for s, _ in met], weights=[length for _, length in met])
+            total += 0.5 * a[i] * n[j] / (4 * w1 * w2) * float(model.solve(l1[i, j], mean)["W"])
+    for i in range(ni + 1):
+        for j in range(nj):
+            met = [(l1[p, q], a[p]) for p in (i - 1, i) for q in (j, j + 1) if 0 <= p < ni]
+            mean = np.average([s for s, _ in met], weights=[length for _, length in met])
+            total += 0.5 * m[i] * b[j] / (4 * w1 * w2) * float(model.solve(mean, l2[i, j])["W"])
+    edge1, edge2 = 0.5 * (warp[:, 1:] + warp[:, :-1]), 0.5 * (weft[1:] + weft[:-1])
+    mean = 0.25 * (l1[:, 1:] + l1[:, :-1]) * (l2[1:] + l2[:-1])
+    gamma = np.abs(np.arcsin(np.sum(edge1 * edge2, axis=-1) / mean))
+    points, weights = np.polynomial.legendre.leggauss(40)
+    trellis = sum(0.5 * gamma * w * shear.stress(0.5 * gamma * (1 + p)) for p, w in zip(points, weights))
+    return total + weave.thickness * float(np.sum(np.multiply.outer(a, b) * trellis))

@@ -16,7 +16,7 @@ from fabrics.errors import InputError
 from validation.claims import runner
 from validation.claims.checks import CHECKS, Check
 from validation.claims.claims import Claim, Condition
-from validation.claims.run import Run
+from validation.claims.registry import Run
 
 ROOT = Path(__file__).parents[2]
 made = []
@@ -51,7 +51,7 @@ def row(number):
 
 
 def the_pool(folder, monkeypatch):
-    """Of sensitivity, v50, chart, stability and the survey and trials of fidelity."""
+    """Of all studies of `validation`, of sensitivity and v50."""
     assert run_cache.results(row, [(1,), (2,)], folder=folder) == [{"number": 1}, {"number": 2}]
 
 
@@ -65,55 +65,6 @@ def the_ledger(folder, monkeypatch):
     )  # fmt: skip
     [record] = runner.validate([claim], folder, resume=True)
     assert record.verdict == "reproduced"
-
-
-def the_crossover_study(folder, monkeypatch):
-    from validation.verification.crossover_convergence import study
-
-    monkeypatch.setattr(study, "solve", lambda fabric, paths, case: row(case.size[0]))
-    monkeypatch.setattr(study, "judge", lambda name, paths, chosen, results: results)
-    study.run(folder, level="quick", only=["mesh"], resume=True, executor=Here())
-
-
-def the_packs(folder, monkeypatch):
-    from validation.published.packs.study import Case, Results
-
-    def fire(case):
-        made.append(case)
-        return {"outcome": "stopped", "time": 1.0, "failed": [0]}
-
-    monkeypatch.setattr(fire, "__module__", "validation.published.packs.study", raising=False)
-    Results(folder, report=lambda *_, **__: None)(Case("S-720", 2, 50.0), fire)
-
-
-def the_pencilling_study(folder, monkeypatch):
-    from validation.published.pencilling import __main__ as command
-
-    shot = SimpleNamespace(outcome="stopped", depth=0.0, t=np.zeros(1), balance=0.0)
-    monkeypatch.setattr(command, "shoot", lambda case, **_: row(case.plies) and shot)
-    monkeypatch.setattr(command, "bare", lambda: row(0) and shot)
-    monkeypatch.setattr(command, "table", lambda shots: [])
-    for name in ("depths", "craters"):
-        monkeypatch.setattr(command.pictures, name, lambda shots, path: None)
-    command.main([4, 5], resume=True, out=folder)
-
-
-def the_convergence_study(folder, monkeypatch):
-    from validation.verification.mesh_convergence import __main__ as command
-
-    def study(fabric, strikes, *, elements, known, keep, **_):
-        for n in sorted(set(elements) - {one.elements for one in known}):
-            made.append(n)
-            ends = (1.0, 1.0)
-            keep(command.Point(
-                fabric.name, n, False, 1, 90.0, 0.1, strikes.stops, 1.0, 1.0, ends, ends, ends, "variational", 0.0
-            ))  # fmt: skip
-        return (), ()
-
-    monkeypatch.setattr(command, "study", study)
-    monkeypatch.setattr(command, "write_csv", lambda quantities, path: None)
-    monkeypatch.setattr(command, "picture", lambda quantities, path: None)
-    command.main(["S-720"], out=folder, resume=(folder / "points.json").exists())
 
 
 def a_history():
@@ -142,14 +93,8 @@ def the_fit_of_the_solid(folder, monkeypatch):
     assert chain.fit_solids([fabric], [curve], folder=folder, executor=Here()) == [{"number": "S-720"}]
 
 
-REMADE = {
-    function.__name__: function
-    for function in (
-        the_pool, the_ledger, the_crossover_study, the_packs, the_pencilling_study, the_convergence_study,
-        the_calibration, the_fit_of_the_solid,
-    )
-}  # fmt: skip
-THREE_D = ("the_calibration", "the_fit_of_the_solid", "the_surface", "the_crossover_study")
+REMADE = {function.__name__: function for function in (the_pool, the_ledger, the_calibration, the_fit_of_the_solid)}
+THREE_D = ("the_calibration", "the_fit_of_the_solid", "the_surface")
 
 
 @pytest.mark.parametrize("name", REMADE)
@@ -194,16 +139,6 @@ def a_pack(path):
     return lambda: checkpoint.read(PackSolver(pack, 50.0, 2e-6), path)
 
 
-def a_solid_patch(path):
-    pytest.importorskip("gmsh")
-    from shellfabric.output import checkpoint
-    from validation.published.solid_patch.study import march
-
-    begun = march(count=4, size=(2, 2, 2), threads=1)
-    checkpoint.write(begun, path)
-    return lambda: checkpoint.read(begun, path)
-
-
 def a_coupon(path):
     from shellfabric.cell.model import CellModel
     from shellfabric.coupon.dynamic_relaxation import State
@@ -235,7 +170,7 @@ def the_surface(path):
     return lambda: Partial(path, stamp(), True)
 
 
-REFUSED = {function.__name__: function for function in (an_impact, a_pack, a_solid_patch, a_coupon, the_surface)}
+REFUSED = {function.__name__: function for function in (an_impact, a_pack, a_coupon, the_surface)}
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -256,66 +191,27 @@ def test_the_state_of_a_run_of_other_code_is_refused(name, tmp_path, other_code)
 
 
 ANALYSES = ("weavecell/__init__.py", "weavecell/analysis/")
-SHELL = (
-    "shellfabric/solver/pack_solver.py",
-    "shellfabric/solver/step_kernels.py",
-    "shellfabric/cell/model.py",
-    "fabrics/compression.py",
-)
-SOLID = (
-    "unitcell3d/solver/newton.py",
-    "unitcell3d/contact/surface_contact_kernels.py",
-    "meshing/crossover.py",
-    "fabrics/solid.py",
-)
-CODE = {
-    "shellfabric.impact.simulation": (*SHELL, "shellfabric/plies/contact_kernels.py", "shellfabric/plies/model.py"),
-    "shellfabric.coupon.quasistatic": (
-        "shellfabric/coupon/relaxation_kernels.py",
-        "shellfabric/cell/model.py",
-        "shellfabric/coupon/model.py",
-    ),
+SHELL = ("shellfabric/solver/step_kernels.py", "shellfabric/cell/model.py", "shellfabric/plies/contact_kernels.py")
+SOLID = ("unitcell3d/solver/newton.py", "unitcell3d/contact/surface_contact_kernels.py", "meshing/crossover.py")
+HERE = "validation/verification/"
+CODE = {  # the code of a result: files that are among it
+    "shellfabric.impact.simulation": SHELL,
+    "shellfabric.coupon.quasistatic": ("shellfabric/coupon/relaxation_kernels.py", "shellfabric/coupon/model.py"),
     "validation.models.solid.solver": ("validation/models/solid/solid_kernels.py", "validation/models/solid/model.py"),
     "unitcell3d.identify.calibrate": SOLID,
-    "unitcell3d.identify.solid_fit": SOLID,
     "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),
-    "validation.verification.crossover_convergence.cases": (
-        *SOLID,
-        "validation/verification/crossover_convergence/ends.py",
-    ),
-    "validation.verification.cost_accuracy.study": (
-        *SHELL,
-        *SOLID,
-        "validation/verification/cost_accuracy/shots.py",
-        "validation/verification/cost_accuracy/scenes.toml",
-    ),
-    "validation.verification.stability.study": (
-        *SHELL,
-        *SOLID,
-        "validation/verification/stability/unit_cell.py",
-        "validation/verification/stability/maps.toml",
-    ),
-    "weavecell.analysis.uncertainty.sobol": (
-        *SHELL,
-        "weavecell/analysis/uncertainty/inputs.toml",
-        "fabrics/catalogue/S-720.toml",
-    ),
-    "weavecell.analysis.uncertainty.v50": (*SHELL, "weavecell/analysis/uncertainty/inputs.py"),
+    "validation.verification.crossover_convergence.cases": SOLID,
+    "validation.verification.cost_accuracy.study": (*SHELL, *SOLID, f"{HERE}cost_accuracy/scenes.toml"),
+    "validation.verification.stability.study": (*SHELL, *SOLID, f"{HERE}stability/maps.toml"),
+    "weavecell.analysis.uncertainty.sobol": (*SHELL, "weavecell/analysis/uncertainty/inputs.toml"),
+    "weavecell.analysis.uncertainty.v50": (*SHELL, "fabrics/catalogue/S-720.toml"),
     "validation.verification.fidelity.survey": (*SHELL, "weavecell/analysis/fidelity/ladder.py"),
-    "validation.verification.fidelity.trial": (
-        *SHELL,
-        "weavecell/analysis/fidelity/errors.json",
-        "weavecell/analysis/fidelity/select.py",
-    ),
+    "validation.verification.fidelity.trial": (*SHELL, "weavecell/analysis/fidelity/errors.json"),
     "validation.published.packs.study": (*SHELL, "shellfabric/plies/torn_contact_kernels.py"),
     "validation.published.pencilling.study": (*SHELL, "shellfabric/backing/block.py"),
     "validation.verification.mesh_convergence.study": (*SHELL, "shellfabric/impact/ballistic_limit.py"),
     "validation.claims.runs": (*SHELL, "validation/published/bias_extension/cases.py"),
-    "validation.claims.runs_studies": (
-        *SHELL,
-        "validation/published/pencilling/study.py",
-        "validation/published/solid_patch/study.py",
-    ),
+    "validation.claims.runs_studies": (*SHELL, "validation/published/pencilling/study.py"),
     "validation.claims.runs3d": SOLID,
     "validation.claims.runner": (*SHELL, *SOLID, "validation/claims/checks/impact.py"),
 }
@@ -333,6 +229,16 @@ def test_the_code_of_a_result_is_what_computes_it(module):
         assert "unitcell3d" not in packages
 
 
+@pytest.mark.parametrize(("name", "again"), [("step_kernels.py", True), ("pictures.py", False)])
+def test_a_study_is_run_again_after_a_change_of_a_kernel_and_not_of_a_picture(monkeypatch, name, again):
+    def key():
+        return run_cache.code.__wrapped__("validation.verification.mesh_convergence.study")
+
+    before, read = key(), Path.read_bytes
+    monkeypatch.setattr(Path, "read_bytes", lambda self: read(self) + b"# changed\n" * (self.name == name))
+    assert (key() != before) == again
+
+
 def test_all_that_resumes_is_here():
     """Whatever names its results by a digest of its own would go by another rule."""
     own = [
@@ -345,4 +251,5 @@ def test_all_that_resumes_is_here():
         "shellfabric/cell/table_cache.py",  # tables of cells from run to run, by content and the rule of run_cache
         "shellfabric/jit/by_reference.py",  # it keeps nothing: the name of a numba type
         "shellfabric/jit/compile_in_child.py",  # it keeps nothing: pickle takes a request to a child process
+        "weavecell/scenes/stl_file.py",  # it keeps nothing: the digest of an STL file for the provenance
     ]

@@ -135,8 +135,6 @@ def test_commands_of_the_documentation_are_understood(name, words):
         if problem.name not in ("dolfinx", "gmsh"):
             raise
         pytest.skip(f"needs {problem.name}")
-    if name == "validation.published.biaxial_glass":  # takes the cell's options from `weavecell`, with a parser
-        return
     assert set(program.options(module.main, {}, words)) == set(signature(module.main).parameters)
 
 

@@ -12,6 +12,7 @@ from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
 from shellfabric.cloth import jamming_kernels
 from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
+from shellfabric.plies.model import at_angle
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
 
@@ -181,3 +182,41 @@ def test_bad_input_is_refused(fabric, changes):
     )
     with pytest.raises(InputError):
         PackSolver(setup.panel(), 100.0, 1e-5)
+
+
+def test_a_whole_block_is_four_quarters(struck, fabric):
+    """Also behind plies at any angle, along whose opening, not along whose yarns, it lies."""
+    whole = run(replace(struck.setup, symmetry="whole", end_time=20e-6))
+    quarter = run(replace(struck.setup, end_time=20e-6))
+    assert whole.energies["backing_plastic"][-1] > 0.0
+    for name, values in quarter.energies.items():
+        np.testing.assert_allclose(whole.energies[name], values, atol=1e-9 * quarter.strike_energy)
+    one, other = whole.backing, quarter.backing
+    assert (one.share, other.share) == (1.0, 0.25)
+    for name in ("crater", "crater_weft"):
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=1e-12)
+    assert one.volume == pytest.approx(other.volume, rel=1e-9)
+    assert one.depth_map[::-1, ::-1] * [-1, -1, 1] == pytest.approx(one.depth_map, abs=1e-12)
+
+
+def test_a_block_behind_a_turned_ply_lies_along_the_opening(fabric):
+    """A force at one of its nodes, seen from the ply, and back: momentum along all axes is kept, at any angle."""
+    setup = ImpactSetup(fabric, 100.0, **QUICK | {"symmetry": "whole"}, elements_per_crossover=1)
+    panel = at_angle(setup.panel(setup.plain_table()), 0.5)
+    const, state = panel.constants(), panel.state(100.0)
+    behind = BackingCoupling(replace(BLOCK, outer_boundary="free"), panel, const)
+    n = panel.areas.size
+    state.u[2][:n] = (0.2e-3 * np.exp(-(np.hypot(*panel.coordinates()) ** 2) / 1e-5)).ravel()
+    behind.block.x[:, 2] += 0.02 * behind.block.x[:, 0]  # a face that leans along the opening
+    behind.step(state)
+    pushed = -np.array([force.sum() for force in state.f_block_cloth])
+    got = behind.block.mass @ behind.block.v / (0.5 * const.dt)  # from rest, the first kick is half a step's
+    assert abs(got[0]) > 0.01 * abs(got[2]) > 0.01
+    assert np.append(panel.axes @ got[:2], got[2]) == pytest.approx(pushed, rel=1e-6)
+    assert not np.any(behind._stiffness[~np.repeat(inner(panel).ravel(), behind.p**2)])
+
+
+def inner(panel):
+    """(ni, nj) bool: elements with a node that no clamp holds."""
+    free = panel.loose()
+    return free[:-1, :-1] | free[1:, :-1] | free[:-1, 1:] | free[1:, 1:]

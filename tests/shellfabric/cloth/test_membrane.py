@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from conftest_tools import assert_balance, assert_gradient, bring, node_forces
+from conftest_tools import (
+    advance,
+    assert_balance,
+    assert_gradient,
+    bring,
+    crumple,
+    node_forces,
+    plain_energy,
+    solver_at_rest,
+)
 from numba import njit
 
 from fabrics.trellis import TrellisShear
@@ -11,33 +20,6 @@ from shellfabric.cloth import membrane_kernels, trellis_kernels
 from shellfabric.jit.simd import load, store
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import run_steps
-
-
-def plain_energy(panel, x):
-    """Energy of the cloth with nodes x (ni+1, nj+1, 3), written from the definitions alone."""
-    (dx, dy), weave, shear, model = panel.spacing, panel.weave, panel.fabric.shear, panel.table.model
-    (ni, nj), warp, weft = panel.counts, np.diff(x, axis=0) / dx, np.diff(x, axis=1) / dy
-    l1, l2 = np.linalg.norm(warp, axis=-1), np.linalg.norm(weft, axis=-1)
-    cells = 0.0
-    for i in range(ni):
-        for j in range(nj + 1):
-            met = [l2[p, q] for p in (i, i + 1) for q in (j - 1, j) if 0 <= q < nj]
-            n = dx * dy / weave.cell_area * len(met) / 4
-            cells += 0.5 * n * float(model.solve(l1[i, j], np.mean(met))["W"])
-    for i in range(ni + 1):
-        for j in range(nj):
-            met = [l1[p, q] for p in (i - 1, i) for q in (j, j + 1) if 0 <= p < ni]
-            n = dx * dy / weave.cell_area * len(met) / 4
-            cells += 0.5 * n * float(model.solve(np.mean(met), l2[i, j])["W"])
-    a, b = 0.5 * (warp[:, 1:] + warp[:, :-1]), 0.5 * (weft[1:] + weft[:-1])
-    mean = 0.25 * (l1[:, 1:] + l1[:, :-1]) * (l2[1:] + l2[:-1])
-    gamma = np.arcsin(np.sum(a * b, axis=-1) / mean)
-    points, weights = np.polynomial.legendre.leggauss(40)
-    trellis = sum(
-        0.5 * np.abs(gamma) * w * shear.stress(0.5 * np.abs(gamma) * (1 + p)) for p, w in zip(points, weights)
-    )
-    return cells + dx * dy * weave.thickness * float(trellis.sum())
 
 
 @njit
@@ -56,10 +38,7 @@ def crumpled(small, tables):
         symmetry="whole",
         numerics=Numerics(stretch_viscosity=0.0),
     )
-    X, Y = panel.coordinates()
-    rng = np.random.default_rng(3)
-    x = np.stack([1.015 * X + 0.1 * Y, 1.012 * Y, 0.0005 * np.sin(200 * X)], axis=-1)
-    return panel, x + rng.normal(scale=5e-6, size=x.shape)
+    return panel, crumple(panel)
 
 
 def test_nodal_forces_against_the_energy(crumpled):
@@ -208,7 +187,8 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     fabric = straight(weft_mass)
     model = CellModel(fabric, model="decoupled")
     panel = Panel(model.table(201), (0.6, 0.0203), edge="free", failure=False)
-    state, const, work = panel.state(1.0), panel.constants(), panel.work()
+    solver = solver_at_rest(panel, 1.0)
+    state, const = solver.state, solver.const
     state.projectile_position[2] = -1.0  # the projectile is far away
     state.active_rows[:] = 0, const.ni
     ni, s = const.ni, const.row_stride
@@ -218,7 +198,7 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     stations, arrivals = (ni // 5, 4 * ni // 5), {}
     full = fabric.weave.warp.EA * 10.0 / (share * fabric.weave.warp.wave_speed)
     while len(arrivals) < 2:
-        run_steps(state, const, work, 1, np.empty((1, 3)))
+        advance(solver, 1)
         assert state.counter[0] < 5 * ni
         for i in stations:
             if i not in arrivals and state.N[0][i * s] > 0.5 * full:
@@ -228,7 +208,7 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
 
 
 @pytest.mark.parametrize(("factor", "holds"), [(0.99, True), (1.02, False)])
-def test_time_step_bound(straight, factor, holds):
+def test_time_step_bound(straight, monkeypatch, factor, holds):
     """Straight yarns are as stiff as the bound supposes: above it a taut panel blows up, below it does not.
 
     In the equilibrium form; in the variational one half of a yarn's force follows from means, which are softer.
@@ -236,8 +216,9 @@ def test_time_step_bound(straight, factor, holds):
     table = CellModel(straight(1.0), model="decoupled", form="equilibrium").table(51)
     knobs = Numerics(cfl=1.0, stretch_viscosity=0.0)
     panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
-    const, state, work = panel.constants(), panel.state(1.0), panel.work()
-    const = const._replace(dt=factor * panel.critical_step)
+    monkeypatch.setattr(Panel, "time_step", factor * panel.critical_step)
+    solver = solver_at_rest(panel, 1.0)
+    state, const = solver.state, solver.const
     state.projectile_position[2] = -1.0
     rng, ni = np.random.default_rng(0), panel.counts[0]
     X, Y = panel.coordinates()
@@ -248,8 +229,8 @@ def test_time_step_bound(straight, factor, holds):
         state.u[c][: X.size] = taut.ravel()
         state.v[c][: X.size] = rng.normal(scale=1e-3, size=X.size) * inside.ravel()
     state.active_rows[:] = 0, ni
-    ply_kernels.initial_forces(state, const, None, work)
-    run_steps(state, const, work, 400, np.empty((400, 3)))
+    ply_kernels.initial_forces(state, const, None, panel.work())
+    advance(solver, 400)
     # what is no number any more is at rest
     assert (0.0 < max(np.abs(v).max() for v in state.v) < 0.02) == holds
 

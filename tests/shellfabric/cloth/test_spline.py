@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest_tools import advance, solver_at_rest
 from scipy.interpolate import BSpline
 
 from fabrics import catalogue
@@ -10,7 +11,6 @@ from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.projectile import contact_kernels, sdf_kernels
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import run_steps
 
 
 def shaken(panel, seed=0, depth=0.4e-3):
@@ -280,8 +280,7 @@ def test_peak_tension_settles_with_the_mesh():
     for elements in (1, 2):
         setup = ImpactSetup(catalogue.load("S-745").with_effective_density(), 110.0, elements_per_crossover=elements)
         panel = setup.panel()
-        state, const = panel.state(110.0), panel.constants()
-        steps = int(310e-6 / const.dt)
-        run_steps(state, const, panel.work(), steps, np.empty((steps, 3)))
-        peaks.append(state.peak_tension[0])
+        solver = solver_at_rest(panel, 110.0)
+        advance(solver, int(310e-6 / solver.const.dt))
+        peaks.append(solver.state.peak_tension[0])
     assert peaks[1] == pytest.approx(peaks[0], rel=0.05)

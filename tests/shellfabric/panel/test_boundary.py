@@ -4,7 +4,7 @@ from math import radians
 
 import numpy as np
 import pytest
-from conftest_tools import bring
+from conftest_tools import advance, bring, solver_at_rest
 
 from fabrics.errors import InputError
 from shellfabric.cloth import boundary_kernels
@@ -13,15 +13,15 @@ from shellfabric.panel import boundary
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver.pack_solver import PackSolver, run_steps
+from shellfabric.solver.pack_solver import PackSolver
 
 SLIP = PullIn(length=0.4e-3, start=5e-6, end=35e-6, zone=20e-3)
 
 
 def fire(panel, speed=100.0, steps=400):
-    state, const, fine = panel.state(speed), panel.constants(), np.empty((steps, 3))
-    made, _ = run_steps(state, const, panel.work(), steps, fine)
-    return state, const, fine[:made]
+    solver = solver_at_rest(panel, speed)
+    fine = advance(solver, steps)
+    return solver.state, solver.const, fine
 
 
 def field(state, const, c):
@@ -32,12 +32,13 @@ def field(state, const, c):
 def test_pull_in_is_a_triangle_that_grows_evenly(small, symmetry):
     """At the weft's ends alone: u_y = - length (1 - |x| / (zone / 2)) (t - start) / (end - start)."""
     panel = small(edge=("clamped", SLIP), symmetry=symmetry)
-    state, const, work = panel.state(50.0), panel.constants(), panel.work()
+    solver = solver_at_rest(panel, 50.0)
+    state, const = solver.state, solver.const
     X = panel.coordinates()[0][:, -1]
     triangle = SLIP.length * np.maximum(1 - np.abs(X) / (0.5 * SLIP.zone), 0)
     for share in (0.0, 0.25, 0.8, 1.0, 1.0):
         steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(state.counter[0])
-        run_steps(state, const, work, max(steps, 30), np.empty((max(steps, 30), 3)))
+        advance(solver, max(steps, 30))
         time = state.counter[0] * const.dt
         part = min(max((time - SLIP.start) / (SLIP.end - SLIP.start), 0), 1)
         np.testing.assert_allclose(field(state, const, 1)[:, -1], -part * triangle, atol=1e-15)

@@ -2,14 +2,23 @@
 
 import numpy as np
 import pytest
-from conftest_tools import assert_balance, assert_gradient, bring, node_forces
+from conftest_tools import (
+    advance,
+    assert_balance,
+    assert_gradient,
+    bring,
+    crumple,
+    node_forces,
+    plain_energy,
+    solver_at_rest,
+)
 
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import grading, motion_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.solver import ply_kernels
-from shellfabric.solver.pack_solver import PackSolver, run_steps
+from shellfabric.solver.pack_solver import PackSolver
 
 INF = np.inf
 PLAIN = Numerics(threads=1)
@@ -70,32 +79,6 @@ def test_equal_elements_are_the_plain_panel(tables, strike_velocity):
     np.testing.assert_allclose(one.samples[-1], other.samples[-1], rtol=1e-9, atol=1e-12)
 
 
-def plain_energy(panel, x):
-    """Energy of the yarns and the trellis of a graded panel with nodes x, from the definitions alone."""
-    (a, b), weave, shear, model = panel.sides, panel.weave, panel.fabric.shear, panel.table.model
-    (ni, nj), (w1, w2) = panel.counts, weave.w
-    m, n = grading.tributary(a), grading.tributary(b)
-    warp, weft = np.diff(x, axis=0) / a[:, None, None], np.diff(x, axis=1) / b[None, :, None]
-    l1, l2 = np.linalg.norm(warp, axis=-1), np.linalg.norm(weft, axis=-1)
-    total = 0.0
-    for i in range(ni):
-        for j in range(nj + 1):
-            met = [(l2[p, q], b[q]) for p in (i, i + 1) for q in (j - 1, j) if 0 <= q < nj]
-            mean = np.average([s for s, _ in met], weights=[length for _, length in met])
-            total += 0.5 * a[i] * n[j] / (4 * w1 * w2) * float(model.solve(l1[i, j], mean)["W"])
-    for i in range(ni + 1):
-        for j in range(nj):
-            met = [(l1[p, q], a[p]) for p in (i - 1, i) for q in (j, j + 1) if 0 <= p < ni]
-            mean = np.average([s for s, _ in met], weights=[length for _, length in met])
-            total += 0.5 * m[i] * b[j] / (4 * w1 * w2) * float(model.solve(mean, l2[i, j])["W"])
-    edge1, edge2 = 0.5 * (warp[:, 1:] + warp[:, :-1]), 0.5 * (weft[1:] + weft[:-1])
-    mean = 0.25 * (l1[:, 1:] + l1[:, :-1]) * (l2[1:] + l2[:-1])
-    gamma = np.abs(np.arcsin(np.sum(edge1 * edge2, axis=-1) / mean))
-    points, weights = np.polynomial.legendre.leggauss(40)
-    trellis = sum(0.5 * gamma * w * shear.stress(0.5 * gamma * (1 + p)) for p, w in zip(points, weights))
-    return total + weave.thickness * float(np.sum(np.multiply.outer(a, b) * trellis))
-
-
 @pytest.fixture
 def crumpled(graded, tables):
     """A stretched, sheared, crumpled graded panel without viscosity, with its node positions."""
@@ -103,9 +86,7 @@ def crumpled(graded, tables):
         table=tables["variational"].model.table(401), failure=False, edge="free", symmetry="whole",
         numerics=Numerics(stretch_viscosity=0.0),
     )  # fmt: skip
-    X, Y = panel.coordinates()
-    x = np.stack([1.015 * X + 0.1 * Y, 1.012 * Y, 0.0005 * np.sin(200 * X)], axis=-1)
-    return panel, x + np.random.default_rng(3).normal(scale=5e-6, size=x.shape)
+    return panel, crumple(panel)
 
 
 def test_nodal_forces_are_the_slopes_of_the_energy(crumpled):
@@ -165,7 +146,8 @@ def reflected(table, zones, wavelength):
     """Share of a pulse's kinetic energy that is behind it once it is through; its length is in crossovers."""
     edge, knobs = ("clamped", "free"), Numerics(stretch_viscosity=0.0)
     panel = Panel(table, (0.6, 0.0203), edge=edge, failure=False, grading=zones, numerics=knobs)
-    state, const, work = panel.state(1.0), panel.constants(), panel.work()
+    solver = solver_at_rest(panel, 1.0)
+    state, const = solver.state, solver.const
     state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
     X, weave, d = panel.coordinates()[0], panel.weave, panel.spacing[0]
     speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
@@ -177,9 +159,8 @@ def reflected(table, zones, wavelength):
     # taut cloth, and a pulse u = f(X - c t) on it
     state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
     state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
-    ply_kernels.initial_forces(state, const, None, work)
-    steps = int(150 * d / speed / const.dt)
-    run_steps(state, const, work, steps, np.empty((steps, 3)))
+    ply_kernels.initial_forces(state, const, None, panel.work())
+    advance(solver, int(150 * d / speed / const.dt))
     kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
     return float(kinetic[X[:, 0] < 95 * d].sum() / kinetic.sum())
 

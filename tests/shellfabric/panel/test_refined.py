@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest_tools import assert_balance, assert_gradient, bring, grid, node_forces
+from conftest_tools import assert_balance, assert_gradient, bring, crumple, grid, node_forces
 
 from fabrics.errors import InputError, UnstableError
 from shellfabric.backing.block import Backing
@@ -93,9 +93,7 @@ def test_one_zone_is_the_uniform_panel(tables, strike_velocity):
 def crumpled(refined, request):
     """A stretched, sheared, crumpled refined panel without viscosity, with its node positions."""
     panel = refined(request.param, failure=False, edge="free", symmetry="whole", numerics=UNDAMPED)
-    X, Y = panel.coordinates()
-    x = np.stack([1.015 * X + 0.1 * Y, 1.012 * Y, 0.0005 * np.sin(200 * X)], axis=-1)
-    return panel, x + np.random.default_rng(3).normal(scale=2e-6, size=x.shape)
+    return panel, crumple(panel, 2e-6)
 
 
 def test_forces_balance(crumpled):
@@ -179,7 +177,7 @@ def test_a_yarn_breaks_with_its_share_of_all_its_lines(refined):
     T = grid(const, state.T[0])
     T[row : row + 3, middle - 2 : middle + 3] = const.min_strength1 * np.array([0.3, 0.9, 1.5, 1.2, 0.6])
     expected = (0.3 / 3 + 0.9 * 2 / 3 + 1.5 + 1.2 * 2 / 3 + 0.6 / 3) / 3 * const.min_strength1
-    assert failure_kernels.yarn_tension(const, state, 0, row, middle) == pytest.approx(expected, rel=1e-12)
+    assert failure_kernels.yarn_tension(const, state.T[0], 0, row, middle) == pytest.approx(expected, rel=1e-12)
     state.active_rows[:] = 0, const.ni
     assert failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 1
     intact = grid(const, state.intact_fraction[0])

@@ -1,6 +1,7 @@
 """Lay-ups: of plies that are all alike they are the plain pack, by right angles the alternating one; hybrid packs."""
 
 from dataclasses import replace
+from math import pi
 
 import numpy as np
 import pytest
@@ -37,13 +38,13 @@ def test_of_one_fabric_it_is_the_plain_pack():
 
 
 def test_by_right_angles_it_is_the_alternating_pack():
-    plies = [Ply(SETUP.fabric, turned=turned) for turned in (False, True, False)]
+    plies = [Ply(SETUP.fabric, angle=angle) for angle in (0.0, pi / 2, 0.0)]
     assert same(run(laid(*plies)), run(replace(SETUP, stacking="alternating")))
 
 
 def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     """Plies of other crossovers and counts: the same energy balance, each with its own strength; the order matters."""
-    one, other = Ply(SETUP.fabric), Ply(catalogue.load("S-726"), turned=True)
+    one, other = Ply(SETUP.fabric), Ply(catalogue.load("S-726"), angle=pi / 2)
     results = [run(laid(*plies)) for plies in ((one, one, other), (other, one, one))]
     for result in results:
         assert result.energy_error_max < 2e-3
@@ -88,7 +89,7 @@ def test_the_default_mesh_reaches_as_far_as_turned_plies_need():
     straight, turned = replace(setup, plies=2), replace(setup, plies=2, stacking="alternating")
     assert turned.meshed.grading[0][0] > straight.meshed.grading[0][0]
     assert turned.target().plies[1].sides is not None
-    assert laid(Ply(fabric), Ply(fabric, turned=True), setup=setup).meshed.grading == turned.meshed.grading
+    assert laid(Ply(fabric), Ply(fabric, angle=pi / 2), setup=setup).meshed.grading == turned.meshed.grading
 
 
 def test_a_pack_of_a_fabric_without_a_law_takes_the_law_of_the_shot():

@@ -14,7 +14,7 @@ from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import torn_contact_kernels as kernels
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
-from shellfabric.plies.model import Pack, PlyContact
+from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.solver.pack_solver import PackSolver
 from validation.published.packs.passages import pierced
 
@@ -37,8 +37,11 @@ def ply():
 class Stack:
     """Plies at rest, one above the other, of which some are torn beside PLACE."""
 
-    def __init__(self, ply, count, torn, place=PLACE, contact=None):
-        self.march = PackSolver(Pack.stacked(ply, count, gap=0.0, contact=contact), 1.0, 1.0)
+    def __init__(self, ply, count, torn, place=PLACE, contact=None, angle=0.0):
+        pack = (
+            Pack((ply, at_angle(ply, angle)), (0.0,)) if angle else Pack.stacked(ply, count, gap=0.0, contact=contact)
+        )
+        self.march = PackSolver(pack, 1.0, 1.0)
         self.march.exchange = np.inf  # no checks between the steps
         self.march.advance(np.empty((0, 3)))
         self.const, self.states, self.stops = self.march.const, self.march.states, self.march.stops
@@ -111,6 +114,33 @@ def test_from_either_side_and_aslant(ply):
     assert not stack.through(1, 0)
     assert not stack.through(0, 1)
     assert abs(force.sum(axis=(0, 2))).max() < 1e-12 * abs(force).max()
+
+
+def test_a_facet_of_a_turned_ply_holds_where_it_is(ply):
+    """Both plies lean along the turned one's first axis, and the force on a point does; it is shared out to the facet
+    that is there, in whose frame it has no other part, and the sum is zero."""
+    stack = Stack(ply, 2, (0,), angle=0.6)
+    rear, const, state = stack.march.pack.plies[1], stack.march.consts[1], stack.states[1]
+    middle = [line[n : n + 2].mean() for line, n in zip(ply.lines(), PLACE)]
+    i, j = (int(np.searchsorted(line, at)) - 1 for line, at in zip(rear.lines(), rear.axes @ middle))
+    state.element_flag[i * const.row_stride + j] = WARP_FAILED
+    state.block_damage[:] = 1
+    stack.march.stack.ply_counters[1, FAILURES] = 1
+    slope = 0.3
+    for one, place in zip(stack.states, (np.tensordot(rear.axes[0], ply.coordinates(), 1), rear.coordinates()[0])):
+        one.u[2][: place.size] = slope * place.ravel()
+    stack.fly(0, (0.0, 0.0, 1.5 * stack.march.pack.places[1] / stack.const.dt))
+    stack.restrain()
+    held, missed = stack.march.held_apart
+    assert held > 0
+    assert missed == 0
+    front, back = stack.stops.f
+    assert back[2].sum() > 0.0
+    assert set(np.flatnonzero(back[2])) >= {(i + a) * const.row_stride + j + b for a in (0, 1) for b in (0, 1)}
+    assert back[0].sum() == pytest.approx(-slope * back[2].sum(), rel=1e-9)
+    assert abs(back[1].sum()) < 1e-9 * back[2].sum()
+    total = front.sum(axis=1) + rear.in_pack(back.sum(axis=1))
+    assert abs(total).max() < 1e-12 * back[2].sum()
 
 
 @pytest.mark.parametrize("how", ["whole", "hole", "eroded", "far"])

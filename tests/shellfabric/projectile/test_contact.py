@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from conftest_tools import advance, solver_at_rest
 
 from shellfabric.panel import element_kernels, motion_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.sdf_kernels import flat
-from shellfabric.solver.pack_solver import run_steps
 
 R, RHO = 2.75e-3, 0.3e-3
 
@@ -44,9 +44,9 @@ def test_a_sharp_edge_lifts_at_once():
 
 
 def march(panel, strike_velocity, steps):
-    state, const = panel.state(strike_velocity), panel.constants()
-    run_steps(state, const, panel.work(), steps, np.empty((steps, 3)))
-    return state, const
+    solver = solver_at_rest(panel, strike_velocity)
+    advance(solver, steps)
+    return solver.state, solver.const
 
 
 def momentum(panel, state):
@@ -68,9 +68,10 @@ def test_momentum_is_kept(small):
 def test_off_centre_contact_keeps_momentum_too(small):
     """Off its line of symmetry the projectile is pushed sideways, by as much as the cloth."""
     panel = small(edge="free", symmetry="whole")
-    state, const = panel.state(100.0), panel.constants()
+    solver = solver_at_rest(panel, 100.0)
+    state = solver.state
     state.projectile_position[:2] = 0.4e-3, -0.3e-3
-    run_steps(state, const, panel.work(), 300, np.empty((300, 3)))
+    advance(solver, 300)
     expected = panel.projectile.mass * 100.0
     assert np.abs(state.projectile_velocity[:2]).max() > 1e-3
     np.testing.assert_allclose(momentum(panel, state), [0.0, 0.0, expected], atol=1e-13 * expected)
@@ -135,12 +136,13 @@ def test_contact_energy_is_found_again(small):
 def test_eroded_cloth_is_out_of_contact(small):
     """Elements that are gone push nothing: the projectile flies on through them."""
     panel = small()
-    state, const = panel.state(100.0), panel.constants()
+    solver = solver_at_rest(panel, 100.0)
+    state = solver.state
     for intact, y in zip(state.intact_fraction, state.yarn_length):
         intact[:] = y[:] = 0.0
     state.element_flag[:] = 3
     state.block_damage[:] = element_kernels.DAMAGED
-    run_steps(state, const, panel.work(), 50, np.empty((50, 3)))
+    advance(solver, 50)
     assert state.projectile_velocity[2] == 100.0
 
 

@@ -8,7 +8,7 @@ from validation.claims import claims as data
 from validation.claims import judge, runner, runs, variants
 from validation.claims.checks import CHECKS, Check
 from validation.claims.claims import Claim, Condition
-from validation.claims.run import Run
+from validation.claims.registry import Run
 from validation.claims.variants import VARIANTS
 
 NAMES = list(VARIANTS)

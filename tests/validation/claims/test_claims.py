@@ -14,7 +14,7 @@ from validation.claims import claims as data
 from validation.claims import judge, runner, summary
 from validation.claims.checks import CHECKS, Check
 from validation.claims.claims import Claim, Condition
-from validation.claims.run import Run
+from validation.claims.registry import Run
 
 LISTED, ADDED = ((Path(__file__).parent / name).read_text().split() for name in ("claim_ids.txt", "additional_ids.txt"))
 IDS = LISTED + ADDED
@@ -146,37 +146,27 @@ def test_a_miss_says_by_how_much():
     assert record.miss == "V 20 %, target < 5 %"
 
 
-def test_all_conditions_have_to_hold():
-    both = claim(Condition("a", "above", 0), Condition("b", "above", 0))
-    assert judge.judge(both, {"a": 1.0, "b": 1.0}).verdict == judge.REPRODUCED
-    assert judge.judge(both, {"a": 1.0, "b": -1.0}).verdict == judge.MISSED
+@pytest.mark.parametrize(
+    ("marked", "met", "missed"),
+    [
+        ({}, judge.REPRODUCED, judge.MISSED),
+        ({"against": "a factor is missing"}, judge.WRONG, judge.MISSED),
+        ({"data": "a table"}, judge.DATA, judge.MISSED),  # a slip in the data is one
+        ({"incomparable": "E-21"}, judge.NOT_COMPARABLE, judge.NOT_COMPARABLE),
+    ],
+)
+def test_all_conditions_have_to_hold_and_a_mark_makes_another_verdict(marked, met, missed):
+    both = claim(Condition("a", "above", 0), Condition("b", "is", "stops"), **marked)
+    assert judge.judge(both, {"a": 1.0, "b": "stops"}).verdict == met
+    record = judge.judge(both, {"a": 1.0, "b": "perforates"})
+    assert record.verdict == missed
+    assert record.text == "a 1 (> 0); b perforates (stops)"
 
 
-def test_evidence_against_the_source_is_a_verdict_of_its_own():
-    against = claim(Condition("factor", "value", 2, within=1e-6), against="a factor is missing")
-    assert judge.judge(against, {"factor": 2.0}).verdict == judge.WRONG
-    assert judge.judge(against, {"factor": 1.0}).verdict == judge.MISSED
-
-
-def test_data_that_agree_with_themselves_reproduce_nothing():
-    data_claim = claim(Condition("factor", "value", 2, within=1e-6), data="a table")
-    assert judge.judge(data_claim, {"factor": 2.0}).verdict == judge.DATA
-    assert judge.judge(data_claim, {"factor": 1.0}).verdict == judge.MISSED  # a slip in the data is one
-
-
-def test_what_is_not_comparable_says_both_and_decides_nothing():
-    other = claim(Condition("outcome", "is", "perforates"), incomparable="E-21")
-    assert judge.judge(other, {"outcome": "perforates"}).verdict == judge.NOT_COMPARABLE
-    record = judge.judge(other, {"outcome": "stops"})
-    assert record.verdict == judge.NOT_COMPARABLE
-    assert record.text == "outcome stops (perforates)"
-
-
-def test_claims_without_a_check_keep_their_reason():
-    record = judge.unchecked(claim(check="", untestable="a lost figure"))
-    assert (record.verdict, record.note) == (judge.NOT_TESTABLE, "a lost figure")
-    record = judge.unchecked(claim(check="", unbuilt="packs"))
-    assert (record.verdict, record.note) == (judge.NOT_BUILT, "packs")
+@pytest.mark.parametrize(("mark", "verdict"), [("untestable", judge.NOT_TESTABLE), ("unbuilt", judge.NOT_BUILT)])
+def test_claims_without_a_check_keep_their_reason(mark, verdict):
+    record = judge.unchecked(claim(check="", **{mark: "a lost figure"}))
+    assert (record.verdict, record.note) == (verdict, "a lost figure")
 
 
 # --- the runner

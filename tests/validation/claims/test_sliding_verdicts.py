@@ -8,7 +8,7 @@ from fabrics.errors import InputError
 from validation.claims import claims as data
 from validation.claims import runs, sliding, variants
 from validation.claims.judge import MISSED, REPRODUCED, Record
-from validation.claims.run import Run
+from validation.claims.registry import Run
 
 
 def test_the_rule_chooses_shots_that_sliding_crossovers_allow():

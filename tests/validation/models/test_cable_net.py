@@ -11,13 +11,11 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.variants import with_yarns
 from shellfabric.driver import solver as driver
 from shellfabric.impact import simulation
-from shellfabric.output import checkpoint
-from shellfabric.output.hooks import Snapshots
 from shellfabric.projectile.projectile import Projectile
 from validation.models.cable import step_kernels as kernels
 from validation.models.cable.contact_kernels import CONTACT
 from validation.models.cable.model import CableNet, CableNumerics
-from validation.models.cable.solver import ENERGIES, CableSolver, collect_result, run
+from validation.models.cable.solver import CableSolver, run
 
 S720 = catalogue.load("S-720").with_effective_density()
 SMALL = CableNet(S720, (0.05, 0.05))
@@ -107,38 +105,6 @@ def test_quarter_half_and_whole_agree():
             assert other.energies[name] == pytest.approx(quarter.energies[name], rel=1e-6, abs=1e-9), name
         for yarn in ("warp", "weft", "edges"):
             assert other.reactions[yarn] == pytest.approx(quarter.reactions[yarn], rel=1e-5, abs=1e-4), yarn
-
-
-def test_runs_repeat_bit_for_bit():
-    first, second = run(SMALL, 150.0, 30e-6), run(SMALL, 150.0, 30e-6)
-    assert np.array_equal(first.step_history, second.step_history)
-    assert np.array_equal(first.nodes, second.nodes)
-
-
-def test_a_resumed_run_goes_on_bit_for_bit(tmp_path):
-    """Bars fail before and after; snapshots are kept."""
-    path, take = tmp_path / "run.h5", lambda solver: (solver.time, solver.state.u.copy())
-    whole = CableSolver(SMALL, 300.0, 30e-6).run((Snapshots(4e-6, take),))
-
-    def interrupt(solver):
-        if solver.time > 14e-6:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        CableSolver(SMALL, 300.0, 30e-6).run((Snapshots(4e-6, take), checkpoint.Checkpoints(path, 4e-6), interrupt))
-    rest = CableSolver(SMALL, 300.0, 30e-6)
-    checkpoint.read(rest, path)
-    assert 0 < rest.steps < whole.steps
-    before = rest.sample("failure_dissipation")[-1]
-    one, other = collect_result(rest.run((Snapshots(4e-6, take),))), collect_result(whole)
-    assert one.energies["failure_dissipation"][-1] > before > 0
-    for name in ("t", "v", "nose_position", "step_history", "nodes", "failed"):
-        assert np.array_equal(getattr(one, name), getattr(other, name)), name
-    for name in ENERGIES:
-        assert np.array_equal(one.energies[name], other.energies[name]), name
-    assert [t for t, _ in rest.snapshots] == [t for t, _ in whole.snapshots]
-    with pytest.raises(InputError, match="another run"):
-        checkpoint.read(CableSolver(replace(SMALL, failure=False), 300.0, 30e-6), path)
 
 
 @pytest.mark.parametrize(
@@ -253,3 +219,44 @@ def test_the_net_takes_flat_axial_shots_alone(changes):
 def test_kernels_and_driver_have_the_same_reasons():
     for name in ("RUNNING", "STOPPED", "PERFORATED", "NOT_FINITE"):
         assert getattr(driver, name) == getattr(kernels, name)
+
+
+def small(symmetry="quarter", **numerics):
+    """A net of about ten crossovers from the middle to the edge, odd blocks, unequal yarns and counts."""
+    knobs = CableNumerics(contact_points=4, block=25, **numerics)
+    return CableNet(catalogue.load("S-726"), (0.020, 0.024), symmetry=symmetry, numerics=knobs)
+
+
+def test_every_bar_once():
+    """No bar where there is none: not past the edges, nor from the end of a row to the beginning of the next."""
+    for symmetry in ("quarter", "half", "whole"):
+        net = small(symmetry)
+        ni, nj = net.counts
+        stiff = net.state(1.0).stiffness[:, : (ni + 1) * (nj + 1)].reshape(2, ni + 1, -1)
+        assert np.count_nonzero(stiff) == net.bars
+        assert not stiff[0, -1].any()
+        assert not stiff[1, :, -1].any()
+
+
+def test_mass_of_the_net():
+    net = small("whole")
+    area = net.counts[0] * net.counts[1] * net.fabric.weave.cell_area
+    mass, weave = net.state(1.0).mass.sum(), net.fabric.weave
+    edges = 2 * sum(0.5 * n * S0 * yarn.linear_density for n, S0, yarn in zip(net.counts, weave.S0, weave.yarns))
+    assert mass == pytest.approx(area * weave.areal_density + edges, rel=1e-12)
+    assert small("quarter").state(1.0).mass.sum() == pytest.approx(mass / 4, rel=1e-12)
+
+
+def test_only_what_the_wave_has_reached_is_worked_on_and_nothing_is_missed():
+    """The window of active rows changes no bit of the motion."""
+    net = replace(small(), opening=(0.060, 0.024))
+    histories = []
+    for whole in (False, True):
+        const, state, history = net.constants(), net.state(100.0), np.empty((150, kernels.COLUMNS))
+        if whole:
+            state.active_rows[:] = 0, const.ni
+        kernels.run_steps(state, const, 150, history)
+        histories.append((history, state.u.copy(), state.active_rows[1]))
+    assert histories[0][2] < net.counts[0]
+    assert np.array_equal(histories[0][1], histories[1][1])
+    assert np.array_equal(histories[0][0], histories[1][0])

@@ -9,14 +9,12 @@ from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from meshing import crossover, patch
 from shellfabric.backing.hex8 import CORNERS, PATTERNS, Bricks
-from shellfabric.output import checkpoint
-from shellfabric.output.hooks import Snapshots
 from shellfabric.projectile.projectile import Projectile
 from validation.models.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
 from validation.models.solid import step_kernels as solid_step_kernels
 from validation.models.solid.model import SolidPatch, _corners
 from validation.models.solid.numerics import PatchNumerics
-from validation.models.solid.solver import ENERGIES, SAMPLES, SolidSolver
+from validation.models.solid.solver import SolidSolver
 
 FABRIC = catalogue.load("S-720")
 SIZE = (2, 2, 1)
@@ -454,29 +452,6 @@ def test_steps_are_stable_where_the_bound_says_so(mesh):
         march.run()
 
 
-def test_threads_change_no_bit(mesh):
-    one, two = (struck(mesh, threads=threads, end_time=1e-6).run() for threads in (1, 2))
-    assert np.array_equal(one.state.x, two.state.x)
-    assert np.array_equal(np.array(one.samples), np.array(two.samples))
-
-
-def test_a_run_goes_on_from_its_checkpoint_bit_for_bit(mesh, tmp_path):
-    whole = struck(mesh, threads=1, end_time=1.5e-6).run()
-    part = struck(mesh, threads=1, end_time=1.5e-6)
-    part.end_time = 0.75e-6
-    part.run([Snapshots(0.5e-6, lambda march: (march.time, march.state.x.copy()))])
-    checkpoint.write(part, tmp_path / "run.h5")
-    rest = struck(mesh, threads=1, end_time=1.5e-6)
-    checkpoint.read(rest, tmp_path / "run.h5")
-    rest.run([checkpoint.Checkpoints(tmp_path / "end.h5", 2e-6)])
-    assert np.array_equal(whole.state.x, rest.state.x)
-    assert np.array_equal(np.array(whole.samples), np.array(rest.samples))
-    assert len(rest.snapshots) == 2
-    other = struck(mesh, numerics={"penalty": 2e14})
-    with pytest.raises(InputError, match="another run"):
-        checkpoint.read(other, tmp_path / "end.h5")
-
-
 def test_an_overstretched_patch_tears():
     """Fast enough to break yarns: bars fail, bricks tear, and the balance holds.
 
@@ -488,7 +463,6 @@ def test_an_overstretched_patch_tears():
     assert march.state.brick_failed.any()
     taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
     assert np.abs(march.sample("error")).max() < 0.02 * taken
-    assert march.sample("warp_peak").max() < 0.031 * 96e9 * FABRIC.weave.yarns[0].A_s
 
 
 def test_the_loose_end_of_a_cut_yarn_may_fold_up():
@@ -519,11 +493,6 @@ def test_only_a_cut_yarn_folds(mesh):
     forces_of(const, state, x)
     assert state.brick_failed[: 4 * SIZE[1] * SIZE[2]].any()
     assert not state.brick_failed[4 * SIZE[1] * SIZE[2] :].any()
-
-
-def test_sums_are_named_once():
-    assert set(ENERGIES) < set(SAMPLES)
-    assert len(set(SAMPLES)) == len(SAMPLES)
 
 
 @pytest.mark.parametrize(

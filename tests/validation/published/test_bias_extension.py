@@ -24,20 +24,17 @@ def test_the_cloth_is_balanced():
     assert straight.shear.G1 * straight.weave.thickness == pytest.approx(fabric.shear.G1 * fabric.weave.thickness)
 
 
-def test_the_command_writes_table_and_picture(tmp_path, monkeypatch, capsys):
+def test_the_command_writes_its_tables(tmp_path, monkeypatch, capsys):
     full = cases.run
     monkeypatch.setattr(command, "run", lambda name, steps, elements_per_crossover: full(name, **SMALL))
     given = np.array([0.01]), np.radians([[89.0, 84.0, 80.0]]), np.array([1.2])
-    pulled = dynamic.Pull(None, None, *given, None)
-    monkeypatch.setattr(dynamic, "pull", lambda name, element: pulled)
+    monkeypatch.setattr(dynamic, "pull", lambda name, element: dynamic.Pull(None, None, *given, None))
     command.main(out=tmp_path, dynamic=True)
     lines = (tmp_path / "zones.csv").read_text().splitlines()
     assert lines[0].split(",")[:2] == ["cloth", "elongation mm"]
     assert {line.split(",")[0] for line in lines[1:]} == set(cases.CLOTHS)
-    assert (tmp_path / "coupons.png").stat().st_size > 30_000
     assert "the shear has run into bands" in capsys.readouterr().out
     rows = (tmp_path / "dynamic.csv").read_text().splitlines()
-    assert len(rows) == 7
     assert rows[4] == "one point,locking,10,89,84,80,-0.5,1.2"
 
 

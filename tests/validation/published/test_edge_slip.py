@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
+from fabrics import catalogue
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel.boundary import Grip
-from validation.published.edge_slip.__main__ import MARKS, gripped_rows, led_rows, markdown, write_page
-from validation.published.edge_slip.study import SLIPPED, Shot, departs, of, weft
+from validation.published.edge_slip import SLIPPED, Shot, departs, gripped_rows, led_rows, of
 
 
 def shot(name, v, slip):
@@ -30,44 +29,16 @@ def test_what_is_read_off_a_shot():
     assert len(rows) == 3
     assert len({len(row) for row in rows}) == 1
     assert len({len(row) for row in gripped_rows({"20 N": moved}, {"20 N": 100.0})}) == 1
-    assert markdown(rows).count("\n") == 4
 
 
-def test_the_page_keeps_what_is_around_its_marks(tmp_path):
-    page = tmp_path / "a.md"
-    page.write_text(f"before {MARKS[0]} old {MARKS[1]} after")
-    write_page({"**T.**": [("a", "b"), ("1", "2")]}, page)
-    text = page.read_text()
-    assert text.startswith("before")
-    assert text.endswith("after")
-    assert "| 1 | 2 |" in text
-    assert "old" not in text
-    page.write_text("no marks")
-    with pytest.raises(InputError):
-        write_page({}, page)
-
-
-def test_slip_follows_from_a_grip(fabric_s728):
+def test_slip_follows_from_a_grip():
     """The weaker the clamp, the further yarns slip and the wider the zone; the energy goes into the grips."""
-    found = []
+    fabric, found = catalogue.load("S-728").with_effective_density(), []
     for force in (15.0, 60.0):
-        setup = ImpactSetup(fabric_s728, 60.0, edge=Grip(force), opening=0.06, table_size=61, end_time=120e-6)
+        setup = ImpactSetup(fabric, 60.0, edge=Grip(force), opening=0.06, table_size=61, end_time=120e-6)
         found.append(of(f"{force:g} N", run(setup)))
     weak, strong = found
     assert weak.pulled("weft") > strong.pulled("weft") > SLIPPED
     assert weak.width("weft") >= strong.width("weft")
     assert weak.balance < 5e-3
     assert min(weak.gripped, strong.gripped) > 0
-
-
-def test_weft_alone_is_led():
-    warp, led = weft(1e-3, 0.0, 1e-4)
-    assert warp == "clamped"
-    assert led.length == 1e-3
-
-
-@pytest.fixture(scope="module")
-def fabric_s728():
-    from fabrics import catalogue
-
-    return catalogue.load("S-728").with_effective_density()

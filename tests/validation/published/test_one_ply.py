@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from validation.published.one_ply import __main__ as command
-from validation.published.one_ply import pictures, study, tables
+from validation.published import one_ply as study
 from weavecell.report.pictures import render
 
 FABRIC = "S-720"
@@ -45,14 +44,14 @@ def test_shots_of_captions_have_their_histories(shots):
 
 
 def test_tables_and_pictures(curve, shots, monkeypatch):
-    (_, row) = tables.limits([curve])
+    (_, row) = study.limit_table([curve])
     assert row[0] == FABRIC
     assert "**" not in row[3]
-    assert len(tables.residual([curve])) == 1 + len(study.MULTIPLES)
-    assert [row[3].split(",")[0] for row in tables.captions(shots)[1:]] == ["stops", "perforates"]
-    assert len(tables.waves(shots)) == 2
-    for draw, content in ((pictures.residual, [curve]), (pictures.velocities, shots), (pictures.fronts, shots),
-                          (pictures.energies, shots)):  # fmt: skip
+    assert len(study.residual_table([curve])) == 1 + len(study.MULTIPLES)
+    assert [row[3].split(",")[0] for row in study.caption_table(shots)[1:]] == ["stops", "perforates"]
+    assert len(study.wave_table(shots)) == 2
+    for draw, content in ((study.draw_residual, [curve]), (study.velocities, shots), (study.draw_fronts, shots),
+                          (study.energies, shots)):  # fmt: skip
         assert render(draw, content, kind="png").startswith(b"\x89PNG")
 
 
@@ -63,7 +62,7 @@ def test_the_page_shows_every_picture(shots):
     for name in ("residual", "limits", "velocities", "energies", "profiles", "fronts", "reactions"):
         assert f"figures/validation-{name}.png" in page
         assert (ROOT / "docs" / "reports" / "figures" / f"validation-{name}.png").exists()
-    figure = pictures.energies(pyplot, shots)
+    figure = study.energies(pyplot, shots)
     for axes, shot in zip(figure.axes, shots):
         top = max(part.get_datalim(axes.transData).y1 for part in axes.collections)
         assert top == pytest.approx(100, abs=1), shot.fabric  # the parts add up to the strike energy
@@ -71,11 +70,5 @@ def test_the_page_shows_every_picture(shots):
 
 
 def test_a_critical_velocity_outside_the_captions_is_bold(curve, monkeypatch):
-    monkeypatch.setitem(tables.CAPTIONS, FABRIC, (10.0, 20.0))
-    assert tables.limits([curve])[1][3].startswith("**")
-
-
-def test_the_page_has_the_marks_of_every_table():
-    page = command.Path(__file__).parents[3].joinpath("docs", "reports", "one-ply.md").read_text("utf-8")
-    for name in ("stamp", "limits", "residual", "captions", "waves"):
-        assert all(mark in page for mark in command.marks(name))
+    monkeypatch.setitem(study.CAPTIONS, FABRIC, (10.0, 20.0))
+    assert study.limit_table([curve])[1][3].startswith("**")

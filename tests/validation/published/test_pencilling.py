@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics.errors import UnstableError
 from shellfabric.backing.block import Backing
 from shellfabric.panel.model import Numerics
-from validation.published.pencilling import __main__ as command
-from validation.published.pencilling import pictures
-from validation.published.pencilling.__main__ import name_of, table
+from validation.program import save
+from validation.published.pencilling.__main__ import compose_craters, compose_depths, name_of, table
 from validation.published.pencilling.study import CASES, Case, march, shoot
 
 
@@ -38,16 +36,6 @@ def test_a_target_has_the_mass_and_modulus_of_its_case():
         assert run.const.dt == run.pack.time_step <= ply.time_step
 
 
-def test_a_command_without_a_shot_says_why(monkeypatch, tmp_path):
-    def breaks(*_, **__):
-        raise UnstableError("plies come through each other", where="4 plies", when="after 71 us")
-
-    monkeypatch.setattr(command, "shoot", breaks)
-    with pytest.raises(UnstableError, match="come through"):
-        command.main([5], no_bare=True, out=tmp_path)
-    assert not any(tmp_path.iterdir())
-
-
 @pytest.mark.slow
 def test_a_shot_and_its_pictures(tmp_path):
     small = Backing(size=(0.1, 0.1, 0.05), min_size=3e-3, refined_depth=6e-3, growth=1.5, points=1)
@@ -57,7 +45,7 @@ def test_a_shot_and_its_pictures(tmp_path):
     assert np.isfinite(shot.steepness)
     rows = table({"a": shot})
     assert len(rows[0]) == len(rows[1])
-    pictures.depths({"a": shot}, tmp_path / "d.png")
-    pictures.craters({"a": shot, "b": shot}, tmp_path / "c.png")
+    save(compose_depths, {"a": shot}, to=tmp_path / "d.png")
+    save(compose_craters, {"a": shot, "b": shot}, to=tmp_path / "c.png")
     assert (tmp_path / "c.png").stat().st_size > 1000
     assert Case(1, 1.0, 0.2) != CASES[4]

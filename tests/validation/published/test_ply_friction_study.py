@@ -3,8 +3,9 @@
 import pytest
 
 from fabrics.errors import UndecidedError
-from validation.published.ply_friction import pictures, study
-from validation.published.ply_friction.page import change, page
+from validation.program import save
+from validation.published import ply_friction as study
+from validation.published.ply_friction import answer, change
 
 
 class Fake:
@@ -52,22 +53,21 @@ def test_page_and_picture(tmp_path):
     assert last.perforation - last.stop == pytest.approx(study.STRIDE * 230, abs=0.3)
     assert found["S-726"][0].limit == pytest.approx(230, abs=0.6 * study.STRIDE * 230)
     assert last.rubbed == pytest.approx(0.03)
-    text = page(found, 120.0)
+    text = f"{study.rows(found)}{answer(found)}"
     assert "| S-726 | 0 | 150." in text
     assert "3.00 | 0.10 | 0 |" in text
     assert change(163.5, 150.0) == "+9.0 %"
-    assert "2.0 minutes" in text
     assert "which reproduces it" in text  # +9 % at a coefficient of 0.3
-    pictures.chart(found, tmp_path / "chart.png")
+    save(study.chart, found, to=tmp_path / "chart.png")
     assert (tmp_path / "chart.png").stat().st_size > 10_000
 
 
 def test_a_small_change_of_the_limit_does_not_reproduce_the_literature():
     still = study.Found(0.0, 150.0, 230.0, 232.0, 228.0, 0.0, 1e-3, 0)
     moved = study.Found(0.3, 150.0, 233.0, 235.0, 231.0, 0.0, 1e-3, 0)
-    assert "which does not reproduce it" in page({"S-726": [still, moved]}, 120.0)
+    assert "which does not reproduce it" in answer({"S-726": [still, moved]})
     lowered = study.Found(0.3, 150.0, 210.0, 212.0, 208.0, 0.0, 1e-3, 0)
-    text = page({"S-726": [still, lowered]}, 120.0)
+    text = answer({"S-726": [still, lowered]})
     assert "which has the opposite sign" in text
     assert "+53.3 % without friction, +40.0 % at 0.3" in text
 

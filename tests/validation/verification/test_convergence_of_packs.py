@@ -1,13 +1,11 @@
-"""Packs on several meshes, times of failure, and V50 on graded panels: what is made of the runs, and a small run."""
+"""Packs on several meshes: what is made of the runs, and a small run."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from shellfabric.impact.simulation import ImpactSetup
-from validation.verification import graded_v50
-from validation.verification.mesh_convergence import failure_times, packs, packs_page
+from validation.verification.mesh_convergence import packs, packs_page
 
 
 def shot(V, outcome, value):
@@ -66,55 +64,18 @@ def test_every_variation_makes_a_case():
         packs.setup(case)
 
 
-def test_study_goes_on_from_kept_shots_and_stops_at_its_budget(tmp_path, monkeypatch):
-    """Bisection over shots that perforate above 123.4 m/s but for one at 130; nothing kept is computed again."""
-    fired = []
+def test_study_brackets_the_critical_velocity_and_its_mixed_zone(tmp_path, monkeypatch):
+    """Bisection over shots that perforate above 123.4 m/s but for one at 127.1."""
 
-    def fake(places):
-        fired.extend(V for _, V in places)
+    def fake(function, places, **more):
         return [shot(V, "perforated" if V > 123.4 and abs(V - 127.1) > 1 else "stopped", 1.0) for _, V in places]
 
-    monkeypatch.setattr(packs.run_cache, "results", lambda function, places, **more: fake(places))
-    monkeypatch.setattr(packs, "weight", lambda case: 1.0)
-    study = packs.Study(tmp_path)
-    got = study.run(packs.Case("S-728", 4, 2), None)
+    monkeypatch.setattr(packs.run_cache, "results", fake)
+    got = packs.study(packs.Case("S-728", 4, 2), None, tmp_path)
     assert got.low <= 123.4 <= got.high
     assert got.high - got.low <= 1.0
     assert got.mixed is not None
     assert got.mixed[1] == pytest.approx(127.1, abs=1)
     assert (got.stop.velocity, got.through.velocity) == (86, 185)
     with pytest.raises(TimeoutError):
-        packs.Study(tmp_path, ends=0.0).run(packs.Case("S-728", 4, 2), None)
-
-
-def test_tables_of_the_failure_times():
-    shots = [(100.0 + n, 5.0, 84e-6 if V > 170 else float("inf")) for n in failure_times.MESHES
-             for V in failure_times.STRIKES]  # fmt: skip
-    text = failure_times.tables(shots, [(170.0 + n, 170.5 + n) for n in failure_times.BISECTED])
-    assert "| 150 | 101.0 (inf) | 102.0 (inf) | 103.0 (inf) |" in text
-    assert "| 180 | 101.0 (84) | 102.0 (84) | 103.0 (84) |" in text
-    assert "171.0 to 171.5 | 172.0 to 172.5" in text
-
-
-def test_first_zones_hold_what_comes_under_the_nose():
-    """All gradings are accepted, with the crimp of nearly all drawn panels."""
-    first, zones = graded_v50.gradings("S-726")
-    assert first > graded_v50.v50.LEAST
-    assert zones[0] is None
-    for grading in zones[1:]:
-        ImpactSetup(
-            graded_v50.catalogue.load("S-726"), 1.0, opening=0.203, symmetry="whole", table_size=11, grading=grading
-        ).panel()
-
-
-def test_rows_of_the_comparison():
-    """V50 of each mesh, outcomes that differ, and residual velocities of the shots that perforate on both."""
-    meshes = len(graded_v50.ZONES)
-    shots = [graded_v50.Shot(100.0 + k, (0.0 if k < 5 else 50.0,) * meshes, (2.0,) + (0.5,) * (meshes - 1))
-             for k in range(10)]  # fmt: skip
-    shots[4] = graded_v50.Shot(104.0, (0.0, *(40.0,) * (meshes - 1)), (2.0,) + (0.5,) * (meshes - 1))
-    rows = graded_v50.rows_of("S-720", shots)
-    assert [line[3] for line in rows] == ["0 of 10", *["1 of 10"] * (meshes - 1)]
-    assert [line[4].split()[0] for line in rows] == ["104.50", *["103.50"] * (meshes - 1)]
-    assert [line[5] for line in rows] == ["0.00"] * meshes
-    assert [line[7] for line in rows] == ["1.00", *["0.25"] * (meshes - 1)]
+        packs.study(packs.Case("S-728", 4, 2), None, tmp_path, ends=0.0)

@@ -218,12 +218,12 @@ def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):
 def test_the_defaults_of_the_charts_are_those_of_the_code():
     from shellfabric.cell.model import FILL
     from shellfabric.impact.simulation import ImpactSetup
-    from validation.verification.cost_accuracy import coupons, packs
+    from validation.verification.cost_accuracy import coupons
     from weavecell.commands.coupon import TABLE_SIZE
     from weavecell.scenes.coupon import TOLERANCE
 
     table_size = ImpactSetup.__dataclass_fields__["table_size"].default
-    for shell in (shots.Shell(SHOT), packs.methods(SHOT)[0].case.shell):
+    for shell in (shots.Shell(SHOT), study.load("four-ply-pack").methods[0].case.shell):
         assert (shell.table, shell.fill) == (table_size, FILL)
         assert shell.grading is None
     for test in (coupons.Bias(), coupons.Cross()):
@@ -235,7 +235,7 @@ def test_coupons_converge(key):
     """One element a crossover and two agree within 2 %; a finer table and smaller load steps move nothing."""
     from validation.verification.cost_accuracy import coupons
 
-    base = replace(coupons.read(key), table=51, steps=1)
+    base = replace(coupons.read(study.case_of(key)), table=51, steps=1)
     one, two = (coupons.run(replace(base, elements=n))[0] for n in (1, 2))
     assert two == pytest.approx(one, rel=0.02)
     assert coupons.run(replace(base, table=101))[0] == pytest.approx(one, rel=1e-3)

@@ -16,10 +16,10 @@ from meshing import crossover as mesher
 from unitcell3d.assembly.constraints import AXIAL, VERTICAL
 from unitcell3d.cases import biaxial_and_platens as loads
 from unitcell3d.model.crossover import Numerics
-from validation.verification.crossover_convergence import ends, page, pictures, study, tables
+from validation.verification.cost_accuracy.core import non_dominated
+from validation.verification.crossover_convergence import cases, page, pictures, study, tables
 from validation.verification.crossover_convergence.axes import BASE, METHOD, axes
 from validation.verification.crossover_convergence.cases import solve
-from validation.verification.pareto import non_dominated
 from weavecell.cli import app
 
 FABRIC, PATHS = study.scene()
@@ -125,7 +125,7 @@ def test_a_study_goes_on_from_its_cases(found, tmp_path):
 
 
 def test_tables_page_and_pictures_hold_it_all(found, tmp_path):
-    tables.write_csv(found, tmp_path / "a.csv")
+    tables.write(found, tmp_path / "a.csv")
     lines = list(csv.reader((tmp_path / "a.csv").open()))
     assert len(lines) == 1 + len(found.entries)
     assert len({len(line) for line in lines}) == 1
@@ -150,20 +150,9 @@ def test_tables_page_and_pictures_hold_it_all(found, tmp_path):
 def test_the_folder_of_the_command(tmp_path, monkeypatch, capsys):
     run = study.run
     monkeypatch.setattr(study, "run", lambda out, **choices: run(out, **choices | {"executor": MadeUp()}))
+    words = ["--scene", "crossover", "--level", "quick", "--only", "mesh,penalty", "--out", str(tmp_path / "c")]
     with pytest.raises(SystemExit) as leaving:
-        app.main(
-            [
-                "cost-accuracy",
-                "--scene",
-                "crossover",
-                "--level",
-                "quick",
-                "--only",
-                "mesh,penalty",
-                "--out",
-                str(tmp_path / "c"),
-            ]
-        )
+        app.main(["cost-accuracy", *words])
     assert leaving.value.code == 0
     assert sorted(path.name for path in (tmp_path / "c").iterdir()) == [
         "cases", "chart.json", "crossover.csv", "crossover.md", "figures", "orders.csv",
@@ -176,15 +165,15 @@ def test_held_ends():
     """Which components of the end face move with the end alone: its middle row, the whole along the yarn, or both."""
     mesh = mesher.build(FABRIC, size=(3, 2, 2))
     n = len(mesh.points)
-    for end in (ends.PIN, ends.UPRIGHT, ends.CLAMPED):
-        held = ends.held(mesh.grids, n, end)
+    for end in (cases.PIN, cases.UPRIGHT, cases.CLAMPED):
+        held = cases.held(mesh.grids, n, end)
         unknown = held.unknown.reshape(-1, 3)
         for yarn, grid in enumerate(mesh.grids):
             face, row = grid[-1], grid[-1][:, 1]
             assert np.all(unknown[row][:, [AXIAL[yarn], VERTICAL]] == -1)
             others = np.setdiff1d(face, row)
-            assert np.all((unknown[others, AXIAL[yarn]] == -1) == (end != ends.PIN))
-            assert np.all((unknown[others, VERTICAL] == -1) == (end == ends.CLAMPED))
+            assert np.all((unknown[others, AXIAL[yarn]] == -1) == (end != cases.PIN))
+            assert np.all((unknown[others, VERTICAL] == -1) == (end == cases.CLAMPED))
         d = np.array([2e-6, 3e-6])
         moved = held.displacement(np.zeros(held.size), d)
         for yarn, grid in enumerate(mesh.grids):
@@ -205,6 +194,6 @@ def test_a_case_is_the_library_s_own_path():
     assert result["failed"] == {}
     assert result["tangents"] >= history.iterations.sum()
     assert json.loads(json.dumps(result)) == result
-    stiff = solve(FABRIC, path, replace(case, end=ends.CLAMPED))
+    stiff = solve(FABRIC, path, replace(case, end=cases.CLAMPED))
     assert stiff["values"]["T2, warp only"] > 1.02 * result["values"]["T2, warp only"]
     assert all(axis.kind == METHOD or axis.x is None for axis in axes())

@@ -14,7 +14,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.boundary import PullIn
 from shellfabric.projectile.bar import rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
-from validation.verification.fidelity import cable_net, fit_error_database, page, scenes, survey, trial
+from validation.verification.fidelity import fit_error_database, page, scenes, survey, trial
 from weavecell.analysis.fidelity import error_database, ladder, quantities, select
 
 FABRIC = catalogue.load("S-720").with_effective_density()
@@ -419,7 +419,7 @@ class TestKnown:
     def test_the_packages_own_book(self):
         own = error_database.load()
         assert own.cost(ladder.BY_NAME[ladder.FULL]) == 1
-        assert cable_net.NAME in own.others
+        assert survey.CABLE in own.others
         fast = quantities.of(result("perforated", 95.0))
         slow = quantities.of(result("perforated", 30.0))
         for model in ladder.LADDER:
@@ -462,9 +462,8 @@ class TestScenes:
             assert min(setup.opening) > 4 * setup.projectile.radius
 
     def test_trials_ask_what_they_say_and_the_survey_has_a_seed_of_its_own(self):
-        assert [set(trial.targets_of("everything", n).values()) for n in range(3)] == [{0.02}, {0.05}, {0.1}]
-        assert [trial.targets_of("again", n) for n in range(3)] == [trial.targets_of("everything", n) for n in range(3)]
-        drawn = [trial.targets_of("scene", n) for n in range(trial.COUNT)]
+        assert [set(trial.targets_of("refined", n).values()) for n in range(3)] == [{0.02}, {0.05}, {0.1}]
+        drawn = [trial.targets_of("refined-scene", n) for n in range(trial.COUNT)]
         assert {len(one) for one in drawn} == {1, 2}
         assert {name for one in drawn for name in one} == set(quantities.NAMES)
         assert {share for one in drawn for share in one.values()} == set(trial.TARGETS)
@@ -477,7 +476,7 @@ class TestScenes:
             )
             found = SimpleNamespace(final=attempt, attempts=(attempt,), confirmed=True)
             known_full = {"values": quantities.of(full), "seconds": 2.0, "whole": 8.0}
-            return trial.row("everything", 1, known_full, (found, 0.1))
+            return trial.row("refined", 1, known_full, (found, 0.1))
 
         one = row(result(z=0.0201), result())
         assert one.met
@@ -502,16 +501,7 @@ def test_the_page_shows_what_models_are_chosen_by():
     assert "\n".join(page.survey_table(error_database.load())) in text
 
 
-def test_page(tmp_path):
-    path = tmp_path / "page.md"
-    path.write_text("a\n<!-- trial scene of weavecell.analysis.fidelity -->\nold\n<!-- end of the table -->\nz\n")
-    page.put(path, "trial scene", ["| new |"])
-    assert (
-        path.read_text()
-        == "a\n<!-- trial scene of weavecell.analysis.fidelity -->\n| new |\n<!-- end of the table -->\nz\n"
-    )
-    with pytest.raises(InputError, match="survey"):
-        page.put(path, "survey", [])
+def test_rows_of_a_trial():
     asked = {"deflection": 0.05, "peak_tension": 0.02}
     row = trial.Row(
         0, "S-720", 60.0, "flat", asked, ONE, 1, True, "stopped", asked, {"deflection": 0.06, "peak_tension": nan},

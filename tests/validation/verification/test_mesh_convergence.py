@@ -7,12 +7,12 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
+from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from validation.verification.mesh_convergence import __main__ as command
-from validation.verification.mesh_convergence import rim, yarn
-from validation.verification.mesh_convergence.study import FINE, Strikes, mesh, quantity, study, velocities
-from validation.verification.mesh_convergence.uncertainty import uncertainty
-from validation.verification.richardson import extrapolate, observed_order
+from validation.verification.mesh_convergence import study as module
+from validation.verification.mesh_convergence.study import FINE, Strikes, mesh, quantity, velocities
+from validation.verification.richardson import extrapolate, observed_order, uncertainty
 
 SIZES = (1.0, 1 / 2, 1 / 3)
 
@@ -134,86 +134,50 @@ def test_meshes_refine_the_cloth_about_the_impact_point():
 def test_study_and_its_command(tmp_path, monkeypatch, capsys):
     """On a panel of 25 mm: each result is that of its shot, the tables hold them, and a picture is drawn."""
     fabric = catalogue.load("S-720").with_effective_density()
-    small = ImpactSetup(fabric, 20.0, opening=0.0254, table_size=101)
-    strikes = Strikes(20.0, 100.0)
-    seen = []
-    points = []
-    report = lambda n, shot: seen.append((n, shot))  # noqa: E731
-    options = {"setup": small, "elements": (1, 2, 3), "tolerance": 2.0}
-    found, pair = study(fabric, strikes, keep=points.append, report=report, check=2, **options)
-    kept = {f"{one.elements} {one.uniform}": one for one in points}
-    command.write_points(dict(reversed(kept.items())), tmp_path / "points.json")
-    assert command.read_points(tmp_path / "points.json") == kept
-    again = study(fabric, strikes, known=points, check=2, report=lambda *_: pytest.fail("run again"), **options)
-    assert again == (found, pair)
-    names = ["critical velocity", "residual velocity at 110 m/s", "residual velocity at 150 m/s",
-             "absorbed energy at 110 m/s", "absorbed energy at 150 m/s", "peak tension of the warp",
-             "peak tension of the weft"]  # fmt: skip
-    assert [entry.name for entry in found] == names
-    assert [(one.elements, one.uniform) for one in points] == [(1, False), (2, False), (3, False), (2, True)]
-    assert pair == (points[1], points[3])
-    for n, value in zip((1, 3), found[0].values[::2]):
-        shots = [shot for number, shot in seen if number == n and 20.0 < shot.strike_velocity]
-        stops = max((shot.strike_velocity for shot in shots if not shot.perforated), default=0.0)
-        assert abs(value - stops) <= 1.0
-        assert stops < min(shot.strike_velocity for shot in shots if shot.perforated)
-    for k in (0, 1):
-        peaks = [shot.peak_tension[k] for _, shot in seen if shot.strike_velocity == 20.0]
-        assert found[5 + k].values == tuple(peaks[:3])
-        fired = [shot for n, shot in seen if n != 2 and shot.strike_velocity == strikes.perforate[k]]
-        left = [shot.residual_velocity for shot in fired]
-        assert found[1 + k].values[::2] == tuple(left)
-        taken = [0.5 * 3e-3 * (strikes.perforate[k] ** 2 - v**2) for v in left]
-        assert found[3 + k].values[::2] == pytest.approx(taken, rel=1e-12)
-    with pytest.raises(InputError, match="perforated"):
-        study(fabric, Strikes(200.0, 100.0), **options)
-    with pytest.raises(InputError, match="at least three"):
-        study(fabric, strikes, setup=small, elements=(1, 2))
-
+    small = ImpactSetup(fabric, 20.0, opening=0.0254, table_size=101).panel()
+    monkeypatch.setattr(module, "coarse", lambda name: small)
+    monkeypatch.setattr(command, "velocities", lambda: {"S-720": Strikes(20.0, 100.0)})
+    options = {"elements": (1, 2, 3), "tolerance": 2.0, "out": tmp_path}
     page = tmp_path / "docs" / "c.md"
     page.parent.mkdir()
     page.write_text("\n".join(f"before\n{begin}\nold\n{end}" for begin, end in (command.MARKS, command.CHECKED)))
-    monkeypatch.setattr(command, "study", lambda *_, **__: (found, pair))
-    command.main(["S-720"], out=tmp_path, page=page)
+    command.main(["S-720"], page=page, **options)
     rows = list(csv.DictReader((tmp_path / "convergence.csv").open(encoding="utf-8")))
-    assert [row["quantity"] for row in rows] == names
-    assert float(rows[0]["limit"]) == pytest.approx(found[0].extrapolation.limit, abs=1e-4)
+    assert [row["quantity"] for row in rows] == [
+        "critical velocity", "residual velocity at 110 m/s", "residual velocity at 150 m/s",
+        "absorbed energy at 110 m/s", "absorbed energy at 150 m/s", "peak tension of the warp",
+        "peak tension of the weft",
+    ]  # fmt: skip
+    for n in (1, 3):
+        stopped, *through = ballistic_limit.shoot(mesh(small, n), [20.0, 110.0, 150.0])
+        values = [float(row[f"{n} per crossover"]) for row in rows]
+        left = [shot.residual_velocity for shot in through]
+        assert values[1:3] == pytest.approx(left, abs=1e-4)
+        taken = [0.5 * 3e-3 * (V**2 - v**2) for V, v in zip((110.0, 150.0), left)]
+        assert values[3:5] == pytest.approx(taken, abs=1e-4)
+        assert values[5:] == pytest.approx(stopped.peak_tension, abs=1e-4)
+        about = ballistic_limit.shoot(mesh(small, n), [values[0] - 1, values[0] + 1])
+        assert [shot.perforated for shot in about] == [False, True]
     assert (tmp_path / "docs" / "data" / "convergence.csv").read_bytes() == (tmp_path / "convergence.csv").read_bytes()
-    assert (tmp_path / "convergence.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "docs" / "figures" / "convergence.png").read_bytes().startswith(b"\x89PNG")
     text = page.read_text()
-    assert text.startswith("before\n")
     assert "old" not in text
-    assert f"| S-720 | critical velocity, m/s | {found[0].values[0]:.4g} |" in text
+    assert f"| S-720 | critical velocity, m/s | {float(rows[0]['1 per crossover']):.4g} |" in text
     assert "| critical velocity | 1 | 1 |" in text
-    assert f"| S-720 | {pair[0].cells}, {pair[1].cells} |" in text
+    sizes = [mesh(small, 2, uniform).elements for uniform in (False, True)]
+    assert f"| S-720 | {sizes[0]}, {sizes[1]} |" in text
     assert "critical velocity" in capsys.readouterr().out
-    page.write_text("no marks")
-    with pytest.raises(InputError, match="marks"):
-        command.main(["S-720"], out=tmp_path, page=page)
-    with pytest.raises(InputError, match="no points to resume from"):
-        command.main(["S-720"], out=tmp_path / "new", resume=True)
+    monkeypatch.setattr(ballistic_limit, "shoot", None)  # nothing is run again
+    command.main(["S-720"], page=page, **options)
+    assert page.read_text() == text
+
+
+def test_what_is_refused(monkeypatch):
+    small = ImpactSetup(catalogue.load("S-720"), 20.0, opening=0.0254, table_size=31).panel()
+    monkeypatch.setattr(module, "coarse", lambda name: small)
+    with pytest.raises(InputError, match="perforated"):
+        module.point("S-720", Strikes(200.0, 100.0), 1)
+    with pytest.raises(InputError, match="at least three"):
+        module.study({}, None, elements=(1, 2))
     with pytest.raises(InputError, match="S-999"):
         command.main(["S-999"])
-
-
-@pytest.mark.parametrize("n", [1, 2, 3])
-def test_a_yarn_is_the_mean_of_its_lines(n):
-    """What the page says of the yarn that fails first: its lines' mean, weighted by 1 - |y| over their spacing."""
-    found = yarn.across(
-        catalogue.load("S-726").with_effective_density(), 150.0, 12e-6, 2, n, opening=0.0407, table_size=61
-    )
-    weights = (1 - np.abs(np.arange(1 - n, n)) / n) / n
-    lines = found.tension[n + 1 : 3 * n]
-    assert found.yarn == pytest.approx(float(np.dot(weights, lines)), rel=1e-12)
-    assert found.middle == found.tension[found.place == 2]
-    assert found.yarn > 1.0
-    assert 2 < found.edge[0] < found.edge[1] < 3
-
-
-def test_a_rim_holds_a_yarn_back():
-    """By the closed form, on straight elements far longer than it is round; by a tenth of that on the spline."""
-    assert rim.closed(rim.bilinear) == pytest.approx(rim.THETA**2 / 2, rel=0.02)
-    assert rim.closed(rim.smooth) == pytest.approx(rim.THETA**2 / 4 * 12**-0.5 * 2 / 3, rel=0.01)
-    assert rim.solved(rim.bilinear, 1.5) == pytest.approx(rim.closed(rim.bilinear), rel=0.05)
-    assert rim.solved(rim.smooth, 0.5) == pytest.approx(rim.closed(rim.smooth), rel=0.4)

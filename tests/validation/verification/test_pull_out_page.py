@@ -5,8 +5,9 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
-from validation.verification.pull_out import pictures, study
-from validation.verification.pull_out.page import page, section
+from validation.program import save
+from validation.verification import pull_out as study
+from validation.verification.pull_out import section
 
 
 def made_up(case, shortfall=1.0):
@@ -21,14 +22,20 @@ def made_up(case, shortfall=1.0):
     }  # fmt: skip
 
 
-def test_page_and_picture(tmp_path):
+def text_of(found):
+    return "".join(make(found) for make in (study.thresholds, study.summary, study.cost)) + study.variants(
+        found["variants"]
+    )
+
+
+def test_tables_and_picture(tmp_path):
     found = study.gather(made_up)
-    text = page(found)
+    text = text_of(found)
     assert "warp pulled: c0 = 0.020 N, mu_eff = 0.2100 at a coefficient of 0.2" in text
     assert "| warp | 12.00 | 2.540 |" in text
     assert "| as it stands | 12.00 | 2.540 | 0.2117 | +0.00 % | 0.995 | 4.4 |" in text
     assert "converged at every state" in text
-    pictures.chart(found, tmp_path / "pull-out.png")
+    save(study.chart, found, to=tmp_path / "pull-out.png")
     assert (tmp_path / "pull-out.png").stat().st_size > 10_000
 
 
@@ -36,7 +43,7 @@ def test_what_does_not_slide_is_said():
     def stuck(case):
         return made_up(case) | {"F_c": [], "T_f": [], "mobilised": [0.8], "failed": "no equilibrium"}
 
-    text = page(study.gather(lambda case: stuck(case) if case == study.WEFT else made_up(case)))
+    text = text_of(study.gather(lambda case: stuck(case) if case == study.WEFT_PULLED else made_up(case)))
     assert "| weft | - | - | - | - | no equilibrium |" in text
     assert "Ended early: no equilibrium" in text
     further = section({name: stuck(case) if case == study.FINER else made_up(case)
@@ -49,4 +56,3 @@ def test_the_finer_mesh_and_the_platens_have_a_section_of_their_own():
     assert "| as it stands | 12.00 | 2.540 | 0.2117 | +0.00 % |" in text
     assert text.count("| between platens |") == 3
     assert "Between platens c0 = 0.020 N and mu_eff = 0.2100" in text
-    assert text in page(study.gather(made_up), further=text)

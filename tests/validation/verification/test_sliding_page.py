@@ -1,6 +1,6 @@
 """The page of sliding crossovers: its tables from made-up results, and its place in the documentation."""
 
-from math import inf, nan
+from math import nan
 from pathlib import Path
 
 from validation.verification import sliding
@@ -34,9 +34,3 @@ def test_every_study_has_its_table():
 def test_the_page_has_a_place_for_the_tables_and_is_listed():
     assert all(mark in PAGE.read_text("utf-8") for mark in sliding.MARKS)
     assert "\nsliding\n" in (PAGE.parent / "index.md").read_text("utf-8")
-
-
-def test_the_thresholds_reach_from_none_to_a_thousand_newtons():
-    assert sliding.THRESHOLDS[0] == 0
-    assert sliding.THRESHOLDS[-1] == 1000
-    assert inf > max(sliding.MU) == 0.3

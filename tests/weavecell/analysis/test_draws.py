@@ -91,7 +91,7 @@ def test_plies_of_a_draw_are_of_one_roll(setup):
 @pytest.mark.parametrize("plies", [1, 2])
 def test_without_scatter_every_draw_is_the_shot_at_the_whole_panel(setup, tmp_path, plies):
     given = replace(setup, plies=plies)
-    whole = strengths.whole(given)
+    whole = inputs.alone(given, symmetry="whole")
     assert whole.symmetry == "whole"
     plain = simulation.run(whole)
     found = draws.study(given, ALIKE, 2, folder=tmp_path)

@@ -10,7 +10,7 @@ from weavecell.cli import app
 BROKEN = Path(__file__).parent / "broken"
 FABRICS = "S-720, S-726, S-727, S-728, S-731, S-745, glass-balanced, glass-unbalanced"
 FABRIC_KEYS = "name, section, interlayer_gap, areal_density, areal_density_measured, thickness, "
-FABRIC_KEYS += "warp, weft, compression, shear, ply_contact, solid, micrograph"
+FABRIC_KEYS += "fibre_diameter, warp, weft, compression, shear, ply_contact, solid, micrograph, strain_rate"
 LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
 SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
@@ -26,7 +26,8 @@ SCENES = {
     "residual_velocity, absorbed_energy, deflection, peak_tension",
     "angle-without-unit": 'projectile.obliquity = 30: must be an angle from 0 to 75 deg, such as "30 deg"',
     "bar-too-light": "projectile.mass = 0.001: must be above 0.002613 and at most 0.007905 kg",
-    "block-before-an-oblique-shot": "panel.symmetry = 'whole': must be quarter in front of a backing",
+    "block-before-an-oblique-shot": "projectile.obliquity = 0.5235987755982988: must be 0, and no yaw or roll, "
+    "before a backing",
     "boolean": """projectile.mass = True: must be a mass above 0, such as "3 g\"""",
     "bore-of-a-rigid-body": """projectile.bore_diameter = '4.5 mm': must be left out for a rigid projectile""",
     "boundary-both-slips": "panel.boundary.weft: give clamp_force alone, or pull_in with start and end (and zone)",
@@ -84,7 +85,7 @@ SCENES = {
     "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
     "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
     "allowed here: name, mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, "
-    "flat_width, flat_angle, obliquity, azimuth, yaw, roll, friction, body, bore_diameter",
+    "flat_width, flat_angle, stl, stl_unit, density, obliquity, azimuth, yaw, roll, friction, body, bore_diameter",
     "unknown-model": """fabric.cell_model = 'rigid': must be one of "compressible", "incompressible", "decoupled\"""",
     "unknown-output": """run.outputs = 'movie': must be a list of "paraview", "pictures", "report\"""",
     "wrong-dimension": "projectile.strike_velocity = '92.5 kg': must be a speed above 0 and at most 1000 m/s, "
@@ -208,7 +209,7 @@ def test_interrupt_is_not_a_traceback(monkeypatch, capsys):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("weavecell.commands.fabrics.show_all", interrupted)
+    monkeypatch.setattr("weavecell.commands.fabrics.print_table", interrupted)
     with pytest.raises(SystemExit) as leaving:
         app.main(["fabrics", "list"])
     assert leaving.value.code == 130

@@ -53,7 +53,7 @@ def test_help_keeps_its_brackets(command, monkeypatch):
     """Rich takes [word] for a style; each one of a help text must be one, or be escaped and so be shown."""
     monkeypatch.setenv("COLUMNS", "200")
     found = 0
-    for words, one in commands(typer.main.get_command(app.app)):
+    for words, one in commands(typer.main.get_command(app.program())):
         shown = " ".join(command(*words, "--help")[1].split())
         texts = [one.help, one.epilog, *(getattr(entry, "help", None) for entry in one.params)]
         for text in filter(None, texts):
@@ -76,12 +76,29 @@ def test_as_module_and_without_heavy_imports():
     assert "unit cell, calibration, impact" in done.stdout
     script = (
         "import sys\nfrom weavecell.cli import app\n"
-        "try: app.main(['--help'])\nexcept SystemExit: pass\n"
-        "heavy = {'numpy', 'numba', 'pydantic', 'pyvista', 'matplotlib', 'pint'}\n"
+        "for words in (['--help'], *([name, '--help'] for name in app.COMMANDS)):\n"
+        "    try: app.main(words)\n"
+        "    except SystemExit: pass\n"
+        "heavy = {'numpy', 'numba', 'pyvista', 'matplotlib', 'pint', 'tomlkit'}\n"
         "print(sorted(heavy & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip().endswith("[]")
+
+
+def test_all_commands_are_listed_with_what_they_do(command, monkeypatch):
+    """The list is read off the files of the commands, which are not imported for it."""
+    monkeypatch.setenv("COLUMNS", "200")
+    lines = [line.strip(" │") for line in command("--help")[1].splitlines()]
+    for name, one in typer.main.get_command(app.program()).commands.items():
+        assert any(line.split(None, 1) == [name, " ".join(one.help.split("\n\n")[0].split())] for line in lines), name
+
+
+def test_a_call_imports_its_own_command_alone():
+    script = "import sys\nfrom weavecell.cli import app\napp.program('view')\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    found = {name for name in done.stdout.split() if name.startswith("weavecell.commands.")}
+    assert found == {"weavecell.commands.view", "weavecell.commands.options"}
 
 
 def test_unknown_command(command):

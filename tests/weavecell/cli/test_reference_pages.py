@@ -2,29 +2,24 @@
 
 import json
 import re
-import sys
 from pathlib import Path
 
 import pytest
 import typer
 
-from weavecell.cli.app import app
+from weavecell.cli.app import program
 
 ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture
-def pages(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "tools"))
-    import reference_pages
-
-    yield reference_pages
-    sys.modules.pop("reference_pages")
+def pages(tool):
+    return tool("reference_pages")
 
 
 def test_every_command_and_option_is_on_the_page(pages):
     text = pages.cli()
-    found = list(pages.commands(typer.main.get_command(app), "weavecell"))
+    found = list(pages.commands(typer.main.get_command(program()), "weavecell"))
     assert len(found) > 15
     for name, command in found:
         part = text[text.index(f"## {name}\n") :].split("\n## ")[0]

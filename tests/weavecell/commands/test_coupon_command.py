@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from weavecell.commands import coupon
+from tests.scene_text import datasets
+from weavecell.results import coupon as results_coupon
 from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes_coupon
 
@@ -61,16 +62,6 @@ def scene(tmp_path):
     return write
 
 
-def datasets(path):
-    with h5py.File(path) as file:
-        found = {}
-        file.visititems(
-            lambda name, item: found.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None
-        )
-        assert all("unit" in file[name].attrs for name in found)
-    return found
-
-
 def test_a_frame_gives_back_the_shear_law(command, scene, tmp_path):
     code, out, err = command("coupon", scene(outputs='["pictures", "report"]'), "--out", "r")
     assert code == 0, err
@@ -94,7 +85,7 @@ def test_a_frame_gives_back_the_shear_law(command, scene, tmp_path):
 def test_an_interrupted_run_goes_on_bit_for_bit(command, scene, tmp_path, monkeypatch):
     path = scene()
     assert command("coupon", path, "--out", "whole")[0] == 0
-    keep, calls = coupon.write_states, []
+    keep, calls = results_coupon.write_states, []
 
     def interrupted(*arguments):
         keep(*arguments)
@@ -102,7 +93,7 @@ def test_an_interrupted_run_goes_on_bit_for_bit(command, scene, tmp_path, monkey
         if len(calls) == 2:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(coupon, "write_states", interrupted)
+    monkeypatch.setattr(results_coupon, "write_states", interrupted)
     code, _, err = command("coupon", path, "--out", "parts")
     assert (code, err.splitlines()[-1]) == (130, "error: interrupted; --resume goes on from its last step")
     assert [p.name for p in (tmp_path / "parts").iterdir()] == ["checkpoint.h5"]
@@ -134,13 +125,13 @@ def test_only_its_own_checkpoint_is_gone_on_with(command, scene, tmp_path, monke
     path = scene()
     code, _, err = command("coupon", path, "--out", "r", "--resume")
     assert (code, err) == (2, "error: r/checkpoint.h5: there is no checkpoint to resume from\n")
-    keep = coupon.write_states
+    keep = results_coupon.write_states
 
     def interrupted(*arguments):
         keep(*arguments)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(coupon, "write_states", interrupted)
+    monkeypatch.setattr(results_coupon, "write_states", interrupted)
     command("coupon", path, "--out", "r")
     path.write_text(path.read_text().replace("24 deg", "25 deg"))
     code, _, err = command("coupon", path, "--out", "r", "--resume")
@@ -188,7 +179,10 @@ def test_bands_end_the_run_and_are_reported(command, scene, tmp_path):
     assert summary["outcome"] == "unstable"
     assert summary["at_end"]["shear concentration"]["value"] > 3
     assert summary["failure_message"] in (tmp_path / "r" / "report.html").read_text()
-    assert len(datasets(tmp_path / "r" / "histories.h5")) > 20
+    found = datasets(tmp_path / "r" / "histories.h5")
+    assert len(found) > 20
+    with h5py.File(tmp_path / "r" / "histories.h5") as file:
+        assert all("unit" in file[name].attrs for name in found)
 
 
 def test_options_of_the_cell(command, scene, tmp_path):

@@ -193,14 +193,13 @@ def test_broken_paths_have_one_clear_line(command, tmp_path, text, line):
 
 
 def test_every_case_has_its_parts():
-    from weavecell.cli.crossover import Case
-    from weavecell.report import pictures_crossover
+    from weavecell.report import crossover_cases, pictures_crossover
 
-    names = {case.value for case in Case}
+    names = {case.value for case in commands_crossover.Case}
     assert (
         names
         == set(commands_crossover.CASES)
-        == set(commands_crossover.SUMMARIES)
+        == set(crossover_cases.SUMMARIES)
         == set(commands_crossover.DOMAINS)
         == set(pictures_crossover.CURVES)
     )

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.scene_text import impact_scene
-from weavecell.commands import export
+from weavecell.report import deck_folder
 
 FILES = {"lsdyna": {"scene.k"}, "radioss": {"scene_0000.rad", "scene_0001.rad"}, "abaqus": {"scene.inp"}}
 
@@ -74,7 +74,7 @@ def test_a_law_of_another_code_is_one_line(command, scene, tmp_path):
 
 def test_the_laws_of_the_help_are_those_there_are(command):
     _, out, _ = command("export", "--help")
-    assert all(law in out for code in export.CODES.values() for law in code.laws)
+    assert all(law in out for code in deck_folder.CODES.values() for law in code.laws)
 
 
 def test_each_fabric_of_a_lay_up_has_a_card(command, tmp_path):
@@ -84,3 +84,7 @@ def test_each_fabric_of_a_lay_up_has_a_card(command, tmp_path):
     code, out, err = command("export", path, "--to", "lsdyna", "--out", "r")
     assert code == 0, err
     assert [line.split(":")[0] for line in out.splitlines() if "rms" in line] == ["S-720", "S-726 turned"]
+    path.write_text(path.read_text().replace("90 deg", "45 deg"))
+    code, _, err = command("export", path, "--to", "lsdyna", "--out", "s")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "panel.ply.angle: must be 0 or 90 deg in an exported deck" in err

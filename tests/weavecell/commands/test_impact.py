@@ -5,15 +5,14 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
-import h5py
 import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
 from shellfabric.output import checkpoint
-from tests.scene_text import every, impact_scene
+from tests.scene_text import datasets, every, impact_scene
 from weavecell.commands import impact as commands_impact
-from weavecell.commands import view
+from weavecell.report.shot import view
 from weavecell.results import paraview, progress
 from weavecell.results.impact import ImpactRecord
 
@@ -38,16 +37,6 @@ def small_scene(outputs, extra=""):
 
 def names(folder):
     return sorted(path.name for path in folder.iterdir())
-
-
-def datasets(path):
-    """Every dataset of an HDF5 file, as bytes."""
-    found = {}
-    with h5py.File(path) as file:
-        file.visititems(
-            lambda name, item: found.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None
-        )
-    return found
 
 
 def interrupt_at(monkeypatch, share, least_wall=0.0):
@@ -232,7 +221,7 @@ def test_failure_while_writing_leaves_whole_files_only(command, scene, tmp_path,
     monkeypatch.setattr(checkpoint, "LEAST_WALL", 0.0)
     path = scene(outputs='["report"]')
     with pytest.raises(OSError, match="No space"):
-        commands_impact.impact(path, tmp_path / "results")
+        commands_impact.run(path, tmp_path / "results")
     kept = names(tmp_path / "results")
     assert "checkpoint.h5" in kept
     assert not [name for name in kept if name.startswith(".") or name == "report.html"]

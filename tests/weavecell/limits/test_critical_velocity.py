@@ -9,9 +9,8 @@ import pytest
 
 from fabrics.errors import UnstableError
 from tests.scene_text import every, impact_scene
-from weavecell.commands import critical_velocity
 from weavecell.scenes import impact as scenes_impact
-from weavecell.scenes import target
+from weavecell.scenes import of_commands, target
 
 FILES = ["critical-velocity.json", "residual-velocity.svg", "scene.toml", "shots.csv"]
 
@@ -118,19 +117,19 @@ def test_workers_change_nothing(command, written, tmp_path):
 
 def test_fabric_is_shot_at_in_the_standard_way(tmp_path):
     """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
-    found = target.read("S-726", tmp_path, critical_velocity.SUPPORT)
+    found = target.read("S-726", tmp_path, of_commands.LIMITS)
     scene = found.case.scene
     assert (found.case.fabric.name, scene.panel.opening, scene.projectile.mass) == ("S-726", 0.203, 3e-3)
     file = tmp_path / "mine.toml"
     file.write_text((resources.files("fabrics.catalogue") / "S-731.toml").read_text())
     out = tmp_path / "deep" / "results"
     out.mkdir(parents=True)
-    found = target.read(str(file), out, critical_velocity.SUPPORT)
+    found = target.read(str(file), out, of_commands.LIMITS)
     assert found.case.fabric.name == found.title == "S-731"
     (out / "scene.toml").write_text(found.text)
     again, _ = scenes_impact.load(out / "scene.toml")
     assert np.isclose(again.panel.opening, 0.203)
-    assert target.read(str(out / "scene.toml"), out, critical_velocity.SUPPORT).case.fabric == found.case.fabric
+    assert target.read(str(out / "scene.toml"), out, of_commands.LIMITS).case.fabric == found.case.fabric
 
 
 def test_a_pack(command, written, tmp_path):

@@ -119,7 +119,7 @@ def test_the_limit_and_v50_against_the_number_of_plies(command, scene, tmp_path)
     ("over", "told"),
     [
         ("panel.plys=2,4", "panel.plys"),
-        ("panel.plies=2,40", "panel.plies = 40"),
+        ("panel.plies=2,101", "panel.plies = 101"),
         ("fabric.name.x=2", "fabric.name.x = 2: must be left out: name is no table of the input file"),
         ("history.interval=1 us", "history"),
     ],

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from fabrics.errors import InputError
 from weavecell.analysis.uncertainty import v50
-from weavecell.cli.app import app
+from weavecell.cli.app import program
 from weavecell.commands import uncertainty
 
 
@@ -22,7 +22,7 @@ def page(tmp_path):
 def test_v50_writes_its_folder_and_page(tmp_path, page):
     out = tmp_path / "out"
     words = ["v50", "S-720", "--shots", "8", "--batch", "4", "--opening", "30.6 mm", "--seed", "2", "--jobs", "1"]
-    run = CliRunner().invoke(app, [*words, "--page", str(page), "--out", str(out)])
+    run = CliRunner().invoke(program(), [*words, "--page", str(page), "--out", str(out)])
     assert run.exit_code == 0, run.output
     assert run.output.count(" with 95 % confidence") == 2
     assert {path.name for path in out.iterdir()} == {
@@ -51,7 +51,7 @@ def test_the_grading_of_a_v50_study(tmp_path):
     assert uncertainty.grading_text(uncertainty.grading_of(zones)) == zones
     out = tmp_path / "out"
     words = ["v50", "S-720", "--shots", "4", "--batch", "4", "--opening", "30.6 mm", "--jobs", "1", "--out", str(out)]
-    run = CliRunner().invoke(app, [*words, "--grading", "[[11, 1], [inf, 1]]"])
+    run = CliRunner().invoke(program(), [*words, "--grading", "[[11, 1], [inf, 1]]"])
     assert run.exit_code == 0, run.output
     assert json.loads((out / "v50.json").read_text())["grading"] == "[[11, 1], [inf, 1]]"
     assert "--grading &#34;[[11, 1], [inf, 1]]" in (out / "v50.html").read_text()
@@ -77,8 +77,7 @@ def test_a_grading_that_is_none_is_refused(zones):
 def test_a_page_without_marks_is_refused_before_anything_is_run(tmp_path, page):
     with pytest.raises(InputError, match="has no marks"):
         uncertainty.sensitivity(
-            "S-720", tmp_path / "out", velocities=[170.0], samples=2, seed=1, jobs=1, executor="local",
-            opening="30.6 mm", resume=False, page=page,
+            "S-720", velocity=["170 m/s"], samples=2, jobs=1, opening="30.6 mm", page=page, out=tmp_path / "out"
         )  # fmt: skip
     assert not (tmp_path / "out").exists()
 
@@ -106,7 +105,7 @@ def test_both_take_the_input_file_of_a_pack(command, tmp_path):
     scene = tmp_path / "pack.toml"
     scene.write_text(PACK)
     words = ["v50", str(scene), "--shots", "8", "--batch", "4", "--jobs", "1", "--out", str(tmp_path / "v50")]
-    run = CliRunner().invoke(app, words)
+    run = CliRunner().invoke(program(), words)
     assert run.exit_code == 0, run.output
     content = json.loads((tmp_path / "v50" / "v50.json").read_text())
     assert content["plies"] == 2
@@ -114,7 +113,7 @@ def test_both_take_the_input_file_of_a_pack(command, tmp_path):
     assert (tmp_path / "v50" / "scene.toml").read_text() == PACK
     assert "2 x S-720: probability of perforation" in (tmp_path / "v50" / "v50.html").read_text()
     words = ["sensitivity", str(scene), "--samples", "2", "--jobs", "1", "--out", str(tmp_path / "s")]
-    run = CliRunner().invoke(app, words)
+    run = CliRunner().invoke(program(), words)
     assert run.exit_code == 0, run.output
     found = json.loads((tmp_path / "s" / "sobol.json").read_text())["indices"]
     assert {one["velocity"] for one in found} == {90.0}

@@ -10,7 +10,7 @@ from shellfabric.panel import quality
 from shellfabric.panel.quality import Indicator
 from tests.scene_text import impact_scene
 from validation.models.cable.smith import smith
-from weavecell.commands.impact import impact
+from weavecell.commands.impact import run
 from weavecell.report import checks
 
 GOOD, BAD, WORSE = Indicator("a", 0.5, 1.0), Indicator("b", 2.0, 1.0), Indicator("c", 9.0, 1.0, "m")
@@ -79,7 +79,7 @@ def test_a_run_with_an_edge_that_no_point_of_contact_resolves(tmp_path, capsys, 
     few = "\n[numerics]\ncontact_points = 8\n"  # those of the default follow the edge
     path.write_text(short_scene("0.05 mm", plies) + few, encoding="utf-8")
     with pytest.raises(DoubtfulError, match="contact point spacing"):
-        impact(path, tmp_path / "out", strict=True)
+        run(path, tmp_path / "out", strict=True)
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["checks"]["status"] == "doubtful"
     assert summary["stop_time_s"] is None
@@ -94,6 +94,6 @@ def test_a_run_with_an_edge_that_no_point_of_contact_resolves(tmp_path, capsys, 
 def test_a_good_run_says_nothing(tmp_path, capsys):
     path = tmp_path / "scene.toml"
     path.write_text(short_scene("0.3 mm"), encoding="utf-8")
-    impact(path, tmp_path / "out", strict=True)
+    run(path, tmp_path / "out", strict=True)
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["checks"]["status"] == "ok"
     assert "doubtful" not in capsys.readouterr().out

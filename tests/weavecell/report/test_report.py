@@ -222,3 +222,11 @@ def test_parts_of_the_energy_picture_add_up():
     drawn = chapters_shot.parts(energies)
     assert drawn["kinetic_projectile"] + drawn["yarn_strain"] == pytest.approx([10.0, 10.0])
     assert energies["yarn_strain"][1] == 6.5
+
+
+def test_a_cut_shows_an_oblique_projectile_where_it_is():
+    straight = small_record()
+    shape = replace(straight.final[0], projectile_position=np.array([2e-3, 0.0, 0.0075]))
+    oblique = small_record(half_energy=(shape,), final=(shape,))
+    views = [chapters_shot.cut_view(record, record.cuts[0], "") for record in (straight, oblique)]
+    np.testing.assert_allclose(views[1].projectile - views[0].projectile, [[2e-3, 0.0]] * len(views[0].projectile))

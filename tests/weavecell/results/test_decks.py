@@ -1,6 +1,5 @@
 """Decks for LS-DYNA, OpenRadioss and Abaqus of all fabrics, laws and units, read back; none is run in its code."""
 
-import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -8,37 +7,34 @@ from pathlib import Path
 import deck_readers
 import numpy as np
 import pytest
+import pyvista
 
 import weavecell as wc
 from fabrics.errors import InputError
 from weavecell.analysis.material_card.cloth import Cloth
-from weavecell.commands import export
+from weavecell.report import deck_folder
 from weavecell.results.deck import UNITS
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "reports" / "cards.md").read_text("utf-8")
 RENEW = "to renew it: python tools/material_cards.py"
-FORMS = [(code, law) for code, one in export.CODES.items() for law in one.laws]
+FORMS = [(code, law) for code, one in deck_folder.CODES.items() for law in one.laws]
 SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
 
 
 @pytest.fixture
-def cards_page(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "tools"))
-    import material_cards
-
-    yield material_cards
-    sys.modules.pop("material_cards")
+def cards_page(tool):
+    return tool("material_cards")
 
 
 @cache
 def deck(fabric, to, law, match="uniaxial", **options):
     given = wc.setup(fabric, "100 m/s", opening="40 mm", elements_per_crossover=1, **options)
-    return export.made_of(given, to, law, "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
+    return deck_folder.made_of(given, to, law, "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
 
 
 def text(made, to):
-    return export.CODES[to].write(made, "panel")
+    return deck_folder.CODES[to].write(made, "panel")
 
 
 @cache
@@ -141,10 +137,12 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
 @pytest.mark.parametrize("shape", [
     {}, {"shape": "sphere"}, {"shape": "hemisphere"}, {"obliquity": "30 deg"},
     {"shape": "cone", "half_angle": "40 deg", "tip_radius": "1 mm"},
+    {"shape": "stl", "stl": str(ROOT / "examples" / "cube.stl"), "stl_unit": "mm", "diameter": None, "yaw": "10 deg"},
 ])  # fmt: skip
 def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(shape):
     edge = {} if shape.get("shape") == "sphere" else {"edge_radius": "0.3 mm"}
     shot = {"mass": "3 g", "diameter": "5.5 mm", **edge, **shape}
+    shot = {key: value for key, value in shot.items() if value is not None}
     made = deck.__wrapped__("S-720", "lsdyna", "fabric34", symmetry="whole", projectile=shot)
     nose = made.nose
     first = len(made.points) - len(nose.points)
@@ -156,6 +154,21 @@ def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(sha
     reach = np.linalg.norm(nose.points - nose.centre, axis=1)
     assert reach.min() > 0.5 * 2.75e-3
     assert np.linalg.norm(nose.velocity) == pytest.approx(100)
+
+
+def test_a_body_that_is_not_seen_from_its_axis_is_refused(tmp_path):
+    """A staple whose axis goes through one of its legs."""
+    x, z = np.array([(-1, 0), (7, 0), (7, -8), (5, -8), (5, -2), (1, -2), (1, -8), (-1, -8)]).T
+    flat = pyvista.PolyData(np.column_stack([x, 0 * x - 1.0, z]), faces=[8, *range(8)]).triangulate()
+    flat.extrude((0, 2, 0), capping=True).triangulate().compute_normals(auto_orient_normals=True).save(
+        tmp_path / "u.stl"
+    )
+    shot = {"shape": "stl", "stl": str(tmp_path / "u.stl"), "stl_unit": "mm", "mass": "1 g", "edge_radius": "0.3 mm"}
+    given = wc.setup("S-720", "100 m/s", opening="40 mm", projectile=shot)
+    assert given.symmetry == "whole"
+    with pytest.raises(InputError, match="a body whose surface is seen from its axis") as problem:
+        wc.export(given, "lsdyna", tmp_path / "out")
+    assert problem.value.key == "projectile.stl"
 
 
 def test_the_header_states_the_error_and_that_nothing_was_run():
@@ -186,7 +199,7 @@ def test_what_no_deck_holds_is_refused(options, key, tmp_path):
 def test_the_python_interface_writes_the_folder(tmp_path):
     given = wc.setup("S-728", "100 m/s", opening="40 mm", plies=2, stacking="alternating")
     errors = wc.export(given, "radioss", tmp_path / "out", units="g-mm-ms")
-    assert set(errors) == set(export.ROWS)
+    assert set(errors) == set(deck_folder.ROWS)
     assert 0 < errors["rms"] < errors["largest"] < 0.2
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {"S-728_0000.rad", "S-728_0001.rad", "mapping.svg", "report.html", "summary.json"}

@@ -1,7 +1,6 @@
 """docs/reference/files.md holds what readers accept and writers write."""
 
 import json
-import sys
 from pathlib import Path
 
 import h5py
@@ -19,12 +18,8 @@ PAGE = (ROOT / "docs" / "reference" / "files.md").read_text("utf-8")
 
 
 @pytest.fixture
-def made(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "tools"))
-    import file_formats
-
-    yield file_formats
-    sys.modules.pop("file_formats")
+def made(tool):
+    return tool("file_formats")
 
 
 def between(made, name):

@@ -171,7 +171,7 @@ def test_the_calibration_of_it_is_set_up(command, tmp_path, monkeypatch):
         solved["model"] = model_crossover.CrossoverModel(built(fabric, size="coarse", domain="whole"), fabric)
         raise InputError("enough")
 
-    monkeypatch.setattr(calibrate, "calibrate", stop)
+    monkeypatch.setattr(calibrate, "solved", stop)
     monkeypatch.setattr(calibrate.mesh, "write", lambda *_, **__: None)
     code, out, err = command("calibrate", MINE, "--mesh", "coarse", "--out", "r")
     assert (code, err.splitlines()[-1]) == (2, "error: enough")
@@ -192,7 +192,7 @@ def test_a_coupon_of_yarns_of_no_family_says_that_it_has_no_shear_stiffness(comm
     path.write_text(text.replace("[TEST]", '[biaxial]\nstrain = ["0.2 %", "0.2 %"]\ncentre = 2\narm = 1'))
     code, out, err = command("coupon", path, "--out", "r")
     assert code == 0, err
-    assert out.splitlines()[0] == "no [shear] of mine: its cloth has no shear stiffness"
+    assert out.splitlines()[0] == "no [shear] of mine: its fabric has no shear stiffness"
 
 
 @pytest.mark.parametrize("model", ["incompressible", "decoupled"])

@@ -44,7 +44,9 @@ def test_from_a_csv_file(command, tmp_path, values):
 def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
     words = ["data sheet", "930 dtex", "", "1.44 g/cm^3", "", "95 GPa", "", "", "2350 mN/tex", "", "", "0.30 mm",
              "11 / cm", ""]  # fmt: skip
-    done = CliRunner().invoke(app.app, ["fabrics", "new", str(tmp_path / "own.toml")], input="\n".join(words) + "\n")
+    done = CliRunner().invoke(
+        app.program(), ["fabrics", "new", str(tmp_path / "own.toml")], input="\n".join(words) + "\n"
+    )
     assert done.exit_code == 0, done.output
     fabric = catalogue.load(tmp_path / "own.toml")
     assert fabric.assumed == ("crimp",)
@@ -55,7 +57,9 @@ def test_from_prompts(tmp_path):
     """A wrong unit is asked for again; an empty line takes the warp's value for the weft."""
     words = ["data sheet", "1100 mm", "1100 dtex", "", "1.44 g/cm^3", "", "90 GPa", "", "0.033", "", "1.2 %", "0.8 %",
              "8.5 / cm", ""]  # fmt: skip
-    done = CliRunner().invoke(app.app, ["fabrics", "new", str(tmp_path / "own.toml")], input="\n".join(words) + "\n")
+    done = CliRunner().invoke(
+        app.program(), ["fabrics", "new", str(tmp_path / "own.toml")], input="\n".join(words) + "\n"
+    )
     assert done.exit_code == 0, done.output
     fabric = catalogue.load(tmp_path / "own.toml")
     assert fabric.weave.weft.failure_strain == pytest.approx(0.033)

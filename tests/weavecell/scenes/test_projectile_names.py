@@ -123,4 +123,4 @@ def test_a_value_of_the_name_that_does_not_fit_is_named_as_it_stands_there():
 def test_editors_do_not_ask_for_what_the_name_says():
     table = reference.json_schema(impact.Scene)["$defs"]["ProjectileTable"]
     assert table["required"] == ["strike_velocity"]
-    assert table["anyOf"] == [{"required": ["name"]}, {"required": ["mass", "diameter"]}]
+    assert table["anyOf"] == [{"required": ["name"]}, {"required": ["mass", "diameter"]}, {"required": ["stl"]}]

@@ -14,9 +14,8 @@ from test_supported import CHISEL, LAW, NAMED, SURFACE, merged
 from shellfabric.impact.ballistic_limit import Shot
 from shellfabric.solver.pack_solver import PackSolver
 from weavecell.cli import app
-from weavecell.commands import impact as commands_impact
 from weavecell.results.paraview import read_series
-from weavecell.scenes import build
+from weavecell.scenes import build, of_commands
 from weavecell.scenes import impact as scenes_impact
 
 SHOT = {
@@ -133,6 +132,15 @@ KINDS = {
     ),
     "whole": Kind({"panel": {"symmetry": "whole"}}, ratio(lambda got: got.elements, 4, 1e-9)),
     "yarns hold": Kind({"panel": {"yarn_failure": False}}, lambda got, plain: got.failed == 0 < plain.failed),
+    "strength by rate and bending": Kind({"panel": {"rate_dependence": True, "nose_bending": True}}),
+    "rates of yarns that hold": Kind(
+        {"panel": {"yarn_failure": False, "rate_dependence": True}},
+        rejected=all_say("panel.rate_dependence = True: must be left out where yarns do not fail"),
+    ),
+    "rates of a surface": Kind(
+        {"fabric": {"surface": SURFACE}, "panel": {"rate_dependence": True}},
+        rejected=all_say("panel.rate_dependence = True: must be left out with fabric.surface"),
+    ),
     "grading": Kind(
         {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
         lambda got, plain: got.elements < 23**2 * getattr(got, "plies", 1),
@@ -307,7 +315,7 @@ def test_honoured_by_impacts(capsys, tmp_path, known, name, command):
 
 
 def test_a_pack_of_single_precision_keeps_its_forces_in_it():
-    asked = scenes_impact.check(scene_of("pack", KINDS["single precision"].changes), "s", commands_impact.support)
+    asked = scenes_impact.check(scene_of("pack", KINDS["single precision"].changes), "s", of_commands.impact)
     setup = build.setup(build.build(asked, "s", "s"), "s")
     states, _ = setup.target().states(400.0)
     assert [state.T[0].dtype for state in states] == [np.float32] * 2

@@ -5,27 +5,22 @@ from pathlib import Path
 
 import pytest
 
-from weavecell.commands import compare, coupon, critical_velocity, fidelity, fit_model, sweep, uncertainty
-from weavecell.commands import impact as commands_impact
-from weavecell.scenes import build, supported
+from weavecell.scenes import build, of_commands, supported
 from weavecell.scenes import coupon as scenes_coupon
 from weavecell.scenes import impact as scenes_impact
 
 DATA = Path(__file__).parents[2] / "shellfabric" / "cell" / "data"
 SUPPORTS = {
-    "impact": commands_impact.SUPPORT,
-    "impact with accuracy": fidelity.SUPPORT,
-    "explain": fidelity.EXPLAIN,
-    "draws": uncertainty.DRAWS,
-    "critical-velocity": critical_velocity.SUPPORT,
-    "compare": compare.SUPPORT,
-    "fit": fit_model.SHOTS,
-    "fit of tests": fit_model.TESTS,
-    "fit of a coupon": fit_model.COUPONS,
-    "v50": uncertainty.OF_V50,
-    "sensitivity": uncertainty.OF_SOBOL,
-    "sweep": sweep.OF_SWEEP,
-    "coupon": coupon.SUPPORT,
+    "impact": of_commands.IMPACT,
+    "impact with accuracy": of_commands.ACCURACY,
+    "explain": of_commands.EXPLAIN,
+    "draws": of_commands.DRAWS,
+    "critical-velocity": of_commands.LIMITS,
+    "fit": of_commands.FIT,
+    "fit of a coupon": of_commands.FIT_COUPON,
+    "sensitivity": of_commands.SENSITIVITY,
+    "sweep": of_commands.SWEEP,
+    "coupon": of_commands.COUPON,
 }
 SHOT = {
     "fabric": {"name": "S-720"},
@@ -36,6 +31,8 @@ SHOT = {
 NAMED = {"name": "FSP 1.10 g", "mass": None, "diameter": None, "edge_radius": None}
 CONE = {"shape": "cone", "half_angle": "45 deg", "tip_radius": "0.5 mm"}
 CHISEL = {"shape": "chisel", "flat_width": "2.5 mm", "flat_angle": "35 deg"}
+EXAMPLES = Path(__file__).parents[3] / "examples"
+STL = {"shape": "stl", "stl": str(EXAMPLES / "cube.stl"), "stl_unit": "mm", "mass": "0.8 g", "diameter": None}
 PULL = {"pull_in": "1 mm", "start": "0 us", "end": "40 us"}
 LAW = {"a": "0.04 mm", "b": "0.05 mm N^(1/3)"}
 DAMAGE = {"source": "made up"}
@@ -94,6 +91,13 @@ KEYS = SLIPS | {
     "projectile.tip_radius": ({"projectile": CONE}, "0.5 mm", "0.6 mm"),
     "projectile.flat_width": ({"projectile": CHISEL}, "2.5 mm", "2.6 mm"),
     "projectile.flat_angle": ({"projectile": CHISEL}, "35 deg", "36 deg"),
+    "projectile.stl": ({"projectile": STL}, STL["stl"], str(Path(__file__).with_name("pyramid.stl"))),
+    "projectile.stl_unit": (
+        {"projectile": STL | {"mass": None, "density": "1 g/cm^3", "edge_radius": "2 mm"},
+         "panel": {"opening": "300 mm"}},
+        "mm", "cm",
+    ),
+    "projectile.density": ({"projectile": STL | {"mass": None}}, "7.85 g/cm^3", "8 g/cm^3"),
     "projectile.azimuth": ({"projectile": {"obliquity": "30 deg"}}, "0 deg", "90 deg"),
     "projectile.roll": ({"projectile": CHISEL}, "0 deg", "5 deg"),
     "projectile.bore_diameter": ({"projectile": {"body": "elastic_bar"}}, "4.5 mm", "4.6 mm"),
@@ -216,7 +220,7 @@ def test_a_supported_key_reaches_the_solver(name, key):
     assert made[0] != made[1]
 
 
-OF_THE_CELL = [key for key in coupon.SUPPORT.supported if key.startswith("fabric.") and key != "fabric.bending"]
+OF_THE_CELL = [key for key in of_commands.COUPON.supported if key.startswith("fabric.") and key != "fabric.bending"]
 
 
 @pytest.mark.parametrize("key", OF_THE_CELL)
@@ -225,7 +229,7 @@ def test_a_supported_key_of_a_coupon_reaches_its_cell(key):
     made = []
     for value in (first, other):
         base = {"fabric": SHOT["fabric"], "uniaxial": COUPONS["uniaxial"]}
-        asked = scenes_coupon.check(merged(merged(base, context), table_of(key, value)), "s", coupon.SUPPORT)
+        asked = scenes_coupon.check(merged(merged(base, context), table_of(key, value)), "s", of_commands.COUPON)
         this, cloth = build.build(asked, "s", "s"), asked.fabric
         cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
         made.append(repr((this.fabric, this.laws, cell)))
@@ -260,19 +264,18 @@ def test_the_table_of_a_pull_out_is_used_whole():
 
 def test_what_is_ignored_is_named_in_the_help(command):
     for words, support in (
-        ("impact", fidelity.EXPLAIN),
-        ("impact", uncertainty.DRAWS),
-        ("compare", compare.SUPPORT),
-        *(("fit", one) for one in (fit_model.SHOTS, fit_model.TESTS, fit_model.COUPONS)),
-        ("critical-velocity", critical_velocity.SUPPORT),
-        ("v50", uncertainty.OF_V50),
-        ("sensitivity", uncertainty.OF_SOBOL),
+        ("impact", of_commands.EXPLAIN),
+        ("impact", of_commands.DRAWS),
+        ("compare", of_commands.LIMITS),
+        *(("fit", one) for one in (of_commands.FIT, of_commands.LIMITS, of_commands.FIT_COUPON)),
+        ("critical-velocity", of_commands.LIMITS),
+        ("v50", of_commands.LIMITS),
+        ("sensitivity", of_commands.SENSITIVITY),
     ):
         told = command(words, "--help")[1]
         ignored = [key for key in supported.keys(support.model) if support.use_of(key) == "ignored"]
         assert [key for key in ignored if key not in told] == []
     ignoring = {name for name, support in SUPPORTS.items() if support.ignored}
     assert ignoring == {
-        "explain", "draws", "compare", "critical-velocity", "v50", "sensitivity", "sweep",
-        "fit", "fit of tests", "fit of a coupon",
+        "explain", "draws", "critical-velocity", "sensitivity", "sweep", "fit", "fit of a coupon",
     }  # fmt: skip

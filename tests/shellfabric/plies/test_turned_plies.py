@@ -1,0 +1,155 @@
+"""Plies at any angle: what they come to does not depend on the frames of the computation, and nothing is lost."""
+
+from dataclasses import replace
+from math import pi, radians
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric.impact.simulation import ImpactSetup, Ply, run
+from shellfabric.panel.model import Numerics
+from shellfabric.plies.grading import area_factors
+from shellfabric.plies.model import at_angle
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver.pack_solver import PackSolver
+
+# round, and so small a time that no wave comes back from the edge: what is left of the opening turns with nothing
+SETUP = ImpactSetup(
+    catalogue.load("S-728"), 260.0, opening=0.08, round=True, symmetry="whole", end_time=7e-6, audit_interval=1e-6,
+    elements_per_crossover=1, table_size=61, numerics=Numerics(threads=1), ply_friction=0.2,
+)  # fmt: skip
+FSP = Projectile(
+    mass=1.1e-3, radius=2.73e-3, edge_radius=0.3e-3, shape="chisel", flat_width=2.54e-3, flat_angle=radians(35),
+    length=6.35e-3,
+)  # fmt: skip
+ROUND_OFF = 1e-9  # of the strike energy, with contact that follows its points from step to step
+
+
+def laid(*degrees, setup=SETUP, **changes):
+    """The set-up with plies at these angles; a fabric may stand beside its angle."""
+    named = [one if isinstance(one, tuple) else (setup.fabric, one) for one in degrees]
+    plies = tuple(Ply(fabric, angle=radians(angle)) for fabric, angle in named)
+    return replace(setup, fabric=plies[0].fabric, plies=len(plies), lay_up=plies, **changes)
+
+
+def alike(one, other):
+    """Whether two results are equal but for round-off: energies of the panel and of each ply, motion, deflections."""
+    E, v = one.strike_energy, one.setup.strike_velocity
+    far = max(float(np.abs(one.energies[name] - other.energies[name]).max()) / E for name in one.energies)
+    far = max(far, float(np.abs(one.plies["energy"] - other.plies["energy"]).max()) / E)
+    far = max(far, float(np.abs(one.v - other.v).max()) / v)
+    return far < ROUND_OFF and np.allclose(one.plies["deflection"], other.plies["deflection"], rtol=1e-6)
+
+
+def test_a_right_angle_by_turning_is_that_by_exchanging_the_yarns():
+    """Both the special way of 0 and 90 degrees, and the general one, whose contact is computed otherwise."""
+    special, general = run(laid(0, 90)), run(laid(30, -60))
+    assert special.target.turns is None
+    assert general.target.turns is not None
+    assert special.energies["ply_friction"][-1] > 1e-4
+    assert alike(special, general)
+
+
+def test_what_all_plies_turn_with_changes_nothing():
+    """The scene turned as a whole, its fragment simulator with it; and the same, all plies at one angle."""
+    straight = run(laid(0, 45, projectile=FSP))
+    assert alike(straight, run(laid(20, 65, projectile=replace(FSP, roll=radians(20)))))
+    assert not alike(straight, run(laid(20, 65, projectile=FSP)))  # which is another scene
+    one = laid(35, 35)
+    assert one.target().turns is None
+    assert alike(run(laid(0, 0)), run(one))
+
+
+def test_an_oblique_shot_turns_with_its_pack():
+    """Velocity, place of the projectile and of the nodes are told in the frame of the pack, not in a ply's own."""
+    aslant = Projectile(obliquity=radians(35), azimuth=radians(50), yaw=radians(5), friction=0.2)
+    one = run(laid(0, 30, projectile=aslant))
+    two = run(laid(-50, -20, projectile=replace(aslant, azimuth=0.0)))
+    assert alike(one, two)
+    c, s = np.cos(radians(50)), np.sin(radians(50))
+    turn = np.array([[c, s], [-s, c]])
+    for name in ("velocity", "projectile_position"):
+        there, here = getattr(one, name), getattr(two, name)
+        np.testing.assert_allclose(turn @ there[:2], here[:2], rtol=1e-9, atol=1e-12)
+    assert two.velocity[0] == pytest.approx(260.0 * np.sin(radians(35)), rel=0.05)
+    for shots in (one.last, two.last):  # the deepest node is where the projectile is, in every ply
+        for shot in shots:
+            deepest = shot.nodes[..., 2].argmax()
+            assert np.hypot(*(shot.nodes.reshape(-1, 3)[deepest] - shot.projectile_position)[:2]) < 6e-3
+
+
+def test_angles_of_either_sign_mirror_each_other():
+    assert alike(run(laid(0, 45, 20)), run(laid(0, -45, -20)))
+
+
+def test_forces_between_turned_plies_balance():
+    """Their sum vanishes to round-off, and without friction, which acts half a thickness away, their moment about the
+    impact axis as far as closest points have been found."""
+    aslant = Projectile(obliquity=radians(35), azimuth=radians(50))
+    solver = PackSolver(laid(0, 30, projectile=aslant, ply_friction=1e-9).target(), 260.0, 12e-6)
+    solver.run()
+    (near, back), (first, other) = solver.pairs, solver.pack.plies
+    total, moment, size = np.zeros(3), 0.0, 0.0
+    for pair, plies in ((near, (first, other)), (back, (other, first))):
+        for forces, ply in zip((pair.f_front, pair.f_rear), plies):
+            count, state = ply.areas.size, solver.states[solver.pack.plies.index(ply)]
+            f = np.stack([each[:count] for each in forces], axis=1)
+            x = np.stack([X.ravel() + u[:count] for X, u in zip(ply.coordinates(), state.u)], axis=1)
+            f[:, :2], x = ply.in_pack(f[:, :2]), ply.in_pack(x)
+            arms = x[:, 0] * f[:, 1] - x[:, 1] * f[:, 0]
+            total, moment, size = total + f.sum(axis=0), moment + arms.sum(), size + np.abs(arms).sum()
+    push = np.abs(near.f_front[2]).sum()
+    assert np.hypot(near.f_front[0].sum(), near.f_front[1].sum()) > 0.01 * push > 0.01
+    np.testing.assert_allclose(total, 0.0, atol=1e-12 * push)
+    assert abs(moment) < 1e-3 * size
+
+
+HYBRID = (catalogue.load("S-728"), 20), (catalogue.load("S-726"), -30), (catalogue.load("S-728"), 90)
+
+
+@pytest.mark.parametrize(
+    ("plies", "changes"),
+    [
+        ((0, 45), {}),
+        ((0, 15, 30, 45), {"projectile": FSP, "impact_point": (4e-3, -3e-3)}),
+        (HYBRID, {"round": True}),
+        ((0, 45), {"projectile": Projectile(body="elastic_bar", mass=3e-3)}),
+    ],
+)
+def test_torn_packs_keep_their_energy(plies, changes):
+    """On the default mesh, whose zones the plies share no longer: failure, friction, no ply through another."""
+    result = run(laid(*plies, **{"elements_per_crossover": None, "round": False, "end_time": 30e-6} | changes))
+    assert result.panels[0].sides is not None
+    assert result.failed_segments[-1] > 10
+    assert result.energy_error_max < 2e-3
+    assert result.deepest.max() < 1.0
+    assert result.held_apart[1] == 0.0
+    assert result.energies["ply_friction"][-1] > 0.0
+
+
+def test_what_does_not_go_with_an_angle_is_refused():
+    for changes, told in (
+        ({"symmetry": "quarter", "round": False}, "symmetry = 'quarter': must be whole where a ply is turned"),
+        ({"edge": "free", "round": False}, "edge = 'free': must be clamped where the weave is turned in its pack"),
+    ):
+        with pytest.raises(InputError, match=told):
+            laid(0, 30, **changes).target()
+    with pytest.raises(InputError, match=r"angle = 2: must be above -pi/2 and at most pi/2"):
+        at_angle(SETUP.panel(SETUP.plain_table()), 2)
+    oblique = at_angle(replace(SETUP, weave_angle=0.2).panel(SETUP.plain_table()), pi / 2)
+    assert (oblique.weave_angle, oblique.ply_angle) == pytest.approx((0.2 - pi / 2, -pi / 2))
+
+
+def test_a_point_stands_for_no_more_than_the_other_ply_bears():
+    """Of a graded ply turned over the fine zone of another: its own area, but for that of the points of four there."""
+    panel = replace(SETUP, elements_per_crossover=None, plies=2).panel(SETUP.plain_table())
+    own = np.multiply.outer(*panel.sides) / np.prod(panel.spacing)
+    middle = np.array(panel.counts).reshape(2, 1, 1, 1, 1) / 2
+    places = middle + np.zeros((2, panel.counts[0], 2, 2, panel.counts[1]))
+    assert own.max() > 4.0
+    found = area_factors(panel, panel, places)
+    np.testing.assert_allclose(found["area_factor1"], np.minimum(own, 4.0), rtol=1e-12)
+    solver = laid(0, 45, elements_per_crossover=None).target()
+    assert solver.pairs(solver.constants(), solver.states(1.0)[0])[0].area_factor1.shape == panel.counts
