@@ -1,0 +1,32 @@
+"""Ballistic limits of packs: the search, and the fabrics with other fibres and sizes."""
+
+import pytest
+
+from fabrics import catalogue
+from validation.published.packs import limits
+
+
+@pytest.mark.parametrize("guess", [60.0, 100.0, 300.0])
+def test_the_search_brackets_the_limit(guess):
+    low, high = limits.limit(limits.Case(("S-728",)), guess, lambda _, velocity: {"perforated": velocity > 123.4})
+    assert low <= 123.4 < high
+    assert high - low <= limits.WIDTH * high
+
+
+def test_a_fabric_of_another_size_is_similar():
+    fabric = catalogue.load("S-728")
+    large = limits.changed(fabric, limits.Case(("S-728",), size=2.0))
+    assert large.weave.areal_density == pytest.approx(2 * fabric.weave.areal_density)
+    assert large.weave.thickness == pytest.approx(2 * fabric.weave.thickness)
+    for law, wide in zip(fabric.laws, large.laws):  # the same closure, relative to its size, at the same pressure
+        F = 3.0
+        assert wide.d(4 * F) == pytest.approx(2 * law.d(F))
+
+
+def test_factors_leave_the_mass():
+    fabric = catalogue.load("S-728")
+    other = limits.changed(fabric, limits.Case(("S-728",), factors=(2.0, 0.7, 1.4)))
+    (old, _), (new, _) = fabric.weave.yarns, other.weave.yarns
+    assert other.weave.areal_density == pytest.approx(fabric.weave.areal_density)
+    assert (new.E / old.E, new.failure_strain / old.failure_strain) == pytest.approx((2.0, 0.7))
+    assert new.fibre_density / old.fibre_density == pytest.approx(1.4)
