@@ -15,7 +15,7 @@ def test_the_search_brackets_the_limit(guess):
 
 def test_a_fabric_of_another_size_is_similar():
     fabric = catalogue.load("S-728")
-    large = limits.changed(fabric, limits.Case(("S-728",), size=2.0))
+    large = limits.changed(fabric, limits.Case(("S-728",), size=2.0, mass=4.0))
     assert large.weave.areal_density == pytest.approx(2 * fabric.weave.areal_density)
     assert large.weave.thickness == pytest.approx(2 * fabric.weave.thickness)
     for law, wide in zip(fabric.laws, large.laws):  # the same closure, relative to its size, at the same pressure
@@ -30,3 +30,12 @@ def test_factors_leave_the_mass():
     assert other.weave.areal_density == pytest.approx(fabric.weave.areal_density)
     assert (new.E / old.E, new.failure_strain / old.failure_strain) == pytest.approx((2.0, 0.7))
     assert new.fibre_density / old.fibre_density == pytest.approx(1.4)
+
+
+def test_one_fine_ply_weighs_as_much_as_four():
+    fabric = catalogue.load("S-728")
+    plies, size, mass, _ = limits.SIZES[-1]
+    heavy = limits.changed(fabric, limits.Case(("S-728",) * plies, size=size, mass=mass))
+    assert heavy.weave.areal_density * plies == pytest.approx(2 * fabric.weave.areal_density)
+    assert heavy.weave.warp_count == pytest.approx(2 * fabric.weave.warp_count)
+    assert heavy.laws[0].d(3.0) == pytest.approx(size * fabric.laws[0].d(3.0 / mass))

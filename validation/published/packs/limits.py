@@ -60,11 +60,12 @@ A, B = "S-728", "S-726"
 ORDERS = ((A, A), (B, A), (A, B), (B, B), (B, B, A), (A, B, B))
 VELOCITIES = (340.0, 620.0)  # [m/s] of the shots at two fabrics
 AROUND = (0.94, 0.97, 1.0, 1.03, 1.06)  # times these: in which order yarns fail differs from one velocity to the next
-SIZES = (
-    (2.0, 1, 4),
-    (1.0, 2, 2),
-    (0.5, 4, 2),
-)  # size of S-728 over that of the data sheet, plies, elements a crossover
+SIZES = (  # plies, size of S-728 and mass of its yarns over those of the data sheet, elements a crossover
+    (1, 2.0, 4.0, 4),
+    (2, 1.0, 1.0, 2),
+    (4, 0.5, 0.25, 2),
+    (1, 0.5, 1.0, 2),
+)
 WIDTH = 0.02  # of a bracket over its velocity
 _STEP = 1.06  # first step from a guess
 
@@ -79,6 +80,7 @@ class Case:
     projectile : name of a projectile
     factors : of modulus, failure strain and fibre density of all yarns; linear densities stay
     size : of all lengths of the weave over those of the data sheet
+    mass : of the yarns' linear density over that of the data sheet
     elements : for each crossover about the nose; of a single ply everywhere
     """
 
@@ -86,6 +88,7 @@ class Case:
     projectile: str = FSP
     factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
     size: float = 1.0
+    mass: float = 1.0
     elements: int = 2
 
 
@@ -93,16 +96,16 @@ Shots = Callable[[Case, float], dict[str, Any]]
 
 
 def changed(fabric: Fabric, case: Case) -> Fabric:
-    """The fabric with the factors of a case and its size, at which it is similar and has the pressures of its laws."""
-    size, yarns = case.size, fabric.weave.yarns
+    """The fabric with a case's factors, size and mass; forces of its compression laws grow with the mass."""
+    size, mass, yarns = case.size, case.mass, fabric.weave.yarns
     values = {
         name: [factor * getattr(yarn, name) for yarn in yarns]
-        for name, factor in zip(("E", "failure_strain", "fibre_density", "linear_density"), (*case.factors, size**2))
+        for name, factor in zip(("E", "failure_strain", "fibre_density", "linear_density"), (*case.factors, mass))
     }
     fabric = fabric.with_yarns(**values)
     weave, gap = fabric.weave, fabric.interlayer_gap
-    # closure = a - b / (F + F0)^(1/3): closures grow with the size, forces with its square
-    warp, weft = (replace(law, a=size * law.a, b=size ** (5 / 3) * law.b) for law in fabric.laws)
+    # closure = a - b / (F + F0)^(1/3): closures grow with the size, forces with the mass of a yarn's length
+    warp, weft = (replace(law, a=size * law.a, b=size * mass ** (1 / 3) * law.b) for law in fabric.laws)
     return replace(
         fabric,
         weave=replace(weave, warp_count=weave.warp_count / size, weft_count=weave.weft_count / size),
@@ -211,18 +214,23 @@ def of_orders(results: Shots, folder: Path) -> str:
 
 
 def of_mass(results: Shots, folder: Path) -> str:
-    """Critical velocity of one mass in one, two and four plies of similar fabrics."""
-    rows = [
-        ["plies", "size of S-728", "elements a crossover", "critical velocity, m/s", "its energy over that of one ply"]
-    ]
+    """Critical velocity of one mass in 1, 2 and 4 plies of similar fabrics, and in one fine ply of heavy yarns."""
+    heads = (
+        "plies",
+        "size",
+        "mass of a yarn",
+        "elements a crossover",
+        "critical velocity, m/s",
+        "energy, to first row",
+    )
+    rows: list[Sequence[str]] = [heads]
     first = None
-    for size, plies, elements in SIZES:
-        found = limit(Case(("S-728",) * plies, FSP, size=size, elements=elements), 240.0, results)
+    for plies, size, mass, elements in SIZES:
+        found = limit(Case(("S-728",) * plies, FSP, size=size, mass=mass, elements=elements), 240.0, results)
         middle = sum(found) / 2
         first = first or middle
-        rows.append(
-            [str(plies), f"{size:g}", str(elements), words(found), f"{100 * ((middle / first) ** 2 - 1):+.1f} %"]
-        )
+        change = f"{100 * ((middle / first) ** 2 - 1):+.1f} %"
+        rows.append([str(plies), f"{size:g}", f"{mass:g}", str(elements), words(found), change])
     return markdown(rows)
 
 
