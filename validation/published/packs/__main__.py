@@ -47,7 +47,7 @@ def outcomes(rows: Iterable[Any]) -> str:
 
 
 def passages(rows: Iterable[dict[str, Any]]) -> str:
-    """One row a shot that tears cloth."""
+    """One row a shot that tears yarns."""
     lines = [["plies", "fabric", "strike, m/s", "until, µs", "failed segments of the quarter", "held apart, times",
               "with, % of the strike energy", "not held", f"back within {AT_ONCE} steps", "**crossings**"]]  # fmt: skip
     for one in rows:

@@ -41,12 +41,13 @@ PUBLISHED = (
     ("S-731", 16, 120.0, ARTEFACT),
     ("S-726", 16, 243.0, OPEN),
 )
-# shots that tear cloth, in which passages of plies are counted; [m/s, s]
+# shots that tear yarns, in which crossings of plies are counted; [m/s, s]
 TORN = (
     ("S-726", 4, 243.0, 100e-6),
     ("S-726", 4, 300.0, 100e-6),
     ("S-726", 8, 340.0, 100e-6),
     ("S-728", 8, 340.0, 100e-6),
+    ("S-726", 16, 450.0, 100e-6),
 )
 LOOKED_AT = 14  # crossovers from the middle in which they are counted
 FABRICS = ("S-726", "S-728", "S-731")
@@ -143,7 +144,7 @@ def shoot(case: Case) -> dict[str, Any]:
 
 
 def passages(case: Case) -> dict[str, Any]:
-    """What passes through what in a shot, and how often torn cloth was held apart: a dict, for a file."""
+    """What passes through what in a shot, and how often torn plies were held apart: a dict, for a file."""
     march = PackSolver(pack(case), case.velocity, case.end_time)
     found, back = count(march, case.end_time, elements_within(march.panel, LOOKED_AT))
     held, missed = march.held_apart
@@ -205,7 +206,7 @@ def outcomes(results: Callable[..., dict[str, Any]]) -> list[tuple[Any, ...]]:
 
 
 def torn(results: Callable[..., dict[str, Any]]) -> list[dict[str, Any]]:
-    """[found, ...] of the shots that tear cloth."""
+    """[found, ...] of the shots that tear yarns."""
     return [results(Case(*row[:3], end_time=row[3]), passages) for row in TORN]
 
 
