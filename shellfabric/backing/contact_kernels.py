@@ -21,12 +21,14 @@ out. Where the face drops away under a point, what its spring held is lost with 
 import math
 
 import numpy as np
+from numba import prange
 
 from shellfabric.backing.block_kernels import CONTACT, DAMPING_FORCE, ELASTIC_FORCE
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
 
 LOST = 1  # of the sums of `point_forces` [J]: springs whose face has dropped away
+SLICES = 16  # of the points, which threads share
 MAX_COLUMNS = 50  # columns that a point is followed across in one call
 MAX_FACET_COORDINATE = 3.0  # coordinate in a facet, -1 .. 1 within it, that a foot may have
 
@@ -241,34 +243,66 @@ def depth_and_opening(p, speed, x, v, nodes, w, normal, thickness):
 
 
 @entry()
-def point_forces(counts, x, v, gone, points, thickness, dt, columns, memory, forces, on_points, sums):
-    """Forces between points and the face of the block.
+def at_points(values, rest, weights, nj, found):
+    """Values at points of elements.
 
     Parameters
     ----------
-    counts : bricks along x, y and z
-    points : px, pv : (s, 3) [m], [m/s] of the points; stiffness, damping : (s,) [N/m], [N s/m] of each
-    thickness : [m] distance that points keep from the face: half of what they stand for
-    dt : [s] since the last call
-    columns : (s, 2) int, where each was; overwritten
-    memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset; overwritten
-    forces : outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
-    on_points : force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
-    sums : (7,) CONTACT and DROPPED [J], overwritten
+    values : three arrays of the nodes, row after row, as state.u
+    rest : (3, nodes) added to them
+    weights : (p, 4) of the corners (0, 0), (1, 0), (0, 1), (1, 1) of an element, for each of its points
+    nj : elements along a row of nodes
+    found : (elements p, 3), overwritten
     """
-    (nx, ny, nz), (px, pv, stiffness, damping) = counts, points
-    (outer, drags), (force, drag_force) = forces, on_points
-    sums[:] = 0.0
-    place, nodes, normal, w = np.empty(2), np.empty(4, np.int64), np.empty(3), np.empty(4)
-    A, B = np.empty(3), np.empty(3)
-    for s in range(stiffness.size):
-        force[s] = drag_force[s] = 0.0
-        was, offset = memory[s, 0], memory[s, 1]
+    stride = nj + 1
+    for s in range(found.shape[0]):
+        element, m = s // weights.shape[0], s % weights.shape[0]
+        k = element // nj * stride + element % nj
+        w = weights[m]
+        for c in range(3):
+            x, at = values[c], rest[c]
+            found[s, c] = w[0] * (x[k] + at[k]) + w[1] * (x[k + stride] + at[k + stride])
+            found[s, c] += w[2] * (x[k + 1] + at[k + 1])
+            found[s, c] += w[3] * (x[k + stride + 1] + at[k + stride + 1])
+
+
+@entry()
+def to_nodes(forces, weights, nj, found):
+    """Forces (elements p, 3) at points of elements to the nodes: three arrays `found`, overwritten; see `at_points`."""
+    stride = nj + 1
+    for total in found:
+        total[:] = 0.0
+    # points and corners outside: the order in which they are summed up at a node
+    for m in range(weights.shape[0]):
+        for corner, step in enumerate((0, stride, 1, stride + 1)):
+            for element in range(forces.shape[0] // weights.shape[0]):
+                k, s = element // nj * stride + element % nj + step, element * weights.shape[0] + m
+                for c in range(3):
+                    found[c][k] += weights[m, corner] * forces[s, c]
+
+
+@kernel()
+def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts):
+    """Contacts of the points from the first to before the last of `ends` with the face of the block.
+
+    Parameters
+    ----------
+    counts, columns, memory, thickness, dt, points : as for `point_forces`
+    block : x, v, gone
+    lost : (s,) [J] overwritten, of springs whose face has dropped away
+    feet : (s, 4) int, nodes of the facet that each bears on; overwritten
+    contacts : (s, 9) depth [m], 0 where there is none, damping force [N], normal and weights of the nodes; overwritten
+    """
+    (nx, ny, nz), (x, v, gone), (px, pv, stiffness, damping) = counts, block, points
+    place, normal, w, A, B = np.empty(2), np.empty(3), np.empty(4), np.empty(3), np.empty(3)
+    for s in range(*ends):
+        contacts[s, 0] = contacts[s, 1] = lost[s] = 0.0
+        was, offset, nodes = memory[s, 0], memory[s, 1], feet[s]
         held = max(was - offset, 0.0)
         below = locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes)
         if not (below and closest_point(px[s], x, nodes, place, A, B)):
             memory[s, 0], memory[s, 1] = -1.0, 0.0
-            sums[LOST] += 0.5 * stiffness[s] * held * held
+            lost[s] = 0.5 * stiffness[s] * held * held
             continue
         weights(place[0], place[1], w)
         outward_normal(A, B, normal)
@@ -280,15 +314,48 @@ def point_forces(counts, x, v, gone, points, thickness, dt, columns, memory, for
         offset = min(max(offset, 0.0), max(inside, 0.0))
         depth = max(inside - offset, 0.0)
         if -step > explained and depth < held:
-            sums[LOST] += 0.5 * stiffness[s] * (held * held - depth * depth)
+            lost[s] = 0.5 * stiffness[s] * (held * held - depth * depth)
         memory[s, 0], memory[s, 1] = inside, offset
+        if depth > 0.0:
+            contacts[s, 0], contacts[s, 1] = depth, max(-damping[s] * opening, -stiffness[s] * depth)
+            contacts[s, 2:5], contacts[s, 5:] = normal, w
+
+
+@entry(parallel=True)
+def point_forces(counts, block, points, thickness, dt, columns, memory, scratch, forces, on_points, sums):
+    """Forces between points and the face of the block.
+
+    Parameters
+    ----------
+    counts : bricks along x, y and z
+    block : x, v, gone of it
+    points : px, pv : (s, 3) [m], [m/s] of the points; stiffness, damping : (s,) [N/m], [N s/m] of each
+    thickness : [m] distance that points keep from the face: half of what they stand for
+    dt : [s] since the last call
+    columns : (s, 2) int, where each was; overwritten
+    memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset; overwritten
+    scratch : lost, feet, contacts of `find_contacts`
+    forces : outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
+    on_points : force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
+    sums : (7,) CONTACT and DROPPED [J], overwritten
+    """
+    (lost, feet, contacts), (outer, drags), (force, drag_force) = scratch, forces, on_points
+    size = (lost.size + SLICES - 1) // SLICES
+    for part in prange(SLICES):
+        ends = part * size, min((part + 1) * size, lost.size)
+        find_contacts(ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts)
+    sums[:] = 0.0
+    for s in range(lost.size):
+        depth, drag = contacts[s, 0], contacts[s, 1]
+        sums[LOST] += lost[s]
+        force[s] = drag_force[s] = 0.0
         if depth == 0.0:
             continue
-        push = stiffness[s] * depth
-        drag = max(-damping[s] * opening, -push)
-        sums[CONTACT] += 0.5 * stiffness[s] * depth * depth
+        push = points[2][s] * depth
+        sums[CONTACT] += 0.5 * push * depth
         for c in range(3):
-            force[s, c], drag_force[s, c] = push * normal[c], drag * normal[c]
+            normal = contacts[s, 2 + c]
+            force[s, c], drag_force[s, c] = push * normal, drag * normal
             for m in range(4):
-                outer[nodes[m], c] += push * w[m] * normal[c]
-                drags[nodes[m], c] += drag * w[m] * normal[c]
+                outer[feet[s, m], c] += push * contacts[s, 5 + m] * normal
+                drags[feet[s, m], c] += drag * contacts[s, 5 + m] * normal

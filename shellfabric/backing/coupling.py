@@ -20,6 +20,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from shellfabric.backing import contact_kernels as touch
 from shellfabric.backing.block import ENERGIES, Backing, Block
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.projectile.frames import axes, turned_back
@@ -164,13 +165,12 @@ class BackingCoupling:
         self._stiffness = backing.ply_penalty * point / const.dt**2
         self._damping = 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt
         self._loose = np.ones(point.size)
-        self._rest = (*panel.coordinates(), np.zeros((const.ni + 1, const.nj + 1)))
-        at = (np.arange(self.p) + 0.5) / self.p
-        self._weights = [
-            (a, b, ((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t))
-            for a, s in enumerate(at)
-            for b, t in enumerate(at)
-        ]
+        flat = np.zeros((const.ni + 1, const.nj + 1))
+        self._rest = np.array([*panel.coordinates(), flat]).reshape(3, -1)
+        self._none = np.zeros_like(self._rest)
+        along = (np.arange(self.p) + 0.5) / self.p
+        # (p p, 4) of the corners (0, 0), (1, 0), (0, 1), (1, 1) of an element
+        self._weights = np.array([((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t) for s in along for t in along])
 
     def step(self, state: Any) -> None:
         """One step of the block under its contacts with fabric and projectile; stores the contact forces [N] in
@@ -182,14 +182,15 @@ class BackingCoupling:
         if state.counter[2] > 0:  # yarns have failed
             eroded = (self._nodal(state.element_flag)[:-1, :-1] & ERODED) != 0
             self._loose[:] = np.broadcast_to(~eroded[..., None], (const.ni, const.nj, self.p**2)).ravel()
-        places = np.stack([self._at_points(self._nodal(u) + at) for u, at in zip(state.u, self._rest)], axis=-1)
-        speeds = np.stack([self._at_points(self._nodal(v)) for v in state.v], axis=-1)
-        places, speeds = (turned_back(part.reshape(-1, 3), to) for part in (places, speeds))
+        places, speeds = np.empty((2, self._loose.size, 3))
+        touch.at_points(state.u, self._rest, self._weights, const.nj, places)
+        touch.at_points(state.v, self._none, self._weights, const.nj, speeds)
+        places, speeds = (turned_back(part, to) for part in (places, speeds))
         forces = block.press(
             places, speeds, self._loose * self._stiffness, damping=self._loose * self._damping,
             thickness=self.thickness,
         )  # fmt: skip
-        self._spread(turned_back(forces, back).reshape(const.ni, const.nj, self.p**2, 3), state)
+        self._spread(turned_back(forces, back), state)
         block.advance()
 
     def _nodal(self, values):
@@ -197,24 +198,13 @@ class BackingCoupling:
         const = self.const
         return values[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 
-    def _at_points(self, nodal):
-        """(ni, nj, p p) values at the points of every element."""
-        corners = nodal[:-1, :-1], nodal[1:, :-1], nodal[:-1, 1:], nodal[1:, 1:]
-        return np.stack([sum(n * c for n, c in zip(weights, corners)) for _, _, weights in self._weights], axis=-1)
-
     def _spread(self, forces, state):
-        """Forces at points to the nodes, each by its weights; none across planes of symmetry."""
-        touched = np.flatnonzero(forces.any(axis=(1, 2, 3)))
+        """Forces (s, 3) at points to the nodes, each by its weights; none across planes of symmetry."""
+        touched = np.flatnonzero(forces.reshape(self.const.ni, -1).any(axis=1))
         if touched.size:  # where nothing has moved yet, nothing is worked on
             state.active_rows[0] = min(state.active_rows[0], max(touched[0] - 1, 0))
             state.active_rows[1] = max(state.active_rows[1], min(touched[-1] + 2, self.const.ni))
-        for c in range(3):
-            nodal = self._nodal(state.f_block_cloth[c])
-            nodal[:] = 0.0
-            for m, (_, _, weights) in enumerate(self._weights):
-                part = forces[:, :, m, c]
-                for n, place in zip(weights, (nodal[:-1, :-1], nodal[1:, :-1], nodal[:-1, 1:], nodal[1:, 1:])):
-                    place += n * part
+        touch.to_nodes(forces, self._weights, self.const.nj, state.f_block_cloth)
         if self.const.mirror_x:
             self._nodal(state.f_block_cloth[0])[0] = 0.0
         if self.const.mirror_y:

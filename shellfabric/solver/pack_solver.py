@@ -209,11 +209,6 @@ class PackSolver(ExplicitSolver):
         """Steps made."""
         return int(self.stack.counter[STEP])
 
-    @property
-    def workers(self) -> int:
-        """Number of threads besides the main one; a block is in step with one thread alone."""
-        return self.threads - 1 if self.backing is None else 0
-
     def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
         """The kernel's steps, with `count` - 1 workers: (steps made, why no more)."""
         return self._run_thread(history, shared, 0, count, allowed)
@@ -276,12 +271,13 @@ class PackSolver(ExplicitSolver):
     def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver. Before a block, one step at a time, each followed by the block's, which is at rest while
         the last ply is."""
-        if self.backing is None:
+        if self.backing is None or not len(history):
             return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
-        made, reason = 0, RUNNING
+        made, reason, allowed = 0, RUNNING, self.allowed_exchange / self.steps_per_sample
         while made < len(history) and reason == RUNNING:
-            allowed = self.allowed_exchange / self.steps_per_sample
-            _, reason = self.run_steps(history[made : made + 1], self._shared, 1, allowed)
+            if made:
+                self._start_workers()  # not before the block's step: they would take processor time from it
+            _, reason = self.run_steps(history[made : made + 1], self._shared, self.threads, allowed)
             made += 1
             if self.stack.awake[-1]:
                 self.backing.step(self.parts[-1][2])

@@ -7,11 +7,13 @@ import pytest
 
 from fabrics.errors import InputError
 from fabrics.materials import Isotropic, load
+from shellfabric.backing import contact_kernels
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
 from shellfabric.cloth import jamming_kernels
 from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
+from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import at_angle
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
@@ -59,12 +61,14 @@ def test_forces_on_points_are_given_to_nodes_by_their_weights(fabric):
     behind, random = BackingCoupling(BLOCK, panel, const), np.random.default_rng(0)
     forces = random.normal(size=(const.ni, const.nj, 4, 3))
     forces[0] = forces[:, 0] = 0.0  # nothing is taken out on the planes of symmetry
-    behind._spread(forces, state)
+    behind._spread(forces.reshape(-1, 3), state)
     nodal = np.array([behind._nodal(b) for b in state.f_block_cloth])
     assert nodal.sum(axis=(1, 2)) == pytest.approx(forces.sum(axis=(0, 1, 2)), rel=1e-9)
-    for at, given in zip(behind._rest[:2], (nodal, nodal)):
-        places = behind._at_points(at)
-        assert (given[2] * at).sum() == pytest.approx((forces[..., 2] * places).sum(), rel=1e-9)
+    places = np.empty((const.ni * const.nj * 4, 3))
+    contact_kernels.at_points(state.u, behind._rest, behind._weights, const.nj, places)
+    for c, at in enumerate(behind._rest[:2]):
+        moment = (forces[..., 2].ravel() * places[:, c]).sum()
+        assert (nodal[2].ravel() * at).sum() == pytest.approx(moment, rel=1e-9)
     assert tuple(state.active_rows) == (0, const.ni)
 
 
@@ -158,6 +162,14 @@ def test_resumes_bit_for_bit(struck, tmp_path):
     np.testing.assert_array_equal(resumed.backing.nodes, struck.backing.nodes)
     for name, values in struck.energies.items():
         np.testing.assert_array_equal(resumed.energies[name], values)
+
+
+def test_threads_of_the_fabric_change_no_bit_and_end(fabric):
+    """With a block steps are made one at a time, and the other threads are released at the end, too."""
+    pack = ImpactSetup(fabric, 100.0, **{**QUICK, "end_time": 10e-6}, plies=2)
+    one, two = (run(replace(pack, numerics=Numerics(threads=threads))) for threads in (1, 2))
+    np.testing.assert_array_equal(one.step_history, two.step_history)
+    np.testing.assert_array_equal(one.backing.nodes, two.backing.nodes)
 
 
 def test_measures_of_a_crater():
