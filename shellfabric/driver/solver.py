@@ -244,6 +244,8 @@ class ExplicitSolver:
                 self._start_workers()
                 yield
             finally:
+                if self._shared[barrier.STOP]:  # an exception came before they were started again
+                    self._start_workers()
                 self.advance(self._rows(0))
 
     def _start_workers(self):

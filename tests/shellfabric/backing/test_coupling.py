@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import contact_kernels
 from shellfabric.backing.block import Backing
@@ -170,6 +170,19 @@ def test_threads_of_the_fabric_change_no_bit_and_end(fabric):
     one, two = (run(replace(pack, numerics=Numerics(threads=threads))) for threads in (1, 2))
     np.testing.assert_array_equal(one.step_history, two.step_history)
     np.testing.assert_array_equal(one.backing.nodes, two.backing.nodes)
+
+
+def test_a_block_that_breaks_down_ends_a_run_of_two_threads(fabric):
+    pack = ImpactSetup(fabric, 100.0, **QUICK, plies=2, numerics=Numerics(threads=2))
+    march = PackSolver(pack.target(), 100.0, QUICK["end_time"])
+    assert march.threads == 2
+
+    def step(state):
+        raise UnstableError("a brick is turned inside out", where="here", when="now")
+
+    march.backing.step = step
+    with pytest.raises(UnstableError, match="inside out"):
+        march.run()
 
 
 def test_measures_of_a_crater():
