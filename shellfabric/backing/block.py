@@ -190,7 +190,6 @@ class Block:
         self._substeps = np.array([1, 0])  # of a step, and steps since they were found
         self._columns: np.ndarray | None = None  # of the points of `press`
         self._memory = np.zeros((0, 2))
-        self._scratch = np.empty(0), np.empty((0, 4), np.int64), np.empty((0, 9))
         # what contact damping takes from projectile and points: known when their next velocities are
         self._before: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         self._damped = self._kick = 0.0
@@ -264,8 +263,6 @@ class Block:
             )
             self._memory = np.zeros((len(places), 2))
             self._memory[:, 0] = places[:, 2] + thickness - self.backing.standoff  # as against the face at rest
-        if len(self._scratch[0]) != len(places):
-            self._scratch = np.empty(len(places)), np.empty((len(places), 4), np.int64), np.empty((len(places), 9))
         forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
         points = (
             places, np.ascontiguousarray(velocities, float), np.ascontiguousarray(stiffness, float),
@@ -273,7 +270,7 @@ class Block:
         )  # fmt: skip
         touch.point_forces(
             self.shape, (self.x, self.v, self.gone), points, float(thickness), self.dt, self._columns, self._memory,
-            self._scratch, (self._outer, self._drags), (forces, drags), self._points,
+            (self._outer, self._drags), (forces, drags), self._points,
         )  # fmt: skip
         self._damped += float(self._points[touch.LOST])
         self._damp("points", drags, np.asarray(velocities, float))

@@ -322,7 +322,7 @@ def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, l
 
 
 @entry(parallel=True)
-def point_forces(counts, block, points, thickness, dt, columns, memory, scratch, forces, on_points, sums):
+def point_forces(counts, block, points, thickness, dt, columns, memory, forces, on_points, sums):
     """Forces between points and the face of the block.
 
     Parameters
@@ -334,18 +334,18 @@ def point_forces(counts, block, points, thickness, dt, columns, memory, scratch,
     dt : [s] since the last call
     columns : (s, 2) int, where each was; overwritten
     memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset; overwritten
-    scratch : lost, feet, contacts of `find_contacts`
     forces : outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
     on_points : force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
-    sums : (7,) CONTACT and DROPPED [J], overwritten
+    sums : (7,) CONTACT and LOST [J], overwritten
     """
-    (lost, feet, contacts), (outer, drags), (force, drag_force) = scratch, forces, on_points
-    size = (lost.size + SLICES - 1) // SLICES
+    (outer, drags), (force, drag_force), count = forces, on_points, columns.shape[0]
+    lost, feet, contacts = np.empty(count), np.empty((count, 4), np.int64), np.empty((count, 9))
+    size = (count + SLICES - 1) // SLICES
     for part in prange(SLICES):
-        ends = part * size, min((part + 1) * size, lost.size)
+        ends = part * size, min((part + 1) * size, count)
         find_contacts(ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts)
     sums[:] = 0.0
-    for s in range(lost.size):
+    for s in range(count):
         depth, drag = contacts[s, 0], contacts[s, 1]
         sums[LOST] += lost[s]
         force[s] = drag_force[s] = 0.0
