@@ -88,8 +88,8 @@ def table(found: Mapping[tuple[int, ...], list[dict[str, Any]]]) -> str:
         lines.append([" / ".join(map(str, angles)), *cells, *ends])
     shots = [one for each in found.values() for one in each]
     worst, missed = max(one["balance"] for one in shots), sum(one["missed"] for one in shots)
-    told = f"Largest energy error {100 * worst:.2g} % of the strike energy; passages not held: {missed:g}."
-    return f"{markdown(lines)}\n{told}"
+    error = f"Largest energy error {100 * worst:.2g} % of the strike energy"
+    return f"{markdown(lines)}\n{error}; crossings of plies not prevented: {missed:g}."
 
 
 def main(*, out: Path = Path("results/angles"), page: Path | None = None) -> None:
