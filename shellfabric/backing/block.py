@@ -170,12 +170,12 @@ class Block:
         self._gradient, self._volume = bricks.gradient, bricks.volume
         self._twist = np.ascontiguousarray(bricks.twist)
         self._control = backing.hourglass * bricks.control(3 * (material.modulus,), material.shear)
-        least = bricks.edges.min(axis=1)
-        self._damping = backing.viscosity * material.density * material.wave_speed * least
+        self._edges = bricks.edges
         self._law = np.array(
             [
                 material.bulk, material.shear, material.yield_stress, material.hardening, material.erosion_strain,
                 material.rate_exponent, material.reference_rate,
+                backing.viscosity * material.density * material.wave_speed,
             ]
         )  # fmt: skip
         self._boundaries(nodes, bricks)
@@ -309,7 +309,7 @@ class Block:
 
     def _step(self, dt):
         kernels.forces(
-            self.shape, self.x, (self._gradient, self._volume, self._twist, self._control, self._damping), self._law,
+            self.shape, self.x, (self._gradient, self._volume, self._twist, self._control, self._edges), self._law,
             self._kick, (self.metric, self.alpha, self.last, self.past, self.gone), self._own, self.energy,
         )  # fmt: skip
         if np.isnan(self.energy[:, kernels.ELASTIC]).any():

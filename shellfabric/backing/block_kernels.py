@@ -10,7 +10,8 @@ a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal 
 rate. The return is exact along the trial; the rate is that of the step, implicit and so without a bound on it. A brick
 whose effective plastic strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had
 stored goes to a term of its own. Hourglass control is that of `brick_kernels`: a potential, blind to rotation. A linear
-bulk viscosity, xi rho c L d(ln J)/dt, damps the highest mode.
+bulk viscosity, xi rho c L d(ln J)/dt, damps the highest mode; L is the least height of the brick as it is now, so that xi
+stays the damping ratio of a flattened one, whose stable step would else be far shorter than its waves make it.
 
 Plastic and viscous work of a step are those of the mean of the stresses before and after it, which is what its forces
 do: a brick that begins to flow in it was below its strength before.
@@ -173,9 +174,19 @@ def hencky(F, C, alpha, law, viscous, dt, P):
 
 
 @kernel()
+def least_height(inverse, edges):
+    """[m] least distance between opposite faces of a brick of these edges at rest : (3,), of the inverse of F."""
+    least = np.inf
+    for i in range(3):
+        square = inverse[i, 0] ** 2 + inverse[i, 1] ** 2 + inverse[i, 2] ** 2
+        least = min(least, edges[i] / math.sqrt(square))
+    return least
+
+
+@kernel()
 def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
     """Forces of the bricks i along x: see `forces`."""
-    (_, ny, nz), (gradient, volume, twist, control, damping) = counts, rest
+    (_, ny, nz), (gradient, volume, twist, control, edges) = counts, rest
     metric, alpha, last, past, gone = history
     nodes, places = np.empty(8, np.int64), np.empty((8, 3))
     F, P, D, H = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 3))
@@ -196,15 +207,15 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
                 energy[m, ELASTIC] = np.nan
                 continue
             swell = math.log(J)
-            rate = (swell - last[m]) * per_time
-            before = alpha[m]
-            stored, work, alpha[m] = hencky(F, metric[m], before, law, damping[m] * rate, dt, P)
+            rate, before = (swell - last[m]) * per_time, alpha[m]
+            viscous = law[7] * least_height(P, edges[m]) * rate
+            stored, work, alpha[m] = hencky(F, metric[m], before, law, viscous, dt, P)
             # the distortion's share of what is stored gives the stress: q^2 / 6 G
             mises = math.sqrt(6.0 * law[1] * max(stored - 0.5 * law[0] * swell * swell, 0.0))
             if alpha[m] > before:
                 work = 0.5 * (min(past[m, 1], mises) + mises) * (alpha[m] - before)
-            damped = damping[m] * 0.5 * (past[m, 0] + rate) * rate * dt
-            last[m], past[m, 0], past[m, 1] = swell, rate, mises
+            damped = 0.5 * (past[m, 0] + viscous) * rate * dt
+            last[m], past[m, 0], past[m, 1] = swell, viscous, mises
             held = hourglass(F, places, twist[m], control[m], H, D, own[m])
             energy[m, PLASTIC] += volume[m] * work
             energy[m, VISCOUS] += volume[m] * damped
@@ -231,20 +242,19 @@ def forces(counts, x, rest, law, dt, history, own, energy):
     ----------
     counts : bricks along x, y and z; nodes and bricks are numbered with the last fastest
     x : (n, 3) [m]
-    rest : gradient, volume, twist, control of the bricks at rest, as `hex8.Bricks` has them; damping : (m,) [Pa s] bulk
-        viscosity
-    law : (7,) as for `hencky`
+    rest : gradient, volume, twist, control, edges of the bricks at rest, as `hex8.Bricks` has them
+    law : (8,) as for `hencky`, then [Pa s/m] bulk viscosity over the length of a brick
     dt : [s] since the last call
     history : metric, alpha, last, past, gone, overwritten
         metric, alpha, last, gone : (m, 3, 3), (m,), (m,) ln J, (m,) bool
-        past : (m, 2) [1/s], [Pa] rate of ln J and stress q of the last call
+        past : (m, 2) [Pa] viscous pressure and stress q of the last call
     energy : (m, 5) [J] of each brick, overwritten or added to
     """
-    (nx, ny, nz), (gradient, volume, twist, control, damping) = counts, rest
+    (nx, ny, nz), (gradient, volume, twist, control, edges) = counts, rest
     metric, alpha, last, past, gone = history
     for i in prange(nx):
         forces_slice(
-            i, (nx, ny, nz), x, (gradient, volume, twist, control, damping), law, dt, (metric, alpha, last, past, gone),
+            i, (nx, ny, nz), x, (gradient, volume, twist, control, edges), law, dt, (metric, alpha, last, past, gone),
             own, energy,
         )  # fmt: skip
 

@@ -29,14 +29,14 @@ def rotation(axis, angle):
 def law_of(material):
     return np.array([
         material.bulk, material.shear, material.yield_stress, material.hardening, material.erosion_strain,
-        material.rate_exponent, material.reference_rate,
+        material.rate_exponent, material.reference_rate, 0.0,
     ])  # fmt: skip
 
 
 def nodal(block, dt=0.0):
     """Internal forces (n, 3) [N] of the bricks at the places as they are, `dt` [s] after the last call."""
     block_kernels.forces(
-        block.shape, block.x, (block._gradient, block._volume, block._twist, block._control, block._damping),
+        block.shape, block.x, (block._gradient, block._volume, block._twist, block._control, block._edges),
         block._law, dt, (block.metric, block.alpha, block.last, block.past, block.gone), block._own, block.energy,
     )  # fmt: skip
     total, corners = np.zeros_like(block.x), _corners(block)
