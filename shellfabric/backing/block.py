@@ -61,6 +61,7 @@ class Backing:
     contact_damping : ratio to critical of a node on that spring, and of a point of the fabric on its own
     ply_penalty : stiffness of the contact with fabric, in units of the fabric's mass / dt^2
     points : of contact along each side of an element of fabric
+    after_stop : [s] for which a run goes on after the projectile has turned back, while the block comes to rest
     mirrors : whether x = 0 and y = 0 are planes of symmetry that bound the modelled part
 
     Raises
@@ -81,6 +82,7 @@ class Backing:
     contact_damping: float = 0.2
     ply_penalty: float = 0.1
     points: int = 2
+    after_stop: float = 0.0
     mirrors: tuple[bool, bool] = (True, True)
 
     def __post_init__(self):
@@ -93,7 +95,7 @@ class Backing:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         if not self.growth >= 1:
             raise InputError(key="growth", value=self.growth, allowed="at least 1")
-        for key in ("hourglass", "viscosity", "contact_damping"):
+        for key in ("hourglass", "viscosity", "contact_damping", "after_stop"):
             if not 0 <= getattr(self, key) < np.inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
 

@@ -307,6 +307,7 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
                 solver.reason = STOPPED
 
     solver = PackSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
+    solver.after_stop = 0.0
     solver.run((hook,))
     if solver.outcome == "in flight":
         problem = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"

@@ -261,7 +261,7 @@ class Pack:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
         count, shot = len(self.plies), self.plies[0].shot
         stack = Stack(
-            awake=np.zeros(count, np.bool_), waits_for_plies=np.zeros(count, np.bool_), counter=np.zeros(2, np.int64),
+            awake=np.zeros(count, np.bool_), waits_for_plies=np.zeros(count, np.bool_), counter=np.zeros(3, np.int64),
             projectile_position=np.zeros((count, 3)), f_contact_nose=np.zeros((count, 3)),
             ply_counters=np.tile([AT_REST, 0, 0], (count, 1)), projectile_velocity=strike_velocity * shot.flight,
             turns=self.turns,

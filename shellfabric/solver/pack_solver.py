@@ -16,13 +16,13 @@ import numpy as np
 from fabrics.checks import FloatArray, IntArray
 from shellfabric.backing import coupling
 from shellfabric.driver.guards import speed_limit
-from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver
+from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.jit import barrier
 from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel import boundary, grading, quality
 from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
-from shellfabric.panel.motion_kernels import FAILURES, STEP
+from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
 from shellfabric.plies import contact_simd_kernels, torn_contact_kernels
 from shellfabric.plies.contact_kernels import forces_on, side_of
@@ -78,6 +78,7 @@ class PackSolver(ExplicitSolver):
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     monitor : quality.Monitor, what the quality indicators need besides the result
     perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the run
+    after_stop : [s] for which the run goes on before a block after the projectile has turned back
 
     Raises
     ------
@@ -143,9 +144,10 @@ class PackSolver(ExplicitSolver):
         self.reduces_threads = self.panel.numerics.threads is None
         self.history_columns = len(dynamics.columns(self.panel.projectile))
         self.ply_samples, self.history_request, self.histories = [], None, []
-        self.backing, self.perforated_samples = None, 0
+        self.backing, self.perforated_samples, self.after_stop = None, 0, 0.0
         self.run_steps(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf)  # the forces at rest
         if self.panel.backing is not None:
+            self.after_stop = self.panel.backing.after_stop
             last, const, state = self.parts[-1]
             self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
             self.backing.step(state)
@@ -279,6 +281,8 @@ class PackSolver(ExplicitSolver):
                 self._start_workers()  # not before the block's step: they would take processor time from it
             _, reason = self.run_steps(history[made : made + 1], self._shared, self.threads, allowed)
             made += 1
+            if reason == STOPPED and self.after_stop > 0:
+                self.stack.counter[TURNED], reason = self.steps, RUNNING
             if self.stack.awake[-1]:
                 self.backing.step(self.parts[-1][2])
         return made, reason
@@ -359,6 +363,9 @@ class PackSolver(ExplicitSolver):
     def sampled(self) -> None:
         """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead of the nose."""
         self.monitor.sampled()
+        turned = self.stack.counter[TURNED]
+        if turned and (self.time - turned * self.const.dt >= self.after_stop or self.steps >= self.last_step):
+            self.reason = STOPPED
         failed = any(state.counter[FAILURES] for _, _, state in self.parts)
         if self.reason != RUNNING or not failed or not self.struck or self.backing is not None:
             return

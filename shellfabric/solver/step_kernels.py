@@ -27,7 +27,7 @@ from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
-from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, thread_range
+from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED, thread_range
 from shellfabric.plies import torn_contact_kernels
 from shellfabric.plies.contact_kernels import (
     WORK,
@@ -295,6 +295,8 @@ def post_step(states, consts, stack, row):
     speed = bar_kernels.normal_velocity(first, const)
     if not abs(speed) < 1e9:
         return NOT_FINITE
+    if stack.counter[TURNED] > 0:
+        return RUNNING
     if speed <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while

@@ -243,9 +243,9 @@ class ImpactRecord:
 
     def summary(self) -> dict[str, Any]:
         """The scalars of the record, and what follows from them, as a flat dict."""
-        end = float(self.time[-1])
         found: dict[str, Any] = {key: getattr(self, name) for name, key in SCALARS.items()}
-        found |= {"end_time_s": end, "stop_time_s": end if self.outcome == "stopped" else None}
+        stop = float(self.time[np.argmax(self.velocity <= 0)]) if self.outcome == "stopped" else None
+        found |= {"end_time_s": float(self.time[-1]), "stop_time_s": stop}
         found |= {
             "plies": self.count,
             "failed_yarn_segments": int(self.failed_segments[-1]),

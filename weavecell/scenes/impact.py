@@ -346,6 +346,10 @@ class BackingTable(Table):
     min_size: quantity("edge length of the smallest elements, under the impact point", "m", "1 mm") = None
     refined_depth: quantity("extent of the smallest elements from the axis and from the face", "m", "8 mm") = None
     growth: number("ratio of the edge lengths of neighbouring elements outside the refined region", 1.3, ge=1.0) = None
+    after_stop: quantity(
+        "time for which the run goes on after the projectile has stopped, so that the block comes to rest; where not "
+        "given, the run ends with the dent as it is then", "s", "1 ms", zero=True, most="10 ms",
+    ) = None  # fmt: skip
 
 
 class RunTable(Table):
@@ -358,7 +362,7 @@ class RunTable(Table):
     """
 
     end_time: quantity(
-        "latest end of the run; it ends earlier when the projectile stops or has perforated",
+        "latest end of the run; it ends earlier when the projectile stops (see backing.after_stop) or has perforated",
         "s", "250 us", most="10 ms",
     )  # fmt: skip
     elements_per_crossover: whole(

@@ -21,7 +21,9 @@ DRAWS = replace(
     ignored=("panel.symmetry", *target.UNWRITTEN, "history"),
     rejected=build.NO_SLACK | {"accuracy": "left out with --draws, which runs the mesh of the scene"},
 )
-LIMITS = target.support(ignored=("title", *target.UNWRITTEN, "projectile.strike_velocity", "run.end_time"))
+LIMITS = target.support(
+    ignored=("title", *target.UNWRITTEN, "projectile.strike_velocity", "run.end_time", "backing.after_stop")
+)
 SENSITIVITY = target.support()
 SWEEP = target.support(
     rejected={"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"},

@@ -11,6 +11,7 @@ from shellfabric.backing import contact_kernels
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
 from shellfabric.cloth import jamming_kernels
+from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics
@@ -162,6 +163,27 @@ def test_resumes_bit_for_bit(struck, tmp_path):
     np.testing.assert_array_equal(resumed.backing.nodes, struck.backing.nodes)
     for name, values in struck.energies.items():
         np.testing.assert_array_equal(resumed.energies[name], values)
+
+
+def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
+    """The block is followed for as long as is asked. What came before the stop is the same; a limit needs no more."""
+    light = Projectile(mass=0.02e-3, radius=3e-3)
+    short = ImpactSetup(fabric, 60.0, projectile=light, **QUICK | {"end_time": 200e-6})
+    long = replace(short, backing=replace(BLOCK, after_stop=30e-6))
+    stopped, path = run(short), tmp_path / "checkpoint.h5"
+    rested = run(long, hooks=(checkpoint.Checkpoints(path, stopped.t[-1] + 10e-6),))
+    assert (stopped.outcome, rested.outcome, rested.residual_velocity) == ("stopped", "stopped", 0)
+    assert rested.t[-1] == pytest.approx(stopped.t[-1] + 30e-6, abs=2.1e-6)
+    np.testing.assert_array_equal(rested.step_history[: len(stopped.step_history)], stopped.step_history)
+    assert rested.energies["backing_kinetic"][-1] < stopped.energies["backing_kinetic"][-1]
+    assert rested.energy_error_max < 5e-3
+    march = PackSolver(long.panel(), 60.0, long.end_time)
+    checkpoint.read(march, path)
+    assert march.time > stopped.t[-1]
+    np.testing.assert_array_equal(collect_result(long, march.run()).step_history, rested.step_history)
+    cut = run(replace(long, end_time=stopped.t[-1] + 10e-6))
+    assert cut.outcome == "stopped"
+    assert ballistic_limit.shoot(long.target(), [60.0])[0].time == pytest.approx(stopped.t[-1], abs=2.1e-6)
 
 
 def test_threads_of_the_fabric_change_no_bit_and_end(fabric):
