@@ -105,7 +105,7 @@ def test_given_crimps_are_compared_with_the_thickness(tmp_path):
     assert "note: the crimps give a thickness of 0.164 mm, the file states 0.3 mm; the crimps are used" in fabric.notes
 
 
-def test_all_that_is_wrong_is_told_at_once(tmp_path):
+def test_all_that_is_wrong_is_reported_at_once(tmp_path):
     text = TWARON
     for old, new in (
         ('thickness = "0.30 mm"', 'thicknes = "0.30 mm"'), ("205 g/m^2", "205 kg"), ('"930 dtex"', '"930 detx"'),

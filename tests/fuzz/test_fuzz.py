@@ -62,7 +62,7 @@ def sleep_or_die(what):
     return {"outcome": what}
 
 
-def test_processes_that_hang_or_die_are_told():
+def test_processes_that_hang_or_die_are_reported():
     tasks = [("ok",), ("die",), ("ok",), ("sleep",), ("ok",)]
     found = list(pool.outcomes(sleep_or_die, tasks, jobs=2, limit=20))
     assert sorted(row["outcome"] for _, row in found) == ["crash", "ok", "ok", "ok", "timeout"]

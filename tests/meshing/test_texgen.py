@@ -245,7 +245,7 @@ def test_a_twill_makes_no_fabric_file(files, tmp_path, command):
     assert not (tmp_path / "mine.toml").exists()
 
 
-def test_values_of_the_user_replace_those_of_texgen_and_what_is_missing_is_told(files, tmp_path, command):
+def test_values_of_the_user_replace_those_of_texgen_and_what_is_missing_is_reported(files, tmp_path, command):
     (tmp_path / "rest.csv").write_text(REST + "crimp,2 %,1.5 %\n")
     assert command("fabrics", "new", "a.toml", "--texgen", files["unbalanced"], "--from", "rest.csv")[0] == 0
     assert catalogue.load(tmp_path / "a.toml").weave.warp.crimp == pytest.approx(0.02)

@@ -41,7 +41,7 @@ HEADS = ("outcome", "velocity at the end, m/s", "failed segments", "tension at f
          "bending, %", "energy error, %", "wall time, s")  # fmt: skip
 
 
-def cloth(name: str = FABRIC) -> Fabric:
+def woven(name: str = FABRIC) -> Fabric:
     """The fabric with all that the two options need."""
     fabric = assumed.with_shear(with_linear_density(catalogue.load(name)))
     return assumed.with_fibre_diameter(assumed.with_strain_rate(fabric))
@@ -69,7 +69,7 @@ def setup(velocity: float, option: str, fabric: Fabric | None = None, **changes:
     Either alone is run with data of the other that change no digit (tests/shellfabric/impact/test_strength.py), so that
     two variants of the kernels do for all.
     """
-    (rate, nose), fabric = OPTIONS[option], fabric or cloth()
+    (rate, nose), fabric = OPTIONS[option], fabric or woven()
     fabric = replace(fabric, strain_rate=fabric.strain_rate if rate else RateLaw((1.0,), (1.0,)))
     fabric = replace(fabric, fibre_diameter=fabric.fibre_diameter if nose else 1e-300)
     used = rate or nose
@@ -107,7 +107,7 @@ def of_options(plies: int, velocities: Sequence[float]) -> list[Sequence[str]]:
 
 def of_limits() -> list[Sequence[str]]:
     """Critical velocity of one ply with each option; and with the rate alone where the modulus stays."""
-    plain = cloth()
+    plain = woven()
     assert plain.strain_rate is not None
     slow = replace(plain, strain_rate=replace(plain.strain_rate, modulus=()))
     rows: list[Sequence[str]] = [("option", "critical velocity, m/s")]
@@ -131,7 +131,7 @@ def of_meshes(velocity: float) -> list[Sequence[str]]:
 
 def of_rims(velocity: float) -> list[Sequence[str]]:
     """The same cylinder with other edges: the strain of bending that the solver finds beside that of the radius."""
-    d = cloth().fibre_diameter or 0.0
+    d = woven().fibre_diameter or 0.0
     rows: list[Sequence[str]] = [("edge radius, mm", "d / (2 R + d), %", *HEADS)]
     for radius in (0.1e-3, 0.2e-3, 0.3e-3, 0.5e-3, 1e-3, 2.7e-3):
         result = shot(velocity, "nose_bending", projectile=Projectile(edge_radius=radius))

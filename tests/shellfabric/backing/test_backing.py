@@ -382,7 +382,7 @@ def test_threads_change_no_bit():
     assert np.array_equal(found[0][1], found[1][1])
 
 
-def test_a_brick_turned_inside_out_is_told():
+def test_a_brick_turned_inside_out_is_reported():
     block = SMALL.block(1e-6)
     block.x[block.nodes[0, 0, 0], 2] += 0.05
     block.x[block.nodes[1, 1, 0], 2] += 0.05
@@ -412,6 +412,6 @@ def test_the_grid_grows_as_asked():
         lambda: Backing().block(1.0),
     ],
 )
-def test_bad_input_is_told(make):
+def test_bad_input_is_reported(make):
     with pytest.raises(InputError):
         make()

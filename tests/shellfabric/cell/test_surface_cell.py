@@ -43,7 +43,7 @@ def test_surface_of_a_law_gives_the_table_of_the_law(fabric, form):
     assert table.values["W"][part] == pytest.approx(law.values["W"][part], abs=5e-3 * law.values["W"].max())
 
 
-def test_what_no_potential_has_is_told(fabric):
+def test_what_no_potential_has_is_reported(fabric):
     """The equilibrium form's forces are no gradient: the fit finds that, and by how much."""
     places = axis(-12, 36, 25), axis(-12, 30, 29)
     some, none = (

@@ -42,7 +42,7 @@ def test_a_chain_finds_its_equilibrium():
     assert states[-1].residual <= 1e-9
 
 
-def test_what_does_not_settle_is_told_and_kept():
+def test_what_does_not_settle_is_reported_and_kept():
     x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
     with pytest.raises(
         UnstableError, match=r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load"

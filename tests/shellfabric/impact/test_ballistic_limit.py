@@ -91,7 +91,7 @@ def test_shots_in_vain_are_given_up(pretend, monkeypatch, small):
     assert given_up == [120.0]
 
 
-def test_two_limits_are_told():
+def test_two_limits_are_reported():
     shots = (made_up(100.0, "stopped"), made_up(110.0, "perforated"), made_up(130.0, "stopped"))
     assert not Limit(100.0, 110.0, shots).single
     assert Limit(100.0, 110.0, shots[:2]).single

@@ -105,7 +105,7 @@ def test_a_lay_up_that_does_not_fit_is_refused():
         replace(SETUP, plies=2, lay_up=(Ply(SETUP.fabric),) * 3)
 
 
-def test_a_lay_up_is_told_as_a_whole():
+def test_a_lay_up_is_reported_as_a_whole():
     """Name, areal density, fabrics and gap are those of all plies, not of the first."""
     one, other = Ply(SETUP.fabric), Ply(catalogue.load("S-726"))
     mixed = laid(one, other, other)

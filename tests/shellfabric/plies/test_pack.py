@@ -292,7 +292,7 @@ def test_an_unstable_pack_says_where(ply):
     assert march.reason == NOT_FINITE
 
 
-def test_bad_packs_are_told(ply):
+def test_bad_packs_are_reported(ply):
     with pytest.raises(InputError, match="plies"):
         Pack(())
     with pytest.raises(InputError, match="gaps"):

@@ -254,6 +254,6 @@ def test_contact_time_does_not_know_how_sharp_the_first_peak_is():
         lambda: load("wood"),
     ],
 )
-def test_bad_input_is_told(make):
+def test_bad_input_is_reported(make):
     with pytest.raises(InputError):
         make()

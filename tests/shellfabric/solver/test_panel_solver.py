@@ -63,7 +63,7 @@ def snapping(**wrong):
     return march.run()
 
 
-def test_what_a_snap_costs_is_told_by_the_slopes():
+def test_what_a_snap_costs_is_reported_by_the_slopes():
     """The trapezoid of a step works more on a yarn that snaps taut than the yarn stores.
 
     By 0.17 % of the strike energy here: nine tenths of it are found from the slopes of the forces alone, and what is

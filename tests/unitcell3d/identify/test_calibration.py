@@ -147,7 +147,7 @@ def test_an_interrupted_calibration_goes_on_to_the_same_bits(s720, tmp_path):
     assert finer.names == [*SMALL["paths"]]
 
 
-def test_friction_reaches_the_law_and_is_told(s720, tmp_path):
+def test_friction_reaches_the_law_and_is_reported(s720, tmp_path):
     """Yarns that stick to each other press harder on each other; what a law was made with stands beside it."""
     without = calibrate(s720, executor=Here(), out=tmp_path, **SMALL)
     with_it = calibrate(s720, executor=Here(), out=tmp_path, resume=True, friction=0.3, **SMALL)

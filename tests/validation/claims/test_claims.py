@@ -99,7 +99,7 @@ def test_a_bad_claim_is_refused(change):
         data._claim(good | change)
 
 
-def test_topics_select_and_slow_claims_are_told_apart():
+def test_topics_select_and_slow_claims_are_reported_apart():
     chosen, left = data.select(data.load(), ("gap", "bias"))
     assert {entry.topic for entry in chosen} == {"gap", "bias"}
     assert not left
@@ -271,7 +271,7 @@ def test_a_broken_check_is_tried_again(bench, tmp_path, monkeypatch):
     assert record.verdict == judge.REPRODUCED
 
 
-def test_slow_claims_left_out_are_told(bench, tmp_path):
+def test_slow_claims_left_out_are_reported(bench, tmp_path):
     (slow,) = squares(2)
     (record,) = runner.validate([], tmp_path, left_out=[slow])
     assert record.verdict == judge.LEFT_OUT

@@ -505,7 +505,7 @@ def test_only_a_cut_yarn_folds(mesh):
         (lambda mesh: SolidSolver(SolidPatch(mesh, FABRIC), 0, 1e-6), "above 0"),
     ],
 )
-def test_bad_input_is_told(mesh, make, told):
+def test_bad_input_is_reported(mesh, make, told):
     with pytest.raises(InputError, match=told):
         make(mesh)
 

@@ -117,7 +117,7 @@ class TestSymmetry:
         tables = ladder.Tables()
         assert [ladder.simplest(one, tables).symmetry for one in (along_weft, across)] == ["half", "whole"]
 
-    def test_other_faults_are_told(self):
+    def test_other_faults_are_reported(self):
         with pytest.raises(InputError, match="opening"):
             ladder.simplest(replace(SETUP, opening=0.005), ladder.Tables())
 

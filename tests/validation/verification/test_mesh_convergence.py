@@ -43,7 +43,7 @@ def test_finest_three_of_more():
         ([114.0, 116.0, 117.1], 0.16, "below 0.5"),
     ],
 )
-def test_irregular_values_are_told(values, order, told):
+def test_irregular_values_are_reported(values, order, told):
     """No order is claimed where there is none, and the limit comes from a fit with its scatter."""
     found = extrapolate(SIZES, values)
     assert told in found.remark

@@ -44,7 +44,7 @@ def test_edges_are_found_and_margins_are_ratios():
     assert above.enough
 
 
-def test_a_default_near_the_edge_and_one_outside_are_told():
+def test_a_default_near_the_edge_and_one_outside_are_reported():
     near = explored(made_up(default=(2.5, "only"), x=Axis("x", (1.0, 2.5, 8.0)), sides=(ABOVE,))).edges[0]
     assert near.margin == pytest.approx(1.2, rel=0.01)
     assert not near.enough
@@ -59,7 +59,7 @@ def test_an_edge_that_is_not_met_is_at_least_the_end_of_the_axis():
     assert edge.margin == 2.0
 
 
-def test_margins_are_told_in_the_unit_that_the_axis_names():
+def test_margins_are_reported_in_the_unit_that_the_axis_names():
     from validation.verification.stability import page
 
     found = explored(made_up(x=Axis("x [mm]", (0.0, 0.05, 0.5, 1.0, 2.0, 8.0), unit=1e-3)))

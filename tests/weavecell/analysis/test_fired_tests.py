@@ -49,7 +49,7 @@ def test_a_table_is_read_in_any_unit_and_order(tmp_path):
         ("CP, 432, 40", "CP, 432", "line 4 = 'CP, 432': must be 3 values"),
     ],
 )
-def test_a_wrong_table_is_told_in_one_line(tmp_path, old, new, told):
+def test_a_wrong_table_is_reported_in_one_line(tmp_path, old, new, told):
     with pytest.raises(InputError) as problem:
         read(tmp_path, TABLE.replace(old, new))
     assert told in str(problem.value)

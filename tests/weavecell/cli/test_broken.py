@@ -161,7 +161,7 @@ def test_every_broken_file_is_tested():
     assert names == set(SCENES) | set(OTHERS) | set(FABRIC_FILES) | {"fabric-no-3d-data", "three-errors"}
 
 
-def test_all_errors_of_a_scene_are_told_at_once(command, tmp_path):
+def test_all_errors_of_a_scene_are_reported_at_once(command, tmp_path):
     """The mistyped key leaves the right one missing, which is not told again."""
     file = BROKEN / "three-errors.toml"
     code, out, err = command("impact", file)

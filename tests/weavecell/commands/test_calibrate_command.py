@@ -149,7 +149,7 @@ def test_one_fabric_from_its_platen_curve(command, tmp_path, monkeypatch, fitted
     assert "What it leaves open makes a of the law" in (tmp_path / "c" / "report.html").read_text()
 
 
-def test_one_fabric_is_told_with_intervals_and_spread(command, tmp_path, monkeypatch):
+def test_one_fabric_is_reported_with_intervals_and_spread(command, tmp_path, monkeypatch):
     run = solver.calibrate
     monkeypatch.setattr(solver, "calibrate", lambda fabric, size, **more: run(fabric, size=(2, 2, 2), **SMALL, **more))
     code, out, err = command("calibrate", "S-720", "--mesh", "coarse", "--jobs", "1", "--out", "c")

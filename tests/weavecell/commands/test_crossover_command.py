@@ -23,7 +23,7 @@ def told(folder):
     return json.loads((folder / "case.json").read_text())
 
 
-def test_yarn_is_pulled_and_told(command, tmp_path):
+def test_yarn_is_pulled_and_reported(command, tmp_path):
     code, out, err = command("crossover", "S-720", "--case", "yarn", "--yarn", "weft", "--mesh", "3,2,2", "--out", "c")
     assert code == 0, err
     folder = tmp_path / "c"

@@ -69,7 +69,7 @@ def test_demonstration(command, tmp_path):
     assert again.velocity.tobytes() == first.velocity.tobytes()
 
 
-def test_calibration_is_written_and_told(command, tmp_path):
+def test_calibration_is_written_and_reported(command, tmp_path):
     code, out, _ = command("calibrate", "S-720", "--mesh", "coarse", "--out", "calibration")
     folder = tmp_path / "calibration"
     assert code == 0

@@ -16,7 +16,7 @@ def scene(tmp_path):
     return path
 
 
-def test_the_promise_is_told_and_kept(command, scene, tmp_path):
+def test_the_promise_is_reported_and_kept(command, scene, tmp_path):
     """The residual velocity is as near to that of the full model, run beside it by hand, as the scene wants."""
     code, out, err = command("impact", scene, "--out", "results")
     assert code == 0, err

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("gmsh")
 
 
-def test_mesh_is_written_and_told(command, tmp_path):
+def test_mesh_is_written_and_reported(command, tmp_path):
     code, out, _ = command("mesh", "S-720", "--mesh", "coarse", "--out", "mesh")
     assert code == 0
     folder = tmp_path / "mesh"

@@ -110,7 +110,7 @@ def test_a_hybrid_pack_says_what_it_is_made_of(command, scene, tmp_path):
     assert command("view", "results", "--screenshot", "pack.png")[0] == 0
 
 
-def test_a_pack_of_any_angles_is_told_and_drawn(command, scene, tmp_path, monkeypatch):
+def test_a_pack_of_any_angles_is_reported_and_drawn(command, scene, tmp_path, monkeypatch):
     """Backing, histories, pictures and checkpoint of a hybrid pack at 0, 30 and -45 degrees before a block."""
     import pyvista
 
@@ -226,7 +226,7 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
         ),
     ],
 )  # fmt: skip
-def test_bad_packs_are_told_in_one_line(command, scene, tmp_path, panel, extra, told):
+def test_bad_packs_are_reported_in_one_line(command, scene, tmp_path, panel, extra, told):
     path = scene(panel, extra=extra)
     path.write_text(path.read_text().replace("plies = 3\n", ""))
     code, _, err = command("impact", path, "--out", "r")

@@ -121,7 +121,7 @@ def test_text_is_escaped(page):
     assert "a &lt; b" in page
 
 
-def test_every_source_is_told(page):
+def test_every_source_is_reported(page):
     for key, entry in catalogue.load("S-720").sources.items():
         assert f'<td data-column="key">{key}</td>' in page
         assert f'<td data-column="value">{entry["value"]}</td>' in page

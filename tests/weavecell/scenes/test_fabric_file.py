@@ -114,7 +114,7 @@ def test_numbers_of_a_data_sheet_are_enough(command, tmp_path, values):
         assert word in out[out.index("what is assumed") : out.index("where each number comes from")]
 
 
-def test_all_bad_values_are_told_at_once(command, tmp_path, values):
+def test_all_bad_values_are_reported_at_once(command, tmp_path, values):
     text = SHEET.replace("linear_density,930 dtex", "linear_density,930 detx").replace("thickness", "thikness")
     text = text.replace("95 GPa,,data sheet", "95 kg,96 kg,data sheet").replace("count,11 / cm,,data sheet\n", "")
     values.write_text(
