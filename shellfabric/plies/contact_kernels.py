@@ -9,7 +9,7 @@ flies, t the mean thickness of the two plies:
 with the law p (`plies.law_kernels`) and the area A of the point. -f n acts on the nodes of the front ply by their
 weights in x, f n on those of the rear ply by their weights in y: the sum is zero to the last digits. Which side of the
 fabric a point is on, the offset, failed yarns: docs/theory-panel.md, "Packs: contact between plies". What would be
-squeezed by more than MAX_SQUEEZE t is stopped (`plies.point_kernels.stop_deep_points`). Fabric that came through all
+squeezed by more than MAX_SQUEEZE t is stopped (`plies.squeeze_kernels`). Fabric that came through all
 the same, where depth > t, is counted, and ends the run. Naive forms, for comparison: nodes of the front ply against the
 bilinear facets of the rear one (FACETS), or against the node there, along z (NODES).
 
@@ -59,7 +59,7 @@ from shellfabric.plies.contact_simd_kernels import (
 from shellfabric.plies.graded_kernels import add_line_offset, add_middle_offset, place_in_elements
 from shellfabric.plies.normal_force_kernels import clear_normal_forces
 from shellfabric.plies.ply_friction_kernels import friction_forces
-from shellfabric.plies.point_kernels import contact_point, stop_deep_points
+from shellfabric.plies.point_kernels import contact_point
 from shellfabric.plies.surface_kernels import SMOOTH, point_number
 from shellfabric.plies.turn_kernels import turned_back
 
@@ -185,6 +185,7 @@ def contact_forces(front, fc, rear, rc, pair, step):
         pair.max_speed[0] = scan_deflections(front, fc, pair.min_deflection, pair.front_box)
         pair.max_speed[1] = scan_deflections(rear, rc, pair.min_deflection, pair.rear_box)
     mark_torn(front, fc, rear, rc, pair)
+    pair.deep_count[0] = 0
     taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
     taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, True)
     i0, i1, j0, j1 = candidate_window(pair, fc, rc)
@@ -214,7 +215,6 @@ def contact_forces(front, fc, rear, rc, pair, step):
                 if depth > pair.energy[MAX_DEPTH]:
                     pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
         friction_forces(pair.friction_state, front, fc, rear, rc, pair, start, end)
-    stop_deep_points(front, fc, rear, rc, pair, None, None)
     apply_symmetry(fc, pair.f_front, pair.front_window)
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
@@ -223,10 +223,10 @@ def contact_forces(front, fc, rear, rc, pair, step):
 
 
 @kernel(_nrt=False, forceinline=True)
-def contact_forces_back(front, fc, rear, rc, pair, near, step):
-    """As `contact_forces`, for the points beside torn fabric of a ply that lies behind, on the one before it; `near` is
-    the pair of the latter's points."""
+def contact_forces_back(front, fc, rear, rc, pair, step):
+    """As `contact_forces`, for the points beside torn fabric of a ply that lies behind, on the one before it."""
     mark_torn(front, fc, rear, rc, pair)
+    pair.deep_count[0] = 0
     if pair.torn_counts[1] == 0:
         return
     taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
@@ -241,7 +241,6 @@ def contact_forces_back(front, fc, rear, rc, pair, near, step):
             if depth > pair.energy[MAX_DEPTH]:
                 pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
             friction_forces(pair.friction_state, front, fc, rear, rc, pair, q, q + 1)
-    stop_deep_points(front, fc, rear, rc, pair, near.f_rear, near.f_front)
     apply_symmetry(fc, pair.f_front, pair.front_window)
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)

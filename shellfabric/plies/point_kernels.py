@@ -42,8 +42,7 @@ from shellfabric.plies.surface_kernels import (
 )
 from shellfabric.plies.turn_kernels import turned, turned_back
 
-_STOP_SWEEPS = 4
-_PUSH_OUT = 0.2  # of what a point is squeezed too far, in a step
+_NEAR_SQUEEZE = MAX_SQUEEZE - 0.15  # [thicknesses] from which other plies may push a point past the bound in a step
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -214,9 +213,9 @@ def update_spring(pair, q, depth, made, jump, before, touches, lost, sure):
 
 @kernel(_nrt=False, forceinline=True)
 def spring_force(fc, pair, q, a, b, depth, closing, torn):
-    """Force [N] on a point that touches, and the energy [J] in its spring; lists it for `stop_deep_points`."""
+    """Force [N] on a point that touches, and the energy [J] in its spring; lists it for `squeeze_kernels`."""
     squeezed, part = depth - pair.depth_offset[q], 0.5 if torn else 1.0
-    if pair.surface_form == SMOOTH and squeezed + closing * fc.dt > MAX_SQUEEZE * pair.thickness:
+    if pair.surface_form == SMOOTH and squeezed + closing * fc.dt > _NEAR_SQUEEZE * pair.thickness:
         pair.deep_points[pair.deep_count[0]] = q
         pair.deep_count[0] += 1
     pair.energy[MAX_COMPRESSION] = max(pair.energy[MAX_COMPRESSION], squeezed)
@@ -305,51 +304,3 @@ def contact_point(front, fc, rear, rc, pair, q, often):
         scatter_vector(pair.f_front, k, fc.row_stride, -f, back, w_front)
         scatter_vector(pair.f_rear, K, rc.row_stride, f, n, w_rear)
     return energy, depth
-
-
-@kernel(_nrt=False)
-def stop_deep_points(front, fc, rear, rc, pair, on_front, on_rear):
-    """Keep the points in `pair.deep_points` from being squeezed by more than the share MAX_SQUEEZE of the thickness.
-
-    Equations: docs/theory-panel.md, "Packs: contact between plies". `on_front` and `on_rear` are the nodal forces of
-    the other ply's own points, or None.
-    """
-    for _ in range(_STOP_SWEEPS):
-        for q in pair.deep_points[: pair.deep_count[0]]:
-            _, a, b = point_place(fc, pair, q)
-            _, i, j, k, w_front = front_point(front, fc, pair, a, b)
-            A, B = pair.closest_point[0][q], pair.closest_point[1][q]
-            form = pair.surface_form if intact_about(rear, rc, A, B) else FACETS
-            I, J, K, w_rear, _, _, _ = rear_surface(rear, rc, form, A, B)
-            n = pair.normal[0][q], pair.normal[1][q], pair.normal[2][q]
-            back = in_front_frame(pair, n)
-            speed, kick = predicted_speed(front, fc.row_stride, pair.f_front, on_front, k, w_front, back)
-            rear_speed, rear_kick = predicted_speed(rear, rc.row_stride, pair.f_rear, on_rear, K, w_rear, n)
-            room = MAX_SQUEEZE * pair.thickness - (pair.last_depth[q] - pair.depth_offset[q])
-            excess = speed - rear_speed - (room if room > 0.0 else _PUSH_OUT * room) / fc.dt
-            if excess > 0.0 and kick + rear_kick > 0.0:
-                f = excess / (kick + rear_kick)
-                grow_window(pair.front_window, i, j, 3)
-                grow_window(pair.rear_window, I, J, 3)
-                scatter_vector(pair.f_front, k, fc.row_stride, -f, back, w_front)
-                scatter_vector(pair.f_rear, K, rc.row_stride, f, n, w_rear)
-    pair.deep_count[0] = 0
-
-
-@kernel(_nrt=False, forceinline=True)
-def predicted_speed(state, s, force, other, k, weights, n):
-    """Of a point of a surface, along n: its velocity [m/s] after a step by the ply's own forces, the nose's and those
-    given (`other` may be None), and the velocity [m/s] that a force of 1 N there makes in a step."""
-    (a0, a1, a2, a1x), (b0, b1, b2, b1y) = weights
-    speed, made = 0.0, 0.0
-    for i, (a, ax) in enumerate(((a0, a0), (a1, a1x), (a2, a2))):
-        for j, (b, by) in enumerate(((b0, b0), (b1, b1y), (b2, b2))):
-            m = k + np.uint64(i * s + j)
-            kick = state.dt_over_mass[m]
-            for c, w in enumerate((n[0] * ax * b, n[1] * a * by, n[2] * a * b)):
-                total = state.f_int[c][m] + state.f_int_above[c][m] + state.f_contact[c][m] + force[c][m]
-                if other is not None:
-                    total += other[c][m]
-                speed += w * (state.v[c][m] + kick * total)
-                made += kick * w * w
-    return speed, made

@@ -37,6 +37,7 @@ from shellfabric.plies.contact_kernels import (
     forces_on,
     neighbour_force,
 )
+from shellfabric.plies.squeeze_kernels import stop_deep_points
 from shellfabric.plies.turn_kernels import turn_of, turned, turned_back
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 from shellfabric.sliding import slip_kernels
@@ -164,7 +165,7 @@ def step_pairs(states, consts, pairs, stack, me, count):
             )
             near, back = borrowed_item(pairs, p), borrowed_item(pairs, len(pairs) // 2 + p)
             contact_forces(front, fc, rear, rc, near, step)
-            contact_forces_back(rear, rc, front, fc, back, near, step)
+            contact_forces_back(rear, rc, front, fc, back, step)
 
 
 @kernel(_nrt=False)
@@ -374,6 +375,7 @@ def run_thread(states, consts, pairs, stops, slips, stack, works, history, share
             implicit_nose_contact(states, consts, pairs, stack, works, me, count)
             barrier_wait(shared, count)
             if me == 0:
+                stop_deep_points(states, consts, pairs)
                 torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
         if slips is not None:
             barrier_wait(shared, count)

@@ -10,12 +10,14 @@ from scipy.optimize import minimize
 from fabrics import catalogue
 from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
+from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import contact_kernels as kernels
 from shellfabric.plies import contact_simd_kernels as lanes
 from shellfabric.plies import surface_kernels as surface
 from shellfabric.plies.model import Pack, PlyContact
+from shellfabric.plies.squeeze_kernels import stop_deep_points
 
 # soft, stiffer, then solid fibre; the second sample is on a line of the kernels' table
 LAW = PlyLaw([0.0, 20e-6, 40e-6], [0.0, 1e6, 19e6], 1.4e13)
@@ -343,13 +345,36 @@ def placed(states, consts, pair, height, step, moved=True):
     return sum(pair.f_front[2])
 
 
-def flat(ply, **knobs):
-    """Two flat plies at rest, the front one in touch by a tenth of its thickness."""
-    pack = Pack.stacked(ply, 2, gap=0.0, contact=PlyContact(damping=0.0, **knobs))
+def at_rest(ply, plies, **knobs):
+    """States, Constants and pairs of flat plies without gaps."""
+    pack = Pack.stacked(ply, plies, gap=0.0, contact=PlyContact(damping=0.0, **knobs))
     states, _ = pack.states(1.0)
     consts = pack.constants()
-    pair = pack.pairs(consts, states)[0]
-    pair.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
+    pairs = pack.pairs(consts, states)
+    for pair in pairs:
+        pair.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
+    return states, consts, pairs
+
+
+def fly(states, consts, pairs, steps):
+    """Move plies by the forces between them, each pair's first points alone."""
+    lists = [Items(part) for part in (states, consts, pairs)]
+    for step in range(steps):
+        for p, pair in enumerate(pairs[: len(pairs) // 2]):
+            kernels.contact_forces(states[p], consts[p], states[p + 1], consts[p + 1], pair, step)
+        stop_deep_points(*lists)
+        for p, pair in enumerate(pairs[: len(pairs) // 2]):
+            for ply, force in ((p, pair.f_front), (p + 1, pair.f_rear)):
+                for c in range(3):
+                    states[ply].v[c][:] += states[ply].dt_over_mass * force[c]
+        for state, const in zip(states, consts):
+            for c in range(3):
+                state.u[c][:] += const.dt * state.v[c]
+
+
+def flat(ply, **knobs):
+    """Two flat plies at rest, the front one in touch by a tenth of its thickness."""
+    states, consts, (pair, _) = at_rest(ply, 2, **knobs)
     placed(states, consts, pair, 0.1 * pair.thickness, 0)
     assert (pair.status[: pair.near_torn.size] == lanes.IN_CONTACT).all()
     return states, consts, pair
@@ -490,24 +515,29 @@ def test_whole_cloth_that_comes_through_is_pushed_back_and_counted(ply):
 
 def test_a_narrow_bump_is_stopped_before_it_comes_through(ply):
     """The mass about one point exceeds what its share of the area can stop; energy is lost and momentum is not."""
-    states, consts, pair = flat(ply, stiffness=0.01)
-    const, node = consts[0], 6 * consts[0].row_stride + 5
-    states[0].u[2][:] = states[0].v[2][:] = 0.0
+    states, consts, pairs = at_rest(ply, 2, stiffness=0.01)
+    const, pair, node = consts[0], pairs[0], 6 * consts[0].row_stride + 5
     states[0].v[2][node] = 2.5 * 0.1 * pair.thickness / const.dt  # a point above it comes nearer by 0.14 t a step
     with np.errstate(divide="ignore"):
         masses = np.where(states[0].dt_over_mass > 0, const.dt / states[0].dt_over_mass, 0.0)
     moving = lambda power: sum((masses * state.v[2] ** power).sum() for state in states)  # noqa: E731
     momentum, energy = moving(1), moving(2)
-    for step in range(40):
-        kernels.contact_forces(states[0], const, states[1], consts[1], pair, step)
-        for state, force in zip(states, (pair.f_front, pair.f_rear)):
-            for c in range(3):
-                state.v[c][:] += state.dt_over_mass * force[c]
-                state.u[c][:] += const.dt * state.v[c]
+    fly(states, consts, pairs, 40)
     assert 0.85 < pair.energy[kernels.MAX_DEPTH] / pair.thickness < 0.9
     assert pair.energy[kernels.PASSED_COUNT] == 0
     assert moving(1) == pytest.approx(momentum, rel=1e-9)
     assert moving(2) < 0.9 * energy
+
+
+def test_a_ply_that_is_pushed_pushes_the_next(ply):
+    """The front ply of eight flies at the others, by a sixth of its thickness in a step. With each pair stopped by its
+    own forces alone each of the next five came through the one behind it."""
+    states, consts, pairs = at_rest(ply, 8, stiffness=0.01)
+    nodes = (consts[0].ni + 1) * consts[0].row_stride
+    states[0].v[2][:nodes] = pairs[0].thickness / (6 * consts[0].dt)
+    fly(states, consts, pairs, 100)
+    depths = [pair.energy[kernels.MAX_DEPTH] / pair.thickness for pair in pairs[:7]]
+    assert 0.84 < min(depths) < max(depths) < 0.87
 
 
 def test_beside_torn_cloth_both_plies_have_points(ply):
@@ -522,7 +552,7 @@ def test_beside_torn_cloth_both_plies_have_points(ply):
 
     def step(number):
         kernels.contact_forces(states[0], consts[0], states[1], consts[1], near, number)
-        kernels.contact_forces_back(states[1], consts[1], states[0], consts[0], back, near, number)
+        kernels.contact_forces_back(states[1], consts[1], states[0], consts[0], back, number)
         return sum(near.f_rear[2][:n]), sum(back.f_front[2][:n])
 
     whole, none = step(0)
