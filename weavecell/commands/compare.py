@@ -50,8 +50,8 @@ def compare(
     measured, residual velocity, each speed with its unit in the heading: "velocity \[m/s]". The shots are fired at the
     target at these velocities, and its critical velocity is found, on the mesh of the scene.
 
-    Of a scene these keys are ignored: title, projectile.strike_velocity, run.end_time, run.snapshot_interval,
-    run.checkpoint_interval, run.outputs. \[history] and \[accuracy] are rejected.
+    Of a scene these keys are ignored: title, projectile.strike_velocity, run.end_time, backing.after_stop,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs. \[history] and \[accuracy] are rejected.
 
     The folder then holds comparison.json, shots.csv, comparison.svg and scene.toml.
     """

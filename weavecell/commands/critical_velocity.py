@@ -76,8 +76,8 @@ def critical_velocity(
     --strict). --scan-above "0 %" --scan-below "0 %" leave the scan out.
 
     A fabric is shot at as in the tests of the thesis. Of a scene these keys are ignored: title,
-    projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs.
-    \\[history] and \\[accuracy] are rejected.
+    projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
+    run.outputs. \\[history] and \\[accuracy] are rejected.
 
     The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.
     """

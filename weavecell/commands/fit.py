@@ -71,7 +71,7 @@ def fit(
     Platens give E_c, V_c and K_r of the yarns in 3D, without --free.
 
     Ignored keys of the input file: title, run.snapshot_interval, run.checkpoint_interval, run.outputs, and with shots
-    projectile.strike_velocity and run.end_time; \[history] and \[accuracy] are rejected.
+    projectile.strike_velocity, run.end_time and backing.after_stop; \[history] and \[accuracy] are rejected.
 
     The folder then holds fit.json, fit.csv, fit.svg, scene.toml, and with fitted values fitted.toml and fabric.toml.
     """

@@ -55,8 +55,8 @@ def sweep(
     """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50 of each.
 
     All combinations are checked before the first is computed. Ignored keys of the input file: title,
-    run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50 projectile.strike_velocity and
-    run.end_time; \\[history] and \\[accuracy] are rejected.
+    run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50 projectile.strike_velocity,
+    run.end_time and backing.after_stop; \\[history] and \\[accuracy] are rejected.
 
     The folder then holds sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies), scene.toml, and
     sweep.parquet where pyarrow is installed.

@@ -147,10 +147,11 @@ def v50(
 ) -> None:
     """V0, V50 and V100 of panels or packs whose yarns differ in strength, by repeated shots, with intervals.
 
-    What is not given of the scatter is taken from weavecell/analysis/uncertainty/inputs.toml. Without scatter V50 is
-    the critical velocity. A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g and
-    5.5 mm. Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
-    run.snapshot_interval, run.checkpoint_interval, run.outputs; \\[history] and \\[accuracy] are rejected.
+    What is not given of the scatter is taken from weavecell/analysis/uncertainty/inputs.toml. Without scatter V50
+    is the critical velocity. A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g
+    and 5.5 mm. Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; \\[history] and \\[accuracy]
+    are rejected.
 
     The folder then holds v50.html, .csv, .json, .png, shots.csv and scene.toml.
     """
