@@ -185,7 +185,7 @@ class ExplicitSolver:
 
     @property
     def residual_velocity(self) -> float:
-        """[m/s] along the normal at the end; 0 of a stopped projectile, which has just turned back in the last step."""
+        """[m/s] along the normal at the end; 0 of a stopped projectile, which has turned back."""
         return 0.0 if self.outcome == OUTCOMES[STOPPED] else float(self.sample("v")[-1])
 
     @property

@@ -10,7 +10,7 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, fabs, fma, greater, load, masked_store, where
 
 STEP, IDLE, FAILURES = 0, 1, 2  # of state.counter
-TURNED = 2  # of stack.counter, in the place of FAILURES: steps until the projectile turned back, in a run that goes on
+TURNED = 2  # of stack.counter: steps up to the stop of the projectile where the run goes on after it, else 0
 AT_REST = -1  # of state.counter[STEP], until the initial forces are computed
 _MIN_VELOCITY = 1e-60
 

@@ -45,14 +45,15 @@ def stop_deep_points(states, consts, pairs):
 
 @kernel(_nrt=False, forceinline=True)
 def plies_of(number, pairs):
-    """Numbers of the plies (front, rear) of a pair by its number: those whose points the ply behind has come last."""
+    """Plies (whose points, on whose surface) of a pair by number: first all pairs with the points of the ply before,
+    then all with those of the ply behind."""
     p = number % (pairs // 2)
     return (p, p + 1) if number < pairs // 2 else (p + 1, p)
 
 
 @kernel(_nrt=False)
 def book_work(states, consts, pairs, number, sign):
-    """Half a step's work of the forces of a pair with listed points, added `sign` times to what it has taken."""
+    """Book half a step's work of the forces of a pair with listed points; sign -1 takes a booking back."""
     pair, (p, q) = borrowed_item(pairs, number), plies_of(number, len(pairs))
     if pair.deep_count[0] > 0:
         front, fc = borrowed_item(states, p), borrowed_item(consts, p)
