@@ -16,7 +16,7 @@ from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.jit import compile_in_child
 from shellfabric.jit.compile_in_child import COUNTERS, HISTORY, INDEX, NUMBER, VECTOR, type_of
 from shellfabric.panel import element_kernels, motion_kernels, quality_kernels
-from shellfabric.plies import contact_kernels, torn_contact_kernels
+from shellfabric.plies import contact_kernels, squeeze_kernels, torn_contact_kernels
 from shellfabric.projectile import bar_kernels, window_kernels
 from shellfabric.projectile import contact_kernels as nose_kernels
 from shellfabric.solver import ply_kernels, step_kernels
@@ -43,7 +43,8 @@ def begin(states: Any, consts: Any, pairs: Any, stops: Any, stack: Any, works: A
         contact.append((step_kernels.implicit_nose_contact, (*all_of, type_of(works), INDEX, INDEX)))
         first = [forces + contact, [
             (contact_kernels.contact_forces, (state, const, state, const, pair, INDEX)),
-            (contact_kernels.contact_forces_back, (state, const, state, const, pair, pair, INDEX)),
+            (contact_kernels.contact_forces_back, (state, const, state, const, pair, INDEX)),
+            (squeeze_kernels.stop_deep_points, lists),
             (torn_contact_kernels.enforce_constraints, (*all_of, type_of(stops))),
         ]]  # fmt: skip
     others = map(type_of, (stops, None, stack, works))
