@@ -1,8 +1,9 @@
 """Points of contact between plies that a step would squeeze by more than the share MAX_SQUEEZE of the thickness.
 
-`point_kernels.spring_force` lists them. Each gets the force that leaves it at the bound after the step, from the
-velocities that all forces on both plies make (docs/theory-panel.md, "Packs: contact between plies"). A ply that is
-pushed pushes the next: all pairs are swept in turn, from the front to the rear and back (Gauss-Seidel).
+`point_kernels.spring_force` lists them, with those that are near the bound, past which other plies may push them in the
+same step. An additional force holds a point at the bound, computed from the velocities after the step by all forces on
+both plies (docs/theory-panel.md, "Packs: contact between plies"). A ply that is pushed pushes the next: all pairs are
+swept in turn, from the front to the rear and back (Gauss-Seidel).
 """
 
 import numpy as np

@@ -166,7 +166,7 @@ def test_resumes_bit_for_bit(struck, tmp_path):
 
 
 def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
-    """The block is followed for as long as is asked. What came before the stop is the same; a limit needs no more."""
+    """The run goes on for `after_stop`. What came before the stop is the same; a limit needs no more."""
     light = Projectile(mass=0.02e-3, radius=3e-3)
     short = ImpactSetup(fabric, 60.0, projectile=light, **QUICK | {"end_time": 200e-6})
     long = replace(short, backing=replace(BLOCK, after_stop=30e-6))

@@ -39,7 +39,7 @@ def test_without_viscosity_a_ring_is_followed():
     assert shares[0] <= 1.22 / 0.9 / 1.5
 
 
-def test_taut_cloth_is_reported_from_crimped():
+def test_taut_cloth_is_distinguished_from_crimped():
     straight = CellModel(variants.with_straight_yarns(FABRIC), model="decoupled").table(26)
     assert straight.tautness() > 0.95
     assert panel().table.tautness() < 0.35

@@ -99,7 +99,7 @@ def test_a_bad_claim_is_refused(change):
         data._claim(good | change)
 
 
-def test_topics_select_and_slow_claims_are_reported_apart():
+def test_topics_select_and_slow_claims_are_distinguished():
     chosen, left = data.select(data.load(), ("gap", "bias"))
     assert {entry.topic for entry in chosen} == {"gap", "bias"}
     assert not left

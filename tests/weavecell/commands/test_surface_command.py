@@ -12,7 +12,7 @@ from fabrics.surface import ResponseSurface
 OPTIONS = ("--mesh", "coarse", "--points", "5", "--d1", "0 mm .. 0.01 mm", "--d2", "0 um .. 8 um", "--jobs", "1")
 
 
-def test_surface_is_sampled_reported_and_reported(command, tmp_path):
+def test_surface_is_sampled_and_reported(command, tmp_path):
     code, out, err = command("surface", "S-720", *OPTIONS, "--out", "s")
     assert code == 0, err
     folder = tmp_path / "s"
