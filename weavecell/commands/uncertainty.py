@@ -378,7 +378,7 @@ def _finish(
     made = f"Version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
     _write_html(out / f"{name}.html", name, title, head, rows, remarks, f"{command}. {made} {stamp['packages']}.")
     if page is not None:
-        draw(page.parent / "figures" / f"scatter-{name}.png")
+        draw(page.parent / "figures" / f"{page.stem}-{name}.png")
         _write_page(page, name, title, head, rows, remarks, f"Made by `{command}`. {made}")
     for line in remarks:
         print(line)
@@ -408,7 +408,7 @@ def _marks(name):
 def _write_page(page, name, title, head, rows, remarks, made):
     """Put a study between its marks of a Markdown page."""
     lines, table = "\n".join(f"- {line}" for line in remarks), marked_page.markdown([head, *rows])
-    content = f"\n\n![{title}](figures/scatter-{name}.png)\n\n{lines}\n\n{table}\n{made}\n\n"
+    content = f"\n\n![{title}](figures/{page.stem}-{name}.png)\n\n{lines}\n\n{table}\n{made}\n\n"
     marked_page.put(page, *_marks(name), content)
 
 

@@ -1,40 +1,12 @@
-"""The study of packs: its bisection, its files, its page."""
+"""The study of packs: its files, its page."""
 
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from validation.published.packs import __main__ as command
 from validation.published.packs import angles, study
-from validation.published.packs.study import Case, onset
-
-
-class Fake:
-    """Packs whose first yarn fails at a known velocity."""
-
-    def __init__(self, limit):
-        self.limit, self.asked = limit, []
-
-    def __call__(self, case):
-        self.asked.append(case.velocity)
-        assert case.until_failure
-        return {"failed": [4.0, 0.0] if case.velocity > self.limit else [0.0, 0.0], "outcome": "in flight"}
-
-
-@pytest.mark.parametrize("guess", [None, 100.0, 166.0, 250.0])
-@pytest.mark.parametrize("limit", [45.0, 165.0, 240.0])
-def test_onset_is_bracketed_with_or_without_a_guess(limit, guess):
-    results = Fake(limit)
-    assert onset(results, Case("S-726", 4, 0.0), guess=guess) == pytest.approx(limit, abs=study.TOLERANCE / 2)
-    if guess is not None and abs(guess / limit - 1) < 0.04:
-        assert len(results.asked) < 8
-
-
-def test_what_breaks_down_has_failed():
-    assert study.failed({"failed": [0.0], "outcome": "unstable"})
-    assert not study.failed({"failed": [0.0], "outcome": "stopped"})
 
 
 def test_numbers_of_neighbouring_plies_are_drawn_together():

@@ -41,7 +41,7 @@ def test_v50_writes_its_folder_and_page(tmp_path, page):
     assert text.endswith("<!-- end of v50 -->\nafter\n")
     assert "old" not in text
     assert "| probit | V50 |" in text
-    assert (page.parent / "figures" / "scatter-v50.png").exists()
+    assert (page.parent / "figures" / f"{page.stem}-v50.png").exists()
 
 
 def test_the_grading_of_a_v50_study(tmp_path):

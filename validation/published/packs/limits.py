@@ -1,15 +1,16 @@
 """python -m validation.published.packs.limits [PART ...] [--out FOLDER] [--page docs/reports/pack-limits.md]
 
 Ballistic limits of packs beside what is published of them: number of plies, Cunniff's scaling, the order of two
-fabrics, and one mass in one, two or four plies.
+fabrics, one mass in one, two or four plies, and friction.
 
 Published: V50^2 is a straight line in the number of plies (Prosser, Cohen and Segars, Text. Res. J. 70, 709, 2000); V50
 grows with the cube root of U* = (strength x failure strain / 2 density) x (modulus / density)^(1/2) (Cunniff 1999); the
 order of two fabrics matters at 340 and hardly at 620 m/s (10.1177/00405175231194365); two to four folded plies of 70
-g/m2 take over 7 % more energy than one ply of the same mass (10.1177/00405175221139634).
+g/m2 take over 7 % more energy than one ply of the same mass (10.1177/00405175221139634); friction raises V50 by about
+10 % (quoted in 10.1177/0040517514527376).
 
 All yarns have the strength of the data sheet, so a limit is the velocity between a stop and a perforation. Each shot is
-kept in the folder. PART: one or more of plies, cunniff, orders, mass; all by default.
+kept in the folder. PART: one or more of plies, cunniff, orders, mass, friction; all by default.
 """
 
 from __future__ import annotations
@@ -33,10 +34,13 @@ from shellfabric.impact import ballistic_limit
 from shellfabric.impact.bracket import Bracket
 from shellfabric.impact.simulation import ImpactSetup, Ply
 from shellfabric.plies.model import Pack
-from validation.program import program, publish_all, save
+from shellfabric.sliding.model import CrossoverFriction
+from validation.commits import computed
+from validation.program import marks, program, publish, save
 from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
+MODULE = "validation.published.packs.limits"
 FSP, SPHERE = "FSP 1.10 g", "sphere 5.5 mm"
 COUNTS = (2, 4, 8, 16, 32)
 SERIES = (("S-726", FSP), ("S-728", FSP), ("S-726", SPHERE), ("S-728", SPHERE))
@@ -66,6 +70,18 @@ SIZES = (  # plies, size of S-728 and mass of its yarns over those of the data s
     (4, 0.5, 0.25, 2),
     (1, 0.5, 1.0, 2),
 )
+FRICTIONS = (  # between plies, of yarns at their crossovers (None: pinned), of the projectile; elements a crossover
+    (0.0, None, 0.0, 2),
+    (0.1, None, 0.0, 2),
+    (0.2, None, 0.0, 2),
+    (0.3, None, 0.0, 2),
+    (0.0, None, 0.2, 2),
+    (0.0, None, 0.0, 1),
+    (0.0, 0.1, 0.0, 1),
+    (0.0, 0.2, 0.0, 1),
+    (0.0, 0.3, 0.0, 1),
+    (0.2, 0.2, 0.2, 1),
+)
 WIDTH = 0.02  # of a bracket over its velocity
 _STEP = 1.06  # first step from a guess
 
@@ -81,7 +97,9 @@ class Case:
     factors : of modulus, failure strain and fibre density of all yarns; linear densities stay
     size : of all lengths of the weave over those of the data sheet
     mass : of the yarns' linear density over that of the data sheet
-    elements : for each crossover about the nose; of a single ply everywhere
+    elements : for each crossover about the nose; of a single ply, and where it is 1, everywhere
+    frictions : [-] Coulomb's coefficient between plies, of yarns that slide at their crossovers (None: pinned), and of
+        the projectile
     """
 
     fabrics: tuple[str, ...]
@@ -90,6 +108,7 @@ class Case:
     size: float = 1.0
     mass: float = 1.0
     elements: int = 2
+    frictions: tuple[float, float | None, float] = (0.0, None, 0.0)
 
 
 Shots = Callable[[Case, float], dict[str, Any]]
@@ -119,11 +138,19 @@ def pack(case: Case) -> Pack:
     """The plies of a case in the clamped opening of 203 mm, on the default mesh of packs."""
     given = [changed(catalogue.load(name).with_effective_density(), case) for name in case.fabrics]
     lay_up = tuple(map(Ply, given)) if len(set(case.fabrics)) > 1 else ()
+    between, yarns, nose = case.frictions
     setup: ImpactSetup = wc.setup(
         given[0], 100.0, projectile=case.projectile, plies=len(given), numerics={"threads": 1}
     )
-    if len(given) == 1:
+    if len(given) == 1 or (case.elements == 1 and yarns is None):
         setup = replace(setup, elements_per_crossover=case.elements)
+    if any(case.frictions):
+        setup = replace(
+            setup,
+            ply_friction=between,
+            crossovers=None if yarns is None else CrossoverFriction(yarns),
+            projectile=replace(setup.projectile, friction=nose),
+        )
     return replace(setup, lay_up=lay_up).target()
 
 
@@ -234,6 +261,29 @@ def of_mass(results: Shots, folder: Path) -> str:
     return markdown(rows)
 
 
+def of_friction(results: Shots, folder: Path) -> str:
+    """Critical velocity of four plies against the friction between plies, of yarns at crossovers, and of the nose."""
+    heads = (
+        "fabric",
+        "between plies",
+        "of yarns at crossovers",
+        "of the projectile",
+        "critical velocity, m/s",
+        "change",
+    )
+    rows: list[Sequence[str]] = [heads]
+    for fabric in (A, B):
+        first: dict[int, float] = {}  # without friction, of each mesh
+        for between, yarns, nose, elements in FRICTIONS:
+            case = Case((fabric,) * 4, FSP, elements=elements, frictions=(between, yarns, nose))
+            found = limit(case, first.get(elements, 340.0), results)
+            middle = sum(found) / 2
+            change = f"{100 * (middle / first.setdefault(elements, middle) - 1):+.1f} %"
+            held = ("pinned, one element" if elements == 1 else "pinned") if yarns is None else f"{yarns:g}"
+            rows.append([fabric, f"{between:g}", held, f"{nose:g}", words(found), change])
+    return markdown(rows)
+
+
 def absorbed(shot: Mapping[str, Any]) -> float:
     """[J] kinetic energy that the fragment simulator has lost."""
     return 0.5 * si(wc.projectile(FSP)["mass"], "kg") * (shot["velocity"] ** 2 - shot["residual"] ** 2)
@@ -245,7 +295,7 @@ def words(found: Sequence[float]) -> str:
     return f"{(low + high) / 2:.0f} ± {(high - low) / 2:.0f}"
 
 
-PARTS = {"plies": of_plies, "cunniff": of_cunniff, "orders": of_orders, "mass": of_mass}
+PARTS = {"plies": of_plies, "cunniff": of_cunniff, "orders": of_orders, "mass": of_mass, "friction": of_friction}
 
 
 def main(
@@ -260,10 +310,12 @@ def main(
         return found
 
     folder = page.parent / "figures" if page else out
-    texts = {part: PARTS[part](results, folder) for part in parts}
-    worst = max(shot["balance"] for shot in shots)
-    texts["balance"] = f"{len(shots)} shots; largest energy error {100 * worst:.2g} % of the strike energy."
-    publish_all(texts, page, "validation.published.packs.limits", stamp)
+    for part in parts:
+        shots.clear()
+        text = PARTS[part](results, folder)
+        worst = max(shot["balance"] for shot in shots)
+        text += f"\n{len(shots)} shots; largest energy error {100 * worst:.2g} % of the strike energy. "
+        publish(text + computed(f"python -m {MODULE} {part} --page {page}", stamp) + "\n", page, marks(part, MODULE))
 
 
 if __name__ == "__main__":

@@ -3,15 +3,12 @@
 Published. 4 plies stop S-726 at 158, S-728 at 91 and S-731 at 136 m/s, 8 plies of S-726 stop 204. The captions of five
 more say "perforating"; erratum E-21 calls one of them certainly an artefact of contact noise, three very unlikely in a
 test, and 16 plies of S-726 at 243 m/s undecided.
-
-Failure onset. The lowest strike velocity at which some yarn of a pack fails, by bisection; each shot is given up at its
-first failure.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -54,10 +51,7 @@ FABRICS = ("S-726", "S-728", "S-731")
 GAPS = (0.12e-3, 0.62e-3, 1.12e-3)  # section 6.4.4: S-728, 16 plies, 170 m/s
 STACKED = ("S-726", 4, 100.0)  # Figures 5-55 to 5-57
 STACKINGS = ("aligned", "alternating")
-TOLERANCE = 1.0  # [m/s] of a bisection
-_NEAR = 0.05  # of a guess on both sides
-_ONSET_END, _END = 150e-6, 500e-6
-_RANGE = (30.0, 330.0)
+_END = 500e-6
 
 
 @dataclass(frozen=True)
@@ -67,9 +61,7 @@ class Case:
     Parameters
     ----------
     fabric, plies, velocity, stacking, gap : [-, -, m/s, -, m]; the fabric's own gap where None
-    friction : [-] Coulomb's coefficient between plies
     end_time : [s]
-    until_failure : whether the shot is given up when the first yarn fails
     """
 
     fabric: str
@@ -77,13 +69,7 @@ class Case:
     velocity: float
     stacking: str = "aligned"
     gap: float | None = None
-    friction: float = 0.0
     end_time: float = _END
-    until_failure: bool = False
-
-
-class _Failed(Exception):
-    """A yarn has failed, where the run ends."""
 
 
 @cache
@@ -95,23 +81,14 @@ def panel(fabric: str) -> Panel:
 
 def pack(case: Case) -> Pack:
     """The pack of a case."""
-    return Pack.stacked(
-        panel(case.fabric), case.plies, stacking=case.stacking, gap=case.gap, friction=case.friction
-    )  # fmt: skip
+    return Pack.stacked(panel(case.fabric), case.plies, stacking=case.stacking, gap=case.gap)
 
 
 def shoot(case: Case) -> dict[str, Any]:
     """One shot: a dict of numbers and lists, for a file."""
     march, message = PackSolver(pack(case), case.velocity, case.end_time), ""
-
-    def watch(march):
-        if case.until_failure and march.ply_samples[-1][:, 0].any():
-            raise _Failed
-
     try:
-        march.run((watch,))
-    except _Failed:
-        message = "failure"
+        march.run()
     except UnstableError as problem:
         message = str(problem)
     strength = np.array([yarn.strength for yarn in march.panel.weave.yarns])
@@ -122,7 +99,7 @@ def shoot(case: Case) -> dict[str, Any]:
     every = max(1, len(fine) // 4000)
     return {
         "case": asdict(case),
-        "outcome": "unstable" if message not in ("", "failure") else march.outcome,
+        "outcome": "unstable" if message else march.outcome,
         "message": message,
         "time": march.time,
         "residual_velocity": march.residual_velocity,
@@ -130,7 +107,6 @@ def shoot(case: Case) -> dict[str, Any]:
         "failed": march.ply_samples[-1][:, 0].tolist(),
         "peaks": peaks.max(axis=1).tolist(),
         "balance": float(np.abs(march.sample("error")).max() / march.strike_energy),
-        "rubbed": float(march.sample("ply_friction")[-1] / march.strike_energy),
         "deepest": float(march.deepest.max(initial=0.0)),
         "wall": march.wall_time,
         "ns": 1e9 * march.wall_time / max(1, march.steps) / march.pack.elements,
@@ -172,32 +148,6 @@ def kept(folder: Path) -> Callable[..., dict[str, Any]]:
         return found
 
     return results
-
-
-def failed(found: dict[str, Any]) -> bool:
-    """Whether some yarn failed, or the run broke down."""
-    return sum(found["failed"]) > 0 or found["outcome"] == "unstable"
-
-
-def onset(
-    results: Callable[[Case], dict[str, Any]], case: Case, guess: float | None = None, tolerance: float = TOLERANCE
-) -> float:
-    """[m/s] middle of the bracket in which the first yarn fails; looked for about a guess, where there is one."""
-
-    def fails(velocity):
-        return failed(results(replace(case, velocity=velocity, end_time=_ONSET_END, until_failure=True)))
-
-    low, high = _RANGE
-    if guess is not None:
-        ends = [round(guess * (1 + sign * _NEAR), 1) for sign in (-1, 1)]
-        high = ends[1] if fails(ends[1]) else high
-        low = ends[1] if high == _RANGE[1] else low
-        if low == _RANGE[0]:
-            low, high = (low, ends[0]) if fails(ends[0]) else (ends[0], high)
-    while high - low > tolerance:
-        middle = round((low * high) ** 0.5 if high > 1.5 * low else 0.5 * (low + high), 1)
-        low, high = (low, middle) if fails(middle) else (middle, high)
-    return 0.5 * (low + high)
 
 
 def outcomes(results: Callable[..., dict[str, Any]]) -> list[tuple[Any, ...]]:
