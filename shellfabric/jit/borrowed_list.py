@@ -9,6 +9,7 @@ out of it, which in a pack of 16 plies came to a third of what the plies cost al
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -49,21 +50,29 @@ def _in_memory(kind, value):
     return found
 
 
+@cache  # llvmlite makes a module for each question
 def _data_type(kind):
     return cpu_target.target_context.data_model_manager[kind].get_data_type()
 
 
+@cache
 def _size(kind):
     return cpu_target.target_context.get_abi_sizeof(_data_type(kind))
+
+
+@cache
+def _places(kind):
+    """[bytes] where the members of a tuple begin."""
+    whole = _data_type(kind)
+    if hasattr(whole, "element"):  # an array of members of one kind
+        return [k * _size(member) for k, member in enumerate(kind)]
+    return [whole.get_element_offset(cpu_target.target_context.target_data, k) for k in range(len(kind))]
 
 
 def _write(kind, value, memory, start):
     """Write a value of a numba type to memory (bytes,), from byte `start` on."""
     if isinstance(kind, types.BaseTuple):
-        whole = _data_type(kind)
-        alike = hasattr(whole, "element")  # an array of members of one kind
-        for k, (member, part) in enumerate(zip(kind, value)):
-            place = k * _size(member) if alike else whole.get_element_offset(cpu_target.target_context.target_data, k)
+        for place, member, part in zip(_places(kind), kind, value):
             _write(member, part, memory, start + place)
         return
     if isinstance(kind, types.Array):  # no owner, no parent: nobody counts references

@@ -135,7 +135,7 @@ class Monitor:
 
     Parameters
     ----------
-    solver : PackSolver
+    solver : PackSolver, which is not kept: a run whose solver is dropped frees its memory at once
 
     Attributes
     ----------
@@ -145,21 +145,20 @@ class Monitor:
     """
 
     def __init__(self, solver: Any) -> None:
-        self.solver = solver
         self.found = np.zeros((len(solver.parts), 3))
         plies = [panel for panel, _, _ in solver.parts]
         self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
-    def sampled(self) -> None:
+    def sampled(self, solver: Any) -> None:
         """Take a sample at every EVERY-th sample of the solver, as long as no yarn has failed."""
-        parts = self.solver.parts
-        if len(self.solver.samples) % EVERY or any(state.counter[FAILURES] for _, _, state in parts):
+        parts = solver.parts
+        if len(solver.samples) % EVERY or any(state.counter[FAILURES] for _, _, state in parts):
             return
         for (_, const, state), row, (i, j), light in zip(parts, self.found, self._places, self._light):
             kernels.sample(state, const, i, j, *light, row)
         if len(parts) > 1:
-            self.found[:-1, DEPTH] = self.solver.squeezed
+            self.found[:-1, DEPTH] = solver.squeezed
 
     @property
     def oscillation(self) -> float:

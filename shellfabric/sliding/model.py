@@ -145,18 +145,19 @@ class SlidingPanel(Panel):
     def constants(self, out_of_plane: bool = False) -> Constants:
         """As Panel; yarns slip through the nodes of a gripped side, which do not move."""
         held = self._held
-        return super().constants(out_of_plane) if held is self else held.constants(out_of_plane)
+        return super().constants(out_of_plane) if held is None else held.constants(out_of_plane)
 
     def state(self, strike_velocity: float) -> State:
         """As Panel."""
-        return super().state(strike_velocity) if self._held is self else self._held.state(strike_velocity)
+        held = self._held
+        return super().state(strike_velocity) if held is None else held.state(strike_velocity)
 
     @cached_property
-    def _held(self) -> SlidingPanel:
-        """The panel with its grips as clamps, where yarns can slip through these; otherwise itself."""
+    def _held(self) -> SlidingPanel | None:
+        """The panel with its grips as clamps, where yarns can slip through these; otherwise None."""
         given = boundary.sides(self.edge)
         if self.friction.pins or not any(isinstance(side, boundary.Grip) for pair in given for side in pair):
-            return self
+            return None
         held = tuple(tuple("clamped" if isinstance(side, boundary.Grip) else side for side in pair) for pair in given)
         return replace(self, edge=held)
 
@@ -164,7 +165,7 @@ class SlidingPanel(Panel):
         """(warp, weft) each (ni+1, nj+1) [N]: what the clamps of gripped sides hold the yarn at a node with; 0 where
         there is none."""
         found = np.zeros((2, *self.masses().shape))
-        if self._held is self:
+        if self._held is None:
             return found[0], found[1]
         nodes, axes, values = boundary.rim(self)
         for node, axis, (*_, force, _) in zip(nodes, axes, values):

@@ -362,7 +362,7 @@ class PackSolver(ExplicitSolver):
 
     def sampled(self) -> None:
         """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead of the nose."""
-        self.monitor.sampled()
+        self.monitor.sampled(self)
         turned = self.stack.counter[TURNED]
         if turned and (self.time - turned * self.const.dt >= self.after_stop or self.steps >= self.last_step):
             self.reason = STOPPED
