@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
 
 _STEPS = 256  # of the force, in the bound of the tension
+REACH = 0.15  # of the stretch beyond the table; from 0.1 to 0.2 the tangent there is below the table's largest
 _PIECE = 2000  # cells that are worked on together, so that what is in between stays in the cache
 
 
@@ -23,6 +24,16 @@ def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
     rows = aligned_zeros(1, 8 * len(columns))[0].reshape(-1, 8)
     rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
     return rows, columns[:, 0].copy()
+
+
+def beyond(table: CellTable) -> tuple[float, ...]:
+    """What `table_kernels` goes on with beyond the table: its reach in cells along both stretches, and at its corner
+    both slopes of the potential and both its curvatures [J]."""
+    corner = table.spline[-1, -1].reshape(3, 3)  # of p^a q^b at [a, b]
+    (_, first1, second1), (_, first2, second2) = corner.sum(axis=1), corner.sum(axis=0)
+    curvatures = max(2 * second1, 0.0), max(2 * second2, 0.0)
+    reaches = (REACH / step for step in table.steps)
+    return tuple(map(float, (*reaches, first1 + 2 * second1, first2 + 2 * second2, *curvatures)))
 
 
 def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:

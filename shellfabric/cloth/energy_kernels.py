@@ -6,6 +6,7 @@ two audits.
 """
 
 from shellfabric.cloth.membrane_kernels import mean_crossing_warp, mean_crossing_weft
+from shellfabric.cloth.table_kernels import potential_at
 from shellfabric.cloth.trellis_kernels import arcsine, regularized_stretch
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
@@ -76,8 +77,8 @@ def yarn_energy(const, state, family, i, begin, end):
             p - cell1,
             q - cell2,
         )
-        one, two = fma(q, fma(q, table[6], table[4]), table[0]), fma(q, fma(q, table[7], table[5]), table[1])
-        W = fma(p, fma(p, two, one), fma(q, fma(q, table[3], table[2]), level))
+        over1, over2 = maximum(p - 1.0, 0.0), maximum(q - 1.0, 0.0)
+        W = potential_at(minimum(p, 1.0), minimum(q, 1.0), over1, over2, table, level, const.table_beyond)
         found = found + where(head_mask(end - j), load(state.yarn_length[family], k) * W, 0.0)
     return 0.25 / w * reduce_add(found)
 

@@ -259,7 +259,9 @@ def edge_energy(const, state, family, i, j):
     crossed, found = present / count, 0.0
     if crossed > 0.0:
         pair = (L, total / present) if family == WARP else (total / present, L)
-        W = potential(*pair, const.table_grid, const.potential_coefficients, const.potential_constant)
+        W = potential(
+            *pair, const.table_grid, const.potential_coefficients, const.table_beyond, const.potential_constant
+        )  # fmt: skip
         found += 0.5 * y / (2.0 * w) * crossed * W
     if crossed < 1.0:
         found += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]

@@ -1,4 +1,14 @@
-"""Interpolation in the table of the crossover cell: tensions (bilinear), potential and its gradient (biquadratic)."""
+"""Interpolation in the table of the crossover cell: tensions (bilinear), potential and its gradient (biquadratic).
+
+Beyond the table, which ends 2 % above the strength, lie lines of a yarn that has failed beside them: they have lost a
+part of their fibres and are drawn out far. With the local coordinates p, q cut off at 1 and what is beyond, a and b,
+
+    W(p + a, q + b) = W + g(a) (W_p - t1) + t1 a + k1 a^2 / 2 + g(b) (W_q - t2) + t2 b + k2 b^2 / 2 + g(a) g(b) W_pq
+
+g(a) = a / (1 + a / reach). t and k are W_p, W_pp and W_q, W_qq at the corner of the table: a yarn stiffens no more,
+and what it does to the one that crosses it saturates, as in the cell. Forces are continuous and those of one
+potential; the tangent stays positive and below the largest of the table, which the time step is made for.
+"""
 
 import math
 
@@ -7,11 +17,13 @@ import numpy as np
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
+    any_lane,
     broadcast,
     floor,
     fma,
     gather8_indexed,
     gather_rows4,
+    greater,
     head_mask,
     load,
     maximum,
@@ -24,12 +36,20 @@ from shellfabric.jit.simd import (
 )
 
 
+@kernel(forceinline=True)
+def saturated(over, reach):
+    """g of a way beyond the table, and its slope."""
+    part = 1.0 / (1.0 + over / reach)
+    return over * part, part * part
+
+
 @kernel()
-def bilinear_tensions(m0, n, l1, l2, grid, table, T):
+def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
     """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at least 0.
 
     grid : where the table begins, cells per stretch and number of the last cell, of both stretches; cells along the
-        second. Below the table its edge, which is exact there; above it linear.
+        second. Below the table its edge, which is exact there; above it linear, but for `reaches`, the cells to which
+        either stretch counts beyond it.
     """
     x0, rx, top1, y0, ry, top2, across = grid
     greatest = broadcast(0.0)
@@ -39,20 +59,51 @@ def bilinear_tensions(m0, n, l1, l2, grid, table, T):
         cell1, cell2 = floor(minimum(p, top1)), floor(minimum(q, top2))
         c = gather_rows4(table, to_int32(fma(cell1, across, cell2)))
         p, q = p - cell1, q - cell2
+        if any_lane(greater(maximum(p, q), 1.0)):
+            p = minimum(p, 1.0) + saturated(maximum(p - 1.0, 0.0), reaches[0])[0]
+            q = minimum(q, 1.0) + saturated(maximum(q - 1.0, 0.0), reaches[1])[0]
         tension = fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0]))
         store(T, m, tension)
         greatest = maximum(greatest, tension if n - j >= WIDTH else where(head_mask(n - j), tension, 0.0))
     return reduce_max(greatest)
 
 
+@kernel(forceinline=True)
+def gradient(p, q, c):
+    """W_p, W_q, W_pp / 2 and W_qq / 2 at eight places in the table."""
+    flat1, turn1 = fma(q, fma(q, c[6], c[4]), c[0]), fma(q, fma(q, c[7], c[5]), c[1])
+    flat2, turn2 = fma(p, fma(p, c[5], c[4]), c[2]), fma(p, fma(p, c[7], c[6]), c[3])
+    return fma(p + p, turn1, flat1), fma(q + q, turn2, flat2), turn1, turn2
+
+
+@kernel(forceinline=True)
+def mixed(p, q, c):
+    """W_pq."""
+    return (c[4] + 2.0 * p * c[5]) + 2.0 * q * (c[6] + 2.0 * p * c[7])
+
+
+@kernel(forceinline=True)
+def gradient_beyond(p, q, c, beyond):
+    """`gradient` at eight places, of which some are beyond the table."""
+    reach1, reach2, t1, t2, k1, k2 = beyond
+    over1, over2 = maximum(p - 1.0, 0.0), maximum(q - 1.0, 0.0)
+    p, q = minimum(p, 1.0), minimum(q, 1.0)
+    force1, force2, turn1, turn2 = gradient(p, q, c)
+    (far1, slope1), (far2, slope2), both = saturated(over1, reach1), saturated(over2, reach2), mixed(p, q, c)
+    out1, out2 = greater(over1, 0.0), greater(over2, 0.0)
+    force1 = where(out1, slope1 * (force1 - t1) + (t1 + k1 * over1), force1) + slope1 * far2 * both
+    force2 = where(out2, slope2 * (force2 - t2) + (t2 + k2 * over2), force2) + slope2 * far1 * both
+    return force1, force2, where(out1, 0.5 * k1, turn1), where(out2, 0.5 * k2, turn2)
+
+
 @kernel(_nrt=False)
-def potential_forces(m0, n, l1, l2, grid, table, factors, spots, N1, N2, K):
+def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2, K):
     """Gradient of the biquadratic potential, N = per dW/d(local coordinate), and a slope K of it.
 
-    factors : per of N1 and of N2, stiff1, stiff2
+    beyond : reach1, reach2, t1, t2, k1, k2 (see above);  factors : per of N1 and of N2, stiff1, stiff2
 
-    Below the table its edge, which is exact there; above it tensions go on straight. table (cells, 8) : of p, p p, q,
-    q q, p q, p p q, p q q, p p q q. K is stiff1 / 2 d2W/dp2 + stiff2 / 2 d2W/dq2. Returns the largest p and q, the
+    Below the table its edge, which is exact there. table (cells, 8) : of p, p p, q, q q, p q, p p q, p q q, p p q q.
+    K is stiff1 / 2 d2W/dp2 + stiff2 / 2 d2W/dq2. Returns the largest p and q, the
     places in the table in units of its cells, and the largest N1 and N2, at least 0.
 
     A piece of spots.size slots at a time, in two loops: the first finds places in the table, which are kept in spots,
@@ -78,9 +129,10 @@ def potential_forces(m0, n, l1, l2, grid, table, factors, spots, N1, N2, K):
                 far2 = maximum(far2, where(head_mask(stop - j), q, 0.0))
         for j in range(start, stop, WIDTH):
             p, q, c = load(N1, j), load(N2, j), gather8_indexed(table, spots, j - start)
-            flat1, turn1 = fma(q, fma(q, c[6], c[4]), c[0]), fma(q, fma(q, c[7], c[5]), c[1])
-            flat2, turn2 = fma(p, fma(p, c[5], c[4]), c[2]), fma(p, fma(p, c[7], c[6]), c[3])
-            force1, force2 = per1 * fma(p + p, turn1, flat1), per2 * fma(q + q, turn2, flat2)
+            force1, force2, turn1, turn2 = gradient(p, q, c)
+            if any_lane(greater(maximum(p, q), 1.0)):
+                force1, force2, turn1, turn2 = gradient_beyond(p, q, c, beyond)
+            force1, force2 = per1 * force1, per2 * force2
             store(N1, j, force1)
             store(N2, j, force2)
             store(K, j, fma(stiff1, turn1, stiff2 * turn2))
@@ -92,16 +144,30 @@ def potential_forces(m0, n, l1, l2, grid, table, factors, spots, N1, N2, K):
     return reduce_max(far1), reduce_max(far2), reduce_max(high1), reduce_max(high2)
 
 
+@kernel(forceinline=True)
+def potential_at(p, q, over1, over2, c, level, beyond):
+    """The potential [J] at local coordinates that are at most 1, and beyond them; of one place or of eight."""
+    reach1, reach2, t1, t2, k1, k2 = beyond
+    far1, far2 = saturated(over1, reach1)[0], saturated(over2, reach2)[0]
+    one, two = c[0] + q * (c[4] + q * c[6]), c[1] + q * (c[5] + q * c[7])
+    W = level + q * (c[2] + q * c[3]) + p * (one + p * two)
+    turn2 = c[3] + p * (c[6] + p * c[7])
+    slope1, slope2 = one + 2.0 * p * two, c[2] + p * (c[4] + p * c[5]) + 2.0 * q * turn2
+    W = W + far1 * (slope1 - t1) + over1 * (t1 + 0.5 * k1 * over1)
+    W = W + far2 * (slope2 - t2) + over2 * (t2 + 0.5 * k2 * over2)
+    return W + far1 * far2 * mixed(p, q, c)
+
+
 @kernel()
-def potential(l1, l2, grid, table, level):
+def potential(l1, l2, grid, table, beyond, level):
     """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,) [J] : of 1."""
     x0, rx, top1, y0, ry, top2, across = grid
     p, q = max((l1 - x0) * rx, 0.0), max((l2 - y0) * ry, 0.0)
     cell1, cell2 = math.floor(min(p, top1)), math.floor(min(q, top2))
     m, p, q = np.int64(cell1 * across + cell2), p - cell1, q - cell2
-    c = table[m]
-    zero, one, two = level[m] + q * (c[2] + q * c[3]), c[0] + q * (c[4] + q * c[6]), c[1] + q * (c[5] + q * c[7])
-    return zero + p * (one + p * two)
+    return potential_at(
+        min(p, 1.0), min(q, 1.0), max(p - 1.0, 0.0), max(q - 1.0, 0.0), table[m], level[m], beyond
+    )  # fmt: skip
 
 
 @kernel()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shellfabric.cell import packed_table
 from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.by_reference import by_reference
@@ -30,8 +31,8 @@ Constants = namedtuple(
     "ni nj row_stride rows_per_block n_per_crossover yarn_rows yarn_columns mirror_x mirror_y x0 y0 dx dy inv_dx "
     "inv_dy dt tension1 tension2 tension_bound_table1 tension_bound_step1 tension_bound_table2 tension_bound_step2 "
     "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
-    "table_last2 table_grid force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 cv2 "
-    "trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
+    "table_last2 table_grid table_beyond force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 "
+    "cv2 trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
     "yarn_strengths2 filter_alpha rate_law fibre_diameter erosion_gap_ratio window_limits points_per_side "
     "shape_functions point_law projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps "
     "nose_shape nose_parameters projectile_length frame tilted window_follows body_depth draw_in_reach "
@@ -108,6 +109,7 @@ def _constants(panel, out_of_plane):
             table.stretch1[0], rx, table.stretch1.size - 2.0, table.stretch2[0], ry, table.stretch2.size - 2.0,
             table.stretch2.size - 1.0,
         ),
+        table_beyond=packed_table.beyond(table),
         force_per_slope1=rx / (2 * w1), force_per_slope2=ry / (2 * w2), variational=table.model.form == "variational",
         G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
         w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,

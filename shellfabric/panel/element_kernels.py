@@ -104,8 +104,13 @@ def interpolate_tensions(state, const, block, first, last, thin, work):
     s, c, w, most = const.row_stride, const, work, state.block_max_tension[block]
     k0, m0, n = first * s, 2 * s, (last - first) * s
     n2, shift = n + s if last == c.ni else n, (first - 2) * s
-    most[0] = table_kernels.bilinear_tensions(m0, n, w.stretch1, w.mean_stretch2, c.table_grid, c.tension1, w.T1)
-    most[1] = table_kernels.bilinear_tensions(m0, n2, w.mean_stretch1, w.stretch2, c.table_grid, c.tension2, w.T2)
+    reach1, reach2 = c.table_beyond[0], c.table_beyond[1]  # a yarn's own stretch counts all
+    most[0] = table_kernels.bilinear_tensions(
+        m0, n, w.stretch1, w.mean_stretch2, c.table_grid, c.tension1, (np.inf, reach2), w.T1
+    )
+    most[1] = table_kernels.bilinear_tensions(
+        m0, n2, w.mean_stretch1, w.stretch2, c.table_grid, c.tension2, (reach1, np.inf), w.T2
+    )
     if thin:
         damage_kernels.damaged_forces(const, state, 0, first, last, shift, w.stretch1, w.T1)
         damage_kernels.damaged_forces(const, state, 1, first, last + 1, shift, w.stretch2, w.T2)
@@ -151,12 +156,12 @@ def potential_gradient(state, const, block, first, last, thin, work):
     m0, m1 = 2 * s, (low - first + 2) * s
     n, n1, n2 = (last - first) * s, (last - low) * s, (last - first + 1) * s
     p1, q1, high1, _ = table_kernels.potential_forces(
-        m1, n1, w.stretch1, w.mean_stretch2, c.table_grid, c.potential_coefficients,
+        m1, n1, w.stretch1, w.mean_stretch2, c.table_grid, c.potential_coefficients, c.table_beyond,
         (c.force_per_slope1, c.force_per_slope2, 2.0 * c.force_per_slope1 * c.table_scale1, 0.0),
         w.cell_index, w.dW_own1, w.dW_crossing1, w.slope1,
     )  # fmt: skip
     p2, q2, _, high2 = table_kernels.potential_forces(
-        m0, n2, w.mean_stretch1, w.stretch2, c.table_grid, c.potential_coefficients,
+        m0, n2, w.mean_stretch1, w.stretch2, c.table_grid, c.potential_coefficients, c.table_beyond,
         (c.force_per_slope1, c.force_per_slope2, 0.0, 2.0 * c.force_per_slope2 * c.table_scale2),
         w.cell_index, w.dW_crossing2, w.dW_own2, w.slope2,
     )  # fmt: skip

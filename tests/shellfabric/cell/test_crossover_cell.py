@@ -13,6 +13,7 @@ from fabrics.errors import InputError
 from fabrics.variants import with_law_form
 from fabrics.weave import arc_length, height_from_length
 from shellfabric.cell import crossover_kernels as kernels
+from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cloth import table_kernels
 from shellfabric.coupon import relaxation_kernels
@@ -166,7 +167,8 @@ def table_potential(table, x, y):
     """[J] the potential as the march reads it, at one pair of stretches."""
     (rx, ry), (top1, top2) = (1 / np.array(table.steps)), (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
     grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
-    return table_kernels.potential(x, y, grid, *spline(table))
+    rows, level = spline(table)
+    return table_kernels.potential(x, y, grid, rows, packed_table.beyond(table), level)
 
 
 def table_forces(table, x, y):
@@ -179,13 +181,15 @@ def table_forces(table, x, y):
     if table.model.form == "variational":
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
-            *at, spline(table)[0], (*per, 1.0, 0.0), np.zeros(16, np.int32), N1, N2, np.zeros(x.size + 8)
-        )
+            *at, spline(table)[0], packed_table.beyond(table), (*per, 1.0, 0.0), np.zeros(16, np.int32), N1, N2,
+            np.zeros(x.size + 8),
+        )  # fmt: skip
         assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
     else:
-        largest = table_kernels.bilinear_tensions(*at, table.tension1.reshape(-1, 4), N1)
+        far = np.inf, np.inf
+        largest = table_kernels.bilinear_tensions(*at, table.tension1.reshape(-1, 4), far, N1)
         assert largest == N1[: x.size].max()
-        table_kernels.bilinear_tensions(*at, table.tension2.reshape(-1, 4), N2)
+        table_kernels.bilinear_tensions(*at, table.tension2.reshape(-1, 4), far, N2)
     N1, N2 = room[:, : x.size]
     return N1, N2
 
@@ -219,7 +223,7 @@ def test_forces_tell_what_tensions_cannot_exceed(name):
         (forces[0], const.tension1, const.tension_bound_step1, const.tension_bound_table1, panel.weave.warp),
         (forces[1], const.tension2, const.tension_bound_step2, const.tension_bound_table2, panel.weave.weft),
     ):
-        table_kernels.bilinear_tensions(*at, tension, T)
+        table_kernels.bilinear_tensions(*at, tension, (np.inf, np.inf), T)
         bounds = np.array(
             [element_kernels.tension_bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling) for force in N]
         )
@@ -230,6 +234,45 @@ def test_forces_tell_what_tensions_cannot_exceed(name):
         assert element_kernels.tension_bound(const, top + 0.1, 0.0, 0.0, unit, ceiling) == np.inf
         assert element_kernels.tension_bound(const, 0.0, top + 0.1, 0.0, unit, ceiling) == np.inf
         assert element_kernels.tension_bound(const, 0.0, 0.0, np.inf, unit, ceiling) == np.inf
+
+
+@pytest.mark.parametrize("name", ["S-720", "S-726", "S-731", "S-745"])
+def test_forces_beyond_the_table(name):
+    """Beside a yarn that has failed, lines are drawn out to 1.4: forces are those of one potential, the tangent is
+    positive and no stiffer than the time step is made for, and what a yarn does to a crossing one saturates.
+
+    The polynomials of the last cell gave forces below zero and up to 120 times the stiffness of the yarn there.
+    """
+    table = CellModel(catalogue.load(name).with_effective_density()).table()
+    weave, rng, n, h = table.model.fabric.weave, np.random.default_rng(3), 3000, 1e-5
+    ends = [axis[-1] for axis in (table.stretch1, table.stretch2)]
+    inside = [rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2)]
+    far = [end + rng.uniform(0, 0.4, n) for end in ends]
+    x, y = (np.concatenate(parts) for parts in ((inside[0], far[0], far[0]), (far[1], inside[1], far[1])))
+
+    def forces(x, y):
+        return np.stack(table_forces(table, x, y)) * [[weave.warp_count], [weave.weft_count]]
+
+    by_x, by_y = ((forces(x + a, y + b) - forces(x - a, y - b)) / (2 * h) for a, b in ((h, 0.0), (0.0, h)))
+    (k11, k21), (k12, k22) = by_x, by_y
+    np.testing.assert_allclose(k12, k21, atol=1e-4 * table.stiffness())
+    middle, radius = 0.5 * (k11 + k22), np.hypot(0.5 * (k11 - k22), k12)
+    assert np.min(middle - radius) > -1e-3 * table.stiffness()
+    assert np.max(middle + radius) < table.stiffness()
+    for k in range(0, x.size, 500):
+        per = [2 * w for w in weave.w]
+        slopes = [
+            (table_potential(table, x[k] + a, y[k] + b) - table_potential(table, x[k] - a, y[k] - b)) / (2 * h)
+            for a, b in ((h, 0.0), (0.0, h))
+        ]
+        N = [part[0] for part in table_forces(table, x[k : k + 1], y[k : k + 1])]
+        np.testing.assert_allclose(np.divide(slopes, per), N, atol=1e-3 * weave.warp.strength)
+    edge = np.full(n, ends[1])
+    np.testing.assert_allclose(
+        table_forces(table, inside[0], edge + 1e-9), table_forces(table, inside[0], edge), atol=1e-4
+    )
+    exact, found = table.model.solve(inside[0], far[1])["N1"], table_forces(table, inside[0], far[1])[0]
+    assert np.max(np.abs(found - exact)) < 0.5 * weave.warp.strength
 
 
 def test_tabulated_potential_conserves(tables, fabric):
