@@ -129,17 +129,25 @@ def quadrant(a, p):
 
 @kernel()
 def torn_shape_functions(state, const, i, j, found):
-    """Shape functions of an element (i, j) in which yarns may end, into found (8, room)."""
+    """Shape functions of an element (i, j) in which yarns may end, into found (8, room).
+
+    Each point has those of the corner next to it; one midway between two corners, their mean.
+    """
     p = const.points_per_side
+    low, high = p // 2, (p + 1) // 2  # points before the middle, and with one that is on it
+    found[:, : p * p] = 0.0
     for q in range(2):
         for r in range(2):
             quadratic1, quadratic2 = quadratic_directions(state, const, i, j, q, r)
             warp, weft = const.shape_functions[1 if quadratic1 else 0], const.shape_functions[1 if quadratic2 else 0]
-            half = (p + 1) // 2
-            for a in range(q * half, half + q * (p - half)):
-                for k in range(a * p + r * half, a * p + half + r * (p - half)):
+            for a in range(q * low, high + q * low):
+                for b in range(r * low, high + r * low):
+                    k, part = a * p + b, 1.0
+                    if low < high:
+                        part = (0.5 if a == low else 1.0) * (0.5 if b == low else 1.0)
                     for m in range(4):
-                        found[m, k], found[4 + m, k] = warp[m, k], weft[4 + m, k]
+                        found[m, k] += part * warp[m, k]
+                        found[4 + m, k] += part * weft[4 + m, k]
 
 
 @kernel(forceinline=True)

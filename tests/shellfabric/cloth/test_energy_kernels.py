@@ -1,10 +1,13 @@
 """Energies of whole cloth, eight at a time, against plain numpy on a random state."""
 
+from math import factorial
+
 import numpy as np
 import pytest
 from conftest_tools import bring, grid
 from scipy.integrate import quad
 
+from shellfabric.cell import packed_table
 from shellfabric.solver import ply_kernels
 
 
@@ -43,13 +46,32 @@ def test_kinetic_energy(shaken):
     assert energies(state, const)[0] == pytest.approx(expected, rel=1e-12)
 
 
+def derivative(c, p, q, m, n):
+    """d^(m + n) / dp^m dq^n of the sum of c[3 a + b] p^a q^b."""
+    return sum(
+        c[3 * a + b] * factorial(a) / factorial(a - m) * p ** (a - m) * factorial(b) / factorial(b - n) * q ** (b - n)
+        for a in range(m, 3)
+        for b in range(n, 3)
+    )
+
+
 def spline(table, L1, L2):
-    """[J] of a crossover, the plain table's; beyond it as in its last cell, below it as at its edge."""
+    """[J] of a crossover, the plain table's; beyond it as `table_kernels` has it, below it as at its edge."""
     p, q = ((L - x[0]) / (x[1] - x[0]) for L, x in ((L1, table.stretch1), (L2, table.stretch2)))
     p, q = np.maximum(p, 0), np.maximum(q, 0)
     i, j = (np.minimum(place.astype(int), n - 1) for place, n in zip((p, q), table.spline.shape))
     p, q = p - i, q - j
-    return sum(table.spline[i, j, 3 * a + b] * p**a * q**b for a in range(3) for b in range(3))
+    inside, over = np.minimum([p, q], 1), np.maximum([p - 1, q - 1], 0)
+    cells, corner = np.moveaxis(table.spline[i, j], -1, 0), table.spline[-1, -1]
+    far = over / (1 + over * np.reshape(table.steps, (2, 1, 1)) / packed_table.REACH)
+    one = np.ones(2)
+    found = derivative(cells, *inside, 0, 0) + far.prod(axis=0) * derivative(cells, *inside, 1, 1)
+    for k, (first, second) in enumerate((((1, 0), (2, 0)), ((0, 1), (0, 2)))):
+        slope, curvature = (derivative(corner, *one, *orders) for orders in (first, second))
+        found += (
+            far[k] * (derivative(cells, *inside, *first) - slope) + slope * over[k] + 0.5 * curvature * over[k] ** 2
+        )
+    return found
 
 
 def test_energy_of_yarns(shaken):
