@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
 
 _STEPS = 256  # of the force, in the bound of the tension
-REACH = 0.15  # of the stretch beyond the table; from 0.1 to 0.2 the tangent there is below the table's largest
+REACH = 0.15  # of the stretch beyond the table; from 0.1 to 0.2 the tangent there is at most 1.01 times the table's
 _PIECE = 2000  # cells that are worked on together, so that what is in between stays in the cache
 
 
