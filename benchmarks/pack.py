@@ -3,14 +3,14 @@
 Run with nothing else on the machine:
 
     python benchmarks/pack.py [--repeats 3] [--plies 16] [--velocity 170] [--out FILE.json]
-    python benchmarks/pack.py --friction 0.2 --page docs/reports/pack-limits.md
+    python benchmarks/pack.py --friction 0.2
 
 Marching alone is timed (no table, no compilation, no audit), on one core. A projectile that has stopped is held where
 it is until the 400 us are over. CPU time stands beside wall time: where the
 two differ the machine was busy. "over_single" is the cost of an element and step of the pack over that of a single ply
 all of which is in motion. "every_ply_in_touch" is the same for plies that are pressed together everywhere, over the
 first steps: the most that contact can cost. With --friction the aligned pack alone is timed, with and without friction
-between its plies, and --page puts that into the page.
+between its plies.
 """
 
 from __future__ import annotations
@@ -30,11 +30,8 @@ from shellfabric.jit.borrowed_list import Items
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
-from weavecell.report.marked_page import put
-from weavecell.results.provenance import stamp
 
 LONG = 400e-6
-COST_MARKS = "<!-- cost of benchmarks/pack.py -->\n", "<!-- end of cost -->"
 
 
 def clocked(march, steps):
@@ -97,23 +94,12 @@ def cost(pack, velocity, repeats):
 
 
 def with_friction(panel, chosen, report):
-    """Cost with and without friction between plies, into the report and the page."""
+    """Cost with and without friction between plies, into the report."""
     for name, friction in (("frictionless", 0.0), ("friction", chosen.friction)):
         pack = Pack.stacked(panel, chosen.plies, friction=friction)
         report[name] = cost(pack, chosen.velocity, chosen.repeats)
     ratios = {key: report["friction"][key] / report["frictionless"][key] for key in report["friction"]}
     report["over_frictionless"] = {key: round(ratio, 2) for key, ratio in ratios.items()}
-    if chosen.page:
-        plain, rubbed = (list(report[name].values()) for name in ("frictionless", "friction"))
-        whole_run, touching = ratios.values()
-        text = (
-            f"{chosen.plies} plies of S-720 at {chosen.velocity:g} m/s, {panel.elements:,} elements each, one core "
-            f"(`python benchmarks/pack.py\n--friction {chosen.friction:g} --page {chosen.page}`, commit "
-            f"{stamp()['commit']}): {rubbed[0]:.1f} ns an element and step,\n{whole_run:.2f} times the "
-            f"{plain[0]:.1f} ns without friction. Plies that are pressed together everywhere cost {rubbed[1]:.1f} ns,\n"
-            f"{touching:.2f} times the {plain[1]:.1f} ns without.\n"
-        )
-        put(chosen.page, *COST_MARKS, text)
 
 
 def main():
@@ -123,7 +109,6 @@ def main():
     arguments.add_argument("--velocity", type=float, default=170.0)
     arguments.add_argument("--friction", type=float)
     arguments.add_argument("--out", type=Path)
-    arguments.add_argument("--page", type=Path)
     chosen = arguments.parse_args()
     panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(201), numerics=Numerics(threads=1))
     report = {"machine": machine(), "plies": chosen.plies, "elements_of_a_ply": panel.elements}
