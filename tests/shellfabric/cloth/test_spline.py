@@ -258,6 +258,30 @@ def test_shares_are_the_weights_of_the_points(p):
     assert not found[:, :, p * p :].any()
 
 
+@pytest.mark.parametrize("family", [0, 1])
+def test_the_surface_of_torn_fabric_is_symmetric(small, family):
+    """With an odd number of points too, of which some are midway between two corners: a yarn that ends before one
+    corner of an element gives the mirror image of one that ends before the next, and all weights sum to one."""
+    panel = small(symmetry="whole", elements_per_crossover=3)
+    const, found = panel.constants(), []
+    p = const.points_per_side
+    assert p % 2 == 1
+    for side in (0, 1):
+        state, place = panel.state(100.0), [12, 12]
+        place[family] -= 1
+        place[1 - family] += side
+        state.intact_fraction[family][place[0] * const.row_stride + place[1]] = 0.0
+        shares = np.full((8, -(-(p * p) // 8) * 8), np.nan)
+        spline_kernels.torn_shape_functions(state, const, 12, 12, shares)
+        found.append(shares[:, : p * p].reshape(2, 4, p, p))
+        np.testing.assert_allclose(found[-1].sum(axis=1), 1.0, rtol=1e-14)
+    one, other = found
+    image = np.flip(other, axis=3 - family)
+    image[1 - family] = image[1 - family, ::-1]
+    assert np.abs(one - other).max() > 0.01
+    np.testing.assert_allclose(one, image, atol=1e-15)
+
+
 def test_nothing_is_handed_across_a_gap(small):
     """What lies beyond a cut yarn may fly anywhere: neither is the cloth on this side moved, nor that one pushed."""
     panel = small(symmetry="whole")
