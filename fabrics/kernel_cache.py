@@ -1,9 +1,11 @@
-"""Where compiled numba kernels are kept: a folder named after all source that their machine code depends on.
+"""Where compiled numba kernels are kept: one folder for each file of kernels, named after all source that its machine
+code depends on.
 
 numba stamps a cached function with the source of its own file alone, so that after a change in a kernel that is called
 from another file the caller would go on running the old code, silently. A named tuple it identifies by its class and
 the types of its members, not by the names of its fields, so that after a change in their order the old code would read
-the wrong arrays. Here the folder's name holds a digest of both, and a change in either starts an empty folder.
+the wrong arrays. Here the folder's name holds a digest of the file, of all that it imports, and of the named tuples: a
+change in any of them starts an empty folder, and the kernels that do not depend on it stay compiled.
 
 Compiling takes minutes. It is announced in one line by the logger "weavecell", which writes to stderr where the program
 has not set up logging.
@@ -11,12 +13,13 @@ has not set up logging.
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -36,8 +39,8 @@ MODELS = {
     "validation.models.cable": ("the cable net", "a minute or two"),
     "validation.models.solid": ("the solid patch", "a minute or two"),
 }
-# folders of other packages whose kernels have the decorators of a package: all call each other, and have one cache
-GUESTS = {"shellfabric": ("validation/models",)}
+# folders that define the named tuples which kernels take: their layout is part of every digest
+TUPLES = ("shellfabric", "unitcell3d", "validation/models")
 PAUSE = 3.0  # [s] without compiling, after which kernels of the same folder are announced again
 _announced: set[str] = set()  # folders, since the last pause
 _last = 0.0  # [s] when something was compiled last
@@ -59,45 +62,67 @@ def compiling(module: str, done: bool = False) -> None:
         logging.getLogger("weavecell").warning(f"compiling the kernels of {what}, once: {duration}")
 
 
+def kernel(**options: Any) -> Callable[[Callable], Any]:
+    """Decorator of a kernel: numba's njit with these options, and the folder of its file for its machine code."""
+
+    def decorated(function: Callable) -> Any:
+        from numba import njit
+
+        with kernel_cache(function.__code__.co_filename):
+            return njit(cache=True, **options)(function)
+
+    return decorated
+
+
 @contextmanager
-def kernel_cache(package_file: FilePath) -> Iterator[None]:
-    """Decorate the kernels of the package whose `__init__.py` is `package_file` inside this block.
+def kernel_cache(file: FilePath) -> Iterator[None]:
+    """Decorate kernels of a file inside this block.
 
     numba reads the folder when a function is decorated. A folder that the user has chosen (NUMBA_CACHE_DIR) is used as
-    the root; otherwise the package's own __pycache__.
+    the root; otherwise the __pycache__ of the package.
     """
     import numba
 
-    folder = Path(package_file).parent
+    file = Path(file).resolve()
+    root = source_code.ROOT if file.is_relative_to(source_code.ROOT) else _package_root(file)
     config: Any = numba.config
     before = config.CACHE_DIR
-    config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{_kernel_digest(folder)}")
+    folder = Path(before or root / file.relative_to(root).parts[0] / "__pycache__")
+    config.CACHE_DIR = str(folder / f"kernels-{_kernel_digest(file, root)}")
     try:
         yield
     finally:
         config.CACHE_DIR = before
 
 
+def _package_root(file):
+    """The folder that the outermost package of a file is in."""
+    return next(folder for folder in file.parents if not (folder / "__init__.py").is_file())
+
+
 @cache
-def _kernel_digest(folder: Path) -> str:
-    """First 16 digits of the digest of a package's `kernel_sources`, which are read once in a process."""
-    return source_code.digest(kernel_sources(folder))[:16]
+def _kernel_digest(file: Path, root: Path) -> str:
+    """First 16 digits of the digest of a file's `kernel_sources`."""
+    return source_code.digest(kernel_sources(file, root))[:16]
 
 
 @cache
 def one_compiler_a_node() -> None:
     """From now on this process looks for kernels in the cache, and compiles those that are not there, under a lock.
 
-    All processes of a user on a node share the lock, so that each kernel is compiled by one of them and loaded by the
-    others. Where files cannot be locked, nothing is.
+    The processes of a user on a node that share a cache share the lock, so that each kernel is compiled by one of them
+    and loaded by the others. Where files cannot be locked, nothing is.
     """
     try:
         import fcntl
     except ImportError:
         return
+    import numba
     from numba.core import event
 
-    path = Path(tempfile.gettempdir()) / f"weavecell-compiler-{os.getuid()}.lock"
+    config: Any = numba.config
+    shared = hashlib.sha256(str(config.CACHE_DIR or source_code.ROOT).encode()).hexdigest()[:16]
+    path = Path(tempfile.gettempdir()) / f"weavecell-compiler-{os.getuid()}-{shared}.lock"
 
     class Lock(event.Listener):
         """Held by one thread of one process while numba holds its own lock, which is that of a process."""
@@ -122,26 +147,23 @@ def one_compiler_a_node() -> None:
     event.register("numba:compiler_lock", Lock())
 
 
-def kernel_sources(folder: Path) -> list[tuple[str, bytes]]:
-    """[(file, bytes)] that the machine code of the kernels in a package's folder and its sub-packages depends on.
+def kernel_sources(file: Path, root: Path = source_code.ROOT) -> list[tuple[str, bytes]]:
+    """[(file, bytes)] that the machine code of the kernels in a file depends on, for packages in the folder `root`.
 
-    The folders of `GUESTS` count as sub-packages, since kernels of the package are compiled for their named tuples.
-    Whole: every file called *_kernels.py or importing from numba, and what these import from our packages. Of all
-    other files: the definitions of named tuples, the only arguments of kernels whose layout is ours.
+    Whole: the file, and what it imports from our packages, directly or not. Of all other files of `TUPLES`: the
+    definitions of named tuples, the only arguments of kernels whose layout is ours.
     """
-    root, packages = folder.parent, {folder.name, *source_code.PACKAGES}
-    folders = [folder, *(root / guest for guest in GUESTS.get(folder.name, ()))]
-    files = sorted(file for each in folders for file in each.rglob("*.py"))
-    kernels = [file for file in files if file.stem.endswith("_kernels") or b"from numba" in file.read_bytes()]
-    names = [source_code.name_of(file, root) for file in kernels]
-    # no machine code depends on this very file, which the decorators import; nor on `__init__`, which may import it
-    whole = source_code.closure(names, root, packages, ends=[folder / "__init__.py", *_of_this_file(root)])
-    found = [(file, file.read_bytes()) for file in whole]
-    found += [(file, tuples) for file in files if file not in whole and (tuples := source_code.named_tuples(file))]
-    return [(str(file.relative_to(root)), content) for file, content in sorted(found)]
+    packages = {file.relative_to(root).parts[0], *source_code.PACKAGES}
+    # no machine code depends on this very file, which the decorators import
+    own = root / "fabrics" / Path(__file__).name
+    whole = set(source_code.closure([source_code.name_of(file, root)], root, packages, ends=[own])) - {own}
+    sources = [(path, path.read_bytes()) for path in whole]
+    sources += [(path, tuples) for path, tuples in _tuples(root) if path not in whole]
+    return [(str(path.relative_to(root)), content) for path, content in sorted(sources)]
 
 
-def _of_this_file(root):
-    """This file below `root`, in a list."""
-    file = root / "fabrics" / Path(__file__).name
-    return [file] if file.is_file() else []
+@cache
+def _tuples(root):
+    """[(file, definitions of its named tuples as bytes)] of the folders `TUPLES`."""
+    files = (path for folder in TUPLES for path in (root / folder).rglob("*.py"))
+    return [(path, tuples) for path in files if (tuples := source_code.named_tuples(path))]

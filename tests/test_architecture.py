@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from fabrics import source_code
+from fabrics import kernel_cache, source_code
 from fabrics.kernel_cache import kernel_sources
 
 ROOT = Path(__file__).parents[1]
@@ -40,8 +40,8 @@ ONLY_IN = {
 }
 PICTURES = {"pyvista", "matplotlib", "vtk"}
 WITH_KERNELS = ("shellfabric", "unitcell3d")
-DECORATED = "shellfabric"  # package whose kernels have the decorators of its jit.compile
-MODELS = "validation/models"  # whose kernels have them too
+DECORATORS = "shellfabric/jit/compile.py"  # the one file there that may use numba's own decorators
+MODELS = "validation/models"  # which has kernels too
 OWN_DECORATORS = r"\b(njit|vectorize|guvectorize|cfunc)\b"
 MOST_FILES = 25  # in a folder
 MOST_LINES, MOST_LINES_OF_A_FUNCTION, MOST_ARGUMENTS_OF_A_KERNEL = 600, 60, 12
@@ -130,12 +130,12 @@ def analyses_that_import_the_rest_of_weavecell(root):
 
 
 def kernels_that_import_other_files(root):
-    """Kernel files import from `jit` and from other kernel files alone, and modules from nothing else of ours."""
+    """Kernel files import decorators, `jit` and other kernel files alone, and modules from nothing else of ours."""
     found = []
     for name, path in sources(root).items():
         for module in source_code.imports(path, root) if path.stem.endswith("_kernels") else ():
             file = source_code.file_of(module, root)
-            if file is None or file.name == "__init__.py" or file.stem.endswith("_kernels"):
+            if file is None or file.name in ("__init__.py", "kernel_cache.py") or file.stem.endswith("_kernels"):
                 continue
             if file.parent != root / "shellfabric" / "jit":
                 found.append(f"{name} imports {module}")
@@ -277,7 +277,8 @@ def kernels_that_are_not_plain(root):
 def kernel_arguments_outside_the_cache(root):
     """Named tuples, and whatever else is compiled, that the digest of the kernel cache does not cover."""
     found = []
-    covered = {name for package in WITH_KERNELS for name, _ in kernel_sources(root / package)}
+    kernels = [path for folder in (*WITH_KERNELS, MODELS) for path in (root / folder).rglob("*_kernels.py")]
+    covered = {name for path in kernels for name, _ in kernel_sources(path, root)}
     for name, path in sources(root, ["fabrics", "meshing", *WITH_KERNELS, MODELS]).items():
         text = path.read_text("utf-8")
         if name in covered or name == "fabrics/kernel_cache.py":
@@ -291,32 +292,13 @@ def kernel_arguments_outside_the_cache(root):
     return found
 
 
-def kernels_that_the_package_does_not_import(root):
-    """A kernel file that is decorated outside of `kernel_cache` would be cached by numba alone.
-
-    Kernels of shellfabric have the decorators of `jit.compile`, which is such a block; others are imported in one.
-    """
-    found = []
-    for package in WITH_KERNELS:
-        start, kernels = root / package / "__init__.py", set((root / package).rglob("*_kernels.py"))
-        if package == DECORATED:
-            found += [
-                f"{path.relative_to(root)} has decorators of numba's own"
-                for path in sources(root, [DECORATED, MODELS]).values()
-                if path.name != "compile.py" and re.search(OWN_DECORATORS, path.read_text("utf-8"), flags=re.MULTILINE)
-            ]
-            continue
-        blocks = [node for node in ast.parse(start.read_bytes()).body if isinstance(node, ast.With)]
-        named = [
-            f"{node.module}.{name.name}"
-            for block in blocks
-            for node in ast.walk(block)
-            if isinstance(node, ast.ImportFrom)
-            for name in node.names
-        ]
-        reached = source_code.closure([name for name in named if source_code.file_of(name, root)], root, ends=[start])
-        found += [f"{path.relative_to(root)} is not imported by {package}" for path in sorted(kernels - set(reached))]
-    return found
+def kernels_outside_the_cache(root):
+    """A kernel with a decorator of numba's own would be cached by numba alone."""
+    return [
+        f"{name} has decorators of numba's own"
+        for name, path in sources(root, [*WITH_KERNELS, MODELS]).items()
+        if name != DECORATORS and re.search(OWN_DECORATORS, path.read_text("utf-8"), flags=re.MULTILINE)
+    ]
 
 
 def public_functions(body, owner=""):
@@ -361,7 +343,7 @@ RULES = {
         files_too_long, functions_too_long, module_docstrings_too_long, kernels_with_too_many_arguments,
         imports_by_computed_names, circles,
         colours_of_their_own, solvers_beside_the_driver, versions_of_dolfinx_outside_compat,
-        kernels_that_are_not_plain, kernel_arguments_outside_the_cache, kernels_that_the_package_does_not_import,
+        kernels_that_are_not_plain, kernel_arguments_outside_the_cache, kernels_outside_the_cache,
         public_functions_without_types, same_test_names,
     )
 }  # fmt: skip
@@ -439,9 +421,9 @@ PLANTED = [
     ("kernel_arguments_outside_the_cache", "meshing/new.py", "class Pair(NamedTuple):\n    a: int\n"),
     ("kernel_arguments_outside_the_cache", f"{MODELS}/new.py", "import numba\n@numba.njit\ndef f():\n    pass\n"),
     ("kernel_arguments_outside_the_cache", HERE, "import numba\n@numba.njit\ndef f():\n    pass\n"),
-    ("kernels_that_the_package_does_not_import", "shellfabric/cell/deep/new_kernels.py", "from numba import njit\n"),
-    ("kernels_that_the_package_does_not_import", "validation/models/new_kernels.py", "from numba import njit\n"),
-    ("kernels_that_the_package_does_not_import", "unitcell3d/contact/new_kernels.py", "from numba import njit\n"),
+    ("kernels_outside_the_cache", "shellfabric/cell/deep/new_kernels.py", "from numba import njit\n"),
+    ("kernels_outside_the_cache", "validation/models/new_kernels.py", "from numba import njit\n"),
+    ("kernels_outside_the_cache", "unitcell3d/contact/new_kernels.py", "from numba import njit\n"),
     ("same_test_names", "tests/fabrics/test_new.py", ""),
     ("public_functions_without_types", "meshing/deep/new.py", "def f(a, *, b: int) -> int:\n    return a + b\n"),
     ("public_functions_without_types", "fabrics/new.py", "def f(a: int):\n    return a\n"),
@@ -483,17 +465,16 @@ def test_a_named_tuple_in_a_sub_package_changes_the_digest(tmp_path, here):
     for name, content in CLEAN.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(content)
-    file, found = tmp_path / here, []
+    file, kernel, found = tmp_path / here, tmp_path / "shellfabric/cell/fast_kernels.py", []
     file.parent.mkdir(parents=True, exist_ok=True)
     for text in (
         "Pair = namedtuple('Pair', 'a b')",
         "Pair = namedtuple('Pair', 'b a')",
         "Pair = namedtuple( 'Pair', 'b a')",
+        "names = 'b a'\nPair = namedtuple('Pair', names)",
+        "names = 'a b'\nPair = namedtuple('Pair', names)",
     ):
         file.write_text(f"from collections import namedtuple\n{text}\n")
-        found.append(source_code.digest(kernel_sources(tmp_path / "shellfabric")))
-    assert found[0] != found[1] == found[2]
-    file.write_text("from collections import namedtuple\nnames = 'b a'\nPair = namedtuple('Pair', names)\n")
-    first = source_code.digest(kernel_sources(tmp_path / "shellfabric"))
-    file.write_text("from collections import namedtuple\nnames = 'a b'\nPair = namedtuple('Pair', names)\n")
-    assert source_code.digest(kernel_sources(tmp_path / "shellfabric")) != first
+        kernel_cache._tuples.cache_clear()
+        found.append(source_code.digest(kernel_sources(kernel, tmp_path)))
+    assert found[0] != found[1] == found[2] != found[3] != found[4]

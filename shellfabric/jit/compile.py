@@ -12,11 +12,10 @@ A kernel that is called from Python all the same, as by its test, is compiled a 
 
 What Python calls with many arrays is compiled in a process of its own (`compile_in_child`).
 
-Kernels call each other across files: all have one cache, which a change in any of them empties (`kernel_cache`). The
-decorators put them there, so that a program imports the kernels that it uses and no others.
+Kernels call each other across files: the cache of each file is emptied by a change in any file that it imports
+(`kernel_cache`). The decorators put them there, so that a program imports the kernels that it uses and no others.
 """
 
-from pathlib import Path
 from types import FunctionType
 
 from numba import njit, types
@@ -29,7 +28,6 @@ from shellfabric.jit.compile_in_child import ENTRY_SUFFIX, ChildCompileCache
 
 inner_libraries.install()
 
-_PACKAGE = Path(__file__).parents[1] / "__init__.py"
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
@@ -37,7 +35,7 @@ def entry(**options):
     """Decorator of a kernel that Python calls. options : of numba's njit, besides those of all kernels here."""
 
     def decorated(function):
-        with kernel_cache(_PACKAGE):
+        with kernel_cache(function.__code__.co_filename):
             found = njit(**_USUAL, **options)(function)
         if isinstance(getattr(found, "_cache", None), FunctionCache):
             found._cache.__class__ = ChildCompileCache
@@ -50,7 +48,7 @@ def kernel(**options):
     """Decorator of a kernel that other kernels call."""
 
     def decorated(function):
-        with kernel_cache(_PACKAGE):
+        with kernel_cache(function.__code__.co_filename):
             inner = njit(no_cpython_wrapper=True, **_USUAL, **options)(function)
         inner.__class__ = _Inner
         inner.entry_options = options

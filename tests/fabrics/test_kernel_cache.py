@@ -1,4 +1,4 @@
-"""A change in a kernel must reach the cached kernels that call it from another file; numba alone misses it."""
+"""A change in a kernel must reach the cached kernels that call it from another file, and no others."""
 
 import subprocess
 import sys
@@ -9,34 +9,32 @@ import pytest
 pytest.importorskip("numba")
 ROOT = Path(__file__).parents[2]
 
-INIT = {
-    "plain": "from cloth import outer_kernels\n",
-    "guarded": "from fabrics.kernel_cache import kernel_cache\n"
-    "with kernel_cache(__file__):\n    from cloth import outer_kernels\n",
+DECORATORS = {
+    "ours": "from fabrics.kernel_cache import kernel\n",
+    "numba": "from functools import partial\nfrom numba import njit\nkernel = partial(njit, cache=True)\n",
 }
-OUTER = """
-from numba import njit
-from cloth.inner_kernels import value
-
-@njit(cache=True)
-def twice():
-    return 2 * value()
-"""
-INNER = "from numba import njit\n\n@njit(cache=True)\ndef value():\n    return {}\n"
+OUTER = "from cloth.inner_kernels import value\n\n@kernel()\ndef twice():\n    return 2 * value()\n"
+INNER = "\n@kernel()\ndef value():\n    return {}\n"
+BESIDE = "\n@kernel()\ndef three():\n    return 3\n"
+RUN = (
+    "from cloth import beside_kernels, outer_kernels\n"
+    "print(outer_kernels.twice(), beside_kernels.three(), beside_kernels.three.stats.cache_hits.total())"
+)
 
 
-@pytest.mark.parametrize(("kind", "after"), [("guarded", "4"), ("plain", "2")])
-def test_a_changed_kernel_is_seen(tmp_path, kind, after):
-    package = tmp_path / "cloth"
+@pytest.mark.parametrize(("decorator", "after"), [("ours", "4 3 1"), ("numba", "2 3 1")])
+def test_a_changed_kernel_empties_the_cache_of_those_that_call_it_alone(tmp_path, decorator, after):
+    package, imports = tmp_path / "cloth", DECORATORS[decorator]
     package.mkdir()
-    (package / "__init__.py").write_text(INIT[kind])
-    (package / "outer_kernels.py").write_text(OUTER)
+    (package / "__init__.py").touch()
+    (package / "outer_kernels.py").write_text(imports + OUTER)
+    (package / "beside_kernels.py").write_text(imports + BESIDE)
 
     def run(value):
-        (package / "inner_kernels.py").write_text(INNER.format(value))
-        command = [sys.executable, "-c", "import cloth; print(cloth.outer_kernels.twice())"]
+        (package / "inner_kernels.py").write_text(imports + INNER.format(value))
+        command = [sys.executable, "-c", RUN]
         path = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "PATH": "/usr/bin", "PYTHONDONTWRITEBYTECODE": "1"}
         return subprocess.run(command, env=path, check=True, capture_output=True, text=True).stdout.strip()
 
-    assert run(1) == "2"
+    assert run(1) == "2 3 0"
     assert run(2) == after

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from numba import njit
+from fabrics.kernel_cache import kernel
 
 
-@njit(cache=True)
+@kernel()
 def gather(values, source, sign, target, entries):
     """Fill `entries` with the sums of sign * values[source] at each target.
 

@@ -17,15 +17,15 @@ the gap varies by g_q = n . r_q, and, without the division by g that the distanc
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from fabrics.kernel_cache import kernel
 from unitcell3d.contact.surface_contact_kernels import pressure
 from unitcell3d.contact.surface_kernels import dot
 
 STEPS = 40
 
 
-@njit(cache=True)
+@kernel()
 def spline_weights(xi, cells, weights):
     """Catmull-Rom weights of the four nodes first .. first + 3 (clipped to the edge) and their two derivatives.
 
@@ -69,7 +69,7 @@ def spline_weights(xi, cells, weights):
     return cell - 1
 
 
-@njit(cache=True)
+@kernel()
 def edge_stencil(s, edge, nodes, weights):
     """Fill `nodes` : (4,) and `weights` : (3, 4) of C, C', C'' at s of the curve through the nodes `edge` : (n,)."""
     first = spline_weights(s, edge.size - 1, weights)
@@ -77,7 +77,7 @@ def edge_stencil(s, edge, nodes, weights):
         nodes[a] = edge[min(max(first + a, 0), edge.size - 1)]
 
 
-@njit(cache=True)
+@kernel()
 def curve(x, nodes, weights, values):
     """Fill `values` : (3, 3) with C, C', C''."""
     for k in range(3):
@@ -87,7 +87,7 @@ def curve(x, nodes, weights, values):
                 values[k, c] += weights[k, a] * x[nodes[a], c]
 
 
-@njit(cache=True)
+@kernel()
 def nearest_nodes(x, first, second, toward, st):
     """Fill `st` : (2,) with the places of the nodes that are nearest to each other as seen along `toward`."""
     least = np.inf
@@ -100,7 +100,7 @@ def nearest_nodes(x, first, second, toward, st):
                 st[0], st[1] = i, k
 
 
-@njit(cache=True)
+@kernel()
 def closest(x, first, second, toward, st, nodes, weights, values):
     """Closest points `st` : (2,) of two edges by Newton's method from their nearest nodes; False without any."""
     nearest_nodes(x, first, second, toward, st)
@@ -133,7 +133,7 @@ def closest(x, first, second, toward, st, nodes, weights, values):
     return 0.0 < st[0] < first.size - 1.0 and 0.0 < st[1] < second.size - 1.0
 
 
-@njit(cache=True)
+@kernel()
 def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, places, values):
     """Contact of two edges: forces, and the tangent where `places` is given.
 
@@ -183,7 +183,7 @@ def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, pla
     return gap, p * area
 
 
-@njit(cache=True)
+@kernel()
 def edge_tangent(found, normal, gap, p, slope, area, share, turn, places, values):
     """Add the tangent of two edges in contact.
 

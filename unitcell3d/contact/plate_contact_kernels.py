@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from fabrics.kernel_cache import kernel
 from unitcell3d.contact.surface_contact_kernels import pressure
 
 
-@njit(cache=True)
+@kernel()
 def plate_pass(x, face, height, law, forces, places, values):
     """Forces of the nodes of a surface on a rigid plate z = height, and their tangent where `places` is given.
 
@@ -52,7 +52,7 @@ def plate_pass(x, face, height, law, forces, places, values):
     return total
 
 
-@njit(cache=True)
+@kernel()
 def update_plate_anchors(x, face, height, slip):
     """Let the anchors follow to within `slip` [m] of nodes in contact, wholly those of the others; see `plate_pass`."""
     nodes, side, anchors = face.nodes, face.side, face.anchors

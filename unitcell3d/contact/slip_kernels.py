@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from fabrics.kernel_cache import kernel
 from unitcell3d.contact.surface_contact_kernels import overlap_weight, pressure, traction
 from unitcell3d.contact.surface_kernels import evaluate, surround
 
 
-@njit(cache=True)
+@kernel()
 def mobilised_friction(x, slave, master, law, state):
     """Friction and normal force of a pass, both as sums of sizes over its points, at the state of its last call.
 

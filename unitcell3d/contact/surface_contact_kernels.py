@@ -25,8 +25,8 @@ contact").
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from fabrics.kernel_cache import kernel
 from unitcell3d.contact.surface_kernels import cell_of, dot, evaluate, nodes_of, project, surround, weights_of
 from unitcell3d.contact.surface_tangent_kernels import (
     SLAVE,
@@ -39,7 +39,7 @@ from unitcell3d.contact.surface_tangent_kernels import (
 )
 
 
-@njit(cache=True)
+@kernel()
 def pressure(gap, penalty, toe):
     """Contact pressure [Pa] and its slope dp/dg [Pa/m] at the gap `gap` [m] (negative: penetration)."""
     depth = -gap
@@ -50,7 +50,7 @@ def pressure(gap, penalty, toe):
     return penalty * (depth - 0.5 * toe), -penalty
 
 
-@njit(cache=True)
+@kernel()
 def overlap_weight(xi, cells, free_low, free_high):
     """Share w of a slave point's area that lies over the master in one direction, and its slope; C1."""
     weight, slope = 1.0, 0.0
@@ -63,7 +63,7 @@ def overlap_weight(xi, cells, free_low, free_high):
     return weight, slope
 
 
-@njit(cache=True)
+@kernel()
 def point_of(x, nodes, shape, point):
     """Fill `point` : (3,) with the place of a slave point on its face."""
     for c in range(3):
@@ -72,7 +72,7 @@ def point_of(x, nodes, shape, point):
             point[c] += shape[k] * x[nodes[k], c]
 
 
-@njit(cache=True)
+@kernel()
 def traction(surface, xi, anchor, p, friction, slip, v, tau):
     """Fill the slip `v` and the friction's traction `tau` : (3,); returns |v|."""
     g1, g2 = xi[0] - anchor[0], xi[1] - anchor[1]
@@ -84,7 +84,7 @@ def traction(surface, xi, anchor, p, friction, slip, v, tau):
     return length
 
 
-@njit(cache=True)
+@kernel()
 def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
     """One pass: forces of the slave points on the master surface, and their tangent where there are places for it.
 
@@ -144,7 +144,7 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
         add_products(scratch.left, scratch.right, terms, blocks.places[row], block, blocks.values)
 
 
-@njit(cache=True)
+@kernel()
 def add_force(xi, anchor, p, share, law, scratch, nodes, forces, resultant):
     """Add the force of one point to `forces` and `resultant`; returns the length [m] of its slip.
 
@@ -165,7 +165,7 @@ def add_force(xi, anchor, p, share, law, scratch, nodes, forces, resultant):
     return length
 
 
-@njit(cache=True)
+@kernel()
 def update_anchors(x, master, slip, state):
     """Let the anchors follow: to within `slip` [m] of points in contact, to the closest point of the others.
 

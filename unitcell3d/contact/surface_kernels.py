@@ -17,13 +17,14 @@ elsewhere; it folds back into weights of the real nodes.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from fabrics.kernel_cache import kernel
 
 PROJECTION_STEPS = 30
 SETTLED = 1e-11  # of a cell
 
 
-@njit(cache=True)
+@kernel()
 def cubics(t, w):
     """Fill `w` : (3, 4) with the weights of the four nodes and their two derivatives."""
     w[0, 0] = (1 - 6 * t + 9 * t * t - 4 * t**3) / 12
@@ -40,13 +41,13 @@ def cubics(t, w):
     w[2, 3] = (-6 + 24 * t) / 12
 
 
-@njit(cache=True)
+@kernel()
 def cell_of(xi, cells):
     """Number of the cell that holds the parameter `xi`, 0 .. cells; the nearest one beyond the grid."""
     return min(max(int(np.floor(xi)), 0), cells - 1)
 
 
-@njit(cache=True)
+@kernel()
 def surround(x, grid, axes, mirror, ringed):
     """Positions of the grid's nodes with a phantom row around.
 
@@ -78,7 +79,7 @@ def surround(x, grid, axes, mirror, ringed):
         ringed[ni + 1, j] = 2 * ringed[ni, j] - ringed[ni - 1, j]
 
 
-@njit(cache=True, fastmath={"contract", "reassoc", "nsz"})
+@kernel(fastmath={"contract", "reassoc", "nsz"})
 def evaluate(ringed, xi, a, b, surface):
     """Fill `surface` : (6, 3) with S, S_,1, S_,2, S_,11, S_,12, S_,22 at `xi` : (2,).
 
@@ -106,7 +107,7 @@ def evaluate(ringed, xi, a, b, surface):
         surface[3, c], surface[4, c], surface[5, c] = s11, s12, s22
 
 
-@njit(cache=True)
+@kernel()
 def folded(t, cell, cells, mirror_low, even, odd):
     """Weights of the four nodes and their first derivatives, the phantoms folded back.
 
@@ -139,7 +140,7 @@ def folded(t, cell, cells, mirror_low, even, odd):
                 weights[order, 1] -= phantom
 
 
-@njit(cache=True)
+@kernel()
 def nodes_of(grid, i, j, nodes):
     """Fill `nodes` : (16,) with those that shape the cell i, j; phantoms stand for their neighbours."""
     ni, nj = grid.shape
@@ -148,7 +149,7 @@ def nodes_of(grid, i, j, nodes):
             nodes[4 * m + n] = grid[min(max(i - 1 + m, 0), ni - 1), min(max(j - 1 + n, 0), nj - 1)]
 
 
-@njit(cache=True)
+@kernel()
 def weights_of(xi, grid, axes, mirror, weights, work):
     """Fill `weights` : (3, 16, 3) with S, S_,1, S_,2 at `xi` as weights of the nodes of its cell and components.
 
@@ -168,12 +169,12 @@ def weights_of(xi, grid, axes, mirror, weights, work):
                 weights[2, 4 * m + n, c] = along[0, m] * across[1, n]
 
 
-@njit(cache=True)
+@kernel()
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True)
+@kernel()
 def project(point, ringed, xi, a, b, surface):
     """Closest point of the surface by Newton's method from the guess `xi` : (2,), which is overwritten.
 

@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections import namedtuple
 
 import numpy as np
-from numba import njit
 
+from fabrics.kernel_cache import kernel
 from unitcell3d.contact.surface_kernels import dot
 
 SLAVE, STENCIL = 4, 20  # nodes of a slave face, and with them those of the master's cell
@@ -29,7 +29,7 @@ TERMS = 10  # products of rows that make up the tangent of a point
 Scratch = namedtuple("Scratch", "surface normal weights spread v tau left right")
 
 
-@njit(cache=True)
+@kernel()
 def normal_terms(scratch, gap, p, slope, area, overlap):
     """Rows whose products are the tangent of the pressure; those of dxi stand in `right[3]`, `right[4]` over p A w.
 
@@ -71,7 +71,7 @@ def normal_terms(scratch, gap, p, slope, area, overlap):
     return 5
 
 
-@njit(cache=True)
+@kernel()
 def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
     """Rows for the tangent of the friction, after those of `normal_terms`; returns how many are filled.
 
@@ -115,7 +115,7 @@ def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
     return 10
 
 
-@njit(cache=True, fastmath={"contract", "reassoc", "nsz"})
+@kernel(fastmath={"contract", "reassoc", "nsz"})
 def add_products(left, right, terms, places, block, values):
     """Add the sum of the products left[r] x right[r] to the blocks at `places` : (20, 20)."""
     size = left.shape[1]

@@ -13,10 +13,11 @@ The bars lie on the crimped path, so their strain is strain beyond crimp and fai
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from fabrics.kernel_cache import kernel
 
 
-@njit(cache=True)
+@kernel()
 def fibre_law(strain, compression, width):
     """Value and slope of s(e) [-]."""
     if strain <= 0.0:
@@ -29,7 +30,7 @@ def fibre_law(strain, compression, width):
     return value, slope
 
 
-@njit(cache=True)
+@kernel()
 def bar_strains(x, pairs, length, strain):
     """Engineering strain of each bar.
 
@@ -48,7 +49,7 @@ def bar_strains(x, pairs, length, strain):
         strain[bar] = np.sqrt(square) / length[bar] - 1.0
 
 
-@njit(cache=True)
+@kernel()
 def bar_forces(x, pairs, length, stiffness, compression, width, forces):
     """Add the internal forces of the bars.
 
@@ -72,7 +73,7 @@ def bar_forces(x, pairs, length, stiffness, compression, width, forces):
             forces[q, c] += pull
 
 
-@njit(cache=True)
+@kernel()
 def bar_tangent(x, pairs, length, stiffness, compression, width, places, values):
     """Add the tangent of the bars: N'/L t t^T + N/l (I - t t^T).
 
