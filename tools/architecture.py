@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import sys
 import textwrap
+import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -18,8 +19,14 @@ sys.path.insert(0, str(ROOT))
 
 from fabrics import source_code  # noqa: E402
 from meshing.pictures_style import FAINT, INK, plots  # noqa: E402
-from tests.test_architecture import FLOORS, LAYERS  # noqa: E402
 
+CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
+# {package: its folders from the lowest layer up}; packages themselves under "packages"
+LAYERS = {
+    contract.get("containers", ["packages"])[0]: [layer.split(" | ") for layer in reversed(contract["layers"])]
+    for contract in CONTRACTS
+    if contract["type"] == "layers"
+}
 PAGE, FIGURE = ROOT / "docs" / "developers" / "architecture.md", ROOT / "docs" / "figures" / "architecture.svg"
 GAP, LINE = 2.0, 2.9  # between boxes, and from line to line
 COLOURS = ("#e8eef7", "#d7e5f2", "#cfe3d8", "#f4e6cf", "#f0d9d5")
@@ -32,11 +39,9 @@ def purpose(folder):
 
 
 def folders(package):
-    """(name, purpose, files, lines) of a package's own files and of its sub-packages."""
+    """(name, purpose) of a package and of its sub-packages."""
     for folder in [ROOT / package, *sorted(path.parent for path in (ROOT / package).glob("*/__init__.py"))]:
-        files = sorted(folder.glob("*.py"))
-        lines = sum(len(file.read_text("utf-8").splitlines()) for file in files)
-        yield str(folder.relative_to(ROOT)), purpose(folder), len(files), lines
+        yield str(folder.relative_to(ROOT)), purpose(folder)
 
 
 def kernels():
@@ -116,16 +121,15 @@ def text():
         "*Packages, and the folders of the two solvers from the highest layer down. Made by the command above.*",
         "",
         "A package imports from the packages below it, and a folder of a solver from its own files and from lower "
-        "folders.\n`tests/test_architecture.py` holds this: each of its rules is applied to the checkout, and to a "
-        "tree with a planted\nviolation, which it must find.",
+        "folders.\n`lint-imports` holds this (`[tool.importlinter]` of pyproject.toml); `make lint` runs it.",
         "",
         "## Folders",
         "",
-        "| folder | contents | files | lines |",
-        "| --- | --- | ---: | ---: |",
+        "| folder | contents |",
+        "| --- | --- |",
     ]
-    for package in sorted(FLOORS, key=FLOORS.get):
-        lines += [f"| `{name}` | {what} | {count} | {size} |" for name, what, count, size in folders(package)]
+    for package in (package for layer in LAYERS["packages"] for package in layer):
+        lines += [f"| `{name}` | {what} |" for name, what in folders(package)]
     lines += [
         "",
         "## Kernels of one ply",
