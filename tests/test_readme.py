@@ -1,6 +1,5 @@
 """README's numbers are those of the pages that commands write; other tests hold its errors, captions and claims."""
 
-import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -73,12 +72,3 @@ def test_errors_of_the_default_mesh_are_those_of_the_page_of_convergence():
 def bold(error):
     number = error.strip("* |")
     return f"**{number}**" if abs(float(number)) > 10 else number
-
-
-def test_few_numbers_outside_tables_and_at_most_a_hundred_lines():
-    plain = re.sub(r"^```.*?^```", "", README, flags=re.MULTILINE | re.DOTALL)
-    lines = [line for line in plain.splitlines() if not line.startswith(("|", "![", "<!--"))]
-    text = re.sub(r"\]\([^)]*\)|`[^`]*`|S-\d+|V_\w+", "", " ".join(lines))
-    numbers = re.findall(r"(?<![\w-])\d[\d.,]*", text)
-    assert len(numbers) <= 25, numbers
-    assert len(README.splitlines()) <= 100

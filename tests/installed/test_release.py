@@ -25,13 +25,6 @@ def test_all_files_have_the_version_of_the_code():
     assert re.search(r"^date-released: (.*)$", text("CITATION.cff"), re.MULTILINE)[1] == released[0][1]
 
 
-def test_the_thesis_is_cited():
-    cited = text("CITATION.cff")
-    for words in ("type: thesis", "An efficient unit cell based numerical model", "University of British Columbia"):
-        assert words in cited
-    assert re.search(r"^    year: 2006$", cited, re.MULTILINE)
-
-
 def test_the_recipe_needs_what_the_package_needs():
     project = tomllib.loads(text("pyproject.toml"))["project"]
     recipe = text("packaging/conda/meta.yaml").lower()

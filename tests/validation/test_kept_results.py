@@ -237,19 +237,3 @@ def test_a_study_is_run_again_after_a_change_of_a_kernel_and_not_of_a_picture(mo
     before, read = key(), Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda self: read(self) + b"# changed\n" * (self.name == name))
     assert (key() != before) == again
-
-
-def test_all_that_resumes_is_here():
-    """Whatever names its results by a digest of its own would go by another rule."""
-    own = [
-        str(path.relative_to(ROOT))
-        for package in ("meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
-        for path in (ROOT / package).rglob("*.py")
-        if any(word in path.read_text("utf-8") for word in ("hashlib", "pickle", "joblib", "diskcache"))
-    ]
-    assert sorted(own) == [
-        "shellfabric/cell/table_cache.py",  # tables of cells from run to run, by content and the rule of run_cache
-        "shellfabric/jit/by_reference.py",  # it keeps nothing: the name of a numba type
-        "shellfabric/jit/compile_in_child.py",  # it keeps nothing: pickle takes a request to a child process
-        "weavecell/scenes/stl_file.py",  # it keeps nothing: the digest of an STL file for the provenance
-    ]

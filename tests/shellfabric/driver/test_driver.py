@@ -17,7 +17,6 @@ from shellfabric.driver.solver import CHECK, NOT_FINITE, RUNNING, STOPPED, Expli
 from shellfabric.jit.barrier import STOP
 from shellfabric.output import checkpoint
 from shellfabric.output.hooks import Every, Progress, Snapshots
-from shellfabric.solver import step_kernels
 
 MASS, STIFFNESS, V0, DT = 2e-3, 80.0, 50.0, 1e-4  # w = 200 / s: 157 steps of a half period
 W = (STIFFNESS / MASS) ** 0.5
@@ -137,12 +136,6 @@ def test_energies_are_those_of_the_whole():
 def test_bad_times_are_refused(bad):
     with pytest.raises(InputError, match="above 0"):
         Oscillator(**bad)
-
-
-def test_kernels_and_driver_have_the_same_reasons():
-    for name in ("RUNNING", "STOPPED", "PERFORATED", "NOT_FINITE"):
-        assert getattr(driver, name) == getattr(step_kernels, name)
-    assert step_kernels.CHECK == CHECK
 
 
 # guards

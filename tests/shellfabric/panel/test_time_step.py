@@ -1,7 +1,5 @@
 """How much of the bound on the time step is taken: what is usual keeps its step, and no contact is stiffer for it."""
 
-from math import sqrt
-
 import pytest
 
 from fabrics import catalogue, variants
@@ -20,17 +18,6 @@ def panel(form="variational", viscosity=Numerics.stretch_viscosity, **choices):
 def bound(panel):
     xi = panel.numerics.stretch_viscosity
     return panel.numerics.cfl * panel.critical_step * ((1 + xi**2) ** 0.5 - xi)
-
-
-def test_what_is_usual_takes_all_of_it():
-    usual = panel()
-    assert panel_time_step.share(usual.table, 0.1) == 1.0
-    assert usual.time_step == bound(usual)  # to the bit: all documented numbers hang on it
-
-
-def test_the_equilibrium_form_is_as_stiff_as_the_bound_takes_it():
-    one = panel("equilibrium")
-    assert one.time_step == pytest.approx(bound(one) * sqrt(0.5), rel=1e-12)
 
 
 def test_without_viscosity_a_ring_is_followed():

@@ -1,5 +1,7 @@
 """Loading paths of the crossover: symmetry, path independence, failure, plates, and histories that survive."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -60,14 +62,6 @@ def test_contact_is_in_equilibrium_with_the_ends(tiny, s720):
     for yarn, sign in ((0, -1), (1, 1)):
         end = found.forces[model.constraints.ends[yarn], 2].sum()
         assert end == pytest.approx(sign * found.contact, rel=1e-6)
-
-
-def test_contact_force_is_near_that_of_a_sinusoidal_yarn(equibiaxial):
-    """F_c = 2 T sin(alpha) (eq. 4-8) with the height of the real centreline, which is flatter over the other yarn."""
-    h = equibiaxial
-    w = 0.635e-3 + h.d1[-1]
-    slope = np.pi * h.h1[-1] / np.hypot(2 * w, np.pi * h.h1[-1])
-    assert h.F_c[-1] == pytest.approx(2 * h.T1[-1] * slope, rel=0.15)
 
 
 def test_coarse_numbers_stay(equibiaxial):
@@ -146,8 +140,6 @@ def test_hooks_see_every_step(tiny, s720):
 
 def test_memory_is_flat_over_factorisations(tiny, s720):
     """petsc4py keeps factors alive through some wrappers; many systems must not add up."""
-    import resource
-
     model = CrossoverModel(tiny, s720)
     solver = Newton(model)
 
@@ -155,7 +147,8 @@ def test_memory_is_flat_over_factorisations(tiny, s720):
         for _ in range(n):
             solver.solve(np.zeros(model.size), Load((2e-6, 2e-6)))
             solver.close()
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        resident = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmRSS"))
+        return int(resident.split()[1])
 
     first = rounds(10)
     assert rounds(60) - first < 8000  # KiB; one factorisation of this mesh is about 500

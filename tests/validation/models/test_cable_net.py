@@ -9,7 +9,6 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from fabrics.variants import with_yarns
-from shellfabric.driver import solver as driver
 from shellfabric.impact import simulation
 from shellfabric.projectile.projectile import Projectile
 from validation.models.cable import step_kernels as kernels
@@ -214,11 +213,6 @@ def test_a_run_that_gains_energy_is_stopped():
 def test_the_net_takes_flat_axial_shots_alone(changes):
     with pytest.raises(InputError, match="projectile"):
         CableNet(S720, projectile=Projectile(**changes))
-
-
-def test_kernels_and_driver_have_the_same_reasons():
-    for name in ("RUNNING", "STOPPED", "PERFORATED", "NOT_FINITE"):
-        assert getattr(driver, name) == getattr(kernels, name)
 
 
 def small(symmetry="quarter", **numerics):

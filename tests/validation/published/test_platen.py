@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from validation.program import save
 from validation.published import platen as study
 
 
@@ -41,12 +40,3 @@ def test_the_published_yarn_is_too_stiff_when_loose_and_too_soft_when_packed(pre
     rows = study.factor_rows(pressed, law)
     assert {len(row) for row in rows} == {len(study.HEAD)}
     assert rows[1][5] == f"{1e6 * loose:.1f}"
-
-
-def test_the_picture_is_drawn_from_misfits_and_closures(tmp_path):
-    variants = study.VARIANTS[:3]
-    found = [
-        study.Outcome(one, np.ones(2), np.ones(2), 2e-5, 0.6, 5e-5, 7e-5, (0.7, 0.6), "") for one in variants
-    ]  # fmt: skip
-    save(study.draw, found, 1.3e-4, 4e-5, to=tmp_path / "platen.png")
-    assert (tmp_path / "platen.png").stat().st_size > 10_000

@@ -58,12 +58,6 @@ def test_cases_come_from_the_cheapest_with_the_references_first():
     assert len(found) == 2 * 3 + 2
 
 
-def test_every_variation_makes_a_case():
-    names = [name for name in packs.plan()["variations"] if name != "plies"]
-    for case in packs.cases(["S-728"], [4], [2], names):
-        packs.setup(case)
-
-
 def test_study_brackets_the_critical_velocity_and_its_mixed_zone(tmp_path, monkeypatch):
     """Bisection over shots that perforate above 123.4 m/s but for one at 127.1."""
 

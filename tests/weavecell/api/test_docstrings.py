@@ -60,19 +60,6 @@ def test_public_names_are_documented(package):
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_a_parameter_that_is_a_quantity_has_a_unit(package):
-    """A parameter that is called a length, velocity, force, ... has its unit in brackets."""
-    word = r"\b(length|width|thickness|velocity|tension|force|modulus|mass|pressure)\b"
-    wrong = []
-    for name, each in load(package).items():
-        for line in sections(inspect.getdoc(each) or "").get("Parameters", "").splitlines():
-            key, _, meaning = line.partition(" : ")
-            if meaning and re.match(rf"(a |the )?{word}", meaning) and "[" not in line:
-                wrong.append(f"{package}.{name}: {key}")
-    assert wrong == []
-
-
-@pytest.mark.parametrize("package", PACKAGES)
 def test_a_public_function_that_raises_says_so(package):
     for name, each in load(package).items():
         if inspect.isfunction(each) and "raise " in inspect.getsource(each):

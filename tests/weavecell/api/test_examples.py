@@ -1,6 +1,5 @@
 """The scripts of examples/ run as they stand, as tests of the public interface; `make docs` runs them too."""
 
-import ast
 import os
 import re
 import shutil
@@ -48,16 +47,3 @@ def test_the_script_runs(script, tmp_path):
     assert re.search(EXPECTED[script.stem], done.stdout), done.stdout
     assert (place / WRITES.get(script.stem, "")).exists()
     assert (place / f"{script.stem.replace('_', '-')}.png").stat().st_size > 10_000
-
-
-def test_they_are_short_and_make_a_page_of_the_gallery():
-    assert {path.stem for path in SCRIPTS} == set(EXPECTED)
-    for path in SCRIPTS:
-        source = path.read_text("utf-8")
-        text = ast.get_docstring(ast.parse(source))
-        title, line = text.splitlines()[:2]
-        assert line == "=" * len(title), f"{path.name}: title of its page"
-        assert f"examples/{path.name}" in text
-        assert re.search(r"About \d+ s\.", text), f"{path.name}: how long it takes"
-        assert re.search(r"^figure\b.* = ", source, re.MULTILINE), f"{path.name}: a figure for its page"
-        assert len(source.splitlines()) <= 45, path.name

@@ -7,7 +7,7 @@ import pytest
 
 from shellfabric.backing.coupling import result_of
 from shellfabric.projectile.dynamics import BarHistory
-from weavecell.report import chapters_impact, pictures, pictures_body
+from weavecell.report import pictures, pictures_body
 from weavecell.results import impact_groups, keys
 
 
@@ -60,4 +60,3 @@ def test_every_energy_of_a_march_has_a_place_in_the_picture():
     from shellfabric.solver.pack_solver import ENERGIES
 
     assert set(ENERGIES) - {"formulation_residual"} == {name for name, _, _ in pictures.ENERGIES}
-    assert chapters_impact.body is not None

@@ -11,7 +11,6 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.surface import ResponseSurface
 from meshing.formats import export
-from weavecell.results.paraview import PRESSURES
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "reference" / "files.md").read_text("utf-8")
@@ -63,12 +62,3 @@ def test_every_dataset_of_a_surface_is_on_the_page(made, tmp_path):
 
 def test_every_format_of_a_mesh_is_on_the_page():
     assert [suffix for suffix in export.WRITERS if f"`{suffix}`" not in PAGE.replace("_0000.rad", ".rad")] == []
-
-
-def test_arrays_of_the_paraview_series_are_on_the_page():
-    text = (ROOT / "weavecell" / "results" / "paraview.py").read_text("utf-8")
-    of_elements = ("tension_warp_N", "tension_weft_N", "failed_warp", "failed_weft", "failed_yarns", "ply")
-    of_nodes = ("area_m2", "failed_segments_warp", "failed_segments_weft", "slip_warp_m", "slip_weft_m")
-    for name in (*of_elements, *of_nodes, *PRESSURES):
-        assert f'"{name}"' in text
-        assert f"`{name}`" in PAGE
