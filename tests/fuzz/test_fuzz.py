@@ -1,4 +1,4 @@
-"""A fixed hundred of random scenes, run in a process of their own; `make fuzz` runs a thousand."""
+"""Fixed random scenes, run in a process of their own; `make fuzz` runs a thousand."""
 
 import os
 import time
@@ -8,43 +8,29 @@ import pytest
 from fabrics.errors import InputError, UnstableError
 from tests.fuzz import pool, runs, scenes, table
 
-SEED, COUNT = 0, 100
-GUARDS = 1  # of a hundred; five of a thousand
+SEED = 0
 
 
-@pytest.fixture(scope="module")
-def rows():
-    tasks = [(SEED, index) for index in range(COUNT)]
-    return [{"seed": SEED, "index": index} | row for (_, index), row in pool.outcomes(runs.outcome, tasks, jobs=1)]
+def described(rows):
+    return "\n" + "\n".join(table.describe(row) for row in rows)
 
 
-def told(chosen):
-    return "\n" + "\n".join(table.describe(row) for row in chosen)
-
-
-@pytest.mark.parametrize("outcome", table.WRONG)
-def test_no_scene_ends_as(rows, outcome):
-    found = [row for row in rows if row["outcome"] == outcome]
-    assert not found, told(found)
-
-
-def test_energy_errors_at_normal_termination(rows):
-    found = table.beyond_limit(rows)
-    assert not found, told(found)
-
-
-def test_few_are_stopped_by_a_guard(rows):
-    found = [row for row in rows if row["outcome"] == "guard"]
-    assert len(found) <= GUARDS, told(found)
-
-
-def test_few_are_rejected_and_most_kinds_are_there(rows):
-    assert sum(row["outcome"] == "rejected" for row in rows) <= 0.03 * COUNT
-    assert {row["projectile.shape"] for row in rows} == set(scenes.SHAPES)
-    assert {row.get("panel.plies", row.get("panel.ply", 1)) for row in rows} == {1, 2, 3, 4}
-    assert sum("panel.ply" in row for row in rows) >= 5
-    assert {row["fabric.cell_model"] for row in rows} == {"compressible", "incompressible", "decoupled"}
-    assert {row["end"] for row in rows} >= {"perforated", "stopped", "in flight"}
+@pytest.mark.parametrize("count", [15, pytest.param(100, marks=pytest.mark.slow(150))])
+def test_random_scenes(count):
+    """Each ends as its input says, with its energy balanced; of a hundred one may be stopped, of a thousand five."""
+    tasks = [(SEED, index) for index in range(count)]
+    rows = [{"seed": SEED, "index": index} | row for (_, index), row in pool.outcomes(runs.outcome, tasks, jobs=1)]
+    wrong = [row for row in rows if row["outcome"] in table.WRONG] + table.beyond_limit(rows)
+    assert not wrong, described(wrong)
+    stopped = [row for row in rows if row["outcome"] == "guard"]
+    assert len(stopped) <= 1, described(stopped)
+    assert sum(row["outcome"] == "rejected" for row in rows) <= 0.03 * count
+    if count == 100:  # most kinds are there
+        assert {row["projectile.shape"] for row in rows} == set(scenes.SHAPES)
+        assert {row.get("panel.plies", row.get("panel.ply", 1)) for row in rows} == {1, 2, 3, 4}
+        assert sum("panel.ply" in row for row in rows) >= 5
+        assert {row["fabric.cell_model"] for row in rows} == {"compressible", "incompressible", "decoupled"}
+        assert {row["end"] for row in rows} >= {"perforated", "stopped", "in flight"}
 
 
 def test_packs_before_a_block_are_set_ups(tmp_path):
