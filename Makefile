@@ -8,10 +8,9 @@ N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-# in processes of their own: each loads other libraries, and memory that compiled code takes is not given back
-APART = tests/installed tests/meshing tests/validation tests/weavecell
-WEAVECELL_APART = $(addprefix tests/weavecell/,analysis api commands limits)
-QUICK = $(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
+# two programs, with and without dolfinx: memory that compiled code takes is given back between them
+SOLID = tests/unitcell3d tests/meshing tests/weavecell tests/installed
+QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
 .PHONY: demo test test-slow printed validate fuzz lint figures charts docs docs-again setup clean
 
@@ -19,14 +18,8 @@ demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report
 	$(RUN) weavecell demo --out $(RESULTS)/demo
 
 test: setup lint  ## everything but the long validation runs
-	$(QUICK) $(APART:%=--ignore=%)
-	$(QUICK) tests/installed tests/meshing
-	$(QUICK) tests/validation
-	$(QUICK) tests/weavecell $(WEAVECELL_APART:%=--ignore=%)
-	$(QUICK) tests/weavecell/analysis
-	$(QUICK) tests/weavecell/api
-	$(QUICK) tests/weavecell/commands
-	$(QUICK) tests/weavecell/limits
+	$(QUICK) $(SOLID)
+	$(QUICK) tests $(SOLID:%=--ignore=%)
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m "slow and not printed"

@@ -10,6 +10,7 @@ import pytest
 pytest.importorskip("dolfinx")
 
 from fabrics import catalogue
+from fabrics.compression import CompressionLaw
 from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import chain, solid_fit
 from unitcell3d.identify.solid_record import SolidFit
@@ -56,6 +57,23 @@ def test_the_catalogue_side_by_side(command, tmp_path, small):
     code, again, _ = command("calibrate", "--all", "--mesh", "coarse", "--resume", "--out", "all")
     assert (code, again) == (0, out)
     assert (folder / "S-720" / "law.json").read_bytes() == law
+
+
+def test_one_fabric_is_written_and_reported(command, tmp_path, monkeypatch):
+    run = solver.calibrate
+    monkeypatch.setattr(solver, "calibrate", lambda fabric, size, **more: run(fabric, size=(2, 2, 2), **SMALL, **more))
+    code, out, _ = command("calibrate", "S-720", "--mesh", "coarse", "--out", "calibration")
+    folder = tmp_path / "calibration"
+    assert code == 0
+    assert {path.name for path in folder.iterdir()} == {
+        "law.json", "law-warp.json", "law-weft.json", "calibration.json", "provenance.json", "mesh.json", "report.html",
+        "plates.h5", "equibiaxial.h5", "warp-only.h5", "crossover.msh", "crossover.vtu", "crossover.png", "quality.png",
+    }  # fmt: skip
+    law = CompressionLaw.from_json(folder / "law.json")
+    assert f"fitted      a = {1e3 * law.a:.4f} mm" in out
+    page = (folder / "report.html").read_text("utf-8")
+    places = [page.index(f'id="{chapter}"') for chapter in ("fit", "cell", "mesh", "sources", "making")]
+    assert places == sorted(places)
 
 
 @pytest.mark.parametrize(

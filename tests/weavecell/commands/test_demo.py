@@ -41,6 +41,7 @@ class _Page(HTMLParser):
         self.links += [found[name] for name in ("src", "href") if name in found]
 
 
+@pytest.mark.slow(40)
 def test_demonstration(command, tmp_path):
     code, out, _ = command("demo", "--mesh", "coarse", "--out", "demo")
     folder = tmp_path / "demo"
@@ -67,19 +68,3 @@ def test_demonstration(command, tmp_path):
     again = ImpactRecord.read(tmp_path / "again" / "histories.h5")
     first = ImpactRecord.read(folder / "stops-fitted" / "histories.h5")
     assert again.velocity.tobytes() == first.velocity.tobytes()
-
-
-def test_calibration_is_written_and_reported(command, tmp_path):
-    code, out, _ = command("calibrate", "S-720", "--mesh", "coarse", "--out", "calibration")
-    folder = tmp_path / "calibration"
-    assert code == 0
-    assert {path.name for path in folder.iterdir()} == {
-        "law.json", "law-warp.json", "law-weft.json", "calibration.json", "provenance.json", "mesh.json", "report.html",
-        "plates.h5", "equibiaxial.h5",
-        "warp-only.h5", "weft-only.h5", "crossover.msh", "crossover.vtu", "crossover.png", "quality.png",
-    }  # fmt: skip
-    law = CompressionLaw.from_json(folder / "law.json")
-    assert f"fitted      a = {1e3 * law.a:.4f} mm" in out
-    page = _Page()
-    page.feed((folder / "report.html").read_text("utf-8"))
-    assert page.ids == ["fit", "cell", "mesh", "sources", "making"]
