@@ -1,6 +1,6 @@
 """A panel or pack with a material card, a rigid projectile, contact and boundary, ready to be written for another code.
 
-Numbers are SI here; the writers (`deck_ls_dyna`, `deck_radioss`, `deck_abaqus`) convert them by the deck's `Units`.
+Numbers are SI here; the writers (`deck_ls_dyna`, `deck_radioss`) convert them by the deck's `Units`.
 Nodes, elements and parts are numbered from 1: the plies in the order in which the projectile meets them, then the
 projectile with a node of reference. Node 1 to node 2 of an element is the ply's first direction, along x: its warp, or
 the weft of a ply that is turned, which has a card of its own with warp and weft exchanged.

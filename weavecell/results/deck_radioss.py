@@ -1,4 +1,4 @@
-"""OpenRadioss starter and engine decks of a panel: /MAT/LAW58 with /PROP/TYPE16, or /MAT/LAW19 with /PROP/TYPE9.
+"""OpenRadioss starter and engine decks of a panel: /MAT/LAW58 with /PROP/TYPE16.
 
 Block format 2023. Fields and widths as in the Radioss Reference Guide and in the input templates of OpenRadioss
 (hm_cfg_files): columns of 10 and 20 characters. The shells are membranes, with one point through the thickness; the
@@ -15,19 +15,18 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from meshing.formats.deck import fields, lines, wrapped
-from weavecell.analysis.material_card.laws import FLEX, CrimpExchange, Linear
+from weavecell.analysis.material_card.laws import FLEX, CrimpExchange
 from weavecell.results.deck import STEEL, Card, Deck
 
 VERSION = 2023
 _ICOG_MAIN, _ISHELL, _BOTH, _IDEL = 4, 24, 2, 2
 _BROKEN = 1.001  # times the strain of failure: of rupture
-_RELIEF = 1e-2  # R_E of LAW19: stiffness in compression
 _COURANT = 0.9
 _GAP = 0.9  # of the distance between plies, so that they do not touch at rest
 
 
 def write(deck: Deck, name: str) -> dict[str, str]:
-    """{file name: text} of a deck whose laws are CrimpExchange or Linear."""
+    """{file name: text} of a deck whose laws are CrimpExchange."""
     parts = _head, _materials, _properties, _mesh, _groups, _body, _contact
     starter = "".join(piece for part in parts for piece in part(deck)) + "/END\n"
     return {f"{name}_0000.rad": starter, f"{name}_0001.rad": "".join(_engine(deck, name))}
@@ -43,11 +42,11 @@ def _head(deck: Deck) -> Iterator[str]:
 def _materials(deck: Deck) -> Iterator[str]:
     u = deck.units
     for card in deck.cards:
-        yield from _exchange(card, deck) if isinstance(card.law, CrimpExchange) else _linear(card, deck)
+        yield from _fabric(card, deck)
     yield f"/MAT/LAW1/{_nose(deck)}\nprojectile\n" + _reals(u.density(STEEL[0])) + _reals(u.stress(STEEL[1]), STEEL[2])
 
 
-def _exchange(card: Card, deck: Deck) -> Iterator[str]:
+def _fabric(card: Card, deck: Deck) -> Iterator[str]:
     law, u = card.law, deck.units
     assert isinstance(law, CrimpExchange)
     E, G = u.stress(law.E), u.stress(card.cloth.shear.G1)
@@ -65,25 +64,14 @@ def _exchange(card: Card, deck: Deck) -> Iterator[str]:
     yield lines("%20.12E%20.12E", law.table[:, 0], u.stress(law.table[:, 1]))
 
 
-def _linear(card: Card, deck: Deck) -> Iterator[str]:
-    law, u = card.law, deck.units
-    assert isinstance(law, Linear)
-    E, G = u.stress(law.E), u.stress(law.G)
-    yield f"/MAT/LAW19/{card.number}\n{card.name}\n" + _reals(u.density(card.cloth.density))
-    yield _reals(*E, 0) + _reals(G, G, G) + _reals(_RELIEF)  # E11 E22 NU12;  G12 G23 G31;  R_E
-
-
 def _properties(deck: Deck) -> Iterator[str]:
     """Flags, hourglass and damping at their defaults, points and thickness; then the axes."""
     m = deck.units.m
     for card in deck.cards:
         thickness = m * card.cloth.thickness
-        common = _ids(_ISHELL, 0, 0) + _reals(0, 0, 0, 0, 0) + _ids(1, 0)[:-1] + _reals(thickness, 0)
-        if isinstance(card.law, CrimpExchange):
-            yield f"/PROP/TYPE16/{card.number}\n{card.name}\n{common}" + _reals(1, 0, 0)[:-1] + _ids(0, 0)
-            yield _reals(0, 90, thickness, 0)[:-1] + _ids(card.number)  # Phi Alpha T Z mat_ID
-        else:
-            yield f"/PROP/TYPE9/{card.number}\n{card.name}\n{common}" + _reals(1, 0, 0, 0)
+        yield f"/PROP/TYPE16/{card.number}\n{card.name}\n" + _ids(_ISHELL, 0, 0) + _reals(0, 0, 0, 0, 0)
+        yield _ids(1, 0)[:-1] + _reals(thickness, 0) + _reals(1, 0, 0)[:-1] + _ids(0, 0)
+        yield _reals(0, 90, thickness, 0)[:-1] + _ids(card.number)  # Phi Alpha T Z mat_ID
     yield f"/PROP/TYPE1/{_nose(deck)}\nprojectile\n" + _ids(_ISHELL, 0, 0) + _reals(0, 0, 0, 0, 0)
     yield _ids(1, 0)[:-1] + _reals(m * deck.skin, 0)
     for ply in deck.plies:

@@ -1,13 +1,10 @@
 """Material laws of other codes for a fabric, evaluated as those codes evaluate them.
 
-Uncoupled curves (*MAT_FABRIC FORM 14 of LS-DYNA, *FABRIC of Abaqus): P_i = f_i(L_i - 1), tau = f(gamma).
+Uncoupled curves (*MAT_FABRIC FORM 14 of LS-DYNA): P_i = f_i(L_i - 1), tau = f(gamma).
 
-Linear, /MAT/LAW19 of OpenRadioss (engine/source/materials/mat/mat019/sigeps19c.F): linear in the true strain, without
-Poisson's ratio and at constant thickness, P_1 = E_1 ln(L_1) L_2; its shear is G gamma of axes at right angles.
-
-Crimp exchange, /MAT/LAW58 (engine/source/materials/mat/mat058/sigeps58c.F): two straight zigzags of linear,
-incompressible yarns. A yarn of N to a unit width crosses M to a unit length: half length L/M, height H + y with H
-at rest, length D = (1 + S)/M at rest,
+Crimp exchange, /MAT/LAW58 of OpenRadioss (engine/source/materials/mat/mat058/sigeps58c.F): two straight zigzags of
+linear, incompressible yarns. A yarn of N to a unit width crosses M to a unit length: half length L/M, height H + y
+with H at rest, length D = (1 + S)/M at rest,
 
     f = (E/N) (sqrt((L/M)^2 + (H + y)^2) - D),   P = N f cos(alpha),
     f_1 sin(alpha_1) + k_1 y_1 = f_2 sin(alpha_2) + k_2 y_2   with y_2 = -y_1 where the yarns touch,
@@ -84,49 +81,6 @@ class UncoupledCurves:
     def shear(self, gamma: FloatArray) -> FloatArray:
         """As `Law.shear`."""
         return np.interp(gamma, *self.trellis.T)
-
-
-@dataclass(frozen=True)
-class Linear:
-    """/MAT/LAW19.
-
-    Parameters
-    ----------
-    E : (2,) [Pa] of warp and weft
-    G : [Pa]
-    """
-
-    E: FloatArray
-    G: float
-    lost: ClassVar[str] = (
-        "crimp exchange and the slack of crimped yarns (it is linear), locking in shear, directions that turn with "
-        "the yarns, sliding of yarns at the crossovers, failure"
-    )
-
-    @classmethod
-    def of(cls, cloth: Cloth, match: str) -> Linear:
-        """Moduli by least squares over the plane or uniaxial tension; G before the yarns touch."""
-        pairs = []
-        if _checked(match) == "plane":
-            L1, L2, inside = cloth.plane
-            strains = np.log(L1) * L2, np.log(L2) * L1
-            pairs = [(e[inside], P[inside]) for e, P in zip(strains, cloth.stress(L1, L2))]
-        else:
-            pairs = [(np.log(L), P) for L, P in map(cloth.uniaxial, (0, 1))]
-        return cls(np.array([(e * P).sum() / (e * e).sum() for e, P in pairs]), cloth.shear.G1)
-
-    def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
-        """As `Law.stress`."""
-        L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
-        return np.stack([self.E[0] * np.log(L1) * L2, self.E[1] * np.log(L2) * L1])
-
-    def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
-        """As `Law.uniaxial`: nothing draws the other direction in."""
-        return self.E[family] * np.log(stretch)
-
-    def shear(self, gamma: FloatArray) -> FloatArray:
-        """As `Law.shear`."""
-        return self.G * gamma
 
 
 @dataclass(frozen=True)
