@@ -30,11 +30,11 @@ from shellfabric.projectile.solid import volume
 from weavecell.analysis.material_card.cloth import Cloth
 from weavecell.analysis.material_card.laws import Law
 from weavecell.analysis.material_card.mismatch import LIMIT, Mismatch
+from weavecell.results import deck_nose
 
 STEEL = 7800.0, 2e11, 0.3  # [kg/m3], [Pa], [-] of the projectile's shells: its mass is given, its contact needs these
 _TABLE = 8  # samples a side of a cell's table that nothing uses
 _SKIN, _CLEARANCE = 0.1, 0.01  # [ply thicknesses] of the projectile's shells, and from them to the first ply
-_RINGS, _AROUND = 2, 2  # every ... of the rings and points of the projectile's drawn surface
 _SEEN = 0.9  # of the volume of a body of any shape that this surface holds at least
 _PICTURES, _SAMPLES = 50, 1000  # of a run
 
@@ -137,7 +137,7 @@ class Nose:
     Parameters
     ----------
     points : (n, 3) [m] of its surface
-    quads, triangles : (m, 4), (k, 3) nodes in the deck's numbers
+    quads : (m, 4) nodes in the deck's numbers
     centre : (3,) [m] node of reference, whose number is `reference`
     mass : [kg] of the modelled part
     inertia : [kg m2] about each axis; it does not turn, but no code takes zero
@@ -147,7 +147,6 @@ class Nose:
 
     points: FloatArray
     quads: IntArray
-    triangles: IntArray
     centre: FloatArray
     reference: int
     mass: float
@@ -206,8 +205,8 @@ class Deck:
 
     @cached_property
     def elements(self) -> tuple[IntArray, ...]:
-        """Numbers of the elements of each ply, then of the projectile's quadrilaterals and triangles."""
-        counts = [*(len(ply.quads) for ply in self.plies), len(self.nose.quads), len(self.nose.triangles)]
+        """Numbers of the elements of each ply, then of the projectile."""
+        counts = [len(part.quads) for part in (*self.plies, self.nose)]
         ends = np.cumsum([0, *counts])
         return tuple(np.arange(a, b) + 1 for a, b in pairwise(ends))
 
@@ -273,27 +272,19 @@ def _ply(panel, card, place, before):
 
 
 def _nose(shot, speed, share, thickness, plies):
-    """The body's surface, its nose on the line of flight before the first ply."""
-    rings = shot.surface()[::_RINGS, :-1:_AROUND]
+    """The body's surface in elements of the fabric's size, its nose on the line of flight before the first ply."""
     clear = (0.5 + 0.5 * _SKIN + _CLEARANCE) * thickness
     start = shot.start() - shot.flight * clear / shot.flight[2]
-    tip, tail, rings = rings[0, 0], rings[-1, 0], rings[1:-1]
-    n, m = rings.shape[:2]
-    first = 1 + sum(len(ply.points) for ply in plies)
-    number = first + np.arange(n * m).reshape(n, m)
-    ahead = np.roll(number, -1, axis=1)
-    sides = np.stack([number[:-1], ahead[:-1], ahead[1:], number[1:]], axis=-1).reshape(-1, 4)
-    poles = first + n * m, first + n * m + 1
-    front = np.stack([np.full(m, poles[0]), ahead[0], number[0]], axis=1)
-    back = np.stack([np.full(m, poles[1]), number[-1], ahead[-1]], axis=1)
-    points, ends = start + np.vstack([rings.reshape(-1, 3), tip, tail]), np.vstack([front, back])
+    first = sum(len(ply.points) for ply in plies)
+    corners = plies[0].points[plies[0].quads[:, [0, 2]] - 1, :2]
+    points, quads = deck_nose.mesh(shot, np.diff(corners, axis=1).min())
     if shot.solid is not None:
-        held = abs(volume(points, np.vstack([sides[:, [0, 1, 2]], sides[:, [0, 2, 3]], ends]) - first))
+        held = volume(points, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
         if held < _SEEN * volume(shot.solid.points, shot.solid.faces):
             allowed = "a body whose surface is seen from its axis: from there it is drawn"
             raise InputError(key="projectile.stl", allowed=allowed)
     return Nose(
-        points, sides, ends, start - shot.radius * shot.frame[2], first + len(points),
+        start + points, quads + first + 1, start - shot.radius * shot.frame[2], first + len(points) + 1,
         share * shot.mass, 0.4 * share * shot.mass * shot.radius**2, speed * shot.flight, shot.friction,
     )  # fmt: skip
 

@@ -80,12 +80,10 @@ def _properties(deck: Deck) -> Iterator[str]:
 
 
 def _mesh(deck: Deck) -> Iterator[str]:
-    points, nose = deck.points * deck.units.m, deck.nose
+    points = deck.points * deck.units.m
     yield "/NODE\n" + lines("%10d%20.12E%20.12E%20.12E", range(1, len(points) + 1), points)
-    for ply, numbers in zip(deck.plies, deck.elements):
-        yield f"/SHELL/{ply.number}\n" + lines("%10d" * 5, numbers, ply.quads)
-    yield f"/SHELL/{_last(deck)}\n" + lines("%10d" * 5, deck.elements[-2], nose.quads)
-    yield f"/SH3N/{_last(deck)}\n" + lines("%10d" * 4, deck.elements[-1], nose.triangles)
+    for part, (shells, numbers) in enumerate(zip((*deck.plies, deck.nose), deck.elements), 1):
+        yield f"/SHELL/{part}\n" + lines("%10d" * 5, numbers, shells.quads)
 
 
 def _groups(deck: Deck) -> Iterator[str]:
