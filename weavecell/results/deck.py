@@ -96,7 +96,6 @@ class Card:
     ----------
     number, name : from 1
     fabric, law, mismatch : what it was made of, the law, and how far they differ
-    failure : whether yarns are to fail
     """
 
     number: int
@@ -104,7 +103,6 @@ class Card:
     cloth: Cloth
     law: Law
     mismatch: Mismatch
-    failure: bool
 
 
 @dataclass(frozen=True)
@@ -185,6 +183,11 @@ class Deck:
         return np.vstack([*(ply.points for ply in self.plies), self.nose.points, self.nose.centre])
 
     @property
+    def parts(self) -> tuple[Ply | Nose, ...]:
+        """The plies, then the projectile."""
+        return *self.plies, self.nose
+
+    @property
     def skin(self) -> float:
         """[m] thickness of the projectile's shells."""
         return _SKIN * self.cards[0].cloth.thickness
@@ -203,11 +206,17 @@ class Deck:
             sets[name] = numbers[np.concatenate([getattr(ply, name) for ply in self.plies]) & ~clamped]
         return {name: nodes for name, nodes in sets.items() if nodes.size}
 
+    def watched(self) -> dict[str, int]:
+        """{name: node number} of what histories are written: the projectile, and the point of impact of each ply."""
+        nodes = {"projectile": self.nose.reference}
+        for ply in self.plies:
+            nodes[ply.name] = int(ply.quads.min() + np.argmin(np.hypot(*ply.points[:, :2].T)))
+        return nodes
+
     @cached_property
     def elements(self) -> tuple[IntArray, ...]:
-        """Numbers of the elements of each ply, then of the projectile."""
-        counts = [len(part.quads) for part in (*self.plies, self.nose)]
-        ends = np.cumsum([0, *counts])
+        """Numbers of the elements of each part."""
+        ends = np.cumsum([0, *(len(part.quads) for part in self.parts)])
         return tuple(np.arange(a, b) + 1 for a, b in pairwise(ends))
 
 
@@ -238,7 +247,7 @@ def build(
     for p, (panel, place) in enumerate(zip(panels, places)):
         if id(panel) not in cards:
             name = _ascii(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
-            cards[id(panel)] = _card(panel.table.model, make, len(cards) + 1, name, setup.failure)
+            cards[id(panel)] = _card(panel.table.model, make, len(cards) + 1, name)
         plies.append(_ply(panel, cards[id(panel)], place, plies))
     used = tuple(cards.values())
     share, mirrors = panels[0].share, panels[0].mirrors
@@ -254,10 +263,10 @@ def _panels(setup):
     return found.plies, found.places, found.friction
 
 
-def _card(model, make, number, name, failure):
+def _card(model, make, number, name):
     cloth = Cloth(replace(model, reach=1.0))
     law = make(cloth)
-    return Card(number, name, cloth, law, Mismatch.of(cloth, law), failure)
+    return Card(number, name, cloth, law, Mismatch.of(cloth, law))
 
 
 def _ply(panel, card, place, before):

@@ -48,8 +48,8 @@ def _mesh(deck: Deck) -> Iterator[str]:
     points = deck.points * deck.units.m
     yield "*NODE\n" + lines("%8d%16.9E%16.9E%16.9E", range(1, len(points) + 1), points)
     yield "*ELEMENT_SHELL\n"
-    for part, (shells, numbers) in enumerate(zip((*deck.plies, deck.nose), deck.elements), 1):
-        yield lines(f"%8d{part:8d}" + "%8d" * 4, numbers, shells.quads)
+    for number, (part, elements) in enumerate(zip(deck.parts, deck.elements), 1):
+        yield lines(f"%8d{number:8d}" + "%8d" * 4, elements, part.quads)
 
 
 def _parts(deck: Deck) -> Iterator[str]:

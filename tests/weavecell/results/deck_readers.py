@@ -117,7 +117,7 @@ RADIOSS = {  # cards below the title, the last one repeated
     ),
 }  # fmt: skip
 UNTITLED = {
-    "NODE": ((10, 20, 20, 20),), "SHELL": ((10,) * 5,), "SH3N": ((10,) * 4,),
+    "NODE": ((10, 20, 20, 20),), "SHELL": ((10,) * 5,),
     "FAIL/FABRIC": ((20, 20, 20, 20, 10, 10), (20,)),
 }  # fmt: skip
 
@@ -127,7 +127,7 @@ def radioss(text):
     lines = text.splitlines()
     assert lines[0] == "#RADIOSS STARTER"
     assert lines[-1] == "/END"
-    assert all(len(line) <= 100 for line in lines)
+    assert all(len(line.removeprefix("#")) <= 100 for line in lines)
     blocks, kinds = [], defaultdict(list)
     for line in lines[:-1]:
         if line.startswith("/"):
@@ -151,7 +151,7 @@ def radioss(text):
         rows = [columns(line, layout[min(n, len(layout) - 1)]) for n, line in enumerate(body)]
         assert len(rows) >= len(layout), head
         name = word.split("/")[0]
-        if name not in ("SHELL", "SH3N", "NODE", "FAIL"):
+        if name not in ("SHELL", "NODE", "FAIL"):
             ids[name].append(number)
         rows_of[word][number] = rows
     defined = {name: unique(numbers) for name, numbers in ids.items()}
@@ -163,10 +163,10 @@ def radioss(text):
 
 def _radioss_references(rows_of, defined, of_boundary):
     nodes = unique(row[0] for row in rows_of["NODE"][""])
-    elements = [row for word in ("SHELL", "SH3N") for rows in rows_of[word].values() for row in rows]
+    elements = [row for rows in rows_of["SHELL"].values() for row in rows]
     unique(row[0] for row in elements)
     assert {n for row in elements for n in row[1:]} <= nodes
-    assert {int(n) for n in rows_of["SHELL"]} | {int(n) for n in rows_of["SH3N"]} == defined["PART"]
+    assert {int(n) for n in rows_of["SHELL"]} == defined["PART"]
     for ((prop, material),) in rows_of["PART"].values():
         assert prop in defined["PROP"]
         assert material in defined["MAT"]
