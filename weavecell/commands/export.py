@@ -68,8 +68,8 @@ def export(
     """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile, contact, output.
 
     The error of the material card against the unit cell is in the deck's header, printed, and in report.html. Of the
-    input file, the tables history and numerics, the contact law of plies, and what a run records mean nothing here. No
-    deck has been run in the code that it is for.
+    input file, the tables history and numerics, the contact law of plies, and what a run records mean nothing here.
+    Nothing breaks in a deck. OpenRadioss was run with earlier decks, LS-DYNA was not: see docs/reports/cards.md.
     """
     out = out or RESULTS / f"export-{Path(name).stem}-{to.value}"
     this = target.read(name, out, deck_folder.SUPPORT)

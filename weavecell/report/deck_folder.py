@@ -1,6 +1,6 @@
 """The folder of a deck: a panel or pack for LS-DYNA or OpenRadioss, with the error of its material card.
 
-No deck has been run in the code that it is for.
+What runs in OpenRadioss gave is in docs/reports/cards.md; LS-DYNA has not been run.
 """
 
 from __future__ import annotations
