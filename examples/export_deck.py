@@ -4,7 +4,7 @@ Export of a deck
 
 Two plies of S-728 as a deck of LS-DYNA in the folder ``deck``: mesh, ``*MAT_FABRIC``, clamps, rigid projectile and
 contact. It prints and draws the error of the material card against the unit cell: rms and largest over the biaxial
-plane, in uniaxial tension and in shear. No deck has been run in its code. About 5 s.
+plane, in uniaxial tension and in shear. LS-DYNA was not run with it. About 5 s.
 Run with ``python examples/export_deck.py``.
 """
 

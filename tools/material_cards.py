@@ -14,16 +14,15 @@ sys.path.insert(0, str(ROOT))
 
 import weavecell as wc  # noqa: E402
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth  # noqa: E402
-from weavecell.analysis.material_card.laws import CrimpExchange, Linear, UncoupledCurves  # noqa: E402
+from weavecell.analysis.material_card.laws import CrimpExchange, UncoupledCurves  # noqa: E402
 from weavecell.analysis.material_card.mismatch import Mismatch  # noqa: E402
 from weavecell.report import deck_folder  # noqa: E402
 from weavecell.report.marked_page import markdown, put  # noqa: E402
 
-LAWS = {"curves (FORM 14, *FABRIC)": UncoupledCurves, "LAW58": CrimpExchange, "LAW19": Linear}
+LAWS = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExchange}
 CARDS = {  # code: what a card begins and ends with
     "lsdyna": ("*MAT_FABRIC_TITLE", "*MAT_RIGID_TITLE"),
     "radioss": ("/MAT/LAW58/", "/MAT/LAW1/"),
-    "abaqus": ("*MATERIAL", "*RIGID BODY"),
 }
 _POINT = re.compile(r"^ *-?\d\.\d{12}E[+-]\d+[ ,]*-?\d\.\d{12}E[+-]\d+$")
 _SHOWN = 3  # points of a curve that are printed
@@ -48,9 +47,8 @@ def errors(match: str) -> str:
 
 def card(to: str) -> str:
     """The card of S-720 in a deck, with the first points of each curve."""
-    law = deck_folder.chosen(to, None)
     given = wc.setup("S-720", "100 m/s", opening="40 mm", elements_per_crossover=1)
-    made = deck_folder.made_of(given, to, law, "kg-m-s", "plane", title="S-720", source="published")
+    made = deck_folder.made_of(given, to, "kg-m-s", "plane", title="S-720", source="published")
     text = next(iter(deck_folder.CODES[to].write(made, "S-720").values()))
     begin, end = CARDS[to]
     lines, points = [], 0

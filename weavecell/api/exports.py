@@ -47,9 +47,8 @@ def convert(folder: FilePath, to: Literal["vtkhdf", "parquet"], out: FilePath | 
 
 
 def export(
-    setup: ImpactSetup, to: Literal["lsdyna", "radioss", "abaqus"], out: FilePath, *,
-    law: str | None = None, units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s",
-    match: Literal["plane", "uniaxial"] = "plane",
+    setup: ImpactSetup, to: Literal["lsdyna", "radioss"], out: FilePath, *,
+    units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s", match: Literal["plane", "uniaxial"] = "plane",
 ) -> dict[str, float]:  # fmt: skip
     """Write a panel or pack as a deck for another code, with the error of its material card.
 
@@ -60,7 +59,6 @@ def export(
     setup : of `weavecell.setup`
     to : the code
     out : folder of the deck, its picture and report.html
-    law : "fabric34" of lsdyna, "law58" or "law19" of radioss, "fabric" of abaqus; None takes the first of the code
     units : of the deck
     match : what the law is nearest to: the cell over the biaxial plane, or in uniaxial tension
 
@@ -71,7 +69,7 @@ def export(
 
     Raises
     ------
-    InputError : an unknown code, law or unit, or a set-up with what no deck holds; nothing has been written
+    InputError : an unknown code, unit or match, or a set-up with what no deck holds; nothing has been written
 
     Examples
     --------
@@ -83,7 +81,7 @@ def export(
 
     laws = setup.laws or setup.fabric.laws
     made = deck_folder.made_of(
-        setup, to, deck_folder.chosen(to, law), units, match, title=f"{setup.title}, {setup.strike_velocity:g} m/s",
+        setup, to, units, match, title=f"{setup.title}, {setup.strike_velocity:g} m/s",
         source=laws[0].provenance if laws and setup.cell_model == "compressible" else f"none, {setup.cell_model} yarns",
     )  # fmt: skip
     deck_folder.write(made, Path(out), to, setup.fabric.name, match, "", setup.fabric)

@@ -3,7 +3,6 @@
 The folder of `weavecell export`
     NAME.k                       the deck for LS-DYNA
     NAME_0000.rad, NAME_0001.rad the decks of OpenRadioss's starter and engine
-    NAME.inp                     the deck for Abaqus
     mapping.svg                  the law less the cell over the biaxial plane
     summary.json                 the mapping's error, provenance
     report.html                  the error in a table and the plot, and what the law does not hold
@@ -32,7 +31,6 @@ class Target(StrEnum):
 
     lsdyna = "lsdyna"
     radioss = "radioss"
-    abaqus = "abaqus"
 
 
 class Unit(StrEnum):
@@ -60,13 +58,6 @@ class Match(StrEnum):
 def export(
     name: TargetArgument,
     to: Annotated[Target, typer.Option(help="Code that the deck is for.")],
-    law: Annotated[
-        str | None,
-        typer.Option(
-            help="Material: fabric34 of lsdyna, law58 (default) or law19 of radioss, fabric of abaqus.",
-            metavar="fabric34|law58|law19|fabric",
-        ),
-    ] = None,
     units: Annotated[Unit, typer.Option(help="Consistent units of the deck.")] = Unit.si,
     match: Annotated[
         Match,
@@ -77,15 +68,14 @@ def export(
     """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile, contact, output.
 
     The error of the material card against the unit cell is in the deck's header, printed, and in report.html. Of the
-    input file, the tables history and numerics, the contact law of plies, and what a run records mean nothing here. No
-    deck has been run in the code that it is for.
+    input file, the tables history and numerics, the contact law of plies, and what a run records mean nothing here.
+    Nothing breaks in a deck. OpenRadioss was run with earlier decks, LS-DYNA was not: see docs/reports/cards.md.
     """
     out = out or RESULTS / f"export-{Path(name).stem}-{to.value}"
-    form = deck_folder.chosen(to.value, law)
     this = target.read(name, out, deck_folder.SUPPORT)
     try:
         made = deck_folder.made_of(
-            this.setup, to.value, form, units.value, match.value, title=_title(this), source=this.case.law_name
+            this.setup, to.value, units.value, match.value, title=_title(this), source=this.case.law_name
         )
     except InputError as problem:
         raise this.in_file(problem) from None

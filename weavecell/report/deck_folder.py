@@ -1,11 +1,11 @@
-"""The folder of a deck: a panel or pack for LS-DYNA, OpenRadioss or Abaqus, with the error of its material card.
+"""The folder of a deck: a panel or pack for LS-DYNA or OpenRadioss, with the error of its material card.
 
-No deck has been run in the code that it is for.
+What runs in OpenRadioss gave is in docs/reports/cards.md; LS-DYNA has not been run.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,44 +14,31 @@ from typing import Any
 from fabrics import files
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
-from weavecell.analysis.material_card.cloth import MATCHES, Cloth
-from weavecell.analysis.material_card.laws import CrimpExchange, Linear, UncoupledCurves
+from weavecell.analysis.material_card.cloth import MATCHES
+from weavecell.analysis.material_card.laws import CrimpExchange, UncoupledCurves
 from weavecell.analysis.material_card.mismatch import LIMIT
 from weavecell.report import page as report_page
 from weavecell.report import pictures, pictures_card
 from weavecell.report.page import Card, Figure, Report, Section, Table
-from weavecell.results import deck, deck_abaqus, deck_ls_dyna, deck_radioss, json_file, provenance
+from weavecell.results import deck, deck_ls_dyna, deck_radioss, json_file, provenance
 from weavecell.scenes import target
 from weavecell.scenes.impact import SlipTable
 
 
 @dataclass(frozen=True)
-class Form:
-    """A law that a code has: its class here, its keyword there."""
+class Code:
+    """A code that decks are written for, with its law: the class here, the keyword there."""
 
+    name: str
+    write: Callable[[deck.Deck, str], dict[str, str]]
     kind: Any
     keyword: str
 
 
-@dataclass(frozen=True)
-class Code:
-    """A code that decks are written for; the first of its laws is the default."""
-
-    name: str
-    write: Callable[[deck.Deck, str], dict[str, str]]
-    laws: Mapping[str, Form]
-
-
 CODES = {
-    "lsdyna": Code(
-        "LS-DYNA", deck_ls_dyna.write, {"fabric34": Form(UncoupledCurves, "*MAT_FABRIC (034), FORM 14")}
-    ),
-    "radioss": Code(
-        "OpenRadioss", deck_radioss.write,
-        {"law58": Form(CrimpExchange, "/MAT/LAW58 (FABR_A)"), "law19": Form(Linear, "/MAT/LAW19 (FABRI)")},
-    ),
-    "abaqus": Code("Abaqus/Explicit", deck_abaqus.write, {"fabric": Form(UncoupledCurves, "*FABRIC, test data")}),
-}  # fmt: skip
+    "lsdyna": Code("LS-DYNA", deck_ls_dyna.write, UncoupledCurves, "*MAT_FABRIC (034), FORM 14"),
+    "radioss": Code("OpenRadioss", deck_radioss.write, CrimpExchange, "/MAT/LAW58 (FABR_A)"),
+}
 ROWS = {
     "rms": "rms over the biaxial plane", "largest": "largest over the biaxial plane",
     "uniaxial": "largest in uniaxial tension", "shear": "largest in trellis shear until locking",
@@ -66,35 +53,16 @@ SUPPORT = target.support(
 )  # fmt: skip
 
 
-def chosen(to: str, law: str | None) -> str:
-    """The name of a law of a code, or of its first one.
-
-    Raises
-    ------
-    InputError : an unknown code, or a law that it does not have here
-    """
-    if to not in CODES:
-        raise InputError(key="--to", value=to, allowed=" or ".join(CODES))
-    laws = CODES[to].laws
-    if law is not None and law not in laws:
-        raise InputError(key="--law", value=law, allowed=f"{' or '.join(laws)} of {to}")
-    return law or next(iter(laws))
-
-
-def made_of(setup: ImpactSetup, to: str, law: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
-    """The deck of a set-up; parameters and exceptions as `deck.build`, with names of code and law, and of MATCHES."""
-    if match not in MATCHES:
-        raise InputError(key="--match", value=match, allowed=" or ".join(MATCHES))
-    form = CODES[to].laws[law]
-    make: Callable[[Cloth], Any] = partial(_law, form.kind, match)
+def made_of(setup: ImpactSetup, to: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
+    """The deck of a set-up for a code of CODES; other parameters and exceptions as `deck.build`, `match` of MATCHES."""
+    for key, value, names in (("--to", to, CODES), ("--match", match, MATCHES)):
+        if value not in names:
+            raise InputError(key=key, value=value, allowed=" or ".join(names))
+    code = CODES[to]
     return deck.build(
-        setup, make, units, title=title, source=source, law=f"{form.keyword}, {_NEAREST[match]}",
-        code=CODES[to].name,
+        setup, partial(code.kind.of, match=match), units, title=title, source=source,
+        law=f"{code.keyword}, {_NEAREST[match]}", code=code.name,
     )  # fmt: skip
-
-
-def _law(kind, match, cloth):
-    return kind.of(cloth, match)
 
 
 def write(made: deck.Deck, out: Path, to: str, stem: str, match: str, text: str, fabric: Any) -> None:

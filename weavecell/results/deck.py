@@ -1,6 +1,6 @@
 """A panel or pack with a material card, a rigid projectile, contact and boundary, ready to be written for another code.
 
-Numbers are SI here; the writers (`deck_ls_dyna`, `deck_radioss`, `deck_abaqus`) convert them by the deck's `Units`.
+Numbers are SI here; the writers (`deck_ls_dyna`, `deck_radioss`) convert them by the deck's `Units`.
 Nodes, elements and parts are numbered from 1: the plies in the order in which the projectile meets them, then the
 projectile with a node of reference. Node 1 to node 2 of an element is the ply's first direction, along x: its warp, or
 the weft of a ply that is turned, which has a card of its own with warp and weft exchanged.
@@ -30,11 +30,11 @@ from shellfabric.projectile.solid import volume
 from weavecell.analysis.material_card.cloth import Cloth
 from weavecell.analysis.material_card.laws import Law
 from weavecell.analysis.material_card.mismatch import LIMIT, Mismatch
+from weavecell.results import deck_nose
 
 STEEL = 7800.0, 2e11, 0.3  # [kg/m3], [Pa], [-] of the projectile's shells: its mass is given, its contact needs these
 _TABLE = 8  # samples a side of a cell's table that nothing uses
 _SKIN, _CLEARANCE = 0.1, 0.01  # [ply thicknesses] of the projectile's shells, and from them to the first ply
-_RINGS, _AROUND = 2, 2  # every ... of the rings and points of the projectile's drawn surface
 _SEEN = 0.9  # of the volume of a body of any shape that this surface holds at least
 _PICTURES, _SAMPLES = 50, 1000  # of a run
 
@@ -96,7 +96,6 @@ class Card:
     ----------
     number, name : from 1
     fabric, law, mismatch : what it was made of, the law, and how far they differ
-    failure : whether yarns are to fail
     """
 
     number: int
@@ -104,7 +103,6 @@ class Card:
     cloth: Cloth
     law: Law
     mismatch: Mismatch
-    failure: bool
 
 
 @dataclass(frozen=True)
@@ -137,7 +135,7 @@ class Nose:
     Parameters
     ----------
     points : (n, 3) [m] of its surface
-    quads, triangles : (m, 4), (k, 3) nodes in the deck's numbers
+    quads : (m, 4) nodes in the deck's numbers
     centre : (3,) [m] node of reference, whose number is `reference`
     mass : [kg] of the modelled part
     inertia : [kg m2] about each axis; it does not turn, but no code takes zero
@@ -147,7 +145,6 @@ class Nose:
 
     points: FloatArray
     quads: IntArray
-    triangles: IntArray
     centre: FloatArray
     reference: int
     mass: float
@@ -186,6 +183,11 @@ class Deck:
         return np.vstack([*(ply.points for ply in self.plies), self.nose.points, self.nose.centre])
 
     @property
+    def parts(self) -> tuple[Ply | Nose, ...]:
+        """The plies, then the projectile."""
+        return *self.plies, self.nose
+
+    @property
     def skin(self) -> float:
         """[m] thickness of the projectile's shells."""
         return _SKIN * self.cards[0].cloth.thickness
@@ -204,11 +206,17 @@ class Deck:
             sets[name] = numbers[np.concatenate([getattr(ply, name) for ply in self.plies]) & ~clamped]
         return {name: nodes for name, nodes in sets.items() if nodes.size}
 
+    def watched(self) -> dict[str, int]:
+        """{name: node number} of what histories are written: the projectile, and the point of impact of each ply."""
+        nodes = {"projectile": self.nose.reference}
+        for ply in self.plies:
+            nodes[ply.name] = int(ply.quads.min() + np.argmin(np.hypot(*ply.points[:, :2].T)))
+        return nodes
+
     @cached_property
     def elements(self) -> tuple[IntArray, ...]:
-        """Numbers of the elements of each ply, then of the projectile's quadrilaterals and triangles."""
-        counts = [*(len(ply.quads) for ply in self.plies), len(self.nose.quads), len(self.nose.triangles)]
-        ends = np.cumsum([0, *counts])
+        """Numbers of the elements of each part."""
+        ends = np.cumsum([0, *(len(part.quads) for part in self.parts)])
         return tuple(np.arange(a, b) + 1 for a, b in pairwise(ends))
 
 
@@ -239,7 +247,7 @@ def build(
     for p, (panel, place) in enumerate(zip(panels, places)):
         if id(panel) not in cards:
             name = _ascii(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
-            cards[id(panel)] = _card(panel.table.model, make, len(cards) + 1, name, setup.failure)
+            cards[id(panel)] = _card(panel.table.model, make, len(cards) + 1, name)
         plies.append(_ply(panel, cards[id(panel)], place, plies))
     used = tuple(cards.values())
     share, mirrors = panels[0].share, panels[0].mirrors
@@ -255,10 +263,10 @@ def _panels(setup):
     return found.plies, found.places, found.friction
 
 
-def _card(model, make, number, name, failure):
+def _card(model, make, number, name):
     cloth = Cloth(replace(model, reach=1.0))
     law = make(cloth)
-    return Card(number, name, cloth, law, Mismatch.of(cloth, law), failure)
+    return Card(number, name, cloth, law, Mismatch.of(cloth, law))
 
 
 def _ply(panel, card, place, before):
@@ -273,27 +281,19 @@ def _ply(panel, card, place, before):
 
 
 def _nose(shot, speed, share, thickness, plies):
-    """The body's surface, its nose on the line of flight before the first ply."""
-    rings = shot.surface()[::_RINGS, :-1:_AROUND]
+    """The body's surface in elements of the fabric's size, its nose on the line of flight before the first ply."""
     clear = (0.5 + 0.5 * _SKIN + _CLEARANCE) * thickness
     start = shot.start() - shot.flight * clear / shot.flight[2]
-    tip, tail, rings = rings[0, 0], rings[-1, 0], rings[1:-1]
-    n, m = rings.shape[:2]
-    first = 1 + sum(len(ply.points) for ply in plies)
-    number = first + np.arange(n * m).reshape(n, m)
-    ahead = np.roll(number, -1, axis=1)
-    sides = np.stack([number[:-1], ahead[:-1], ahead[1:], number[1:]], axis=-1).reshape(-1, 4)
-    poles = first + n * m, first + n * m + 1
-    front = np.stack([np.full(m, poles[0]), ahead[0], number[0]], axis=1)
-    back = np.stack([np.full(m, poles[1]), number[-1], ahead[-1]], axis=1)
-    points, ends = start + np.vstack([rings.reshape(-1, 3), tip, tail]), np.vstack([front, back])
+    first = sum(len(ply.points) for ply in plies)
+    corners = plies[0].points[plies[0].quads[:, [0, 2]] - 1, :2]
+    points, quads = deck_nose.mesh(shot, np.diff(corners, axis=1).min())
     if shot.solid is not None:
-        held = abs(volume(points, np.vstack([sides[:, [0, 1, 2]], sides[:, [0, 2, 3]], ends]) - first))
+        held = volume(points, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
         if held < _SEEN * volume(shot.solid.points, shot.solid.faces):
             allowed = "a body whose surface is seen from its axis: from there it is drawn"
             raise InputError(key="projectile.stl", allowed=allowed)
     return Nose(
-        points, sides, ends, start - shot.radius * shot.frame[2], first + len(points),
+        start + points, quads + first + 1, start - shot.radius * shot.frame[2], first + len(points) + 1,
         share * shot.mass, 0.4 * share * shot.mass * shot.radius**2, speed * shot.flight, shot.friction,
     )  # fmt: skip
 

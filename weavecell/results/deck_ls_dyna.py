@@ -48,11 +48,8 @@ def _mesh(deck: Deck) -> Iterator[str]:
     points = deck.points * deck.units.m
     yield "*NODE\n" + lines("%8d%16.9E%16.9E%16.9E", range(1, len(points) + 1), points)
     yield "*ELEMENT_SHELL\n"
-    for ply, numbers in zip(deck.plies, deck.elements):
-        yield lines(f"%8d{ply.number:8d}" + "%8d" * 4, numbers, ply.quads)
-    triangles = deck.nose.triangles[:, [0, 1, 2, 2]]  # a triangle repeats its last node
-    for nodes, numbers in zip((deck.nose.quads, triangles), deck.elements[-2:]):
-        yield lines(f"%8d{_nose(deck):8d}" + "%8d" * 4, numbers, nodes)
+    for number, (part, elements) in enumerate(zip(deck.parts, deck.elements), 1):
+        yield lines(f"%8d{number:8d}" + "%8d" * 4, elements, part.quads)
 
 
 def _parts(deck: Deck) -> Iterator[str]:

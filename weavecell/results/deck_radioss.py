@@ -1,9 +1,9 @@
-"""OpenRadioss starter and engine decks of a panel: /MAT/LAW58 with /PROP/TYPE16, or /MAT/LAW19 with /PROP/TYPE9.
+"""OpenRadioss starter and engine decks of a panel: /MAT/LAW58 with /PROP/TYPE16.
 
 Block format 2023. Fields and widths as in the Radioss Reference Guide and in the input templates of OpenRadioss
 (hm_cfg_files): columns of 10 and 20 characters. The shells are membranes, with one point through the thickness; the
 vector (1, 0, 0) is the ply's first direction, the second is at 90 degrees to it. LAW58 has linear yarns, and a function
-of the shear angle in degrees; /FAIL/FABRIC takes a direction out beyond its strain, and an element when both are.
+of the shear angle in degrees. /FAIL/FABRIC stands as a comment (_NO_FAILURE): without it nothing breaks.
 
 The projectile is shells in /RBODY, whose mass is that of its main node alone (ICoG 4); it does not turn. Contact is
 /INTER/TYPE7, nodes on surface: of all plies on the nose, and of each two neighbouring plies both ways.
@@ -15,19 +15,25 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from meshing.formats.deck import fields, lines, wrapped
-from weavecell.analysis.material_card.laws import FLEX, CrimpExchange, Linear
+from weavecell.analysis.material_card.laws import FLEX, CrimpExchange
 from weavecell.results.deck import STEEL, Card, Deck
 
 VERSION = 2023
 _ICOG_MAIN, _ISHELL, _BOTH, _IDEL = 4, 24, 2, 2
 _BROKEN = 1.001  # times the strain of failure: of rupture
-_RELIEF = 1e-2  # R_E of LAW19: stiffness in compression
-_COURANT = 0.9
+_COURANT = 0.5  # 0.9 becomes unstable once elements are lost
+_STIFF = 0.03, 1  # scales of the contact stiffness (Stfac): of the steel nose, and of two plies
+_NO_FAILURE = (
+    "No failure: for a law with strains of its fibres (LAW58) OpenRadioss as of 2026-08-21",
+    "(mulawc.F90, failure model 31) gives /FAIL/FABRIC the strain of the neighbouring element, and to the",
+    "first of a group a stress: false failures. To use these lines in a version where that is mended,",
+    "take the # away from the three that follow:",
+)
 _GAP = 0.9  # of the distance between plies, so that they do not touch at rest
 
 
 def write(deck: Deck, name: str) -> dict[str, str]:
-    """{file name: text} of a deck whose laws are CrimpExchange or Linear."""
+    """{file name: text} of a deck whose laws are CrimpExchange."""
     parts = _head, _materials, _properties, _mesh, _groups, _body, _contact
     starter = "".join(piece for part in parts for piece in part(deck)) + "/END\n"
     return {f"{name}_0000.rad": starter, f"{name}_0001.rad": "".join(_engine(deck, name))}
@@ -43,11 +49,11 @@ def _head(deck: Deck) -> Iterator[str]:
 def _materials(deck: Deck) -> Iterator[str]:
     u = deck.units
     for card in deck.cards:
-        yield from _exchange(card, deck) if isinstance(card.law, CrimpExchange) else _linear(card, deck)
+        yield from _fabric(card, deck)
     yield f"/MAT/LAW1/{_nose(deck)}\nprojectile\n" + _reals(u.density(STEEL[0])) + _reals(u.stress(STEEL[1]), STEEL[2])
 
 
-def _exchange(card: Card, deck: Deck) -> Iterator[str]:
+def _fabric(card: Card, deck: Deck) -> Iterator[str]:
     law, u = card.law, deck.units
     assert isinstance(law, CrimpExchange)
     E, G = u.stress(law.E), u.stress(card.cloth.shear.G1)
@@ -55,22 +61,14 @@ def _exchange(card: Card, deck: Deck) -> Iterator[str]:
     yield _reals(E[0], 0, E[1], 0, FLEX)  # E1 B1 E2 B2 Flex
     yield _reals(G, G, 0, G)  # G0 GT AlphaT Gsh
     yield _reals(0, 0, 0)  # Df Ds Gfrot
-    yield _ids(*law.counts)[:-1] + _reals(*law.crimp, FLEX, FLEX)  # N1 N2 S1 S2 Flex1 Flex2
+    yield _ids(1, 1)[:-1] + _reals(*law.crimp, FLEX, FLEX)  # N1 N2 S1 S2 Flex1 Flex2
     yield f"{0:10d}{'':10}{0:20.12E}\n" * 2 + f"{card.number:10d}{'':10}{1:20.12E}\n"  # fct_ID1, 2, 3 and scales
-    if card.failure:
-        rupture = _BROKEN * law.limit
-        strains = law.limit[0], rupture[0], law.limit[1], rupture[1]
-        yield f"/FAIL/FABRIC/{card.number}\n" + _reals(*strains)[:-1] + f"{'':10}{_BOTH:10d}\n" + _reals(0)
+    rupture = _BROKEN * law.limit
+    strains = law.limit[0], rupture[0], law.limit[1], rupture[1]
+    failure = f"/FAIL/FABRIC/{card.number}\n" + _reals(*strains)[:-1] + f"{'':10}{_BOTH:10d}\n" + _reals(0)
+    yield "".join(f"#{line}\n" for line in (*_NO_FAILURE, *failure.splitlines()))
     yield f"/FUNCT/{card.number}\n{card.name}, shear\n"
     yield lines("%20.12E%20.12E", law.table[:, 0], u.stress(law.table[:, 1]))
-
-
-def _linear(card: Card, deck: Deck) -> Iterator[str]:
-    law, u = card.law, deck.units
-    assert isinstance(law, Linear)
-    E, G = u.stress(law.E), u.stress(law.G)
-    yield f"/MAT/LAW19/{card.number}\n{card.name}\n" + _reals(u.density(card.cloth.density))
-    yield _reals(*E, 0) + _reals(G, G, G) + _reals(_RELIEF)  # E11 E22 NU12;  G12 G23 G31;  R_E
 
 
 def _properties(deck: Deck) -> Iterator[str]:
@@ -78,12 +76,9 @@ def _properties(deck: Deck) -> Iterator[str]:
     m = deck.units.m
     for card in deck.cards:
         thickness = m * card.cloth.thickness
-        common = _ids(_ISHELL, 0, 0) + _reals(0, 0, 0, 0, 0) + _ids(1, 0)[:-1] + _reals(thickness, 0)
-        if isinstance(card.law, CrimpExchange):
-            yield f"/PROP/TYPE16/{card.number}\n{card.name}\n{common}" + _reals(1, 0, 0)[:-1] + _ids(0, 0)
-            yield _reals(0, 90, thickness, 0)[:-1] + _ids(card.number)  # Phi Alpha T Z mat_ID
-        else:
-            yield f"/PROP/TYPE9/{card.number}\n{card.name}\n{common}" + _reals(1, 0, 0, 0)
+        yield f"/PROP/TYPE16/{card.number}\n{card.name}\n" + _ids(_ISHELL, 0, 0) + _reals(0, 0, 0, 0, 0)
+        yield _ids(1, 0)[:-1] + _reals(thickness, 0) + _reals(1, 0, 0)[:-1] + _ids(0, 0)
+        yield _reals(0, 90, thickness, 0)[:-1] + _ids(card.number)  # Phi Alpha T Z mat_ID
     yield f"/PROP/TYPE1/{_nose(deck)}\nprojectile\n" + _ids(_ISHELL, 0, 0) + _reals(0, 0, 0, 0, 0)
     yield _ids(1, 0)[:-1] + _reals(m * deck.skin, 0)
     for ply in deck.plies:
@@ -92,12 +87,10 @@ def _properties(deck: Deck) -> Iterator[str]:
 
 
 def _mesh(deck: Deck) -> Iterator[str]:
-    points, nose = deck.points * deck.units.m, deck.nose
+    points = deck.points * deck.units.m
     yield "/NODE\n" + lines("%10d%20.12E%20.12E%20.12E", range(1, len(points) + 1), points)
-    for ply, numbers in zip(deck.plies, deck.elements):
-        yield f"/SHELL/{ply.number}\n" + lines("%10d" * 5, numbers, ply.quads)
-    yield f"/SHELL/{_last(deck)}\n" + lines("%10d" * 5, deck.elements[-2], nose.quads)
-    yield f"/SH3N/{_last(deck)}\n" + lines("%10d" * 4, deck.elements[-1], nose.triangles)
+    for number, (part, elements) in enumerate(zip(deck.parts, deck.elements), 1):
+        yield f"/SHELL/{number}\n" + lines("%10d" * 5, elements, part.quads)
 
 
 def _groups(deck: Deck) -> Iterator[str]:
@@ -123,19 +116,21 @@ def _body(deck: Deck) -> Iterator[str]:
     for number, nodes in enumerate((group, _of(_last(deck))), 1):
         yield f"/INIVEL/TRA/{number}\nprojectile\n" + _reals(*u.velocity(nose.velocity))[:-1] + _ids(nodes, 0)
     yield "/TH/RBODY/1\nprojectile\n" + fields("{:<10}", "DEF") + _ids(1)
+    yield "/TH/NODE/2\nmotion\n" + fields("{:<10}", "DEF")
+    yield "".join(f"{node:10d}{0:10d}{name}\n" for name, node in deck.watched().items())
 
 
 def _contact(deck: Deck) -> Iterator[str]:
-    """(nodes, surface, gap, friction) of each interface."""
+    """(nodes, surface, gap, friction, scale of the stiffness) of each interface."""
     half, places = 0.5 * deck.cards[0].cloth.thickness, [ply.points[0, 2] for ply in deck.plies]
-    found = [(_of(_last(deck) + 1), _of(_last(deck)), half, deck.nose.friction)]
+    sides = [(_of(_last(deck) + 1), _of(_last(deck)), half, deck.nose.friction, _STIFF[0])]
     for p, (z, beyond) in enumerate(pairwise(places), 1):
         gap = min(2 * half, _GAP * (beyond - z))
-        found += [(_of(a), _of(b), gap, deck.friction) for a, b in ((p, p + 1), (p + 1, p))]
-    for number, (nodes, surface, gap, friction) in enumerate(found, 1):
+        sides += [(_of(a), _of(b), gap, deck.friction, _STIFF[1]) for a, b in ((p, p + 1), (p + 1, p))]
+    for number, (nodes, surface, gap, friction, stiff) in enumerate(sides, 1):
         yield f"/INTER/TYPE7/{number}\ncontact {number}\n" + _ids(nodes, surface, 0, 0, 0, 0, 0, _IDEL, 0, 0)
         yield _reals(0, 0, 0) + _reals(0, 0, 0, 0)[:-1] + _ids(0, 0)  # gap scales;  stiffness bounds
-        yield _reals(1, friction, deck.units.m * gap, 0, 0)  # Stfac Fric Gapmin Tstart Tstop
+        yield _reals(stiff, friction, deck.units.m * gap, 0, 0)  # Stfac Fric Gapmin Tstart Tstop
         yield f"{'':7}000{'':20}{0:10d}" + _reals(0, 0, 0)  # IBC Inacti VIS_S VIS_F Bumult
         yield _ids(0, 0)[:-1] + _reals(0)[:-1] + _ids(2, 0, 0)[:-1] + _reals(0)[:-1] + _ids(0)  # Iform 2
 
@@ -144,7 +139,7 @@ def _engine(deck: Deck, name: str) -> Iterator[str]:
     s = deck.units.s
     pictures, samples = (s * interval for interval in deck.intervals)
     yield "".join(f"# {line}\n" for line in deck.header)
-    yield f"/RUN/{name}/1\n{s * deck.end_time:.9G}\n/VERS/{VERSION}\n/TFILE\n{samples:.9G}\n/PRINT/-1000\n"
+    yield f"/RUN/{name}/1\n{s * deck.end_time:.9G}\n/VERS/{VERSION}\n/TFILE\n{samples:.9G}\n/PRINT/-100\n"
     yield f"/DT\n{_COURANT} 0\n/ANIM/DT\n0 {pictures:.9G}\n/ANIM/VECT/VEL\n/ANIM/VECT/CONT\n/MON/ON\n"
 
 

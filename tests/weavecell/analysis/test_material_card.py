@@ -1,7 +1,5 @@
 """Laws of other codes against the cell: where they must agree with it, and that their fits are the best ones."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -10,7 +8,7 @@ from fabrics import assumed, catalogue
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from weavecell.analysis.material_card.cloth import Cloth
-from weavecell.analysis.material_card.laws import FLEX, CrimpExchange, Linear, UncoupledCurves
+from weavecell.analysis.material_card.laws import FLEX, CrimpExchange, UncoupledCurves
 from weavecell.analysis.material_card.mismatch import Mismatch
 
 
@@ -18,13 +16,13 @@ def cloth(name="S-720", **options):
     return Cloth(CellModel(assumed.with_shear(catalogue.load(name)), **options))
 
 
-@pytest.mark.parametrize("name", ["S-720", "S-726", "glass-unbalanced"])
+@pytest.mark.parametrize("name", ["S-720", "S-728", "glass-balanced"])
 def test_law58_is_our_cell_of_straight_incompressible_yarns(name):
-    """Two codes, one mechanics: what is left is LAW58's bending, and its whole numbers of yarns."""
+    """Two codes, one mechanics where warp and weft counts are equal: what is left is LAW58's bending."""
     ours = cloth(name, model="incompressible", profile="straight")
     found = Mismatch.of(ours, CrimpExchange.of(ours, "uniaxial"))
-    assert found.rms < 0.004
-    assert found.largest < 0.012
+    assert found.rms < 0.0015
+    assert found.largest < 0.004
 
 
 def test_law58_is_in_equilibrium():
@@ -54,17 +52,9 @@ def test_curves_of_uniaxial_tension_are_the_yarns_alone():
 @pytest.mark.parametrize("name", catalogue.list_names())
 def test_a_fit_over_the_plane_is_nearer_to_it(name):
     fabric = cloth(name)
-    for kind in (UncoupledCurves, CrimpExchange, Linear):
+    for kind in (UncoupledCurves, CrimpExchange):
         plane, tension = (Mismatch.of(fabric, kind.of(fabric, match)) for match in ("plane", "uniaxial"))
         assert plane.rms < tension.rms
-
-
-def test_the_linear_fit_is_the_best_one():
-    fabric = cloth()
-    law = Linear.of(fabric, "plane")
-    best = Mismatch.of(fabric, law).rms
-    for factor in ((1.02, 1), (0.98, 1), (1, 1.02), (1, 0.98)):
-        assert Mismatch.of(fabric, replace(law, E=law.E * factor)).rms > best
 
 
 def test_curves_are_no_steeper_than_the_yarns():
@@ -80,7 +70,7 @@ def test_curves_are_no_steeper_than_the_yarns():
             assert curve[0] == pytest.approx([0, 0])
 
 
-@pytest.mark.parametrize("kind", [UncoupledCurves, CrimpExchange, Linear])
+@pytest.mark.parametrize("kind", [UncoupledCurves, CrimpExchange])
 def test_an_unknown_match_is_refused(kind):
     with pytest.raises(InputError, match="plane or uniaxial"):
         kind.of(cloth(), "best")

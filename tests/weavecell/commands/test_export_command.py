@@ -5,9 +5,8 @@ import json
 import pytest
 
 from tests.scene_text import impact_scene
-from weavecell.report import deck_folder
 
-FILES = {"lsdyna": {"scene.k"}, "radioss": {"scene_0000.rad", "scene_0001.rad"}, "abaqus": {"scene.inp"}}
+FILES = {"lsdyna": {"scene.k"}, "radioss": {"scene_0000.rad", "scene_0001.rad"}}
 
 
 @pytest.fixture
@@ -41,14 +40,6 @@ def test_the_folder_holds_deck_error_and_report(command, scene, tmp_path, to):
     assert "rms over the biaxial plane" in page
 
 
-def test_law19_says_that_it_is_far_off(command, scene):
-    code, out, _ = command(
-        "export", scene(), "--to", "radioss", "--law", "law19", "--match", "uniaxial", "--out", "out"
-    )
-    assert code == 0
-    assert "largest in trellis shear until locking 483.0 %" in out
-
-
 @pytest.mark.parametrize(("panel", "extra", "key"), [
     ('crossovers = "sliding"', "", "panel.crossovers"),
     ('weave_angle = "30 deg"\nsymmetry = "whole"', "", "panel.weave_angle"),
@@ -62,19 +53,6 @@ def test_what_no_deck_holds_is_one_line(command, scene, tmp_path, panel, extra, 
     assert "scene.toml" in err
     assert key in err
     assert not (tmp_path / "out").exists()
-
-
-def test_a_law_of_another_code_is_one_line(command, scene, tmp_path):
-    code, _, err = command("export", scene(), "--to", "abaqus", "--law", "law58", "--out", "out")
-    assert code == 2
-    assert "--law" in err
-    assert "fabric of abaqus" in err
-    assert not (tmp_path / "out").exists()
-
-
-def test_the_laws_of_the_help_are_those_there_are(command):
-    _, out, _ = command("export", "--help")
-    assert all(law in out for code in deck_folder.CODES.values() for law in code.laws)
 
 
 def test_each_fabric_of_a_lay_up_has_a_card(command, tmp_path):

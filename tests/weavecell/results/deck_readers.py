@@ -105,10 +105,8 @@ def _dyna_references(cards, defined):
 REAL5 = (20,) * 5
 RADIOSS = {  # cards below the title, the last one repeated
     "MAT/LAW58": ((20, 20), REAL5, (20, 20, 20, 20, 10, 10), REAL5, (10, 10, 20, 20, 20, 20), (10, 10, 20)),
-    "MAT/LAW19": ((20, 20), (20, 20, 20), (20, 20, 20), (20, 20, 20, 20, 10)),
     "MAT/LAW1": ((20, 20), (20, 20)),
     "PROP/TYPE16": ((10,) * 3, REAL5, (10, 10, 20, 20, 10, 10), (20, 20, 20, 10, 10, 10, 10), (20, 20, 20, 20, 10)),
-    "PROP/TYPE9": ((10,) * 4, REAL5, (10, 10, 20, 20, 10, 10, 10), (20, 20, 20, 20, 10, 10)),
     "PROP/TYPE1": ((10,) * 5, REAL5, (10, 10, 20, 20, 10, 10, 10)),
     "PART": ((10, 10),), "FUNCT": ((20, 20),), "GRNOD/NODE": ((10,) * 10,), "GRNOD/PART": ((10,) * 10,),
     "SURF/PART": ((10,) * 10,), "INIVEL/TRA": ((20, 20, 20, 10, 10),),
@@ -119,17 +117,17 @@ RADIOSS = {  # cards below the title, the last one repeated
     ),
 }  # fmt: skip
 UNTITLED = {
-    "NODE": ((10, 20, 20, 20),), "SHELL": ((10,) * 5,), "SH3N": ((10,) * 4,),
+    "NODE": ((10, 20, 20, 20),), "SHELL": ((10,) * 5,),
     "FAIL/FABRIC": ((20, 20, 20, 20, 10, 10), (20,)),
 }  # fmt: skip
 
 
 def radioss(text):
-    """{material: (keyword, rows of its card, (n, 2) shear function or None)}."""
+    """{material: (rows of its card, (n, 2) shear function)}."""
     lines = text.splitlines()
     assert lines[0] == "#RADIOSS STARTER"
     assert lines[-1] == "/END"
-    assert all(len(line) <= 100 for line in lines)
+    assert all(len(line.removeprefix("#")) <= 100 for line in lines)
     blocks, kinds = [], defaultdict(list)
     for line in lines[:-1]:
         if line.startswith("/"):
@@ -153,25 +151,22 @@ def radioss(text):
         rows = [columns(line, layout[min(n, len(layout) - 1)]) for n, line in enumerate(body)]
         assert len(rows) >= len(layout), head
         name = word.split("/")[0]
-        if name not in ("SHELL", "SH3N", "NODE", "FAIL"):
+        if name not in ("SHELL", "NODE", "FAIL"):
             ids[name].append(number)
         rows_of[word][number] = rows
     defined = {name: unique(numbers) for name, numbers in ids.items()}
     _radioss_references(rows_of, defined, kinds["BCS"])
-    laws = {}
-    for word in ("MAT/LAW58", "MAT/LAW19"):
-        for number, rows in rows_of[word].items():
-            curve = np.array(rows_of["FUNCT"][str(int(rows[7][0]))]) if word == "MAT/LAW58" else None
-            laws[int(number)] = (word, rows, curve)
-    return laws
+    functions = rows_of["FUNCT"]
+    cards = rows_of["MAT/LAW58"].items()
+    return {int(number): (rows, np.array(functions[str(int(rows[7][0]))])) for number, rows in cards}
 
 
 def _radioss_references(rows_of, defined, of_boundary):
     nodes = unique(row[0] for row in rows_of["NODE"][""])
-    elements = [row for word in ("SHELL", "SH3N") for rows in rows_of[word].values() for row in rows]
+    elements = [row for rows in rows_of["SHELL"].values() for row in rows]
     unique(row[0] for row in elements)
     assert {n for row in elements for n in row[1:]} <= nodes
-    assert {int(n) for n in rows_of["SHELL"]} | {int(n) for n in rows_of["SH3N"]} == defined["PART"]
+    assert {int(n) for n in rows_of["SHELL"]} == defined["PART"]
     for ((prop, material),) in rows_of["PART"].values():
         assert prop in defined["PROP"]
         assert material in defined["MAT"]
@@ -193,51 +188,3 @@ def _radioss_references(rows_of, defined, of_boundary):
     assert body[7] == 4
     assert body[4] > 0
     assert {int(n) for n in rows_of["FAIL/FABRIC"]} <= defined["MAT"]
-
-
-# --- Abaqus ---------------------------------------------------------------------------------------------------------
-
-
-def abaqus(text):
-    """{material: {component: (n, 2) strain, stress}}."""
-    assert all(len(line) <= 256 for line in text.splitlines())
-    blocks = []
-    for line in text.splitlines():
-        if line.startswith("**"):
-            continue
-        if line.startswith("*"):
-            word, *given = (part.strip() for part in line[1:].split(","))
-            blocks.append((word, dict(part.split("=") for part in given if "=" in part), []))
-        else:
-            assert all(len(each) <= 20 for each in line.split(",")), line
-            blocks[-1][2].append(line.split(","))
-    assert blocks[0][0] == "HEADING"
-    assert blocks[-1][0] == "END STEP"
-    nodes = unique(row[0] for word, _, rows in blocks if word == "NODE" for row in rows)
-    elements = [(given, row) for word, given, rows in blocks if word == "ELEMENT" for row in rows]
-    unique(row[0] for _, row in elements)
-    assert {int(n) for _, row in elements for n in row[1:]} <= nodes
-    sets = {given["ELSET"] for given, _ in elements}
-    node_sets = {given["NSET"] for word, given, _ in blocks if word == "NSET"}
-    materials, curves, surfaces = {}, {}, set()
-    for word, given, rows in blocks:
-        assert given.get("ELSET", next(iter(sets))) in sets
-        assert given.get("REF NODE", "REFERENCE") in node_sets
-        if word == "MATERIAL":
-            curves = materials[given["NAME"]] = {}
-        elif word == "UNIAXIAL":
-            component = given["COMPONENT"]
-        elif word == "LOADING DATA":
-            curves[component] = np.array(rows, float)[:, ::-1]
-            assert np.all(np.diff(curves[component][:, 0]) > 0)
-        elif word in ("BOUNDARY", "INITIAL CONDITIONS"):
-            assert {row[0] for row in rows} <= node_sets
-        elif word == "SURFACE":
-            surfaces.add(given["NAME"])
-            assert {row[0] for row in rows} <= sets
-        elif word == "CONTACT PROPERTY ASSIGNMENT":
-            assert {name for row in rows for name in row[:2] if name} <= surfaces
-    used = {given["MATERIAL"] for word, given, _ in blocks if word == "MEMBRANE SECTION"}
-    assert used == set(materials)
-    assert all(set(each) == {"1", "2", "SHEAR"} for each in materials.values())
-    return materials

@@ -1,26 +1,23 @@
 """Material laws of other codes for a fabric, evaluated as those codes evaluate them.
 
-Uncoupled curves (*MAT_FABRIC FORM 14 of LS-DYNA, *FABRIC of Abaqus): P_i = f_i(L_i - 1), tau = f(gamma).
+Uncoupled curves (*MAT_FABRIC FORM 14 of LS-DYNA): P_i = f_i(L_i - 1), tau = f(gamma).
 
-Linear, /MAT/LAW19 of OpenRadioss (engine/source/materials/mat/mat019/sigeps19c.F): linear in the true strain, without
-Poisson's ratio and at constant thickness, P_1 = E_1 ln(L_1) L_2; its shear is G gamma of axes at right angles.
+Crimp exchange, /MAT/LAW58 of OpenRadioss (engine/source/materials/mat/mat058/sigeps58c.F): two straight zigzags of
+linear, incompressible yarns, one to a unit width and length (N1 = N2 = 1): half length L, height H + y with H at rest,
+length D = 1 + S at rest,
 
-Crimp exchange, /MAT/LAW58 (engine/source/materials/mat/mat058/sigeps58c.F): two straight zigzags of linear,
-incompressible yarns. A yarn of N to a unit width crosses M to a unit length: half length L/M, height H + y with H
-at rest, length D = (1 + S)/M at rest,
-
-    f = (E/N) (sqrt((L/M)^2 + (H + y)^2) - D),   P = N f cos(alpha),
+    f = E (sqrt(L^2 + (H + y)^2) - D),   P = f cos(alpha),
     f_1 sin(alpha_1) + k_1 y_1 = f_2 sin(alpha_2) + k_2 y_2   with y_2 = -y_1 where the yarns touch,
 
-k = Flex (E/N) H / D, and each side zero where they do not. The modulus of the yarn is E (1 + S)/M. The law's
-viscosity is left out.
+k = Flex E H / D, and each side zero where they do not. The modulus of the yarn is E (1 + S). The law's viscosity is
+left out. Other counts would hold a fabric whose warp and weft counts differ exactly, but OpenRadioss takes the speed of
+sound from E alone, which grows with them: 27 and 26 made the time step five times smaller than it need be.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -31,7 +28,6 @@ from fabrics.errors import InputError
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth
 
 FLEX = 1e-3  # of LAW58: bending of its yarns, for stability alone
-_COUNT = 60  # most yarns to a unit width in LAW58: counts are whole numbers there
 _EVERY = 3  # row and column of the plane that a fit looks at
 
 
@@ -87,49 +83,6 @@ class UncoupledCurves:
 
 
 @dataclass(frozen=True)
-class Linear:
-    """/MAT/LAW19.
-
-    Parameters
-    ----------
-    E : (2,) [Pa] of warp and weft
-    G : [Pa]
-    """
-
-    E: FloatArray
-    G: float
-    lost: ClassVar[str] = (
-        "crimp exchange and the slack of crimped yarns (it is linear), locking in shear, directions that turn with "
-        "the yarns, sliding of yarns at the crossovers, failure"
-    )
-
-    @classmethod
-    def of(cls, cloth: Cloth, match: str) -> Linear:
-        """Moduli by least squares over the plane or uniaxial tension; G before the yarns touch."""
-        pairs = []
-        if _checked(match) == "plane":
-            L1, L2, inside = cloth.plane
-            strains = np.log(L1) * L2, np.log(L2) * L1
-            pairs = [(e[inside], P[inside]) for e, P in zip(strains, cloth.stress(L1, L2))]
-        else:
-            pairs = [(np.log(L), P) for L, P in map(cloth.uniaxial, (0, 1))]
-        return cls(np.array([(e * P).sum() / (e * e).sum() for e, P in pairs]), cloth.shear.G1)
-
-    def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
-        """As `Law.stress`."""
-        L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
-        return np.stack([self.E[0] * np.log(L1) * L2, self.E[1] * np.log(L2) * L1])
-
-    def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
-        """As `Law.uniaxial`: nothing draws the other direction in."""
-        return self.E[family] * np.log(stretch)
-
-    def shear(self, gamma: FloatArray) -> FloatArray:
-        """As `Law.shear`."""
-        return self.G * gamma
-
-
-@dataclass(frozen=True)
 class CrimpExchange:
     """/MAT/LAW58.
 
@@ -137,33 +90,28 @@ class CrimpExchange:
     ----------
     E : (2,) [Pa] E1, E2
     crimp : (2,) [-] S1, S2
-    counts : N1, N2
     trellis : (n, 2) shear angle [rad], stress [Pa] that works on it
     limit : (2,) true strain of the fabric at which a direction fails: that of uniaxial tension
     """
 
     E: FloatArray
     crimp: FloatArray
-    counts: tuple[int, int]
     trellis: FloatArray
     limit: FloatArray
     lost: ClassVar[str] = (
-        "flattening of the yarns and the rounding of their path, sliding of yarns at the crossovers; failure is by "
-        "the strain of the fabric (/FAIL/FABRIC), not by the tension of the yarn"
+        "flattening of the yarns and the rounding of their path, sliding of yarns at the crossovers; failure "
+        "(nothing breaks: /FAIL/FABRIC is a comment, since OpenRadioss takes the strain of the neighbouring element)"
     )
 
     @classmethod
     def of(cls, cloth: Cloth, match: str) -> CrimpExchange:
         """Crimps and yarn modulus as they are, which is exact in uniaxial tension; or S1, S2 and one factor on both
         moduli by least squares over the plane: softer yarns of less crimp stand in for yarns that flatten."""
-        weave = cloth.model.fabric.weave
-        ratio = Fraction(weave.warp_count / weave.weft_count).limit_denominator(_COUNT)
-        counts = ratio.numerator, ratio.denominator
-        whole = cls(cloth.modulus, cloth.crimp, counts, cloth.trellis(), np.log(cloth.failure_stretch))
+        whole = cls(cloth.modulus, cloth.crimp, cloth.trellis(), np.log(cloth.failure_stretch))
 
         def made(scales):
             crimp = cloth.crimp * scales[:2]
-            return replace(whole, crimp=crimp, E=scales[2] * cloth.modulus * np.array(counts[::-1]) / (1 + crimp))
+            return replace(whole, crimp=crimp, E=scales[2] * cloth.modulus / (1 + crimp))
 
         if _checked(match) == "uniaxial":
             return made(np.ones(3))
@@ -178,30 +126,28 @@ class CrimpExchange:
         return made(found.x)
 
     @property
-    def rest(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Lengths, half lengths and heights at rest, each (2,) of warp and weft."""
-        half = 1 / np.array(self.counts[::-1])
-        length = half * (1 + self.crimp)
-        return length, half, np.sqrt(length**2 - half**2)
+    def rest(self) -> tuple[FloatArray, FloatArray]:
+        """Lengths and heights of half a wave at rest over its length in the fabric, each (2,) of warp and weft."""
+        length = 1 + self.crimp
+        return length, np.sqrt(length**2 - 1)
 
     def _yarn(self, family, stretch, y):
         """(f sin(alpha) + k y, P) of a yarn raised by y."""
-        length, half, height = (each[family] for each in self.rest)
-        stiffness = self.E[family] / self.counts[family]
-        h, along = height + y, half * stretch
-        now = np.hypot(along, h)
+        length, height = (of_both[family] for of_both in self.rest)
+        stiffness, h = self.E[family], height + y
+        now = np.hypot(stretch, h)
         force = stiffness * (now - length)
-        return force * h / now + FLEX * stiffness * height / length * y, self.counts[family] * force * along / now
+        return force * h / now + FLEX * stiffness * height / length * y, force * stretch / now
 
     def _alone(self, family, stretch):
         """Rise y of a yarn that nothing touches."""
-        height = self.rest[2][family]
+        height = self.rest[1][family]
         return _root(lambda y: self._yarn(family, stretch, y)[0], -height, 1.0, stretch.shape)
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
         """As `Law.stress`, in equilibrium."""
         L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
-        y1, y2, height = self._alone(0, L1), self._alone(1, L2), self.rest[2]
+        y1, y2, height = self._alone(0, L1), self._alone(1, L2), self.rest[1]
         both = _root(lambda y: self._yarn(0, L1, y)[0] - self._yarn(1, L2, -y)[0], -height[0], height[1], L1.shape)
         touching = y1 + y2 < 0
         y1, y2 = np.where(touching, both, y1), np.where(touching, -both, y2)
