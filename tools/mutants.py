@@ -2,7 +2,7 @@
 
     nice python tools/mutants.py --out results/mutants.csv [--suite] [--slow] [--only ID ...] [--check]
 
-The copy is a git worktree of the present commit that is kept: a file is changed, and put back with its time of change,
+The copy is a git worktree of a commit that is kept: a file is changed, and put back with its time of change,
 so that compiled kernels stay valid. The tests of a defect run one path after the other, each in a process of its own,
 until one fails. A line is added to the CSV file for each defect; those that have one are skipped. A defect counts only
 if the test that finds it passes without it: `--check`.
@@ -31,9 +31,9 @@ FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+(?:\[.*?\])?)", re.MULTILINE)
 NOTHING_COLLECTED, NO_SUCH_PATH = 5, 4  # exit codes of pytest
 
 
-def copy_of_tree(folder: Path) -> str:
-    """A worktree of the present commit at `folder`, made or brought up to date; returns the commit."""
-    commit = git(ROOT, "rev-parse", "HEAD")
+def copy_of_tree(folder: Path, commit: str) -> str:
+    """A worktree of a commit at `folder`, made or brought up to date; returns the commit's full name."""
+    commit = git(ROOT, "rev-parse", commit)
     if folder.exists():
         git(folder, "checkout", "--force", "--detach", commit)
     else:
@@ -73,9 +73,11 @@ def run_tests(folder: Path, words: Sequence[str], seconds: float) -> tuple[int |
     try:
         output, _ = process.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
         return None, ""
+    finally:
+        if process.poll() is None:  # with all that it has started
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
     if process.returncode == NO_SUCH_PATH:
         raise SystemExit(output)
     return process.returncode, output
@@ -104,10 +106,13 @@ def main() -> None:
     parser.add_argument("--slow", action="store_true", help="run the slow tests too, after the others")
     parser.add_argument("--check", action="store_true", help="run the tests that found the defects, without these")
     parser.add_argument("--minutes", type=float, default=10.0, help="wall time for one defect at most")
+    parser.add_argument("--commit", default="HEAD", help="of which the tree is tested")
     parser.add_argument("--work", type=Path, default=Path(tempfile.gettempdir()) / "weavecell-mutants")
     chosen = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # by way of all `finally`
     folder = chosen.work.resolve()
-    commit, rows = copy_of_tree(folder), list(csv.DictReader(chosen.out.open())) if chosen.out.exists() else []
+    commit = copy_of_tree(folder, chosen.commit)
+    rows = list(csv.DictReader(chosen.out.open())) if chosen.out.exists() else []
     if chosen.check:
         tests = sorted({row["test"] for row in rows if row["outcome"] == "killed"})
         sys.exit(run_tests(folder, ["--maxfail=1000", *tests], 60 * chosen.minutes * len(tests))[0])
