@@ -37,7 +37,6 @@ MODELS = {
     "shellfabric.backing": ("a block behind the panel", "a minute or two"),
     "shellfabric.coupon": ("coupons", "a minute or two"),
     "validation.models.cable": ("the cable net", "a minute or two"),
-    "validation.models.solid": ("the solid patch", "a minute or two"),
 }
 # folders that define the named tuples which kernels take: their layout is part of every digest
 TUPLES = ("shellfabric", "unitcell3d", "validation/models")

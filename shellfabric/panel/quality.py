@@ -112,8 +112,6 @@ LIMITS = {
     "contact force over fitted range": (1.0, "", "force between yarns over the largest that the law was fitted to"),
     "swelling under contact": (1e-3, "", "growth of a yarn's thickness under a light contact force over its thickness"),
     "relaxation residual": (1.0, "", "out-of-balance force over the tolerance of the relaxation"),
-    "hourglass energy": (0.1, "", "hourglass energy over the internal energy of the solids"),
-    "hourglass amplitude": (0.5, "", "amplitude of a hexahedron's hourglass modes over its size"),
     "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
     "ply penetration": (0.75, "", "largest loaded penetration of a ply into the next over the ply's thickness"),
     "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the fabric's normal"),

@@ -29,7 +29,7 @@ from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 
 # maps with points that end quietly wrong; the product has no way to what OUTSIDE names
-MAPS = ("time-step", "viscosity", "hourglass", "penalty", "edge-radius", "newton", "printed-law", "bars", "plies")
+MAPS = ("time-step", "viscosity", "penalty", "edge-radius", "newton", "printed-law", "bars", "plies")
 OUTSIDE = {"newton": "a method of the thesis that is not used", "plies": "no key of an input file"}
 SLOW = 60.0  # [s] of CPU time after which a random scene is given up
 TITLE = """# Quality checks: limits and detection rates
@@ -84,7 +84,7 @@ points that are wrong:
   penetration that has loaded the contact's springs. Points that lie inside a fold of another failed ply, up to 0.85
   thicknesses deep, load none, and do not count (`max_penetration_ratio` in summary.json has them).
 - Ply contact direction, swelling: both are zero in the forms that are right.
-- Hourglass energy and amplitude, node alternation: the criteria of the maps themselves.
+- Node alternation: the criterion of the map itself.
 - Relaxation residual, tensions and forces over what was sampled, fitted or tabulated: above 1 the result rests on
   extrapolation.
 """

@@ -197,7 +197,6 @@ HERE = "validation/verification/"
 CODE = {  # the code of a result: files that are among it
     "shellfabric.impact.simulation": SHELL,
     "shellfabric.coupon.quasistatic": ("shellfabric/coupon/relaxation_kernels.py", "shellfabric/coupon/model.py"),
-    "validation.models.solid.solver": ("validation/models/solid/solid_kernels.py", "validation/models/solid/model.py"),
     "unitcell3d.identify.calibrate": SOLID,
     "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),
     "validation.verification.crossover_convergence.cases": SOLID,

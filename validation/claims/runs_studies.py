@@ -4,12 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from fabrics import catalogue
-from meshing import patch
-from validation.models.solid.model import SolidPatch
-from validation.models.solid.solver import SolidSolver
 from validation.published.pencilling.study import Case, bare, shoot
 
 if TYPE_CHECKING:
@@ -39,24 +33,5 @@ def pencil(
     }
 
 
-def solids(*, fabric: str, velocity: float, count: int, time: float) -> RunResult:
-    """A patch of solid yarns under impact: seconds of marching, its mass before and after, and what has failed."""
-    given = catalogue.load(fabric)
-    mesh = patch.build(given, (count, count), size=(5, 5, 2))
-    run = SolidSolver(SolidPatch(mesh, given), velocity, time, threads=1)
-    before = float(run.const.mass.sum())
-    run.run()
-    after = float(run.const.mass.sum())
-    side = count / run.patch.fabric.weave.warp_count
-    return {
-        "seconds": run.wall_time,
-        "time": run.time,
-        "side": side,
-        "mass": np.array([before, after]),
-        "failed_bars": float(run.sample("failed_bars")[-1]),
-        "energies": {name: run.sample(name) for name in run.energy_names},
-    }
-
-
 # name: (function, rough cost, to begin with the longest)
-RUNS = {"solids": (solids, 15), "pencil": (pencil, 90)}
+RUNS = {"pencil": (pencil, 90)}

@@ -8,9 +8,10 @@ from scipy.linalg import expm, logm
 
 from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
-from shellfabric.backing import block_kernels
+from shellfabric.backing import block_kernels, brick_kernels
 from shellfabric.backing import contact_kernels as backing_contact_kernels
 from shellfabric.backing.block import Backing, graded
+from shellfabric.backing.hex8 import CORNERS, PATTERNS, Bricks
 from shellfabric.projectile.projectile import Projectile
 
 BACKING = load("backing")
@@ -121,6 +122,78 @@ def test_hardening_raises_the_stress_along_its_line():
     assert np.sqrt(3) * P[0, 1] == pytest.approx(2e5 + 1e7 * alpha, rel=1e-3)
     G, H = material.shear, material.hardening
     assert alpha == pytest.approx((np.sqrt(3) * G * 0.02 - 2e5) / (3 * G + H), rel=2e-3)
+
+
+# the brick
+
+BOX, MODULI, SHEAR = np.array([1.3e-4, 1.2e-4, 4e-5]), (7e5, 4e7, 4e7), 1e6  # [m], [Pa], [Pa]
+
+
+def one_brick(noise=4e-6):
+    """(corners (8, 3) [m], Bricks, hourglass stiffness) of a brick: a box, skewed by `noise` [m]."""
+    corners = 0.5 * CORNERS * BOX + noise * np.random.default_rng(2).normal(size=(8, 3))
+    bricks = Bricks.of(corners[None])
+    return corners, bricks, bricks.control(MODULI, SHEAR)
+
+
+def hourglass(x, bricks, control):
+    """(energy [J], forces (8, 3) [N]) of the hourglass control with the corners at x, as `block_kernels` adds them."""
+    f, D, force = np.empty((3, 3)), np.empty((3, 3)), np.zeros((8, 3))
+    brick_kernels.mean_deformation(x, bricks.gradient[0], f)
+    energy = brick_kernels.hourglass(f, x, bricks.twist[0], control[0], np.empty((4, 3)), D, force)
+    return energy, force + bricks.gradient[0] @ D.T
+
+
+def test_mean_gradients_reproduce_linear_fields_and_volumes():
+    corners, bricks, _ = one_brick()
+    frame = corners.T @ bricks.gradient[0]
+    assert frame.T @ frame == pytest.approx(np.eye(3), abs=1e-12)  # F = 1 gives the frame itself
+    assert bricks.gradient[0].sum(axis=0) == pytest.approx(0, abs=1e-9)
+    assert one_brick(0.0)[1].volume[0] == pytest.approx(BOX.prod(), rel=1e-12)
+
+
+def test_hourglass_forces_are_the_slope_of_the_energy_of_its_definition():
+    """They have no resultant and no moment."""
+    corners, bricks, control = one_brick()
+    x = corners @ rotation([1, 2, 3], 0.7).T + 3e-6 * np.random.default_rng(3).normal(size=(8, 3))
+
+    def plain(x):
+        f = x.T @ bricks.gradient[0]
+        q = PATTERNS @ x - bricks.twist[0] @ f.T
+        return 0.5 * np.sum(control[0] * (q @ f) ** 2)
+
+    energy, force = hourglass(x, bricks, control)
+    steps = 1e-9 * np.eye(24).reshape(8, 3, 8, 3)
+    slope = np.array([[(plain(x + step) - plain(x - step)) / 2e-9 for step in corner] for corner in steps])
+    scale = np.abs(force).max()
+    assert energy == pytest.approx(plain(x), rel=1e-9)
+    assert force == pytest.approx(slope, rel=1e-5, abs=1e-7 * scale)
+    assert force.sum(axis=0) == pytest.approx(0, abs=1e-12 * scale)
+    assert np.cross(x, force).sum(axis=0) == pytest.approx(0, abs=1e-16 * scale)
+
+
+def test_hourglass_control_is_blind_to_linear_motion():
+    corners, bricks, control = one_brick()
+    x = corners @ np.array([[1.1, 0.3, 0.0], [0.1, 0.8, 0.2], [0.0, -0.4, 0.9]]).T + [1e-3, 0, 2e-3]
+    energy, force = hourglass(x, bricks, control)
+    assert np.abs(force).max() < 1e-12
+    assert energy < 1e-25
+
+
+@pytest.mark.parametrize("mode", range(4))
+@pytest.mark.parametrize("direction", range(3))
+def test_hourglass_control_has_the_energy_of_the_full_rule(mode, direction):
+    """A box in one hourglass mode: the energy of sigma = M epsilon without Poisson's ratio at 2 x 2 x 2 points."""
+    x, bricks, control = one_brick(0.0)
+    size, energy = 1e-9, 0.0
+    x[:, direction] += size * PATTERNS[mode]
+    stiff = np.where(np.arange(3) == direction, MODULI[direction], SHEAR)
+    for point in CORNERS / np.sqrt(3):
+        factors = 1 + CORNERS * point
+        slopes = np.stack([CORNERS[:, i] * np.delete(factors, i, axis=1).prod(axis=1) for i in range(3)], axis=1)
+        strains = size * PATTERNS[mode] @ slopes / (4 * BOX)
+        energy += 0.5 * np.sum(stiff * strains**2) * BOX.prod() / 8
+    assert hourglass(x, bricks, control)[0] == pytest.approx(energy, rel=1e-3)
 
 
 # the block

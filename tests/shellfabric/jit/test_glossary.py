@@ -11,8 +11,8 @@ def test_every_field_has_an_entry():
 
 def test_all_named_tuples_are_found():
     found = glossary.tuples()
-    assert len(found) == 14
-    assert {"panel.arrays.State", "plies.arrays.Pair", "validation.models.solid.model.Constants"} <= set(found)
+    assert len(found) == 12
+    assert {"panel.arrays.State", "plies.arrays.Pair", "validation.models.cable.model.Constants"} <= set(found)
     assert found["panel.arrays.State"][:2] == ["u", "v"]
 
 

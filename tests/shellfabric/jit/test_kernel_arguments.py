@@ -23,8 +23,6 @@ LIKE = {
     ("projectile.contact", "Scratch"): ("box_low", "box_high"),
     ("validation.models.cable.model", "State"): ("u", "v"),
     ("validation.models.cable.model", "Constants"): ("x0", "y0"),
-    ("validation.models.solid.model", "State"): ("x", "v"),
-    ("validation.models.solid.model", "Constants"): ("mass", "inverse_mass"),
     ("panel.arrays", "State"): ("u", "v"),
     ("panel.arrays", "Constants"): ("S01", "EA1"),
     ("panel.arrays", "Work"): ("stretch1", "stretch2"),

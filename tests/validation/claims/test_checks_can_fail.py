@@ -640,15 +640,6 @@ def test_loading_and_unloading():
     misses("compr-load-unload", "without friction", rough=branches(0.8), smooth=branches(0.9))
 
 
-def test_hourglass_energy():
-    def patch(share):
-        inside = np.linspace(0, 1, 20)
-        return {"energies": {"fibres": inside, "solids": inside, "hourglass": share * inside}}
-
-    bears_out("failmode-hourglass-energy", run=patch(0.01))
-    misses("failmode-hourglass-energy", "share", run=patch(0.2))
-
-
 def crater(depth, degrees):
     return {"depth": 1e-3 * depth, "steepness": np.radians(degrees), "outcome": "stopped", "half_width": 5e-3}
 

@@ -114,9 +114,6 @@ POINTS = (
     ("plies", 0.2, "nodes", WRONG, ""),
     ("edge-radius", 0.3e-3, "1 element per crossover", STABLE, ""),
     ("edge-radius", 0.3e-3, "1/4 element per crossover", WRONG, "failed segments, 0 on the finest mesh"),
-    ("hourglass", 1.0, 0.8, STABLE, ""),
-    ("hourglass", 0.0, 0.8, WRONG, ""),
-    ("hourglass", 1.0, 4.0, FAILED, ""),
     ("printed-law", 0.0, 0.0, WRONG, "where there is none"),
     ("printed-law", 20e-6, 20e-6, STABLE, ""),
     ("load-step", 0.1, "warp only", STABLE, ""),
@@ -125,7 +122,7 @@ POINTS = (
     ("bias", 1.0, "locking at 7°, as published", STABLE, ""),
     ("bias", 0.0, "locking at 7°, as published", FAILED, "the shear has run into bands"),
 )
-NEEDED = {"hourglass": "gmsh", "load-step": "dolfinx", "bars": "dolfinx"}
+NEEDED = {"load-step": "dolfinx", "bars": "dolfinx"}
 
 
 @pytest.mark.parametrize(("key", "x", "y", "kind", "message"), POINTS)
@@ -167,7 +164,6 @@ def test_every_map_has_its_default_on_it(key):
 def test_defaults_in_the_file_of_maps_are_those_of_the_code():
     from shellfabric.panel.model import Numerics
     from shellfabric.plies.model import PlyContact
-    from validation.models.solid.numerics import PatchNumerics
 
     contact = [Numerics.penalty, Numerics.contact_damping]
     assert study.MAPS["time-step"]["default"][0] == Numerics.cfl
@@ -175,7 +171,6 @@ def test_defaults_in_the_file_of_maps_are_those_of_the_code():
     assert study.MAPS["viscosity"]["reference"] == {"x": Numerics.stretch_viscosity}
     assert study.MAPS["penalty"]["default"] == contact
     assert study.MAPS["penalty"]["reference"] == {"x": contact[0], "y": contact[1]}
-    assert study.MAPS["hourglass"]["default"] == [PatchNumerics.hourglass, PatchNumerics.cfl]
     assert study.MAPS["plies"]["default"] == [PlyContact.courant, PlyContact.form]
     assert study.MAPS["plies"]["reference"] == {"x": PlyContact.courant, "y": PlyContact.form}
 

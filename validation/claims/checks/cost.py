@@ -35,13 +35,6 @@ def cable_elements(bars: int) -> Found:
     return {"S-720": bars * one.elements, "S-726, four plies": bars * 4 * other.elements}
 
 
-@check()
-def solid_elements(fabric: str, side: float, elements: int) -> Found:
-    weave = catalogue.load(fabric).weave
-    crossovers = round(side * weave.warp_count) * round(side * weave.weft_count)
-    return {"per crossover": elements / crossovers, "crossovers": crossovers}
-
-
 @check(lambda fabric, velocity: {"seconds": Run.of("pace", fabric=fabric, velocity=velocity)})
 def shell_over_cable(seconds: RunResult, fabric: str, velocity: float) -> Found:
     return {
@@ -77,37 +70,3 @@ def look_up(fabric: str, n: int, samples: int) -> Found:
         np.abs(T2 - exact["T2"])[safe].max() / weave.weft.strength,
     )
     return {"largest error over strength": error, "speed-up": solving / reading}
-
-
-def _paces(fabric, velocity, count, time, struck=100.0):
-    return {
-        "solid": Run.of("solids", fabric=fabric, velocity=velocity, count=count, time=time),
-        "seconds": Run.of("pace", fabric=fabric, velocity=struck),
-    }
-
-
-def _per(solid, seconds, fabric):
-    """{model: seconds of marching per microsecond and square millimetre}, on one core."""
-    panel = _panel(fabric)
-    area = 1e6 * np.prod([n * d for n, d in zip(panel.counts, panel.spacing)])
-    shell = {name: seconds[name] / (250 * area) for name in ("shell", "cable")}
-    return shell | {"solid": solid["seconds"] / (1e6 * solid["time"] * 1e6 * solid["side"] ** 2)}
-
-
-@check(_paces)
-def solid_over_shell(
-    solid: RunResult, seconds: RunResult, fabric: str, velocity: float, count: int, time: float
-) -> Found:
-    per = _per(solid, seconds, fabric)
-    return {
-        "ratio": per["solid"] / per["shell"],
-        "note": f"{per['solid']:.3g} and {per['shell']:.3g} s per us and mm2, one core each, a quarter of the panel",
-    }
-
-
-@check(_paces)
-def order(
-    solid: RunResult, seconds: RunResult, fabric: str, velocity: float, count: int, time: float, struck: float
-) -> Found:
-    per = _per(solid, seconds, fabric)
-    return {"order": sorted(per, key=per.get, reverse=True)}

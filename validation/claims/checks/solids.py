@@ -121,32 +121,6 @@ def platen_and_biaxial(pressed: RunResult, pulled: RunResult, fabric: str) -> Fo
     }
 
 
-@check(lambda fabric, velocity: {"run": Run.of("solids", fabric=fabric, velocity=velocity, count=4, time=6e-6)})
-def patch_mass(run: RunResult, fabric: str, velocity: float) -> Found:
-    """Mass of a patch of solid yarns before and after bars have failed."""
-    before, after = run["mass"]
-    return {
-        "change of mass": abs(after / before - 1),
-        "bars failed": run["failed_bars"],
-        "note": f"{1e6 * before:.4g} mg, {run['failed_bars']:.0f} bars failed after {1e6 * run['time']:.1f} us",
-    }
-
-
-@check(lambda fabric, velocity: {"run": Run.of("solids", fabric=fabric, velocity=velocity, count=8, time=2e-6)})
-def hourglass_energy(run: RunResult, fabric: str, velocity: float) -> Found:
-    """Energy of the hourglass control of a patch of one-point solids over its internal energy, at its worst.
-
-    From where the patch has a hundredth of the internal energy that it has at the end.
-    """
-    energies = run["energies"]
-    inside = energies["fibres"] + energies["solids"] + energies["hourglass"]
-    some = inside > 0.01 * inside[-1]
-    return {
-        "largest share": float((energies["hourglass"] / np.where(some, inside, 1.0))[some].max()),
-        "share at the end": float(energies["hourglass"][-1] / inside[-1]),
-    }
-
-
 @check(
     lambda friction, **given: {
         name: Run.of("released", friction=value, **given) for name, value in (("rough", friction), ("smooth", 0.0))

@@ -59,8 +59,6 @@ def _method(name):
             from validation.verification.stability import cell as module
         case "bias":
             from validation.verification.stability import coupons as module
-        case "hourglass":
-            from validation.verification.stability import solid_patch as module
         case "bars" | "load_step":
             from validation.verification.stability import unit_cell as module
     return getattr(module, name)

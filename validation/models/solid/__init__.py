@@ -1,1 +1,0 @@
-"""The patch of solid yarns: one-point hexahedra, yarn-yarn contact, explicit time integration."""
