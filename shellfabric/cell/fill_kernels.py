@@ -22,6 +22,7 @@ from shellfabric.cell.crossover_kernels import (
     compression,
     compression_energy,
     contact_force,
+    work_share,
 )
 from shellfabric.cell.yarn_kernels import COSINE, arc, elliptic, energy, free_height, tension, yarn_alone
 from shellfabric.jit.compile import entry, kernel
@@ -40,7 +41,9 @@ def force_at_height(w, h, yarn, form):
     E, K_minus_E = elliptic(k * k)
     dS = -2.0 * K_minus_E / k
     T, dT = tension(4.0 * w / math.pi * E, dS, yarn[1], yarn[2], yarn[7])
-    return T * dS, dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    slope = dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    q = work_share(form, yarn[8])
+    return T * dS / q, slope / q
 
 
 @kernel()
@@ -74,7 +77,8 @@ def forces_of_cell(w1, w2, warp, weft, form, solution):
     S2, dS2 = arc(w2, h2, weft[8])
     T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
     W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
-    W += compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
+    stored = compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
+    W += work_share(form, warp[8]) * stored
     if form == EQUILIBRIUM:
         return T1, T2, T1, T2, F, h1, h2, W
     return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W

@@ -57,7 +57,9 @@ def plain_cell(model, *stretches):
         if model.form == "variational":
             step = 1e-6 * w[m]
             slope = (length(model.profile, w[m], h + step) - length(model.profile, w[m], h - step)) / (2 * step)
-            return tension(m, h) * slope
+            # the load of a cosine is spread as its curvature is; its work has the same shape in it once more
+            spread = quad(np.cos, 0, np.pi / 2)[0] / quad(lambda x: np.cos(x) ** 2, 0, np.pi / 2)[0]
+            return tension(m, h) * slope * (spread if model.profile == "cosine" else 1.0)
         tangent = h / w[m] if model.profile == "straight" else np.pi * h / (2 * w[m])
         return 2 * tension(m, h) * np.sin(np.arctan(tangent))
 
@@ -112,9 +114,19 @@ def test_both_forms_agree_on_straight_segments():
                     assert float(other[f"N{m}"]) == pytest.approx(cosine * float(one[f"T{m}"]), rel=1e-12)
 
 
-def test_forms_differ_on_the_cosine():
-    one, other = (CellModel(BALANCED, form=form).solve(1.008, 1.008) for form in ("equilibrium", "variational"))
-    assert abs(float(one["F"] / other["F"]) - 1) > 0.01
+@pytest.mark.parametrize(
+    ("name", "off"), [("S-720", 0.5), ("S-726", 0.5), ("S-727", 0.5), ("S-728", 0.5), ("S-731", 0.6)]
+)
+def test_both_forms_agree_on_the_cosine_but_for_the_square_of_its_slope(name, off):
+    """F = 2 T sin(alpha) of both yarns, at most k^2 / 8 above it; tensions within 0.5 N (warp crimp of 8 %: 0.6)."""
+    fabric = catalogue.load(name)
+    stretches = np.array([[1 + d / w for d in (1e-5, 2e-5, 3e-5)] for w in fabric.weave.w])
+    thesis, state = (CellModel(fabric, form=form).solve(*stretches) for form in ("equilibrium", "variational"))
+    for w, T, h in zip(stretches * np.array(fabric.weave.w)[:, None], ("T1", "T2"), ("h1", "h2")):
+        np.testing.assert_allclose(state[T], thesis[T], atol=off, rtol=0)
+        k = np.pi * state[h] / (2 * w)
+        excess = state["F"] / (2 * state[T] * k / np.hypot(1, k)) - 1
+        assert np.all((excess > 0) & (excess < k**2 / 8))
 
 
 @pytest.mark.parametrize("toe", [0.0, 1e-3])
