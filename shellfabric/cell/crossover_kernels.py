@@ -143,6 +143,22 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
 
 
 @kernel()
+def forces_of_cell(w1, w2, warp, weft, form, solution):
+    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see `cell`."""
+    F, h1, h2 = solution
+    S1, dS1 = arc(w1, h1, warp[8])
+    S2, dS2 = arc(w2, h2, weft[8])
+    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
+    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
+    stored = compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
+    W += work_share(form, warp[8]) * stored
+    if form == EQUILIBRIUM:
+        return T1, T2, T1, T2, F, h1, h2, W
+    # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
+    return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
+
+
+@kernel()
 def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     """One crossover at given stretches: (T1, T2, N1, N2, F, h1, h2, W).
 
@@ -157,16 +173,7 @@ def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     if F == 0.0:
         return alone1, alone2, alone1, alone2, 0.0, free1, free2, energy1 + energy2
     h1, h2 = height(w1, F, warp, free1, form)[0], height(w2, F, weft, free2, form)[0]
-    S1, dS1 = arc(w1, h1, warp[8])
-    S2, dS2 = arc(w2, h2, weft[8])
-    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
-    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
-    stored = compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
-    W += work_share(form, warp[8]) * stored
-    if form == EQUILIBRIUM:
-        return T1, T2, T1, T2, F, h1, h2, W
-    # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
-    return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
+    return forces_of_cell(w1, w2, warp, weft, form, (F, h1, h2))
 
 
 @entry(nogil=True)

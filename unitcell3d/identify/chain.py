@@ -110,7 +110,7 @@ def law_intervals(
     return [_interval(fit, [[next(found) for _ in own] for own in each]) for fit, each in zip(fits, paths)]
 
 
-def _path(job: Job):
+def _path(job: Job) -> tuple[FloatArray, ...]:
     """Samples (F, d) [N, m] of one path; (0,) where it has none."""
     try:
         history, _ = run_job(job)
