@@ -8,12 +8,10 @@ segments (`yarn_kernels`). With k = pi h / 2 w,
     F        = 2 T sin(alpha), sin(alpha) = k / sqrt(1 + k^2)        equilibrium form (eqs. 4-8, 4-10)
     F        = T dS/dh / q                                           variational form: the gradient of the energy
 
-A cosine under tension presses along its whole length, with p(x) = T |z''(x)|. F is the resultant of p; what does work
-on a change of height is Q = T dS/dh, the integral of p(x) cos(pi x / 2 w). Their ratio q = Q / F is pi / 4 to the
-first order of the crimp (0.79 to 0.81 at the crimps of woven aramid), and pi / 4 is taken. The law of compression is
-one of the resultant, to which it is fitted in 3D; the yarns store q times its work, int Q dd, so that the forces of
-the variational form are the gradient of W with any law. Straight segments press at the crossing alone, q = 1; the
-equilibrium form is that of a force at the crossing too.
+A cosine presses along its whole length. F is the resultant of that load; what works on a change of height is q F, with
+q = pi / 4 to the first order of the crimp (docs/theory-cell.md). The law of compression is one of the resultant, to
+which it is fitted in 3D; the yarns store q times its work, so that forces are the gradient of W with any law. Straight
+segments and the equilibrium form press at the crossing alone, q = 1.
 
 Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes where
 
