@@ -80,6 +80,29 @@ class CompressionLaw:
             for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ())
         }
 
+    def outside_ends(self) -> dict[str, tuple[float, float]]:
+        """{"soft", "stiff": (lowest, highest) contact force [N] at which the law lies outside this end}.
+
+        Of forces from 0 to the largest fitted one. The law lies outside the soft end where that compresses less, and
+        outside the stiff end where that compresses more; an end is left out where it does so nowhere.
+        """
+        if self.F_range is None:
+            return {}
+        F, found = np.linspace(0, self.F_range[1], 1001)[1:], {}
+        for end, law in self.ends().items():
+            outside = F[law.d(F) < self.d(F) if end == "soft" else law.d(F) > self.d(F)]
+            if outside.size:
+                found[end] = float(outside[0]), float(outside[-1])
+        return found
+
+    def outside_words(self) -> list[str]:
+        """A line for each end of the assumed range that the law lies outside of."""
+        other = {"soft": "stiffer", "stiff": "softer"}
+        return [
+            f"{end} end {other[end]} than the law from {low:.3g} to {high:.3g} N: the ends do not bracket it there"
+            for end, (low, high) in self.outside_ends().items()
+        ]
+
     @property
     def F0(self) -> float:
         """[N] (b / a)^3, the force at which the printed form starts."""

@@ -6,7 +6,12 @@ segments (`yarn_kernels`). With k = pi h / 2 w,
     S(w, h)  = (4 w / pi) E(-k^2)                                    length of the yarn (eq. 4-3)
     T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7), or with a toe (`yarn_kernels`)
     F        = 2 T sin(alpha), sin(alpha) = k / sqrt(1 + k^2)        equilibrium form (eqs. 4-8, 4-10)
-    F        = T dS/dh                                               variational form: the gradient of the energy
+    F        = T dS/dh / q                                           variational form: the gradient of the energy
+
+A cosine presses along its whole length. F is the resultant of that load; what works on a change of height is q F, with
+q = pi / 4 to the first order of the crimp (docs/theory-cell.md). The law of compression is one of the resultant, to
+which it is fitted in 3D; the yarns store q times its work, so that forces are the gradient of W with any law. Straight
+segments and the equilibrium form press at the crossing alone, q = 1.
 
 Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes where
 
@@ -29,6 +34,12 @@ _MAX_STEPS = 200
 
 
 @kernel()
+def work_share(form, profile):
+    """q, the force that does work on a change of height over the contact force."""
+    return 0.25 * math.pi if form == VARIATIONAL and profile == COSINE else 1.0
+
+
+@kernel()
 def contact_force(w, h, S0, EA, form, toe=0.0, profile=COSINE):
     """Contact force of one yarn at height h, its slope dF/dh, and the tension."""
     S, dS = arc(w, h, profile)
@@ -38,7 +49,8 @@ def contact_force(w, h, S0, EA, form, toe=0.0, profile=COSINE):
         root = math.sqrt(1.0 + k * k)
         sine = k / root
         return 2.0 * T * sine, 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3)), T
-    return T * dS, dT * dS + T * arc_curvature(w, h, profile), T
+    q = work_share(form, profile)
+    return T * dS / q, (dT * dS + T * arc_curvature(w, h, profile)) / q, T
 
 
 @kernel()
@@ -129,6 +141,22 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
 
 
 @kernel()
+def forces_of_cell(w1, w2, warp, weft, form, solution):
+    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see `cell`."""
+    F, h1, h2 = solution
+    S1, dS1 = arc(w1, h1, warp[8])
+    S2, dS2 = arc(w2, h2, weft[8])
+    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
+    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
+    stored = compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
+    W += work_share(form, warp[8]) * stored
+    if form == EQUILIBRIUM:
+        return T1, T2, T1, T2, F, h1, h2, W
+    # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
+    return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
+
+
+@kernel()
 def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     """One crossover at given stretches: (T1, T2, N1, N2, F, h1, h2, W).
 
@@ -143,15 +171,7 @@ def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     if F == 0.0:
         return alone1, alone2, alone1, alone2, 0.0, free1, free2, energy1 + energy2
     h1, h2 = height(w1, F, warp, free1, form)[0], height(w2, F, weft, free2, form)[0]
-    S1, dS1 = arc(w1, h1, warp[8])
-    S2, dS2 = arc(w2, h2, weft[8])
-    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
-    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
-    W += compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
-    if form == EQUILIBRIUM:
-        return T1, T2, T1, T2, F, h1, h2, W
-    # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
-    return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
+    return forces_of_cell(w1, w2, warp, weft, form, (F, h1, h2))
 
 
 @entry(nogil=True)

@@ -16,14 +16,14 @@ import math
 import numpy as np
 
 from shellfabric.cell.crossover_kernels import (
-    EQUILIBRIUM,
     VARIATIONAL,
     cell,
     compression,
-    compression_energy,
     contact_force,
+    forces_of_cell,
+    work_share,
 )
-from shellfabric.cell.yarn_kernels import COSINE, arc, elliptic, energy, free_height, tension, yarn_alone
+from shellfabric.cell.yarn_kernels import COSINE, elliptic, free_height, tension, yarn_alone
 from shellfabric.jit.compile import entry, kernel
 
 _MAX_STEPS = 12
@@ -40,7 +40,9 @@ def force_at_height(w, h, yarn, form):
     E, K_minus_E = elliptic(k * k)
     dS = -2.0 * K_minus_E / k
     T, dT = tension(4.0 * w / math.pi * E, dS, yarn[1], yarn[2], yarn[7])
-    return T * dS, dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    slope = dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    q = work_share(form, yarn[8])
+    return T * dS / q, slope / q
 
 
 @kernel()
@@ -64,20 +66,6 @@ def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
         if abs(dF) <= _SMALL * F and abs(dh1) <= _SMALL * w1 and abs(dh2) <= _SMALL * w2:
             return F, h1, h2
     return -1.0, 0.0, 0.0
-
-
-@kernel()
-def forces_of_cell(w1, w2, warp, weft, form, solution):
-    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see `cell`."""
-    F, h1, h2 = solution
-    S1, dS1 = arc(w1, h1, warp[8])
-    S2, dS2 = arc(w2, h2, weft[8])
-    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
-    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
-    W += compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
-    if form == EQUILIBRIUM:
-        return T1, T2, T1, T2, F, h1, h2, W
-    return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
 
 
 @entry(nogil=True)

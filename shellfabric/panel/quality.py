@@ -76,10 +76,19 @@ class Indicator:
             return float("inf")
         return self.value / self.limit if self.limit > 0 else (float("inf") if self.value > self.limit else 0.0)
 
+    @property
+    def number(self) -> str:
+        """The value with two decimals or three digits; with more where it passes the limit by less."""
+        for decimals in range(2, 9):
+            text = f"{self.value:.{decimals}f}" if self.value >= 1 else f"{self.value:#.{decimals + 1}g}"
+            if self.ok or float(text) > self.limit:
+                break
+        return text
+
     def __str__(self):
         unit = f" {self.unit}" if self.unit else ""
         noted = f"noted above {self.note:g}{unit}, " if self.status == NOTED else ""
-        return f"{self.name} {self.value:.3g}{unit} ({noted}limit {self.limit:g}{unit})"
+        return f"{self.name} {self.number}{unit} ({noted}limit {self.limit:g}{unit})"
 
     def entry(self) -> dict[str, Any]:
         """As a dict, for summary.json."""

@@ -8,9 +8,10 @@ height h against its height h0 at rest, over the length 2 w of the cell, is
 
 with which the balance of each yarn at the contact force F is
 
-    T dS/dh + K (h - h0) = F
+    T dS/dh + K (h - h0) = q F
 
-Compression and closure are those of the cell, h1 + h2 + d1(F) + d2(F) + g = h01 + h02 (`cell.crossover_kernels`).
+with the q = pi / 4 of a cosine. Compression and closure are those of the cell, h1 + h2 + d1(F) + d2(F) + g = h01 + h02
+(`cell.crossover_kernels`).
 Yarns of fibres that slide freely on one another have the lower bound of B, n E pi d^4 / 64; those of a solid section of
 the fibres' area the upper one, E A^2 / 4 pi (`panel.model`).
 
@@ -26,6 +27,7 @@ from scipy.special import ellipe, ellipk
 
 from fabrics.checks import FloatArray
 from fabrics.yarn import Yarn
+from shellfabric.cell.crossover_kernels import COSINE, VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable
 
 FORCES = 240  # contact forces at which the heights are tabulated, from 0 to the largest
@@ -65,7 +67,7 @@ def heights(yarn: tuple[float, ...], bending: float, stretch: FloatArray, force:
     for _ in range(BISECTIONS):  # the force that a yarn carries rises with its height
         h = 0.5 * (low + high)
         S, slope = cosine(w, h)
-        above = EA * np.maximum(S / S0 - 1, 0) * slope + stiffness * (h - h0) > force
+        above = EA * np.maximum(S / S0 - 1, 0) * slope + stiffness * (h - h0) > work_share(VARIATIONAL, COSINE) * force
         low, high = np.where(above, low, h), np.where(above, h, high)
     return 0.5 * (low + high)
 

@@ -29,6 +29,7 @@ def biaxial(
     ratio: Sequence[float] = (1.0, 1.0),
     *,
     max_displacement: float | None = None,
+    beyond: float = 1.0,
     numerics: Numerics | None = None,
     steps: Steps | None = None,
     hooks: Sequence[Hook] = (),
@@ -41,6 +42,7 @@ def biaxial(
     fabric : Fabric
     ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
     max_displacement : [m] larger of the two end displacements at the end of the path, instead of fibre failure
+    beyond : [-] that mean strain at the end of the path over the failure strain; above 1 fibres that fail go on
     numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.solve_load_path`
 
     Returns
@@ -60,21 +62,25 @@ def biaxial(
     shares = shares / np.abs(shares).max()
     if max_displacement is not None and not max_displacement > 0:
         raise InputError(key="max_displacement", value=max_displacement, allowed="positive")
-    yarns = fabric.weave.yarns
     if max_displacement is None:
-        # a yarn whose ends are this far apart is straight and at its failure strain: no path goes on longer
-        max_displacement = min(
-            w * ((1 + yarn.crimp) * (1 + yarn.failure_strain) - 1) / part
-            for w, yarn, part in zip(fabric.weave.w, yarns, shares)
-            if part > 0
-        )
-        stop = _worst_yarn([yarn.failure_strain for yarn in yarns])
+        # no path goes on longer than to a straight yarn
+        straight = displacements_at_failure(fabric, beyond)
+        max_displacement = min(d / part for d, part in zip(straight, shares) if part > 0)
+        stop = _worst_yarn([beyond * yarn.failure_strain for yarn in fabric.weave.yarns])
     else:
         stop = None
     model = CrossoverModel(crossover, fabric, numerics)
     end = Load((float(shares[0] * max_displacement), float(shares[1] * max_displacement)))
     case = f"biaxial {shares[0]:g} : {shares[1]:g}"
     return solve_load_path(model, Load(), end, case=case, stop=stop, steps=steps, hooks=hooks)
+
+
+def displacements_at_failure(fabric: Fabric, beyond: float = 1.0) -> tuple[float, ...]:
+    """(d1, d2) [m] end displacements at which warp and weft are straight and at `beyond` times their failure strain."""
+    return tuple(
+        w * ((1 + yarn.crimp) * (1 + beyond * yarn.failure_strain) - 1)
+        for w, yarn in zip(fabric.weave.w, fabric.weave.yarns)
+    )
 
 
 def _worst_yarn(limits):

@@ -22,7 +22,7 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing.inputs import Size
-from unitcell3d.identify.calibrate import PATHS, Job, run_job
+from unitcell3d.identify.calibrate import Job, path_jobs, run_job
 from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.solid_fit import fit_solid
 from unitcell3d.identify.solid_record import SolidFit
@@ -102,17 +102,18 @@ def law_intervals(
     A LawInterval, or the UnstableError of the fitted solid's own paths, of each fit
     """
     solids = [[fit.fabric, *(end for pair in fit.limits for end in pair)] for fit in fits]
-    cases = [(fabric, ratio, SIZE, friction) for each in solids for fabric in each for ratio in PATHS.values()]
+    paths = [[path_jobs(fabric, SIZE, friction) for fabric in each] for each in solids]
+    cases = [(job,) for each in paths for own in each for job in own]
     found = iter(
         run_cache.results(_path, cases, folder=folder, executor=executor, jobs=jobs, fresh=True, report=report)
     )
-    return [_interval(fit, [[next(found) for _ in PATHS] for _ in each]) for fit, each in zip(fits, solids)]
+    return [_interval(fit, [[next(found) for _ in own] for own in each]) for fit, each in zip(fits, paths)]
 
 
-def _path(fabric, ratio, size, friction):
+def _path(job: Job) -> tuple[FloatArray, ...]:
     """Samples (F, d) [N, m] of one path; (0,) where it has none."""
     try:
-        history, _ = run_job(Job("biaxial", fabric, size, ratio, friction))
+        history, _ = run_job(job)
     except UnstableError:
         return np.empty(0), np.empty(0)
     return samples(history)

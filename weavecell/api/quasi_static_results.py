@@ -179,7 +179,10 @@ class CalibrationResult(Result):
         return self.calibration.law
 
     def summary(self) -> dict[str, Any]:
-        """a and b with their 95 % intervals, rms of the fit, and the range over the assumed solid law."""
+        """a and b with their 95 % intervals, rms of the fit, and the range over the assumed solid law.
+
+        "outside" says at which forces the ends of that range do not bracket the law.
+        """
         law = self.law
         found: dict[str, Any] = {
             "fabric": self.fabric.name,
@@ -192,6 +195,8 @@ class CalibrationResult(Result):
                 found |= {f"{key}_low": pair[0], f"{key}_high": pair[1]}
         for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
             found |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
+        if law.outside_ends():
+            found["outside"] = "; ".join(law.outside_words())
         if self.assumed:
             found["assumed"] = "; ".join(self.assumed)
         return found

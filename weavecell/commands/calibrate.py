@@ -165,6 +165,8 @@ def tell(done: Calibration) -> None:
     print(f"{'impacts use':<12}the fitted law{better}")
     for end, (low, high) in zip(("soft", "stiff"), law.assumed_range or ()):
         print(f"{end + ' end':<12}a = {1e3 * low:.4f} mm, b = {1e3 * high:.4f} mm N^(1/3), of the assumed solid law")
+    for line in law.outside_words():
+        print(f"{'note':<12}{line}")
     if done.contact is not None:
         print(f"{'plies':<12}{done.contact.words()}")
     for name, history in done.histories.items():
@@ -183,7 +185,7 @@ def solved(
     from unitcell3d.identify import calibrate as solver
 
     with progress.bar(f"Calibration of {fabric.name}") as advance:
-        on_progress = progress.by_path(advance, 1 + len(solver.PATHS))
+        on_progress = progress.by_path(advance, solver.CASES)
         return solver.calibrate(
             fabric,
             size=size,
@@ -201,11 +203,11 @@ def assumed_range(fabric: Fabric, done: Calibration, out: Path, **choices: Any) 
     if "solid" not in fabric.assumed:
         return done
     from unitcell3d.identify import assumed_range as solver
-    from unitcell3d.identify.calibrate import PATHS
+    from unitcell3d.identify.calibrate import CASES
 
     with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
         done, failed = solver.with_assumed_range(
-            fabric, done, on_progress=progress.by_path(advance, 2 * (1 + len(PATHS))), **choices
+            fabric, done, on_progress=progress.by_path(advance, 2 * CASES), **choices
         )
     for end, why in failed.items():
         print(f"{'no range':<12}the {end} end of the assumed solid law has no compression law: {why}")
@@ -246,7 +248,8 @@ def fit_chapter(done: Calibration, laws: Any) -> report_page.Section:
     failure = report_page.Table(
         heads, found_failures, "Where the fibre strain first reaches the failure strain", numeric=heads[3:]
     )
-    return replace(chapter, tables=(*chapter.tables, _laws(done), alone, failure))
+    lead = " ".join([chapter.lead, *(f"Note: {line}." for line in done.law.outside_words())])
+    return replace(chapter, lead=lead, tables=(*chapter.tables, _laws(done), alone, failure))
 
 
 def ended(name: str, history: History) -> str:
@@ -254,7 +257,9 @@ def ended(name: str, history: History) -> str:
     if history.failed:
         return history.failed
     if name != "plates":
-        return "at fibre failure"
+        from unitcell3d.identify.calibrate import BEYOND, BOTH
+
+        return f"at {BEYOND:g} times the failure strain" if name == BOTH else "at fibre failure"
     return "at the test's pressure" if history.path[-1] < 1 else "with the plates at half their distance"
 
 

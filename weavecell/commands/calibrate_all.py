@@ -30,7 +30,7 @@ COLUMNS = (
 
 def command(out: Path, *, size: str, jobs: int, executor: str, resume: bool, friction: float = 0.0) -> None:
     """Calibrate the whole catalogue, write the summary and print it."""
-    from unitcell3d.identify.calibrate import PATHS, calibrate_all
+    from unitcell3d.identify.calibrate import CASES, calibrate_all
 
     fabrics = [fabric for fabric in map(catalogue.load, catalogue.list_names()) if fabric.solid_laws is not None]
     with progress.bar(f"Calibration of {len(fabrics)} fabrics") as advance:
@@ -42,7 +42,7 @@ def command(out: Path, *, size: str, jobs: int, executor: str, resume: bool, fri
             resume=resume,
             jobs=jobs,
             executor=executor,
-            on_progress=progress.by_path(advance, len(fabrics) * (1 + len(PATHS))),
+            on_progress=progress.by_path(advance, len(fabrics) * CASES),
         )
     rows = [row(fabric, found[fabric.name]) for fabric in fabrics]
     write_csv(out / "summary.csv", [COLUMNS, *rows])

@@ -105,10 +105,10 @@ def _fit(fabrics, runs, jobs, executor):
 
 def _laws(fabrics, folder, resume, **choices):
     """{name: Calibration, or what ended it}."""
-    from unitcell3d.identify.calibrate import PATHS, calibrate_all
+    from unitcell3d.identify.calibrate import CASES, calibrate_all
 
     with progress.bar(f"Calibration of {len(fabrics)} fabrics") as advance:
-        on_progress = progress.by_path(advance, len(fabrics) * (1 + len(PATHS)))
+        on_progress = progress.by_path(advance, len(fabrics) * CASES)
         return calibrate_all(fabrics, folder=folder, resume=resume, on_progress=on_progress, **choices)
 
 

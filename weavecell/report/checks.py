@@ -66,7 +66,7 @@ def section(indicators: Sequence[Indicator]) -> Section:
     rows = tuple(
         (
             one.name,
-            f"{one.value:.3g}",
+            one.number,
             f"{one.limit:g}",
             one.status if one.note is None else f"{one.status} (noted above {one.note:g})",
             one.meaning,

@@ -170,9 +170,9 @@ def cell(pyplot: Any, cases: Any) -> Any:
         axes.set_title(title, y=1.0)
         axes.set_xlabel("strain of the cell [%]")
         axes.set_xlim(left=0)
-        axes.set_ylim(bottom=0)
     row[0][0].set_ylabel("yarn tension [N]")
-    row[0][0].legend(loc="upper left")
+    row[0][0].set_ylim(bottom=0)  # of all, once all are drawn
+    row[0][0].legend(loc="upper left", fontsize=None if len(cases) < 4 else 9)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""Options of the crossover's cell: the straight-segment profile and the yarn whose fibres straighten first."""
+"""The crossover's cell with its options: plain twin, gradient, both forms, straight segments, fibres with slack."""
 
 from dataclasses import replace
 from itertools import product
@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from fabrics import catalogue
 from fabrics.errors import InputError
+from fabrics.variants import with_law_form
 from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell import yarn_kernels
@@ -18,6 +19,8 @@ from shellfabric.coupon import quasistatic
 from shellfabric.panel.model import Panel
 
 PAIRS = [(1.004, 1.0), (1.0, 1.006), (1.008, 1.008), (1.012, 0.997), (0.998, 1.012), (1.012, 1.01)]
+# of aramid; at rest only the printed law has forces
+WIDER = [(1.0, 1.0), (1.01, 1.0), (1.0, 1.01), (1.02, 1.02), (1.03, 0.985), (0.98, 1.03), (1.04, 1.03)]
 OPTIONS = {
     "toe": {"toe": 1e-3},
     "toes": {"toe": (5e-4, 2e-3)},
@@ -25,6 +28,10 @@ OPTIONS = {
     "both": {"profile": "straight", "toe": (5e-4, 2e-3)},
 }
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
+S720 = catalogue.load("S-720").with_effective_density()
+PRINTED = with_law_form(S720, "printed")
+# the load of a cosine is spread as its curvature is; its work has the same shape in it once more
+SPREAD = quad(np.cos, 0, np.pi / 2)[0] / quad(lambda x: np.cos(x) ** 2, 0, np.pi / 2)[0]
 
 
 def length(profile, w, h):
@@ -57,7 +64,7 @@ def plain_cell(model, *stretches):
         if model.form == "variational":
             step = 1e-6 * w[m]
             slope = (length(model.profile, w[m], h + step) - length(model.profile, w[m], h - step)) / (2 * step)
-            return tension(m, h) * slope
+            return tension(m, h) * slope * (SPREAD if model.profile == "cosine" else 1.0)
         tangent = h / w[m] if model.profile == "straight" else np.pi * h / (2 * w[m])
         return 2 * tension(m, h) * np.sin(np.arctan(tangent))
 
@@ -68,26 +75,34 @@ def plain_cell(model, *stretches):
         squeezed = sum(float(law.d(F)) for law in model.used_laws)
         return height(0, F) + height(1, F) + squeezed + model.gap - sum(rest)
 
-    if sum(lowest) + model.gap >= sum(rest):
+    printed = model.used_laws[0].form == "printed"
+    if not printed and sum(lowest) + model.gap >= sum(rest):
         return *(tension(m, 0.0) for m in range(2)), 0.0
     F = brentq(gap, 1e-9, 1e4, rtol=1e-13)
     return tension(0, height(0, F)), tension(1, height(1, F)), F
 
 
+CELLS = {name: (UNBALANCED, options, PAIRS) for name, options in OPTIONS.items()} | {
+    f"{law}, gap {gap:g}": (fabric, {"gap": gap}, pairs)
+    for law, fabric, pairs in (("regularised", S720, WIDER[1:]), ("printed", PRINTED, WIDER)) for gap in (0.0, 2e-5)
+}  # fmt: skip
+
+
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
-@pytest.mark.parametrize("option", OPTIONS)
-def test_against_plain_twin(option, form):
-    model = CellModel(UNBALANCED, form=form, **OPTIONS[option])
-    for pair in (PAIRS[0], PAIRS[2], PAIRS[4]):
+@pytest.mark.parametrize("name", CELLS)
+def test_against_plain_twin(name, form):
+    fabric, options, pairs = CELLS[name]
+    model, close = CellModel(fabric, form=form, **options), 2e-6 if form == "variational" else 1e-7
+    for pair in pairs if fabric is not UNBALANCED else pairs[::2]:
         got = [float(model.solve(*pair)[name]) for name in ("T1", "T2", "F")]
-        np.testing.assert_allclose(got, plain_cell(model, *pair), rtol=2e-6, atol=2e-6, err_msg=str(pair))
+        np.testing.assert_allclose(got, plain_cell(model, *pair), rtol=close, atol=close, err_msg=str(pair))
 
 
-@pytest.mark.parametrize("option", OPTIONS)
-@pytest.mark.parametrize("fabric", [BALANCED, UNBALANCED], ids=["balanced", "unbalanced"])
-def test_variational_forces_are_the_gradient(fabric, option):
-    model, step = CellModel(fabric, **OPTIONS[option]), 1e-6
-    for x, y in PAIRS:
+@pytest.mark.parametrize("name", [*CELLS, *(f"balanced, {name}" for name in OPTIONS)])
+def test_variational_forces_are_the_gradient(name):
+    fabric, options, pairs = CELLS[name] if name in CELLS else (BALANCED, OPTIONS[name.split()[1]], PAIRS)
+    model, step = CellModel(fabric, **options), 1e-6
+    for x, y in pairs:
         here = model.solve(x, y)
         slope1 = (model.solve(x + step, y)["W"] - model.solve(x - step, y)["W"]) / (4 * step * fabric.weave.w1)
         slope2 = (model.solve(x, y + step)["W"] - model.solve(x, y - step)["W"]) / (4 * step * fabric.weave.w2)
@@ -112,9 +127,19 @@ def test_both_forms_agree_on_straight_segments():
                     assert float(other[f"N{m}"]) == pytest.approx(cosine * float(one[f"T{m}"]), rel=1e-12)
 
 
-def test_forms_differ_on_the_cosine():
-    one, other = (CellModel(BALANCED, form=form).solve(1.008, 1.008) for form in ("equilibrium", "variational"))
-    assert abs(float(one["F"] / other["F"]) - 1) > 0.01
+@pytest.mark.parametrize(
+    ("name", "off"), [("S-720", 0.5), ("S-726", 0.5), ("S-727", 0.5), ("S-728", 0.5), ("S-731", 0.6)]
+)
+def test_both_forms_agree_on_the_cosine_but_for_the_square_of_its_slope(name, off):
+    """F = 2 T sin(alpha) of both yarns, at most k^2 / 8 above it; tensions within 0.5 N (warp crimp of 8 %: 0.6)."""
+    fabric = catalogue.load(name)
+    stretches = np.array([[1 + d / w for d in (1e-5, 2e-5, 3e-5)] for w in fabric.weave.w])
+    thesis, state = (CellModel(fabric, form=form).solve(*stretches) for form in ("equilibrium", "variational"))
+    for w, T, h in zip(stretches * np.array(fabric.weave.w)[:, None], ("T1", "T2"), ("h1", "h2")):
+        np.testing.assert_allclose(state[T], thesis[T], atol=off, rtol=0)
+        k = np.pi * state[h] / (2 * w)
+        excess = state["F"] / (2 * state[T] * k / np.hypot(1, k)) - 1
+        assert np.all((excess > 0) & (excess < k**2 / 8))
 
 
 @pytest.mark.parametrize("toe", [0.0, 1e-3])

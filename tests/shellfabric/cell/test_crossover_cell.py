@@ -1,4 +1,4 @@
-"""The crossover: closed forms, its plain twin, its limits, its potential, and the table against the cell."""
+"""The crossover: closed forms, its limits, its potential, and the table against the cell."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -20,34 +20,6 @@ from shellfabric.coupon import relaxation_kernels
 from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Panel
 
-PAIRS = [(1.0, 1.0), (1.01, 1.0), (1.0, 1.01), (1.02, 1.02), (1.03, 0.985), (0.98, 1.03), (1.04, 1.03)]
-
-
-def plain_cell(model, stretch1, stretch2):
-    """The crossover by nested bisection, straight from eqs. 4-7 to 4-13: (T1, T2, F)."""
-    weave = model.fabric.weave
-    w = [stretch * half for stretch, half in zip((stretch1, stretch2), weave.w)]
-    lowest = [height_from_length(w[m], weave.S0[m]) if weave.S0[m] > 2 * w[m] else 0.0 for m in range(2)]
-
-    def tension(m, h):
-        return weave.yarns[m].EA * (arc_length(w[m], h) - weave.S0[m]) / weave.S0[m]
-
-    def force(m, h):
-        return 2 * tension(m, h) * np.pi * h / np.hypot(2 * w[m], np.pi * h)
-
-    def height(m, F):
-        return brentq(lambda h: force(m, h) - F, lowest[m], 2 * w[m], xtol=1e-16, rtol=1e-14)
-
-    def gap(F):
-        squeezed = sum(float(law.d(F)) for law in model.used_laws)
-        return height(0, F) + height(1, F) + squeezed + model.gap - sum(weave.h0)
-
-    printed = model.used_laws[0].form == "printed"
-    if not printed and sum(lowest) + model.gap >= sum(weave.h0):
-        return *(max(tension(m, 0.0), 0.0) for m in range(2)), 0.0
-    F = brentq(gap, 1e-9, 1e4, rtol=1e-13)
-    return tension(0, height(0, F)), tension(1, height(1, F)), F
-
 
 def test_arc_and_its_slope(fabric):
     w = fabric.weave.w1
@@ -56,17 +28,6 @@ def test_arc_and_its_slope(fabric):
         assert S == pytest.approx(float(arc_length(w, h)), rel=1e-14)
         step = 1e-8
         assert slope == pytest.approx((arc_length(w, h + step) - arc_length(w, h - step)) / (2 * step), abs=2e-7)
-
-
-@pytest.mark.parametrize("form", ["regularised", "printed"])
-@pytest.mark.parametrize("gap", [0.0, 2e-5])
-def test_kernel_against_plain_twin(fabric, form, gap):
-    model = CellModel(with_law_form(fabric, form), gap=gap, form="equilibrium")
-    for pair in PAIRS:
-        solved = model.solve(*pair)
-        expected = plain_cell(model, *pair)
-        got = [float(solved[name]) for name in ("T1", "T2", "F")]
-        np.testing.assert_allclose(got, expected, rtol=1e-7, atol=1e-7, err_msg=str(pair))
 
 
 @pytest.mark.parametrize(
@@ -124,17 +85,6 @@ def test_laws_differ_per_yarn(fabric):
     }
     assert T[soft, hard] == pytest.approx(T[hard, soft], rel=1e-12)
     assert T[soft, soft] < T[soft, hard] < T[hard, hard]
-
-
-@pytest.mark.parametrize("form", ["regularised", "printed"])
-def test_variational_forces_are_the_gradient(fabric, form):
-    model, step = CellModel(with_law_form(fabric, form), form="variational"), 1e-5
-    for x, y in PAIRS[1:]:
-        here = model.solve(x, y)
-        slope1 = (model.solve(x + step, y)["W"] - model.solve(x - step, y)["W"]) / (4 * step * fabric.weave.w1)
-        slope2 = (model.solve(x, y + step)["W"] - model.solve(x, y - step)["W"]) / (4 * step * fabric.weave.w2)
-        assert float(here["N1"]) == pytest.approx(slope1, rel=1e-6, abs=1e-4)
-        assert float(here["N2"]) == pytest.approx(slope2, rel=1e-6, abs=1e-4)
 
 
 def loop_work(force, half_lengths, n=400):

@@ -151,13 +151,13 @@ def test_the_contact_force_of_flexible_yarns_is_that_of_the_cell(crimped):
 
 
 def test_a_yarn_without_tension_is_pressed_on_by_its_bending_stiffness(crimped):
-    """Rigid yarns: K (h - h0) of the slack warp equals what the tension of the weft gives, T dS/dh."""
+    """Rigid yarns: K (h - h0) of the slack warp equals what the tension of the weft gives, T dS/dh = pi / 4 F."""
     model, B = crimped.model, 1e-6
     stretch = np.array([1.002])
     force = contact_force.contact_forces(model, (B, 0.0), np.array([0.97]), stretch, 100.0)[0, 0]
     warp, weft = model.yarn_tuples
     stiffness = B * np.pi**4 / (16 * warp[0] ** 3)
-    lift = force / stiffness
+    lift = np.pi / 4 * force / stiffness
     fall = weft[3] - contact_force.heights(weft, 0.0, stretch, np.array([force]))[0, 0]
     pressed = sum(contact_force.compression(yarn, np.array([force]))[0] for yarn in (warp, weft))
     assert force > 0.01

@@ -138,6 +138,14 @@ class TestIndicators:
         assert not Indicator("x", float("nan"), 1.0).ok
         assert Indicator("x", float("nan"), 1.0).excess == float("inf")
 
+    @pytest.mark.parametrize(
+        ("value", "number"),
+        [(1.0, "1.00"), (1.00042, "1.0004"), (1.014, "1.01"), (12.345, "12.35"), (0.00231, "0.00231"), (0.3, "0.300"),
+         (float("nan"), "nan")],
+    )  # fmt: skip
+    def test_a_number_beyond_its_limit_is_printed_beyond_it(self, value, number):
+        assert str(Indicator("x", value, 1.0)) == f"x {number} (limit 1)"
+
     def test_the_worst_of_several_runs(self):
         one, two = (Indicator("x", value, 1.0) for value in (0.5, 2.0))
         assert quality.worst([(one,), (two,)]) == (two,)

@@ -12,8 +12,10 @@ from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from meshing.mesh_plan import Plan, with_room
+from shellfabric.cell.model import CellModel
+from shellfabric.panel import quality
 from unitcell3d.identify.assumed_range import _packed_later
-from unitcell3d.identify.calibrate import PATHS, calibrate, calibrate_all
+from unitcell3d.identify.calibrate import BEYOND, BOTH, PATHS, calibrate, calibrate_all
 from unitcell3d.identify.calibration import ONE_LAW
 from unitcell3d.solver.history import History
 
@@ -36,9 +38,19 @@ def test_law_is_near_the_published_one(calibration):
     assert calibration[0].comparison["rms_m"] < 2e-6
 
 
+def test_the_fitted_range_holds_the_forces_of_shots(calibration, s720):
+    """Both yarns of the panel's cell at their strength press less on each other than those of the last path."""
+    found = calibration[0]
+    strain = found.histories[BOTH].fibre_strain_mean[-1] / [yarn.failure_strain for yarn in s720.weave.yarns]
+    assert strain == pytest.approx(BEYOND, rel=0.01)
+    table = CellModel(s720, (found.law, found.law)).table(101)
+    checks = {one.name: one for one in quality.of_cell(table, [yarn.strength for yarn in s720.weave.yarns])}
+    assert checks["contact force over fitted range"].value < 1
+
+
 def test_each_path_has_its_own_law_near_the_joint_one(calibration):
     found = calibration[0]
-    assert set(found.path_laws) == set(PATHS)
+    assert set(found.path_laws) == {*PATHS, BOTH}
     for name, law in found.path_laws.items():
         assert law.a == pytest.approx(found.law.a, rel=0.15), name
         assert found.residuals[name] < 2e-6
@@ -54,7 +66,7 @@ def test_finer_laws_are_fitted_beside(calibration):
     warp, weft = found.yarn_laws
     assert warp.a < weft.a  # the looser yarn (Vf0 0.62) gives more
     assert found.ratio_law.residual_rms <= found.law.residual_rms * 1.001
-    assert set(found.ratio_residuals) == set(PATHS)
+    assert set(found.ratio_residuals) == {*PATHS, BOTH}
     assert max(found.ratio_residuals.values()) < 1.5e-6
 
 
@@ -82,7 +94,7 @@ def test_plates_give_another_curve(calibration):
 
 def test_files_hold_it_all(calibration):
     found, out, seen = calibration
-    assert seen == dict.fromkeys([*PATHS, "plates"], 1.0)
+    assert seen == dict.fromkeys([*PATHS, BOTH, "plates"], 1.0)
     assert CompressionLaw.from_json(out / "law.json") == found.law
     summary = json.loads((out / "calibration.json").read_text())
     assert summary["law"]["a_m"] == found.law.a

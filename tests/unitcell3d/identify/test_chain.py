@@ -21,9 +21,9 @@ def fabric_of(s720, *logarithms):
     return with_solid_laws(s720, np.log([2e9, 0.3, 0.02]) + np.array(logarithms), 0.7)
 
 
-def path(fabric, ratio, size, friction):
+def path(job):
     """a as the root of E_c over 2 GPa, downwards, b as K_r over 0.02."""
-    solid = fabric.solid_laws[0]
+    solid = job.fabric.solid_laws[0]
     return F, CompressionLaw(A * (2e9 / solid.E_c) ** 0.5, B * solid.K_r / 0.02, "regularised").d(F)
 
 
@@ -50,8 +50,8 @@ def test_an_end_without_a_path_is_left_out(fit, tmp_path, monkeypatch):
     empty = np.empty(0)
     weak = fit.limits[2][1]
 
-    def some(fabric, *case):
-        return (empty, empty) if fabric.solid_laws == weak.solid_laws else path(fabric, *case)
+    def some(job):
+        return (empty, empty) if job.fabric.solid_laws == weak.solid_laws else path(job)
 
     monkeypatch.setattr(chain, "_path", some)
     (found,) = chain.law_intervals([fit], folder=tmp_path, executor=InProcess())

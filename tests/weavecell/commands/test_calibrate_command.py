@@ -97,7 +97,8 @@ def fitted(monkeypatch):
     """Fits of the solid that give that of the file a tenth softer at once, whatever the fabric."""
     monkeypatch.setattr(solid_fit, "fit_solid", a_fit)
     monkeypatch.setattr(chain, "fit_solid", a_fit)
-    monkeypatch.setattr(chain, "PATHS", SMALL["paths"])
+    paths = solver.path_jobs
+    monkeypatch.setattr(chain, "path_jobs", lambda *chosen: paths(*chosen, SMALL["paths"]))
     monkeypatch.setattr(chain, "SIZE", (2, 2, 2))
     monkeypatch.setattr(chain.run_cache, "results", here)
 
@@ -168,10 +169,17 @@ def test_one_fabric_from_its_platen_curve(command, tmp_path, monkeypatch, fitted
 
 
 def test_one_fabric_is_reported_with_intervals_and_spread(command, tmp_path, monkeypatch):
-    run = solver.calibrate
-    monkeypatch.setattr(solver, "calibrate", lambda fabric, size, **more: run(fabric, size=(2, 2, 2), **SMALL, **more))
+    def run(fabric, size, calibrate=solver.calibrate, **more):
+        found = calibrate(fabric, size=(2, 2, 2), **SMALL, **more)
+        a, b = found.law.a, found.law.b  # ends that the law is outside of at all forces
+        return replace(found, law=replace(found.law, assumed_range=((0.5 * a, b), (2 * a, b))))
+
+    monkeypatch.setattr(solver, "calibrate", run)
     code, out, err = command("calibrate", "S-720", "--mesh", "coarse", "--jobs", "1", "--out", "c")
     assert code == 0, err
+    note = "stiff end softer than the law from "
+    assert note in out
+    assert note in (tmp_path / "c" / "report.html").read_text()
     told = {line[:12].strip(): line[12:] for line in out.splitlines()}
     names = {"fitted", "published", "residual", "each path", "warp alone", "weft alone", "alternative", "impacts use"}
     assert names <= set(told)

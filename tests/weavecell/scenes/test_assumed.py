@@ -7,6 +7,7 @@ from math import acos
 from pathlib import Path
 
 import pytest
+from scipy.optimize import brentq
 
 from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
@@ -230,3 +231,14 @@ def test_a_law_keeps_the_range_of_an_assumed_solid(tmp_path):
         ("stiff", 3e-5, 5e-5),
     ]
     assert CompressionLaw(4e-5, 5e-5).ends() == {}
+
+
+def test_a_law_outside_the_ends_of_its_range_says_at_which_forces():
+    """The S706 of a new user: the stiff end, fitted up to 51 N, is softer above 50 N."""
+    ends = (2.23e-5, 7.7e-6), (2.20e-5, 8.00e-5)
+    law = CompressionLaw(5.8e-6, 4.0e-6, F_range=(0.4, 65.0), assumed_range=ends)
+    stiff = CompressionLaw(*ends[1])
+    crossing = brentq(lambda F: float(law.d(F) - stiff.d(F)), 10.0, 65.0)
+    assert law.outside_ends() == {"stiff": (pytest.approx(crossing, abs=0.1), 65.0)}
+    assert law.outside_words() == ["stiff end softer than the law from 51.3 to 65 N: the ends do not bracket it there"]
+    assert replace(law, F_range=(0.4, 40.0)).outside_words() == []
