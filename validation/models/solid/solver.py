@@ -16,6 +16,7 @@ import numba
 import numpy as np
 
 from fabrics.checks import FloatArray
+from shellfabric.driver.guards import ENERGY_ERROR_LIMIT
 from shellfabric.driver.solver import RUNNING, ExplicitSolver, Hook
 from validation.models.solid import solid_kernels
 from validation.models.solid import step_kernels as kernels
@@ -68,7 +69,7 @@ class SolidSolver(ExplicitSolver):
 
     def __init__(
         self, patch: SolidPatch, strike_velocity: float, end_time: float, *, interval: float = 0.25e-6,
-        energy_error_limit: float = 0.02, threads: int | None = None,
+        energy_error_limit: float = ENERGY_ERROR_LIMIT, threads: int | None = None,
     ) -> None:  # fmt: skip
         super().__init__(
             patch.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=energy_error_limit
