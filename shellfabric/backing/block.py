@@ -187,13 +187,13 @@ class Block:
         self.metric = np.tile(np.eye(3), (m, 1, 1))
         self.alpha, self.last, self.gone = np.zeros(m), np.zeros(m), np.zeros(m, bool)
         self.past, self._held = np.zeros((m, 2)), np.zeros(n)
-        self.energy, self._work = np.zeros((m, 5)), np.zeros((nx + 1, 3))
+        self.energy, self._work = np.zeros((m, 5)), np.zeros((nx + 1, 4))
         self._drags, self._shot, self._points = np.zeros((n, 3)), np.zeros(7), np.zeros(7)
         self._substeps = np.array([1, 0])  # of a step, and steps since they were found
         self._columns: np.ndarray | None = None  # of the points of `press`
         self._memory = np.zeros((0, 2))
         # what contact damping takes from projectile and points: known when their next velocities are
-        self._before: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        self._before: dict[str, np.ndarray] = {}
         self._damped = self._kick = 0.0
 
     def _boundaries(self, nodes, bricks):
@@ -279,11 +279,10 @@ class Block:
         return forces + drags
 
     def _damp(self, who, drag, speed):
-        """Add what damping took in the last step from a partner that now moves at `speed`, at its mean velocity."""
-        if who in self._before:
-            last_drag, last_speed = self._before[who]
-            self._damped -= 0.5 * self.dt * float(np.sum(last_drag * (last_speed + speed)))
-        self._before[who] = drag.copy(), speed.copy()
+        """Add what damping takes from a partner that moves at `speed` in half a step before now, by its force of now,
+        and by that of a step ago."""
+        self._damped -= 0.5 * self.dt * float(np.sum((self._before.get(who, 0.0) + drag) * speed))
+        self._before[who] = drag.copy()
 
     def advance(self) -> None:
         """One step, under the contacts of this step.
@@ -349,13 +348,13 @@ class Block:
             return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
 
     def energies(self) -> dict:
-        """ENERGIES [J] of the modelled part, at the last forces; of the last damping, the block's share."""
+        """ENERGIES [J] of the modelled part, at the last forces."""
         bricks = self.energy.sum(axis=0)
         values = (
             self._work[:, 0].sum(), bricks[kernels.ELASTIC], bricks[kernels.PLASTIC], bricks[kernels.HOURGLASS],
             bricks[kernels.VISCOUS], self._work[:, 1].sum(), bricks[kernels.ERODED],
             self._shot[touch.CONTACT] + self._points[touch.CONTACT],
-            self._damped + self._work[:, 2].sum(),
+            self._damped + (self._work[:, 2] - self._work[:, 3]).sum(),
         )  # fmt: skip
         return dict(zip(ENERGIES, map(float, values)))
 
@@ -394,9 +393,7 @@ class Block:
         found["clock"] = np.array([self.time, self._kick, self._damped])
         if self._columns is not None:
             found |= {"columns": self._columns, "memory": self._memory}
-        for who, (drag, speed) in self._before.items():
-            found |= {f"{who}_drag": drag, f"{who}_speed": speed}
-        return found
+        return found | {f"{who}_drag": drag for who, drag in self._before.items()}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Go on from `arrays` of a block of the same backing and step."""
@@ -405,11 +402,7 @@ class Block:
         self.time, self._kick, self._damped = map(float, arrays["clock"])
         if "columns" in arrays:
             self._columns, self._memory = np.array(arrays["columns"]), np.array(arrays["memory"])
-        self._before = {
-            who: (np.array(arrays[f"{who}_drag"]), np.array(arrays[f"{who}_speed"]))
-            for who in ("shot", "points")
-            if f"{who}_drag" in arrays
-        }
+        self._before = {who: np.array(arrays[f"{who}_drag"]) for who in ("shot", "points") if f"{who}_drag" in arrays}
 
 
 def _corners(grid):

@@ -109,9 +109,9 @@ def damaged_forces(const, state, family, first, last, shift, L, F):
 
 
 @kernel(_nrt=False)
-def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N, K):
-    """The variational force of damaged edges: own share, of slope K, and, of each crossing edge, the share `shared`
-    that it gives."""
+def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N):
+    """The variational force of damaged edges: own share, and, of each crossing edge, the share `shared` that it
+    gives."""
     w, S0, EA = yarn_properties(const, family)
     other, columns = state.intact_fraction[1 - family], const.row_stride if family == WARP else const.nj
     for i in range(first, last):
@@ -126,7 +126,6 @@ def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N
                 count, present, total = sum_crossing(const, family, i, j, other, shared, shift)
                 crossed = present / count
                 alone = yarn_alone(L[m], w, S0, EA)[0] if present < count else 0.0
-                K[m] *= crossed
                 N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
 
 

@@ -6,7 +6,7 @@ thesis's study of pencilling, fabric does bunch up about the projectile so far. 
 
     U = y K / 2 ln(l / l_j)^2,     N = dU/dl / y = K ln(l / l_j) / l        (pressure negative)
 
-with y [m] the length of yarn that it stands for. The thesis has no such term; K = 0 leaves it out.
+with y [m] the length of whole yarn that it stands for. The thesis has no such term; K = 0 leaves it out.
 """
 
 import math
@@ -27,8 +27,8 @@ def family_jamming(state, const, number, first, last, acting):
     for i in range(first, rows):
         for j in range(columns):
             k = np.uint64(i * const.row_stride + j)
-            part = state.intact_fraction[number][k]
-            if part == 0.0:
+            yarn = state.yarn_length[number][k]  # of what is left of it
+            if yarn == 0.0:
                 continue
             t, length = segment_tangent(state, const, number, k)
             rest = rest_length(const.dx, const.inv_dx, k) if number == 0 else rest_length(const.dy, const.inv_dy, k)
@@ -36,7 +36,6 @@ def family_jamming(state, const, number, first, last, acting):
             if stretch >= limit:
                 continue
             closed = math.log(stretch / limit)
-            yarn = part * state.yarn_length[number][k]
             total += 0.5 * yarn * K * closed * closed
             if acting:
                 far = np.uint64(np.int64(k) + step)

@@ -207,36 +207,33 @@ def distribute_weft(k0, m0, n, s, split, own, given, N):
 def yarn_forces(k0, m0, n, back, again, r, cv, edges, y, kept, on):
     """Update n edges of one family, and compute their axial force over the stretch, r = 1 / dX, into `on`.
 
-    edges : scratch, from m0 on: stretch l, its inverse, what the trellis takes `turned`, force N [N] and its slope K
-    kept : of the panel, from k0 on, overwritten: stretch L, force P, change of stretch D and slope S of the last step
+    edges : scratch, from m0 on: stretch l, its inverse, what the trellis takes `turned`, force N [N]
+    kept : of the panel, from k0 on, overwritten: stretch L, force P and change of stretch D of the last step
 
     The pull is y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge, less what the trellis on both sides
     takes. Returns the work of N and of the viscous force. The work of a step is the trapezoid of the force over the
     change of stretch. Summed over the steps it equals, term by term, what central differences exchange with the kinetic
     energy. `again`: in a step that has been made before yarns failed in it.
 
-    The trapezoid of a force whose slope K changes by dK in a step is dK dL^2 / 12 more than its integral (Euler and
-    Maclaurin). The third that is returned is the sum of it, from the slopes alone; S keeps them. A yarn that snaps taut
-    loses that much, and gets none of it back, as it slackens slowly.
+    The trapezoid of a force whose slope changes by dK in a step is dK dL^2 / 12 more than its integral (Euler and
+    Maclaurin). A yarn that snaps taut loses that much, and gets none of it back, as it slackens slowly.
     """
-    work, viscous, over = broadcast(0.0), broadcast(0.0), broadcast(0.0)
-    l, inverse, turned, N, K = edges
-    L, P, D, S = kept
+    work, viscous = broadcast(0.0), broadcast(0.0)
+    l, inverse, turned, N = edges
+    L, P, D = kept
     for j in range(0, n, WIDTH):
         k, m, left = k0 + j, m0 + j, n - j
-        stretch, force, slope, length, last = load(l, m), load(N, m), load(K, m), load(y, k), load(D, k)
+        stretch, force, length, last = load(l, m), load(N, m), load(y, k), load(D, k)
         d = last if again else stretch - load(L, k)
         part = length * d if left >= WIDTH else where(head_mask(left), length * d, 0.0)
         work = fma(part, force + load(P, k), work)
         viscous = fma(scale_terms(cv, k, part), d + last, viscous)
-        over = fma(part * d, slope - load(S, k), over)
         pull = length * fma(load_or_broadcast(cv, k), d, force) - (load(turned, m) + load(turned, m - back))
         store(on, m, load_or_broadcast(r, k) * load(inverse, m) * pull)
         masked_store(L, k, stretch, left)
         masked_store(P, k, force, left)
         masked_store(D, k, d, left)
-        masked_store(S, k, slope, left)
-    return 0.5 * reduce_add(work), scale_sum(cv, 0.5 * reduce_add(viscous)), reduce_add(over) / 12.0
+    return 0.5 * reduce_add(work), scale_sum(cv, 0.5 * reduce_add(viscous))
 
 
 @kernel(_nrt=False)

@@ -71,10 +71,10 @@ def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
 
 @kernel(forceinline=True)
 def gradient(p, q, c):
-    """W_p, W_q, W_pp / 2 and W_qq / 2 at eight places in the table."""
+    """W_p and W_q at eight places in the table."""
     flat1, turn1 = fma(q, fma(q, c[6], c[4]), c[0]), fma(q, fma(q, c[7], c[5]), c[1])
     flat2, turn2 = fma(p, fma(p, c[5], c[4]), c[2]), fma(p, fma(p, c[7], c[6]), c[3])
-    return fma(p + p, turn1, flat1), fma(q + q, turn2, flat2), turn1, turn2
+    return fma(p + p, turn1, flat1), fma(q + q, turn2, flat2)
 
 
 @kernel(forceinline=True)
@@ -89,30 +89,27 @@ def gradient_beyond(p, q, c, beyond):
     reach1, reach2, t1, t2, k1, k2 = beyond
     over1, over2 = maximum(p - 1.0, 0.0), maximum(q - 1.0, 0.0)
     p, q = minimum(p, 1.0), minimum(q, 1.0)
-    force1, force2, turn1, turn2 = gradient(p, q, c)
+    force1, force2 = gradient(p, q, c)
     (far1, slope1), (far2, slope2), both = saturated(over1, reach1), saturated(over2, reach2), mixed(p, q, c)
-    out1, out2 = greater(over1, 0.0), greater(over2, 0.0)
-    force1 = where(out1, slope1 * (force1 - t1) + (t1 + k1 * over1), force1) + slope1 * far2 * both
-    force2 = where(out2, slope2 * (force2 - t2) + (t2 + k2 * over2), force2) + slope2 * far1 * both
-    return force1, force2, where(out1, 0.5 * k1, turn1), where(out2, 0.5 * k2, turn2)
+    force1 = where(greater(over1, 0.0), slope1 * (force1 - t1) + (t1 + k1 * over1), force1) + slope1 * far2 * both
+    force2 = where(greater(over2, 0.0), slope2 * (force2 - t2) + (t2 + k2 * over2), force2) + slope2 * far1 * both
+    return force1, force2
 
 
 @kernel(_nrt=False)
-def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2, K):
-    """Gradient of the biquadratic potential, N = per dW/d(local coordinate), and a slope K of it.
+def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2):
+    """Gradient of the biquadratic potential, N = factor dW/d(local coordinate).
 
-    beyond : reach1, reach2, t1, t2, k1, k2 (see above);  factors : per of N1 and of N2, stiff1, stiff2
+    beyond : reach1, reach2, t1, t2, k1, k2 (see above);  factors : of N1 and of N2
 
     Below the table its edge, which is exact there. table (cells, 8) : of p, p p, q, q q, p q, p p q, p q q, p p q q.
-    K is stiff1 / 2 d2W/dp2 + stiff2 / 2 d2W/dq2. Returns the largest p and q, the
-    places in the table in units of its cells, and the largest N1 and N2, at least 0.
+    Returns the largest p and q, the places in the table in units of its cells, and the largest N1 and N2, at least 0.
 
     A piece of spots.size slots at a time, in two loops: the first finds places in the table, which are kept in spots,
     N1 and N2, and the second what stands there. In one loop the rows wait for their number and the sums for the rows,
     and what waits fills all the room that a processor has for it.
     """
     far1, far2, high1, high2 = broadcast(0.0), broadcast(0.0), broadcast(0.0), broadcast(0.0)
-    per1, per2, stiff1, stiff2 = factors
     x0, rx, top1, y0, ry, top2, across = grid
     for start in range(m0, m0 + n, spots.size):
         stop = min(start + spots.size, m0 + n)
@@ -130,13 +127,12 @@ def potential_forces(m0, n, l1, l2, grid, table, beyond, factors, spots, N1, N2,
                 far2 = maximum(far2, where(head_mask(stop - j), q, 0.0))
         for j in range(start, stop, WIDTH):
             p, q, c = load(N1, j), load(N2, j), gather8_indexed(table, spots, j - start)
-            force1, force2, turn1, turn2 = gradient(p, q, c)
+            force1, force2 = gradient(p, q, c)
             if any_lane(greater(maximum(p, q), 1.0)):
-                force1, force2, turn1, turn2 = gradient_beyond(p, q, c, beyond)
-            force1, force2 = per1 * force1, per2 * force2
+                force1, force2 = gradient_beyond(p, q, c, beyond)
+            force1, force2 = factors[0] * force1, factors[1] * force2
             store(N1, j, force1)
             store(N2, j, force2)
-            store(K, j, fma(stiff1, turn1, stiff2 * turn2))
             if j < whole:
                 high1, high2 = maximum(high1, force1), maximum(high2, force2)
             else:

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
 
+from fabrics.yarn import Yarn
+
+ENERGY_ERROR_LIMIT = 0.02  # share of the strike energy by which the energy balance may be off
+SPEED_FACTOR = 10.0
 ENERGY_GAIN_LIMIT = 0.01  # share of the strike energy that a contact may seem to have given
 
 
-def speed_limit(const: Any) -> float:
-    """[m/s] the highest speed of a node that a run goes on with: one shorter side of an element in a step.
+def speed_limit(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
+    """[m/s] the highest speed of a node that a run goes on with: ten times the velocity that sets nodes in motion.
 
-    Nodes are fast without any instability. The nose throws light ones at twice its own velocity and more, a yarn that
-    breaks at the strain e lets go of its free end at 2 e c, with c the wave speed of the fabric, and the free corner of
-    a panel that is drawn in cracks as a whip does. None of this is bounded by the strike velocity alone. What central
-    differences cannot follow is a change of shape within a step: their bound takes the stiffness as constant over it,
-    while one end of a segment that moves by the segment's length has turned it over. As the step is a share of the time
-    that a wave takes over an element, such a node is faster than sound in the fabric. Below the bound the energy error
-    decides whether a run is good, and ends it if not.
+    That is the strike velocity or, in a slow strike or a pull-out, the velocity e c at which a yarn of the wave speed c
+    that breaks at the strain e lets go of its end. Nodes are faster than either without any instability: the nose
+    throws light ones at twice its own velocity and more, the end of a broken yarn flies at 2 e c, and the free corner
+    of a panel that is drawn in cracks as a whip does.
 
     Parameters
     ----------
-    const : with dx, dy [m], the sides of the smallest element, and dt [s]
+    strike_velocity : [m/s]
+    yarns : of the fabric
     """
-    return min(const.dx, const.dy) / const.dt
+    return SPEED_FACTOR * max(strike_velocity, *(yarn.failure_strain * yarn.wave_speed for yarn in yarns))
 
 
 def energy_gain_message(taken: float, strike_energy: float) -> str:

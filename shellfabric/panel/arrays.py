@@ -41,7 +41,7 @@ Constants = namedtuple(
 )
 State = namedtuple(
     "State",
-    "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch force_slope yarn_length "
+    "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch yarn_length "
     "intact_fraction failed filtered_tension rate_damage bending_strain failure_sums element_flag block_damage "
     "tension_stale block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
     "projectile_position projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums "
@@ -50,7 +50,7 @@ State = namedtuple(
 )
 Work = namedtuple(
     "Work",
-    "A B stretch1 stretch2 inv_stretch1 inv_stretch2 mean_stretch1 mean_stretch2 T1 T2 N1 N2 slope1 slope2 dW_own1 "
+    "A B stretch1 stretch2 inv_stretch1 inv_stretch2 mean_stretch1 mean_stretch2 T1 T2 N1 N2 dW_own1 "
     "dW_own2 dW_crossing1 dW_crossing2 f_over_stretch1 f_over_stretch2 trellis_f1 trellis_f2 trellis_f12 f_next_row "
     "cell_index barrier contact_scratch",
 )
@@ -159,8 +159,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     kick[:] = const.dt * inverse
     blocks = -(-ni // const.rows_per_block)
     three, two = (lambda kind=float: aligned_zeros(3, slots, kind)), (lambda: aligned_zeros(2, slots, real))
-    # the last changes of stretch and slopes enter the audit alone: 7 digits are enough
-    small, slopes = aligned_zeros(2, slots, np.float32), aligned_zeros(2, slots, np.float32)
+    small = aligned_zeros(2, slots, np.float32)  # of the last changes of stretch: they enter the audit alone
     forces, lengths, stretches = two(), two(), aligned_zeros(2, slots)
     for y, length, L in zip(lengths, _yarn_lengths(panel, const), stretches):
         y[: length.size], L[:] = length, 1.0
@@ -168,8 +167,8 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     return State(
         u=three(), v=three(), f_int=three(real), f_int_above=three(real), mass=mass, inverse_mass=inverse,
         dt_over_mass=kick,
-        stretch=stretches, N=forces, T=two() if const.variational else forces, dstretch=small, force_slope=slopes,
-        yarn_length=lengths, intact_fraction=tuple((y > 0).astype(float) for y in lengths),
+        stretch=stretches, N=forces, T=two() if const.variational else forces, dstretch=small, yarn_length=lengths,
+        intact_fraction=tuple((y > 0).astype(float) for y in lengths),
         failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
         filtered_tension=aligned_zeros(2, slots if const.filter_alpha > 0 else 0),
         rate_damage=aligned_zeros(2, slots if const.rate_law is not None else 0),
@@ -181,7 +180,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         f_contact_nose=np.zeros(3),
         contact_energy=np.zeros(5), active_rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]),
         counter=np.array([AT_REST, 0, 0]),
-        energy_sums=np.zeros((blocks, 5)), peak_tension=np.zeros(2), peak_segment=np.zeros((2, 2), np.int64),
+        energy_sums=np.zeros((blocks, 4)), peak_tension=np.zeros(2), peak_segment=np.zeros((2, 2), np.int64),
         contact_window=np.array(const.window_limits),
         slip_force=np.zeros(const.slip_node.size), slip_energy=np.zeros(3),
         f_block_nose=np.zeros(3), f_block_cloth=three() if const.has_backing else aligned_zeros(3, 0),

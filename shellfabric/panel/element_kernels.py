@@ -11,8 +11,8 @@ from shellfabric.cloth import damage_kernels, membrane_kernels, table_kernels, t
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
 
-# of state.energy_sums; what is lost with failed yarns, and with trellis and turns; what yarns do not store of the work
-WORK, VISCOUS, LOST_YARN, LOST_TRELLIS, QUADRATURE = 0, 1, 2, 3, 4
+# of state.energy_sums; what is lost with failed yarns, and with trellis and turns
+WORK, VISCOUS, LOST_YARN, LOST_TRELLIS = 0, 1, 2, 3
 INTACT, DAMAGED, REDO = 0, 1, 2  # of state.block_damage: a block without failures, with some, with some of this step
 
 
@@ -157,13 +157,11 @@ def potential_gradient(state, const, block, first, last, thin, work):
     n, n1, n2 = (last - first) * s, (last - low) * s, (last - first + 1) * s
     p1, q1, high1, _ = table_kernels.potential_forces(
         m1, n1, w.stretch1, w.mean_stretch2, c.table_grid, c.potential_coefficients, c.table_beyond,
-        (c.force_per_slope1, c.force_per_slope2, 2.0 * c.force_per_slope1 * c.table_scale1, 0.0),
-        w.cell_index, w.dW_own1, w.dW_crossing1, w.slope1,
+        (c.force_per_slope1, c.force_per_slope2), w.cell_index, w.dW_own1, w.dW_crossing1,
     )  # fmt: skip
     p2, q2, _, high2 = table_kernels.potential_forces(
         m0, n2, w.mean_stretch1, w.stretch2, c.table_grid, c.potential_coefficients, c.table_beyond,
-        (c.force_per_slope1, c.force_per_slope2, 0.0, 2.0 * c.force_per_slope2 * c.table_scale2),
-        w.cell_index, w.dW_crossing2, w.dW_own2, w.slope2,
+        (c.force_per_slope1, c.force_per_slope2), w.cell_index, w.dW_crossing2, w.dW_own2,
     )  # fmt: skip
     if first == 0:
         membrane_kernels.copy_row(s, m0, s, work.dW_crossing1)
@@ -175,10 +173,10 @@ def potential_gradient(state, const, block, first, last, thin, work):
     if thin:
         shift = (first - 2) * s
         damage_kernels.damaged_gradient(
-            const, state, 0, first, last, shift, w.stretch1, w.dW_own1, w.dW_crossing2, w.N1, w.slope1
+            const, state, 0, first, last, shift, w.stretch1, w.dW_own1, w.dW_crossing2, w.N1
         )
         damage_kernels.damaged_gradient(
-            const, state, 1, first, last + 1, shift, w.stretch2, w.dW_own2, w.dW_crossing1, w.N2, w.slope2
+            const, state, 1, first, last + 1, shift, w.stretch2, w.dW_own2, w.dW_crossing1, w.N2
         )
         return False
     most = state.block_max_tension[block]
@@ -202,22 +200,19 @@ def copy_to_panel(k0, m0, n, x, kept):
 @kernel(_nrt=False, inline="always")
 def yarn_forces(state, const, block, k0, n, n2, N1, N2, work):
     """Axial forces of the block's edges, into work.f_over_stretch1 and work.f_over_stretch2, and their work."""
-    L, N, D, S, y, c, w, s = (
-        state.stretch, state.N, state.dstretch, state.force_slope, state.yarn_length, const, work, const.row_stride,
-    )  # fmt: skip
+    L, N, D, y, c, w, s = state.stretch, state.N, state.dstretch, state.yarn_length, const, work, const.row_stride
     again = state.block_damage[block] == REDO
-    work1, viscous1, over1 = membrane_kernels.yarn_forces(
-        k0, 2 * s, n, 1, again, c.inv_dx, c.cv1, (w.stretch1, w.inv_stretch1, w.trellis_f1, N1, w.slope1), y[0],
-        (L[0], N[0], D[0], S[0]), w.f_over_stretch1,
+    work1, viscous1 = membrane_kernels.yarn_forces(
+        k0, 2 * s, n, 1, again, c.inv_dx, c.cv1, (w.stretch1, w.inv_stretch1, w.trellis_f1, N1), y[0],
+        (L[0], N[0], D[0]), w.f_over_stretch1,
     )  # fmt: skip
-    work2, viscous2, over2 = membrane_kernels.yarn_forces(
-        k0, 2 * s, n2, s, again, c.inv_dy, c.cv2, (w.stretch2, w.inv_stretch2, w.trellis_f2, N2, w.slope2), y[1],
-        (L[1], N[1], D[1], S[1]), w.f_over_stretch2,
+    work2, viscous2 = membrane_kernels.yarn_forces(
+        k0, 2 * s, n2, s, again, c.inv_dy, c.cv2, (w.stretch2, w.inv_stretch2, w.trellis_f2, N2), y[1],
+        (L[1], N[1], D[1]), w.f_over_stretch2,
     )  # fmt: skip
     if not again:
         state.energy_sums[block, WORK] += work1 + work2
         state.energy_sums[block, VISCOUS] += viscous1 + viscous2
-        state.energy_sums[block, QUADRATURE] += 0.5 * (over1 + over2)  # what has the slope is half of N
 
 
 @kernel(_nrt=False, inline="always")

@@ -16,7 +16,7 @@ class Numerics:
     ----------
     cfl : Courant factor, the time step over its stability bound; 0.9 leaves room for shear stiffening in distorted
         elements. Where yarns snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few
-        elements wide; the loss is booked as "formulation_residual" (see `solver.ply_audit`)
+        elements wide; the loss stays in the energy error
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
         Without it crimped yarns that snap taut ring. In a yarn that stiffens as its crimp goes, fronts are shocks,
         which dissipate whatever the viscosity

@@ -124,6 +124,7 @@ LIMITS = {
     "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
     "ply penetration": (0.75, "", "largest loaded penetration of a ply into the next over the ply's thickness"),
     "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the fabric's normal"),
+    "unresolved torn contact": (0.0, "", "times that torn fabric was not kept from passing through another ply"),
 }
 NOTES = {"viscous energy": 0.1}  # name: value above which the indicator is noted
 
@@ -200,6 +201,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     if len(solver.parts) > 1:
         found.append(indicator("ply penetration", solver.monitor.found[:, DEPTH].max()))
         found.append(indicator("ply contact direction", _tilt(solver)))
+        found.append(indicator("unresolved torn contact", solver.held_apart[1]))
     return tuple(found)
 
 

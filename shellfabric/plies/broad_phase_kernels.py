@@ -16,7 +16,9 @@ ELEMENTS, NODES, ENTRIES = range(3)  # of stops.counts: elements of the zone, no
 ROW_STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.ply_shape
 TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole fabric
 PAD = 4  # cells of the grid beyond the panel's edges
-_MAX_CELLS = 20  # [cells] of a facet that is entered; a wider one is counted as missed
+_MAX_CELLS = (
+    20  # [cells] of a facet that is entered; a wider one lies between pieces that have parted: nothing is there
+)
 _MARGIN = 4  # [gaps] about a facet, in which what it may meet is searched
 
 
@@ -52,7 +54,9 @@ def grid_insert(stops, p):
                 high = max(high, max(stops.x[p, c, k], stops.x_next[p, c, k]))
             stops.box_low[p, c, e], stops.box_high[p, c, e] = low - margin, high + margin
         a0, b0, a1, b1 = cells_of_box(stops, p, e)
-        if a1 - a0 >= _MAX_CELLS or b1 - b0 >= _MAX_CELLS or entries + _MAX_CELLS**2 > stops.entry_element.shape[1]:
+        if a1 - a0 >= _MAX_CELLS or b1 - b0 >= _MAX_CELLS:
+            continue
+        if entries + _MAX_CELLS**2 > stops.entry_element.shape[1]:
             stops.energy[UNRESOLVED] += 1.0
             continue
         for a in range(a0, a1 + 1):

@@ -59,13 +59,14 @@ from shellfabric.plies.contact_simd_kernels import (
 from shellfabric.plies.graded_kernels import add_line_offset, add_middle_offset, place_in_elements
 from shellfabric.plies.normal_force_kernels import clear_normal_forces
 from shellfabric.plies.ply_friction_kernels import friction_forces
-from shellfabric.plies.point_kernels import contact_point
+from shellfabric.plies.point_kernels import contact_point, take_over_contact
 from shellfabric.plies.surface_kernels import SMOOTH, point_number
 from shellfabric.plies.turn_kernels import turned_back
 
 _SCAN_INTERVAL, _MARGIN = 8, 3  # steps between scans, elements about what they find
 _SPEED_MARGIN = 1.5  # than at the last scan nodes may become
 _TORN_NEIGHBOURS = 3  # elements about torn ones that count as beside them
+_KNOWN, _NEW = 1, 2  # of pair.near_torn: beside torn fabric, and since this step
 
 
 @kernel(_nrt=False)
@@ -179,12 +180,16 @@ def _contact_row8(turn, front, fc, rear, rc, pair, q, count, nearer, now, due):
 
 
 @kernel(_nrt=False, forceinline=True)
-def contact_forces(front, fc, rear, rc, pair, step):
-    """Forces between two plies at their present positions, into pair.f_front and pair.f_rear."""
+def contact_forces(front, fc, rear, rc, pair, twin, step):
+    """Forces between two plies at their present positions, into pair.f_front and pair.f_rear.
+
+    twin : Pair with the points of the rear ply
+    """
     if step % _SCAN_INTERVAL == 0:
         pair.max_speed[0] = scan_deflections(front, fc, pair.min_deflection, pair.front_box)
         pair.max_speed[1] = scan_deflections(rear, rc, pair.min_deflection, pair.rear_box)
     mark_torn(front, fc, rear, rc, pair)
+    mark_torn(rear, rc, front, fc, twin)
     pair.deep_count[0] = 0
     taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
     taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, True)
@@ -208,7 +213,7 @@ def contact_forces(front, fc, rear, rc, pair, step):
             for q in range(q0, q0 + count):
                 if (due >> (q - q0)) & 1 == 0:
                     continue
-                energy, depth = contact_point(front, fc, rear, rc, pair, q, often)
+                energy, depth = contact_point(front, fc, rear, rc, pair, twin, q, often)
                 if depth < 0.0:
                     pair.recheck_step[q] = now + 1.0 + steps_until_contact(depth, nearer)
                 spring += energy
@@ -223,9 +228,9 @@ def contact_forces(front, fc, rear, rc, pair, step):
 
 
 @kernel(_nrt=False, forceinline=True)
-def contact_forces_back(front, fc, rear, rc, pair, step):
-    """As `contact_forces`, for the points beside torn fabric of a ply that lies behind, on the one before it."""
-    mark_torn(front, fc, rear, rc, pair)
+def contact_forces_back(front, fc, rear, rc, pair, twin, step):
+    """As `contact_forces`, which is called first, for the points beside torn fabric of a ply that lies behind, on the
+    one before it."""
     pair.deep_count[0] = 0
     if pair.torn_counts[1] == 0:
         return
@@ -236,11 +241,14 @@ def contact_forces_back(front, fc, rear, rc, pair, step):
         for m in range(pair.points_per_side**2):
             q = point_number(fc, pair, e // fc.nj, e % fc.nj, m)
             clear_normal_forces(pair.normal_force, q, q + 1)
-            energy, depth = contact_point(front, fc, rear, rc, pair, q, often)
+            if pair.near_torn[e] == _NEW:
+                take_over_contact(fc, rc, pair, twin, q)
+            energy, depth = contact_point(front, fc, rear, rc, pair, twin, q, often)
             spring += energy
             if depth > pair.energy[MAX_DEPTH]:
                 pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
             friction_forces(pair.friction_state, front, fc, rear, rc, pair, q, q + 1)
+        pair.near_torn[e] = _KNOWN
     apply_symmetry(fc, pair.f_front, pair.front_window)
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
@@ -272,7 +280,6 @@ def list_torn_elements(front, fc, rear, rc, pair):
     """The elements of the front ply that are next to torn ones of either ply, into pair.near_torn and
     pair.torn_elements."""
     pair.torn_counts[1] = 0
-    pair.near_torn[:] = 0
     for i in range(fc.ni):
         for j in range(fc.nj):
             if front.element_flag[i * fc.row_stride + j]:
@@ -293,7 +300,8 @@ def mark_neighbours(const, pair, i, j):
     """Mark the elements about (i, j)."""
     for m in range(max(i - _TORN_NEIGHBOURS, 0), min(i + _TORN_NEIGHBOURS + 1, const.ni)):
         for n in range(max(j - _TORN_NEIGHBOURS, 0), min(j + _TORN_NEIGHBOURS + 1, const.nj)):
-            pair.near_torn[m * const.nj + n] = 1
+            if pair.near_torn[m * const.nj + n] == 0:
+                pair.near_torn[m * const.nj + n] = _NEW
 
 
 @kernel(_nrt=False, forceinline=True)

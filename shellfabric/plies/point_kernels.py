@@ -34,6 +34,7 @@ from shellfabric.plies.surface_kernels import (
     intact_fraction_at,
     interpolate,
     mean_and_quarter_sides,
+    point_number,
     point_place,
     scatter_weighted,
     search_closest_point,
@@ -212,9 +213,10 @@ def update_spring(pair, q, depth, made, jump, before, touches, lost, sure):
 
 
 @kernel(_nrt=False, forceinline=True)
-def spring_force(fc, pair, q, a, b, depth, closing, torn):
-    """Force [N] on a point that touches, and the energy [J] in its spring; lists it for `squeeze_kernels`."""
-    squeezed, part = depth - pair.depth_offset[q], 0.5 if torn else 1.0
+def spring_force(fc, pair, q, a, b, depth, closing, part):
+    """Force [N] on a point that touches, by its part of the law, and the energy [J] in its spring; lists it for
+    `squeeze_kernels`."""
+    squeezed = depth - pair.depth_offset[q]
     if pair.surface_form == SMOOTH and squeezed + closing * fc.dt > _NEAR_SQUEEZE * pair.thickness:
         pair.deep_points[pair.deep_count[0]] = q
         pair.deep_count[0] += 1
@@ -226,6 +228,45 @@ def spring_force(fc, pair, q, a, b, depth, closing, torn):
     f = max(0.0, part * (spring + damping * closing))
     store_normal_force(pair.normal_force, q, f)
     return f, part * energy
+
+
+@kernel(_nrt=False, forceinline=True)
+def share_of_law(pair, twin, rc, e, A, B):
+    """Part of the law that a point of element e has with its closest point (A, B): half where both plies have points,
+    which is where the elements of both are beside torn ones. Elsewhere the ply in front has all of it.
+
+    twin : Pair with the points of the other ply
+    """
+    foot = max(min(int(A), rc.ni - 1), 0) * rc.nj + max(min(int(B), rc.nj - 1), 0)
+    if pair.near_torn[e] and twin.near_torn[foot]:
+        return 0.5
+    return 1.0 if pair.rest_distance > 0.0 else 0.0
+
+
+@kernel(_nrt=False)
+def take_over_contact(fc, rc, pair, twin, q):
+    """Point number q begins to exist in the contact that its ply has there: closest point, normal, depth and offset are
+    those of the nearest point of the other ply that touches it, within an element. Without them its whole depth would
+    count as another fold's, and go into the offset."""
+    _, a, b = point_place(fc, pair, q)
+    m, n, nearest, least = int(pair.closest_point[0][q]), int(pair.closest_point[1][q]), -1, 1.0
+    for i in range(max(m - 2, 0), min(m + 3, rc.ni)):
+        for j in range(max(n - 2, 0), min(n + 3, rc.nj)):
+            for number in range(twin.points_per_side**2):
+                other = point_number(rc, twin, i, j, number)
+                far = (twin.closest_point[0][other] - a) ** 2 + (twin.closest_point[1][other] - b) ** 2
+                if twin.status[other] == IN_CONTACT and far < least:
+                    nearest, least = other, far
+    if nearest < 0:
+        return
+    _, A, B = point_place(rc, twin, nearest)
+    a, b = a - twin.closest_point[0][nearest], b - twin.closest_point[1][nearest]
+    x, y = turned(pair.turn, a * fc.dx, b * fc.dy)
+    pair.closest_point[0][q], pair.closest_point[1][q] = A + x / rc.dx, B + y / rc.dy
+    n_x, n_y, n_z = in_front_frame(twin, (twin.normal[0][nearest], twin.normal[1][nearest], twin.normal[2][nearest]))
+    pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = -n_x, -n_y, -n_z
+    pair.last_depth[q], pair.depth_offset[q] = twin.last_depth[nearest], twin.depth_offset[nearest]
+    pair.status[q] = IN_CONTACT
 
 
 @kernel(_nrt=False)
@@ -244,11 +285,13 @@ def face_to_face(front, fc, e, n):
 
 
 @kernel(_nrt=False, forceinline=True)
-def contact_point(front, fc, rear, rc, pair, q, often):
+def contact_point(front, fc, rear, rc, pair, twin, q, often):
     """Follow the closest point of the front ply's point number q, and apply its force: (energy in its spring, depth).
 
-    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push. often : whether the
-    closest point beside torn fabric is to be searched anew, whether or not it has been followed well
+    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push.
+
+    twin : Pair with the points of the rear ply; often : whether the closest point beside torn fabric is to be searched
+        anew, whether or not it has been followed well
     """
     e, a, b = point_place(fc, pair, q)
     (x, y, z), i, j, k, w_front = front_point(front, fc, pair, a, b)
@@ -297,7 +340,8 @@ def contact_point(front, fc, rear, rc, pair, q, often):
     update_spring(pair, q, depth, made, jump, before, touches, lost, sure)
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n
     pair.status[q], pair.last_depth[q], pair.depth_offset[q] = IN_CONTACT, depth, min(pair.depth_offset[q], depth)
-    f, energy = spring_force(fc, pair, q, a, b, depth, closing, torn)
+    part = share_of_law(pair, twin, rc, e, A, B)
+    f, energy = spring_force(fc, pair, q, a, b, depth, closing, part)
     if f > 0.0:
         grow_window(pair.front_window, i, j, 3)
         grow_window(pair.rear_window, I, J, 3)

@@ -50,7 +50,7 @@ def contact_state(near: Sequence[int], points: int, shares: FloatArray, friction
     """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the kernels know."""
     count = (near[1] - near[0]) * (near[3] - near[2])
     return {
-        "last_contact_force": np.zeros((count, 4, shares.shape[2])),
+        "last_contact_force": np.zeros((count, shares.shape[2])),
         "in_contact": np.zeros(count, np.bool_),
         "friction_state": np.zeros((count, points**2, 6) if friction > 0 else (0, 0, 6)),
         **{name: tuple(np.zeros((3, 0))) for name in PREDICTED},

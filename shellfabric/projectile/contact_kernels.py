@@ -50,18 +50,20 @@ def contact_forces(state, const, work):
 
     The elements of the block of rows and columns state.contact_window, which lies in const.window_limits, are looked
     at, unless eroded: what no yarn holds is out of contact. Returns the work that the contact has taken in since the
-    last call (spring and damper, by the trapezoid rule) and the energy in its springs.
+    last call (spring and damper: half a step's of the old nodal forces and of the new, on the same velocities, so that
+    nothing is left out where the fabric fails) and the energy in its springs.
     """
-    clear_forces(state, const)
+    before = clear_forces(state, const)
     curvature_kernels.clear_bending(const.fibre_diameter, state, const)
     if const.window_follows:
         move_window(state, const)
-    return contact_window(state, const, work)
+    taken, spring = contact_window(state, const, work)
+    return taken - before, spring
 
 
 @kernel(_nrt=False, inline="always")
 def contact_window(state, const, work):
-    """Contact of the elements in the window, as `contact_forces` has it."""
+    """Contact of the elements in the window: (half a step's work that it takes in, spring energy) [J]."""
     i0, i1, j0, j1 = window_bounds(state)
     state.contact_energy[FRICTION_SPRING] = 0.0
     taken, spring = 0.0, 0.0
@@ -97,13 +99,17 @@ def contact_window(state, const, work):
 
 @kernel(_nrt=False, inline="always")
 def clear_forces(state, const):
-    """Zero the contact forces of the last step."""
+    """Zero the contact forces of the last step. Returns half a step's work [J] of theirs on fabric and projectile."""
     i0, i1, j0, j1 = reachable_nodes(state, const)
+    power = 0.0
     for c in range(3):
+        power += state.f_contact_nose[c] * state.projectile_velocity[c]
         state.f_contact_nose[c] = 0.0
         for i in range(i0, i1 + 1):
             for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+                power += state.f_contact[c][k] * state.v[c][k]
                 state.f_contact[c][k] = 0.0
+    return 0.5 * const.dt * power
 
 
 @kernel(_nrt=False)
@@ -133,11 +139,11 @@ def contact_element(state, const, i, j, e, work):
         shares = work.torn_shape_functions
         spline_kernels.torn_shape_functions(state, const, i, j, shares)
     state.in_contact[e] = False
-    for first in range(0, last.shape[1], WIDTH):
+    for first in range(0, last.size, WIDTH):
         p_x, p_y, p_z = spline_kernels.interpolate(shares, first, x)
         # below 0 within the cylinder's radius and behind the foremost point
         outside = maximum(p_z, fma(p_x, p_x, fma(p_y, p_y, 0.0 - const.projectile_radius * const.projectile_radius)))
-        if not any_lane(greater(maximum(load(last[0], first), 0.0 - outside), 0.0)):
+        if not any_lane(greater(maximum(load(last, first), 0.0 - outside), 0.0)):
             continue
         if not hit:
             gather_velocities(state, const, i, j, work)
@@ -157,7 +163,7 @@ def contact_element(state, const, i, j, e, work):
                 store(at[8 + 3 * n], 0, v_y)
                 store(at[9 + 3 * n], 0, v_z)
         for m in range(WIDTH):
-            if at[6, m] < 0.0 or last[0, first + m] != 0.0:
+            if at[6, m] < 0.0 or last[first + m] != 0.0:
                 point_taken, point_spring = contact_point(state, const, i, j, e, first + m, m, shares, work)
                 taken += point_taken
                 spring += point_spring
@@ -188,7 +194,7 @@ def gather_velocities(state, const, i, j, work):
 def contact_point(state, const, i, j, e, number, m, shares, work):
     """Contact of one point of an element, whose position and velocity are in column m of work.point_data."""
     at, last, k = work.point_data, state.last_contact_force[e], np.uint64(i * const.row_stride + j)
-    before = last[0, number]  # size of the last step's force; its three components come behind it
+    before = last[number]
     depth, n_x, n_y, n_z = sdf_kernels.distance(
         const.nose_shape, at[0, m], at[1, m], at[2, m], const.projectile_radius, const.edge_radius,
         const.projectile_length, const.nose_parameters,
@@ -203,7 +209,7 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         if state.element_flag[k] & WINDOW:
             part *= cover_at_point(state, const, k, s, t)
     if part == 0.0:
-        last[0, number] = last[1, number] = last[2, number] = last[3, number] = 0.0
+        last[number] = 0.0
         if const.friction > 0.0:
             state.friction_state[e, number] = 0.0
         return 0.0, 0.0
@@ -229,9 +235,7 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         if part == 1.0:
             state.contact_energy[MAX_PENETRATION] = max(state.contact_energy[MAX_PENETRATION], -depth)
     f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
-    both_x, both_y, both_z = f_x + last[1, number], f_y + last[2, number], f_z + last[3, number]
-    taken = -0.5 * const.dt * (both_x * v_x + both_y * v_y + both_z * v_z)
-    last[0, number], last[1, number], last[2, number], last[3, number] = f, f_x, f_y, f_z
+    last[number], rubbed = f, 0.0
     if const.friction > 0.0:
         t_x, t_y, t_z, rubbed, held = friction_kernels.friction_force(
             state.friction_state[e, number], const.friction * f, stiffness, damping, const.dt, n_x, n_y, n_z, v_x, v_y,
@@ -240,6 +244,7 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         state.contact_energy[FRICTION] += rubbed
         state.contact_energy[FRICTION_SPRING] += held
         f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z
+    taken = -0.5 * const.dt * (f_x * v_x + f_y * v_y + f_z * v_z) - rubbed
     spline_kernels.scatter_force(shares, number, work.node_force, f_x, f_y, f_z)
     state.f_contact_nose[0] -= f_x
     state.f_contact_nose[1] -= f_y

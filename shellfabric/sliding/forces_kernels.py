@@ -41,7 +41,7 @@ from shellfabric.jit.simd import (
     where,
 )
 from shellfabric.panel import element_kernels
-from shellfabric.panel.element_kernels import INTACT, QUADRATURE, REDO, VISCOUS, WORK
+from shellfabric.panel.element_kernels import INTACT, REDO, VISCOUS, WORK
 
 
 @kernel(_nrt=False)
@@ -106,23 +106,22 @@ def yarn_forces(state, const, slip, block, k0, n, n2, works):
     """Axial forces of the block's edges, their configurational forces and their work."""
     c, (w, e), s = const, works, const.row_stride
     again = state.block_damage[block] == REDO
-    work1, viscous1, over1 = family_forces(
+    work1, viscous1 = family_forces(
         k0, 2 * s, n, 1, again, (c.inv_dx, c.cv1, c.dx, slip.lateral, slip.closest), (2.0 * c.w1, c.S01, c.EA1 / c.S01),
-        (w.stretch1, w.inv_stretch1, e.stretch1, w.trellis_f1, w.N1, w.slope1),
-        (state.stretch[0], state.N[0], state.dstretch[0], state.force_slope[0], state.yarn_length[0]),
+        (w.stretch1, w.inv_stretch1, e.stretch1, w.trellis_f1, w.N1),
+        (state.stretch[0], state.N[0], state.dstretch[0], state.yarn_length[0]),
         (slip.x[0], slip.share[0], slip.inv_share[0], slip.config[0]), w.f_over_stretch1,
     )  # fmt: skip
-    work2, viscous2, over2 = family_forces(
+    work2, viscous2 = family_forces(
         k0, 2 * s, n2, s, again, (c.inv_dy, c.cv2, c.dy, slip.lateral, slip.closest),
         (2.0 * c.w2, c.S02, c.EA2 / c.S02),
-        (w.stretch2, w.inv_stretch2, e.stretch2, w.trellis_f2, w.N2, w.slope2),
-        (state.stretch[1], state.N[1], state.dstretch[1], state.force_slope[1], state.yarn_length[1]),
+        (w.stretch2, w.inv_stretch2, e.stretch2, w.trellis_f2, w.N2),
+        (state.stretch[1], state.N[1], state.dstretch[1], state.yarn_length[1]),
         (slip.x[1], slip.share[1], slip.inv_share[1], slip.config[1]), w.f_over_stretch2,
     )  # fmt: skip
     if not again:
         state.energy_sums[block, WORK] += work1 + work2
         state.energy_sums[block, VISCOUS] += viscous1 + viscous2
-        state.energy_sums[block, QUADRATURE] += 0.5 * (over1 + over2)
 
 
 @kernel(_nrt=False)
@@ -131,19 +130,19 @@ def family_forces(k0, m0, n, back, again, sides, yarn, edges, kept, slipping, on
 
     sides : 1 / dX, viscosity, dX, stiffness of the lateral contact and stretch below which it acts
     yarn : cell length 2 w, unstretched length S0 and EA / S0
-    edges : scratch: stretch, its inverse, effective stretch, what the trellis takes, force dE_p/dx and its slope
-    kept : of the panel, overwritten: stretch, force, change of effective stretch, slope; and length of yarn
+    edges : scratch: stretch, its inverse, effective stretch, what the trellis takes, force dE_p/dx
+    kept : of the panel, overwritten: stretch, force, change of effective stretch; and length of yarn
     slipping : of the panel: effective stretch (overwritten), share, 1 / share, configurational force (overwritten)
     """
-    work, viscous, over = broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    work, viscous = broadcast(0.0), broadcast(0.0)
     (r, cv, side, lateral, closest), (cell, S0, k_alone) = sides, yarn
-    l, inverse, effective, turned, N, K = edges
-    L, P, D, S, y = kept
+    l, inverse, effective, turned, N = edges
+    L, P, D, y = kept
     X, share, inv_share, config = slipping
     per_side = 1.0 / side
     for j in range(0, n, WIDTH):
         k, m, left = k0 + j, m0 + j, n - j
-        x, slope, length, last, inv = load(effective, m), load(K, m), load(y, k), load(D, k), load(inv_share, k)
+        x, length, last, inv = load(effective, m), load(y, k), load(D, k), load(inv_share, k)
         stretch, held = load(l, m), load(share, k)
         slack = maximum(fma(x, cell, broadcast(-S0)), 0.0)
         alone = k_alone * slack
@@ -152,7 +151,6 @@ def family_forces(k0, m0, n, back, again, sides, yarn, edges, kept, slipping, on
         part = length * d if left >= WIDTH else where(head_mask(left), length * d, 0.0)
         work = fma(part, force + load(P, k), work)
         viscous = fma(part * held, d + last, viscous)
-        over = fma(part * d, slope - load(S, k), over)
         drive = length * fma(cv * held, d, force)
         pull = drive * inv - (load(turned, m) + load(turned, m - back))
         if lateral > 0.0 and any_lane(greater(closest, stretch)):
@@ -166,8 +164,7 @@ def family_forces(k0, m0, n, back, again, sides, yarn, edges, kept, slipping, on
         masked_store(X, k, x, left)
         masked_store(P, k, force, left)
         masked_store(D, k, d, left)
-        masked_store(S, k, slope, left)
-    return 0.5 * reduce_add(work), cv * (0.5 * reduce_add(viscous)), reduce_add(over) / 12.0
+    return 0.5 * reduce_add(work), cv * (0.5 * reduce_add(viscous))
 
 
 @kernel(_nrt=False)

@@ -72,10 +72,11 @@ def slip_row(state, const, slip, i):
         # no drive is above this, whatever the tangents: most nodes need neither them nor a threshold
         most = maximum(fabs(C1), fabs(C2)) + fabs(f[0]) + fabs(f[1]) + fabs(f[2])
         slips = any_lane(greater(flux + last, 0.0))
-        if not (slips or any_lane(greater(most, slip.cohesion * load(slip.part, k)))):
-            continue
         b1 = load(state.intact_fraction[0], k), inner * load(state.intact_fraction[0], k - down)
         b2 = load(state.intact_fraction[1], k), load_before(state.intact_fraction[1], k)
+        cohesion = slip.cohesion * load(slip.part, k) * both_there(b1, b2)
+        if not (slips or any_lane(greater(most, cohesion))):
+            continue
         limit = threshold(state, const, slip, k, down, b1, b2)
         if not (slips or any_lane(greater(most, limit))):
             continue
@@ -183,9 +184,14 @@ def threshold(state, const, slip, k, down, b1, b2):
         p, q = p - cell1, q - cell2
         found = found + slip.mu * maximum(fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0])), 0.0)
     f = load(state.f_contact[0], k), load(state.f_contact[1], k), load(state.f_contact[2], k)
-    both = minimum(b1[0] + b1[1], 1.0) * minimum(b2[0] + b2[1], 1.0)
     found = load(slip.part, k) * found + slip.mu * sqrt(dot(f, f))
-    return both * found + load(slip.grip, k)
+    return both_there(b1, b2) * found + load(slip.grip, k)
+
+
+@kernel(_nrt=False, forceinline=True)
+def both_there(b1, b2):
+    """1 at those of eight nodes at which both yarns are, 0 where one has left; less where part of it has."""
+    return minimum(b1[0] + b1[1], 1.0) * minimum(b2[0] + b2[1], 1.0)
 
 
 @kernel(_nrt=False, forceinline=True)

@@ -42,8 +42,8 @@ def begin(states: Any, consts: Any, pairs: Any, stops: Any, stack: Any, works: A
         pair = type_of(pairs.values[0])
         contact.append((step_kernels.implicit_nose_contact, (*all_of, type_of(works), INDEX, INDEX)))
         first = [forces + contact, [
-            (contact_kernels.contact_forces, (state, const, state, const, pair, INDEX)),
-            (contact_kernels.contact_forces_back, (state, const, state, const, pair, INDEX)),
+            (contact_kernels.contact_forces, (state, const, state, const, pair, pair, INDEX)),
+            (contact_kernels.contact_forces_back, (state, const, state, const, pair, pair, INDEX)),
             (squeeze_kernels.stop_deep_points, lists),
             (torn_contact_kernels.enforce_constraints, (*all_of, type_of(stops))),
         ]]  # fmt: skip

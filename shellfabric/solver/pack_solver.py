@@ -15,7 +15,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from shellfabric.backing import coupling
-from shellfabric.driver.guards import speed_limit
+from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, speed_limit
 from shellfabric.driver.solver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.jit import barrier
 from shellfabric.jit.borrowed_list import Items
@@ -91,7 +91,7 @@ class PackSolver(ExplicitSolver):
 
     def __init__(
         self, target: Panel | Pack, strike_velocity: float, end_time: float, *, interval: float = 2e-6,
-        energy_error_limit: float = 0.05,
+        energy_error_limit: float = ENERGY_ERROR_LIMIT,
     ) -> None:  # fmt: skip
         pack = Pack.of(target)
         super().__init__(
@@ -352,7 +352,8 @@ class PackSolver(ExplicitSolver):
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver."""
-        return [(np.sqrt((np.array(state.v) ** 2).sum(axis=0)), speed_limit(const)) for _, const, state in self.parts]
+        limit = lambda panel: speed_limit(self.strike_velocity, panel.weave.yarns)  # noqa: E731
+        return [(np.sqrt((np.array(state.v) ** 2).sum(axis=0)), limit(panel)) for panel, _, state in self.parts]
 
     def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""

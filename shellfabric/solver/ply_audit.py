@@ -2,9 +2,8 @@
 
 The energy that the yarns store follows from their stretches.
 In the equilibrium form, whose forces are no gradient, the work done on the yarns differs from it: the difference is the
-energy "formulation_residual". In the variational form it is what a step loses where yarns stiffen
-(`membrane_kernels.yarn_forces`), which is computed from the slopes of their forces: a force that is wrong stays in the
-energy error.
+energy "formulation_residual". In the variational form that is 0: what a step loses where yarns stiffen
+(`membrane_kernels.yarn_forces`) stays in the energy error.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ import numpy as np
 
 from fabrics.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
-from shellfabric.panel import element_kernels, perforation
+from shellfabric.panel import perforation
 from shellfabric.panel.element_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
 from shellfabric.panel.motion_kernels import STEP
 from shellfabric.projectile import contact_kernels
@@ -42,13 +41,13 @@ def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatAr
     """
     out, sums = np.empty(5), state.energy_sums.sum(axis=0)
     kernels.energies(state, const, slide, out)
-    # work of the forces that is neither stored nor lost; where the forces are a gradient, that of the steps alone
-    cell = sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
+    # work of the forces that is neither stored nor lost
+    residual = 0.0 if const.variational else sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
     return np.array(
         [
             out[kernels.KINETIC] + state.slip_energy[boundary_kernels.KINETIC],
             out[kernels.STORED],
-            sums[element_kernels.QUADRATURE] if const.variational else cell,
+            residual,
             out[kernels.SHEAR],
             out[kernels.BENDING],
             out[kernels.JAMMING],

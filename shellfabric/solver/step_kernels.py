@@ -1,11 +1,12 @@
 """Explicit time steps of plies and their projectile: of a single ply, or of a pack.
 
 In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`), the
-contact between plies is computed (`plies.contact_kernels`), and with sliding crossovers the fluxes of yarn are updated
-last, when all forces on the nodes are known. The projectile is one: its speed is shared, and takes the impulses of all
-plies. Its place is kept for each ply, counted from the ply's own plane at rest; where plies lie at other angles
-(`plies.turn_kernels`) each has place and velocity in its own frame, and the velocity is kept in the first one's. A ply
-is skipped until something pushes on it; at most one ply of a pair is skipped while the pair is computed.
+contact between plies is computed (`plies.contact_kernels`), and with sliding crossovers the fluxes of yarn are updated.
+The forces that then act predict what squeezed and torn plies need in order not to pass through each other, which is
+computed last. The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept for
+each ply, counted from the ply's own plane at rest; where plies lie at other angles (`plies.turn_kernels`) each has
+place and velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped until something
+pushes on it; at most one ply of a pair is skipped while the pair is computed.
 
 States, constants, scratch and pairs come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend
 on the number of plies; `pairs` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done
@@ -164,8 +165,8 @@ def step_pairs(states, consts, pairs, stack, me, count):
                 borrowed_item(consts, p + 1),
             )
             near, back = borrowed_item(pairs, p), borrowed_item(pairs, len(pairs) // 2 + p)
-            contact_forces(front, fc, rear, rc, near, step)
-            contact_forces_back(rear, rc, front, fc, back, step)
+            contact_forces(front, fc, rear, rc, near, back, step)
+            contact_forces_back(rear, rc, front, fc, back, near, step)
 
 
 @kernel(_nrt=False)
@@ -240,27 +241,28 @@ def add_rows(total, state, const, forces):
 
 
 @kernel(_nrt=False)
-def gather_contact(states, consts, pairs, stops, p, total):
+def gather_contact(states, consts, pairs, p, total):
     """Sum of the contact forces on the active rows of ply p, into total."""
     state, const = borrowed_item(states, p), borrowed_item(consts, p)
     s = const.row_stride
     for c in range(3):
         for i in range(state.active_rows[0], state.active_rows[1] + 1):
             for k in range(np.uint64(i * s), np.uint64((i + 1) * s)):
-                total[c][k] = state.f_contact[c][k] + stops.f[p, c, k]
+                total[c][k] = state.f_contact[c][k]
     for n in forces_on(p, len(pairs)):
         add_rows(total, state, const, neighbour_force(pairs, n)[0])
 
 
 @kernel(_nrt=False)
-def slip_plies(states, consts, pairs, stops, slips, stack, me, count):
-    """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other."""
+def slip_plies(states, consts, pairs, slips, stack, me, count):
+    """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other; those that keep
+    plies apart are not known yet."""
     own, _, loads, _ = slips
     for p in range(me, len(states), count):
         slip, loaded = borrowed_item(own, p), borrowed_item(loads, p)
         if stack.awake[p] and slip.active:
             if pairs is not None:
-                gather_contact(states, consts, pairs, stops, p, loaded.f_contact)
+                gather_contact(states, consts, pairs, p, loaded.f_contact)
             slip_kernels.slip_nodes(loaded, borrowed_item(consts, p), slip)
 
 
@@ -374,14 +376,14 @@ def run_thread(states, consts, pairs, stops, slips, stack, works, history, share
             barrier_wait(shared, count)
             implicit_nose_contact(states, consts, pairs, stack, works, me, count)
             barrier_wait(shared, count)
-            if me == 0:
-                stop_deep_points(states, consts, pairs)
-                torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
         if slips is not None:
             barrier_wait(shared, count)
-            slip_plies(states, consts, pairs, stops, slips, stack, me, count)
+            slip_plies(states, consts, pairs, slips, stack, me, count)
             barrier_wait(shared, count)
         if me == 0:
+            if pairs is not None:
+                stop_deep_points(states, consts, pairs)
+                torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
             reason = post_step(states, consts, stack, history[made])
             made += 1
             now = internal_work(states, pairs, stops)

@@ -29,7 +29,7 @@ ENERGIES = keys(
     ("elastic_projectile", "J", "elastic energy of an elastic projectile"),
     ("plastic_projectile", "J", "plastic work in an elastic projectile"),
     ("yarn_strain", "J", "strain energy of the yarns, from their stretches"),
-    ("formulation_residual", "J", "work of the cell's forces less what the yarns store"),
+    ("formulation_residual", "J", "equilibrium form: work of the cell's forces less what the yarns store; else 0"),
     ("shear", "J", "trellis shear"),
     ("bending", "J", "bending of the yarns"),
     ("jamming", "J", "jamming of bunched yarns"),

@@ -121,6 +121,9 @@ def test_bunched_yarns_push_back_by_the_slope_of_their_energy(fabric):
     random, n = np.random.default_rng(1), (const.ni + 1) * const.row_stride
     for u in state.u:
         u[:n] += 0.35 * const.dx * random.uniform(-1, 1, n)
+    for part, length in zip(state.intact_fraction, state.yarn_length):  # half of the yarns of some lines have failed,
+        part[50:80] *= 0.5  # of which what is left was counted by half
+        length[50:80] *= 0.5
     assert jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, False) == pytest.approx(
         plain_jam(panel, state, const), rel=1e-12
     )

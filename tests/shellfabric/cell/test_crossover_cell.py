@@ -131,9 +131,8 @@ def table_forces(table, x, y):
     if table.model.form == "variational":
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
-            *at, spline(table)[0], packed_table.beyond(table), (*per, 1.0, 0.0), np.zeros(16, np.int32), N1, N2,
-            np.zeros(x.size + 8),
-        )  # fmt: skip
+            *at, spline(table)[0], packed_table.beyond(table), per, np.zeros(16, np.int32), N1, N2
+        )
         assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
     else:
         far = np.inf, np.inf

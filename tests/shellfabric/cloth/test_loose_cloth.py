@@ -13,7 +13,6 @@ from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
-from shellfabric.driver.guards import speed_limit
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.projectile.projectile import Projectile
@@ -98,11 +97,13 @@ def test_reach_is_bounded_along_yarns_that_are_held_at_both_ends(small, edge, wh
     assert sum(reach > x[-1] - x[0] for reach, x in zip(panel.reach(), panel.lines())) == whole
 
 
-def test_nodes_may_be_fast_but_not_faster_than_an_element_a_step(small):
+@pytest.mark.parametrize("velocity", [10.0, 400.0])
+def test_nodes_may_be_ten_times_as_fast_as_what_sets_them_in_motion(small, velocity):
+    """The projectile, or in a slow strike a yarn that breaks at the strain e: e c."""
     panel = small()
-    march = PackSolver(panel, 100.0, 20e-6).run()
-    speed = speed_limit(march.const)
-    assert speed == pytest.approx(min(panel.spacing) / panel.time_step)
+    march = PackSolver(panel, velocity, 5e-6).run()
+    speed = 10 * max(velocity, *(yarn.failure_strain * yarn.wave_speed for yarn in panel.weave.yarns))
+    assert (speed == 4000.0) == (velocity == 400.0)
     march.state.v[2][30] = 0.9 * speed
     march._guard()
     march.state.v[2][30] = 1.1 * speed
@@ -111,8 +112,8 @@ def test_nodes_may_be_fast_but_not_faster_than_an_element_a_step(small):
 
 
 def test_heavy_yarns_bear_a_fast_shot():
-    """Sound is slow in glass: nodes that a nose throws, at twice its own 693 m/s, move by more than a quarter of an
-    element in a step, and nothing is wrong with the run."""
+    """Sound is slow in glass: nodes that a nose throws at twice its own 693 m/s move by a good part of an element in a
+    step, and nothing is wrong with the run."""
     shear = TrellisShear(5.27e6, 1.98e9, 0.331, 0.66)
     fabric = cloth((283.8,) * 2, 63.1e9, 2541, 0.0406, (0.00236, 0.00919), (630, 770), (5.7e-5, 2.7e-4), shear)
     ply = ImpactSetup(
@@ -121,7 +122,7 @@ def test_heavy_yarns_bear_a_fast_shot():
     )  # fmt: skip
     fast = []
     result = simulation.run(ply, hooks=[lambda march: fast.append(np.linalg.norm(march.state.v, axis=0).max())])
-    assert max(fast) > 0.25 * speed_limit(result.panel.constants())
+    assert 2.0 < max(fast) / 692.8 < 5.0
     assert result.energy_error_max < 5e-3
 
 

@@ -135,7 +135,7 @@ def plain_contact(panel, state, const):
                     if const.point_law.implicit_factor:
                         c += k * const.dt
                         e = (i - i_near) * columns + j - const.window_limits[2]
-                        before = state.last_contact_force[e, 0, a * const.points_per_side + b] + state.force_scale[0]
+                        before = state.last_contact_force[e, a * const.points_per_side + b] + state.force_scale[0]
                         speeding = max(normal @ sum(w * pushed[m] for m, w in shares.items()), 0.0)
                         speeding += state.force_scale[0] * const.dt / const.point_law.mass
                         moving_on = moving + sum(w * due[m] for m, w in shares.items())
@@ -166,7 +166,7 @@ def test_kernel_is_its_plain_twin(small, cuts, shape, firm):
     state, const = shaken(panel)
     if firm:
         state, const = firmly(state, const)
-        state.last_contact_force[:, 0] = np.random.default_rng(3).random(state.last_contact_force[:, 0].shape)
+        state.last_contact_force[:] = np.random.default_rng(3).random(state.last_contact_force.shape)
     for family, i, j in cuts:
         state.intact_fraction[family][i * const.row_stride + j] = 0.0
         for a, b in ((i, j), (i, j - 1) if family == 0 else (i - 1, j)):

@@ -52,7 +52,9 @@ class Sliding:
             for u, v, speed in zip(front.u, front.v, (v_x, v_y)):
                 u[: self.nodes] += self.consts[0].dt * speed
                 v[: self.nodes] = speed
-            kernels.contact_forces(front, self.consts[0], self.states[1], self.consts[1], self.pair, self.steps)
+            kernels.contact_forces(
+                front, self.consts[0], self.states[1], self.consts[1], self.pair, self.pair, self.steps
+            )
             self.steps += 1
         return self.pair.energy[lanes.FRICTION_WORK] - before
 

@@ -10,6 +10,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import entry
 from shellfabric.output import snapshots
+from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import torn_contact_kernels as kernels
@@ -141,6 +142,18 @@ def test_a_facet_of_a_turned_ply_holds_where_it_is(ply):
     assert abs(back[1].sum()) < 1e-9 * back[2].sum()
     total = front.sum(axis=1) + rear.in_pack(back.sum(axis=1))
     assert abs(total).max() < 1e-12 * back[2].sum()
+
+
+@pytest.mark.parametrize("room", [True, False])
+def test_a_contact_that_is_not_resolved_makes_the_result_doubtful(ply, room):
+    """Here for want of room in the list of pairs; it was a number in a table."""
+    stack = Stack(ply, 2, (0, 1))
+    if not room:
+        stack.stops = stack.march.stops = stack.stops._replace(candidates=stack.stops.candidates[:0])
+    stack.fly(1, np.array([0.0, 0.0, -1.5]) * stack.march.pack.places[1] / stack.const.dt)
+    stack.restrain()
+    doubtful = [check.name for check in quality.of_solver(stack.march) if check.doubtful]
+    assert ("unresolved torn contact" in doubtful) != room
 
 
 @pytest.mark.parametrize("how", ["whole", "hole", "eroded", "far"])

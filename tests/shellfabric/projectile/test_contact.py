@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from conftest_tools import advance, solver_at_rest
 
+from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.panel import element_kernels, motion_kernels
 from shellfabric.panel.model import Numerics, Panel
+from shellfabric.projectile import contact_kernels
+from shellfabric.projectile.contact_kernels import FRICTION
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.sdf_kernels import flat
 
@@ -144,6 +147,27 @@ def test_eroded_cloth_is_out_of_contact(small):
     state.block_damage[:] = element_kernels.DAMAGED
     advance(solver, 50)
     assert state.projectile_velocity[2] == 100.0
+
+
+@pytest.mark.parametrize("flag", [element_kernels.DAMAGED | 2, ERODED])
+def test_the_last_force_on_what_fails_has_the_second_half_of_its_work(small, flag):
+    """What the nose pushes is gone from one step to the next, by failure or as eroded: its last force, and friction,
+    have done half a step's work since the last sum. It was dropped."""
+    panel = small(projectile=Projectile(friction=0.3))
+    state, const = march(panel, 100.0, 100)
+    nodes = slice(0, (const.ni + 1) * const.row_stride)
+    pushed = sum(float(f[nodes] @ v[nodes]) for f, v in zip(state.f_contact, state.v))
+    pushed += float(state.f_contact_nose @ state.projectile_velocity)
+    assert abs(pushed) > 10.0
+    rubbed = state.contact_energy[FRICTION]
+    for intact in state.intact_fraction:
+        intact[:] = 0.0
+    state.element_flag[nodes], state.block_damage[:] = flag, element_kernels.DAMAGED
+    work = panel.work()
+    more = contact_kernels.contact_forces(state, const, work.contact_scratch)[0]
+    assert more + state.contact_energy[FRICTION] - rubbed == pytest.approx(-0.5 * const.dt * pushed, rel=1e-9)
+    assert not state.last_contact_force.any()
+    assert not state.f_contact_nose.any()
 
 
 @pytest.mark.parametrize("bad", [{"mass": 0.0}, {"radius": -1.0}, {"edge_radius": 0.0}, {"edge_radius": 3e-3}])

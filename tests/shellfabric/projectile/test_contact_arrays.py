@@ -52,7 +52,7 @@ def test_an_element_is_as_stiff_and_heavy_whatever_its_points(points):
 def test_state_has_a_place_for_each_element_and_point(friction, shape):
     shares = made(3)["shape_functions"]
     state = contact.contact_state((2, 5, 1, 5), 3, shares, friction)
-    assert state["last_contact_force"].shape == (3 * 4, 4, shares.shape[2])
+    assert state["last_contact_force"].shape == (3 * 4, shares.shape[2])
     assert state["in_contact"].shape == (12,)
     assert not state["in_contact"].any()
     assert state["friction_state"].shape == shape

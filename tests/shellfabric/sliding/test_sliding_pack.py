@@ -52,6 +52,20 @@ def test_an_infinite_threshold_is_the_pinned_pack(table, velocity, friction):
     assert stuck.sample("crossover_friction")[-1] == 0.0
 
 
+def test_torn_plies_are_kept_apart_by_the_forces_that_act(table):
+    """What is predicted of torn fabric is where it comes to; the forces of the slip were not in it."""
+    run = PackSolver(Pack.stacked(sliding(table, mu=0.1), 2, gap=GAP), 300.0, 20e-6).run()
+    assert run.sample("failed_yarns")[-1] > 0
+    stops, places = run.stops, []
+    for p, state in enumerate(run.states):
+        nodes = stops.nodes[p, : stops.counts[p, 1]].copy()
+        places.append((state.u, nodes, np.array(state.u)[:, nodes], (stops.x_next - stops.x)[p][:, nodes]))
+    run.advance(np.empty((1, 3)))
+    for u, nodes, before, predicted in places:
+        assert np.abs(predicted).max() > 1e-6
+        np.testing.assert_allclose(np.array(u)[:, nodes] - before, predicted, rtol=0, atol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("mu", "cohesion", "friction"),
     [(0.2, 0.0, 0.0), pytest.param(0.1, 0.0, 0.3, marks=pytest.mark.slow(300)), (0.0, 0.5, 0.0)],

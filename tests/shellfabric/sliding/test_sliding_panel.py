@@ -205,6 +205,19 @@ def test_a_uniform_strain_moves_no_yarn(sliding):
     assert np.all(run.slips[0].work == 0.0)
 
 
+@pytest.mark.parametrize("cohesion", [0.0, 1.0])
+def test_nothing_holds_a_yarn_that_is_alone_at_a_node(sliding, cohesion):
+    """0.6 N on the weft at a node that the warp has left: below the cohesion it did not move."""
+    panel = sliding(0.0, cohesion, symmetry="whole")
+    const, state = panel.constants(), panel.state(10.0)
+    slip, node = panel.slip(state), 5 * const.row_stride + 5
+    state.active_rows[:] = 0, const.ni
+    state.intact_fraction[0][[node, node - const.row_stride]] = 0.0
+    slip.config[1][node] = 0.6
+    slip_kernels.slip_nodes(state, const, slip)
+    assert slip.q[1][node] == pytest.approx(0.6 * const.dt * slip.mobility[1][node], rel=1e-9)
+
+
 @pytest.mark.parametrize(("cohesion", "share"), [(1e6, 0.5), (0.0, 1.0)])
 def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(straight, cohesion, share):
     """The crossing yarns, as heavy, move with a stuck yarn."""

@@ -86,11 +86,9 @@ def snapping(**wrong):
     return march.run()
 
 
-def test_what_a_snap_costs_is_reported_by_the_slopes():
-    """The trapezoid of a step works more on a yarn that snaps taut than the yarn stores.
-
-    By 0.17 % of the strike energy here: nine tenths of it are found from the slopes of the forces alone, and what is
-    left in the balance is below the 0.05 % asked.
+def test_what_a_snap_costs_is_in_the_energy_error():
+    """The trapezoid of a step works more on a yarn that snaps taut than the yarn stores: by 0.17 % of the strike energy
+    here. It was taken out of the error by an estimate from the slopes of the forces.
     """
     march = snapping()
     worked, stored = (
@@ -99,15 +97,15 @@ def test_what_a_snap_costs_is_reported_by_the_slopes():
     )
     lost = worked - (stored[-1] - stored[0])
     assert lost > 1.5e-3 * march.strike_energy
-    assert 0.8 * lost < march.sample("formulation_residual")[-1] < lost
-    assert np.abs(march.sample("error")).max() < 5e-4 * march.strike_energy
+    assert not march.sample("formulation_residual").any()
+    assert march.sample("error")[-1] == pytest.approx(-lost, abs=5e-4 * march.strike_energy)
 
 
 @pytest.mark.parametrize(("factor", "sign"), [(0.99, 1), (1.01, -1)])
 def test_a_wrong_force_is_still_caught(factor, sign):
-    """Forces of the weft that are off by 1 % put the balance off by half as much, as they did before."""
-    march = snapping(force_per_slope2=factor)
-    assert sign * march.sample("error")[-1] > 4e-3 * march.strike_energy
+    """Forces of the weft that are off by 1 % put the balance off by half as much."""
+    wrong, right = (snapping(**changes) for changes in ({"force_per_slope2": factor}, {}))
+    assert sign * (wrong.sample("error")[-1] - right.sample("error")[-1]) > 4e-3 * right.strike_energy
 
 
 def test_cloth_at_rest_stays_at_rest():
@@ -158,8 +156,8 @@ def test_stored_energy_is_the_potential(quick):
     march = PackSolver(result.panel, 100.0, QUICK["end_time"]).run()
     worked = march.state.energy_sums[:, element_kernels.WORK].sum() / result.panel.share
     assert result.energies["yarn_strain"][-1] == pytest.approx(worked, rel=2e-3)
-    assert 0 < result.energies["formulation_residual"][-1] < 2e-3 * worked
-    assert result.energy_error_max < 2e-4
+    assert not result.energies["formulation_residual"].any()
+    assert result.energy_error_max < 1e-3
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])

@@ -21,9 +21,9 @@ def contact_forces(state, const):
 
     Adds up the work that the contact has taken in, and finds the energy in its springs.
     """
-    contact_kernels.clear_forces(state, const)
+    before = contact_kernels.clear_forces(state, const)
     taken, spring = contact_kernels.contact_window(state, const, state.contact_scratch)
-    state.energy_sums[CONTACT] += taken
+    state.energy_sums[CONTACT] += taken - before
     state.energy_sums[SPRING] = spring
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     for c in range(3):

@@ -23,6 +23,7 @@ import numpy as np
 from fabrics.checks import BoolArray, FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from shellfabric.driver.guards import ENERGY_ERROR_LIMIT
 from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel.model import SYMMETRIES
 from shellfabric.projectile import contact
@@ -77,7 +78,7 @@ class CableNumerics:
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
-    energy_error_limit: float = 0.05
+    energy_error_limit: float = ENERGY_ERROR_LIMIT
 
     def __post_init__(self):
         for key in ("cfl", "penalty", "contact_points", "widest", "clear_time", "block", "energy_error_limit"):

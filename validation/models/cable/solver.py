@@ -109,7 +109,9 @@ class CableSolver(ExplicitSolver):
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver."""
-        return [(np.sqrt((self.state.v**2).sum(axis=0)), speed_limit(self.const))]
+        return [
+            (np.sqrt((self.state.v**2).sum(axis=0)), speed_limit(self.strike_velocity, self.net.fabric.weave.yarns))
+        ]
 
     def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
