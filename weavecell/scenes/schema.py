@@ -30,7 +30,7 @@ from pydantic import (
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, together
-from fabrics.units import si
+from fabrics.units import refused, si
 from fabrics.yarn import STATUSES
 
 
@@ -358,7 +358,7 @@ def _problems(found, model, file):
         elif error["type"] == "missing":
             line = InputError("is missing", file=file, key=key, allowed=field.description)
         else:
-            line = InputError(file=file, key=key, value=error["input"], allowed=field.description)
+            line = refused(error["input"], field.description, file=file, key=key)
         problems.setdefault(key, line)
     return list(problems.values())
 
