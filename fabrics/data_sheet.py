@@ -1,4 +1,5 @@
-"""What follows from the numbers of a data sheet: crimp from thickness, failure strain from strength, checks.
+"""Quantities of a data sheet with their bounds, and what follows from them: crimp from thickness, failure strain from
+strength, checks.
 
 Warp and weft touch at the crossover, so that the sum of the heights of their centrelines is half of the sum of the
 yarns' thicknesses there; where the faces of both families are level that sum is the thickness of the fabric:
@@ -12,17 +13,83 @@ data sheet: `data_sheet.toml` has its value with a range, and that of the thickn
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.families import Entry, entry
-from fabrics.weave import arc_length, height_from_length
-from fabrics.yarn import Yarn
+from fabrics.units import in_one_of, si
+from fabrics.weave import Weave, arc_length, height_from_length
+from fabrics.yarn import CLOSEST_PACKING, Yarn
 
 Crimps: TypeAlias = tuple[float | None, float | None]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity of a yarn or a fabric.
+
+    Parameters
+    ----------
+    bounds : {SI unit that a value converts to: lowest and highest value, such as "1 to 1000 GPa"}; wide enough for any
+        yarn or fabric, so that what lies outside is an error of the unit
+    example, meaning : texts for messages and prompts
+    """
+
+    bounds: Mapping[str, str]
+    example: str
+    meaning: str
+
+    def limits(self, unit: str) -> tuple[float, float]:
+        """(lowest, highest) value in the SI `unit`."""
+        low, _, rest = self.bounds[unit].partition(" to ")
+        return si(f"{low} {rest.partition(' ')[2]}", unit), si(rest, unit)
+
+    def read(self, value: Any, *, file: FilePath | None = None, key: str | None = None) -> tuple[float, str]:
+        """(number, its SI unit) of a value as it is written.
+
+        Raises
+        ------
+        InputError : no quantity of these units, or one out of bounds
+        """
+        number, unit = in_one_of(value, tuple(self.bounds), file=file, key=key)
+        low, high = self.limits(unit)
+        if not low <= number <= high:
+            raise InputError(file=file, key=key, value=value, allowed=f"from {self.bounds[unit]}")
+        return number, unit
+
+
+OF_YARN = {
+    "linear_density": Quantity({"kg/m": "5 to 100000 dtex"}, "1100 dtex", "mass per length of the yarn"),
+    "fibre_density": Quantity({"kg/m^3": "0.5 to 23 g/cm^3"}, "1.44 g/cm^3", "density of the fibre"),
+    "modulus": Quantity(
+        {"Pa": "1 to 1000 GPa", "N/(kg/m)": "0.5 to 500 N/tex"}, "90 GPa", "axial modulus of the fibre"
+    ),
+    "failure_strain": Quantity({"": "0.1 to 50 %"}, "3.3 %", "failure strain of the fibre"),
+    "crimp": Quantity({"": "0 to 50 %"}, "1.2 %", "yarn length over length of fabric, minus one"),
+    "count": Quantity({"1/m": "0.5 to 100 / cm"}, "8.5 / cm", "yarns per width of fabric"),
+    "strength": Quantity(
+        {"N": "0.1 to 100000 N", "Pa": "0.1 to 20 GPa"}, "220 N", "of one yarn, or as a stress of the fibre"
+    ),
+    "tenacity": Quantity({"N/(kg/m)": "0.05 to 10 N/tex"}, "2350 mN/tex", "strength over linear density"),
+    "width": Quantity({"m": "0.02 to 20 mm"}, "1.1 mm", "width of the yarn in the fabric, across its family"),
+    "section_area": Quantity({"m^2": "0.0001 to 100 mm^2"}, "0.11 mm^2", "area of the yarn's section"),
+}
+OF_FABRIC = {
+    "thickness": Quantity({"m": "0.02 to 5 mm"}, "0.30 mm", "of the fabric, as its data sheet has it"),
+    "areal_density": Quantity({"kg/m^2": "5 to 5000 g/m^2"}, "200 g/m^2", "of the fabric, as its data sheet has it"),
+    "interlayer_gap": Quantity({"m": "0 to 5 mm"}, "0.1 mm", "play between plies of a pack at rest"),
+}
+QUANTITIES = OF_YARN | OF_FABRIC | {  # the last four are on no data sheet
+    "effective_linear_density": OF_YARN["linear_density"],
+    "axial_stiffness": Quantity({"N": "1 to 10000000 N"}, "38000 N", "modulus times area of the fibres of a yarn"),
+    "areal_density_measured": OF_FABRIC["areal_density"],
+    "fibre_diameter": Quantity({"m": "1 to 500 um"}, "12 um", "diameter of the fibres"),
+}  # fmt: skip
 FAMILIES = ("warp", "weft")
 FROM_THICKNESS = "computed from the thickness"
 
@@ -48,7 +115,7 @@ def crimps(
 
     Raises
     ------
-    InputError : the yarn whose crimp is known is alone higher than half of the thickness
+    InputError : the yarn whose crimp is known is alone higher than half of the thickness, or a crimp out of bounds
     """
     share = entries()["warp_share"].value if share is None else share
     half = thickness / 2
@@ -66,6 +133,10 @@ def crimps(
     first, second = (
         float(arc_length(w_i, h)) / (2 * w_i) - 1 if c is None else c for w_i, h, c in zip(w, heights, known)
     )
+    crimp, bounds = OF_YARN["crimp"], OF_YARN["crimp"].bounds[""]
+    if max(first, second) > crimp.limits("")[1]:
+        allowed = f"one that gives a crimp from {bounds} at these counts, not {100 * max(first, second):.4g} %"
+        raise InputError(key="thickness", value=thickness, allowed=allowed)
     return first, second
 
 
@@ -115,9 +186,21 @@ def mass_note(computed: float, stated: float) -> list[str]:
     ]
 
 
-def thickness_note(computed: float, stated: float) -> list[str]:
-    """A line where the thickness of a weave of given crimps [m] is outside the range about the stated one."""
-    one = entries()["thickness"]
+def thickness_note(weave: Weave, stated: float) -> list[str]:
+    """A line where the thickness of a weave is outside the range about the stated one [m].
+
+    Raises
+    ------
+    InputError : warp and weft, their fibres closest packed, are together thicker than the stated thickness
+    """
+    layers = (
+        count * (1 + yarn.crimp) * yarn.A_s for yarn, count in zip(weave.yarns, (weave.warp_count, weave.weft_count))
+    )
+    least = sum(layers) / CLOSEST_PACKING
+    if stated < least:
+        allowed = f"at least {1e3 * least:.3g} mm, which the closest packed fibres of warp and weft take"
+        raise InputError(key="thickness", value=stated, allowed=allowed)
+    one, computed = entries()["thickness"], weave.thickness
     if one.low <= computed / stated <= one.high:
         return []
     return [

@@ -35,12 +35,11 @@ EXAMPLES = {
     "m": "0.3 mm", "kg/m": "1100 dtex", "kg/m^3": "1.44 g/cm^3", "kg/m^2": "200 g/m^2", "1/m": "8.5 / cm",
     "Pa": "90 GPa", "N": "220 N", "N/(kg/m)": "2350 mN/tex", "kg": "1.1 g", "m/s": "100 m/s", "s": "100 us",
 }  # fmt: skip
-DECIMAL_POINT = "write a decimal point and no comma"
 _NAMES = {"N/(kg/m)": "N/tex"}
 _PER_DENIER = ("g/den", "g/denier", "gf/den", "gpd")  # of a data sheet: grams as a force
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 # of a unit: one digit, or a fraction of two; pint takes forever over "kg^99999999"
-_EXPONENT = re.compile(r"(?<=[^\W\d]) ?(?:\^|\*\*) ?(?:[-+]?[1-9]\b|\([-+]?[1-9](?:/[1-9])?\))")
+_EXPONENT = re.compile(r"(?<=[^\W\d]|\)) ?(?:\^|\*\*) ?(?:[-+]?[1-9]\b|\([-+]?[1-9](?:/[1-9])?\))(?! ?(?:\^|\*\*))")
 _PLAIN_EXPONENT = re.compile(r"(?<=[^\W\d_])(-?[1-9])\b")  # of "g/cm3" and "kg m-3"
 _PER = re.compile(r"(?:per\b|1?/) *")  # before the first unit of "34 per inch", "8.5 / cm" and "8.5 1/cm"
 
@@ -95,9 +94,14 @@ def in_one_of(
 
 def refused(value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None) -> InputError:
     """The InputError of a value that is no quantity, or of a list with one; it names a decimal comma."""
+    return InputError(decimal_comma(value), file=file, key=key, value=value, allowed=allowed)
+
+
+def decimal_comma(value: Any) -> str | None:
+    """What to do about a decimal comma in a text, or in one of a list; None where there is none."""
     parts = value if isinstance(value, (list, tuple)) else (value,)
-    comma = any(isinstance(part, str) and re.search("[0-9],[0-9]|^ *,[0-9]", part) for part in parts)
-    return InputError(DECIMAL_POINT if comma else None, file=file, key=key, value=value, allowed=allowed)
+    found = any(isinstance(part, str) and re.search("[0-9],[0-9]|^ *,[0-9]", part) for part in parts)
+    return "write a decimal point and no comma" if found else None
 
 
 def example(unit: str) -> str:
@@ -132,8 +136,8 @@ def _factor_by_pint(written, unit):
     text = _PLAIN_EXPONENT.sub(r"^\1", written)
     per = _PER.match(text)
     text = text[per.end() :] if per else text
-    if re.search("[0-9,.]", _EXPONENT.sub("", text)):
-        raise ValueError("more than one number")
+    if re.search(r"[0-9,.]|\([^)]*\(", _EXPONENT.sub("", text)):
+        raise ValueError("more than one number, or brackets in brackets")
     registry = _registry()
     found = registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
     return float(registry.Quantity(1.0, found).to(unit or "dimensionless").magnitude)

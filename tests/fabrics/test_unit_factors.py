@@ -69,7 +69,8 @@ def test_any_text_is_converted_exactly_or_refused(text, to):
     [("92,5 m/s", "m/s"), ("3,5 g", "kg"), ("0,23 mm", "m"), ("3,45 %", ""), ("1,000 mm", "m"), (",5 mm", "m"),
      ("2 3 mm", "m"), ("2 1 mm", "m"), ("1 000 mm", "m"), ("1_000 mm", "m"), ("2 mm 3", "m"), ("2 x 3 mm", "m"),
      ("3 mm + 2 mm", "m"), ("8 1 / cm", "1/m"), ("5 1", ""), ("mm", "m"), ("", "m"), ("nan mm", "m"), ("1e999 mm", "m"),
-     ("3 kg^99999999", "kg"), ("3 kg^9^9^9", "kg"), ("3 (kg^9)^9", "kg"),
+     ("3 kg^99999999", "kg"), ("3 kg^9^9^9", "kg"), ("3 (kg^9)^9", "kg"), ("3 kg^(9)^(9)^(9)", "kg"),
+     ("3 (((((kg^9)^9)^9)^9)^9)^9", "kg"),
      ("3 mm", "s"), ("3 furlong mm", "m"), (True, ""), (3.0, "m"), (None, "m"), (["3 mm"], "m")],
 )  # fmt: skip
 def test_everything_else_is_refused(text, to):
