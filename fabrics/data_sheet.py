@@ -133,9 +133,11 @@ def crimps(
     first, second = (
         float(arc_length(w_i, h)) / (2 * w_i) - 1 if c is None else c for w_i, h, c in zip(w, heights, known)
     )
-    crimp, bounds = OF_YARN["crimp"], OF_YARN["crimp"].bounds[""]
-    if max(first, second) > crimp.limits("")[1]:
-        allowed = f"one that gives a crimp from {bounds} at these counts, not {100 * max(first, second):.4g} %"
+    limits = OF_YARN["crimp"]
+    if max(first, second) > limits.limits("")[1]:
+        allowed = (
+            f"one that gives a crimp from {limits.bounds['']} at these counts, not {100 * max(first, second):.4g} %"
+        )
         raise InputError(key="thickness", value=thickness, allowed=allowed)
     return first, second
 
