@@ -31,12 +31,11 @@ Crimps: TypeAlias = tuple[float | None, float | None]
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of a yarn or a fabric.
+    """A quantity of a yarn or a fabric, as `quantities.toml` has it.
 
     Parameters
     ----------
-    bounds : {SI unit that a value converts to: lowest and highest value, such as "1 to 1000 GPa"}; wide enough for any
-        yarn or fabric, so that what lies outside is an error of the unit
+    bounds : {SI unit that a value converts to: lowest and highest value, such as "1 to 1000 GPa"}
     example, meaning : texts for messages and prompts
     """
 
@@ -63,33 +62,12 @@ class Quantity:
         return number, unit
 
 
-OF_YARN = {
-    "linear_density": Quantity({"kg/m": "5 to 100000 dtex"}, "1100 dtex", "mass per length of the yarn"),
-    "fibre_density": Quantity({"kg/m^3": "0.5 to 23 g/cm^3"}, "1.44 g/cm^3", "density of the fibre"),
-    "modulus": Quantity(
-        {"Pa": "1 to 1000 GPa", "N/(kg/m)": "0.5 to 500 N/tex"}, "90 GPa", "axial modulus of the fibre"
-    ),
-    "failure_strain": Quantity({"": "0.1 to 50 %"}, "3.3 %", "failure strain of the fibre"),
-    "crimp": Quantity({"": "0 to 50 %"}, "1.2 %", "yarn length over length of fabric, minus one"),
-    "count": Quantity({"1/m": "0.5 to 100 / cm"}, "8.5 / cm", "yarns per width of fabric"),
-    "strength": Quantity(
-        {"N": "0.1 to 100000 N", "Pa": "0.1 to 20 GPa"}, "220 N", "of one yarn, or as a stress of the fibre"
-    ),
-    "tenacity": Quantity({"N/(kg/m)": "0.05 to 10 N/tex"}, "2350 mN/tex", "strength over linear density"),
-    "width": Quantity({"m": "0.02 to 20 mm"}, "1.1 mm", "width of the yarn in the fabric, across its family"),
-    "section_area": Quantity({"m^2": "0.0001 to 100 mm^2"}, "0.11 mm^2", "area of the yarn's section"),
-}
-OF_FABRIC = {
-    "thickness": Quantity({"m": "0.02 to 5 mm"}, "0.30 mm", "of the fabric, as its data sheet has it"),
-    "areal_density": Quantity({"kg/m^2": "5 to 5000 g/m^2"}, "200 g/m^2", "of the fabric, as its data sheet has it"),
-    "interlayer_gap": Quantity({"m": "0 to 5 mm"}, "0.1 mm", "play between plies of a pack at rest"),
-}
-QUANTITIES = OF_YARN | OF_FABRIC | {  # the last four are on no data sheet
-    "effective_linear_density": OF_YARN["linear_density"],
-    "axial_stiffness": Quantity({"N": "1 to 10000000 N"}, "38000 N", "modulus times area of the fibres of a yarn"),
-    "areal_density_measured": OF_FABRIC["areal_density"],
-    "fibre_diameter": Quantity({"m": "1 to 500 um"}, "12 um", "diameter of the fibres"),
-}  # fmt: skip
+_FILE = Path(__file__).with_name("quantities.toml")
+OF_YARN, OF_FABRIC, OTHERS = (
+    {key: Quantity(**entry) for key, entry in table.items()}
+    for table in tomllib.loads(_FILE.read_text(encoding="utf-8")).values()
+)
+QUANTITIES = OF_YARN | OF_FABRIC | OTHERS
 FAMILIES = ("warp", "weft")
 FROM_THICKNESS = "computed from the thickness"
 

@@ -232,8 +232,10 @@ class _Reader:
         try:
             return function(*args)
         except InputError as problem:
-            value = self.sources.get(problem.key, {}).get("value", problem.value)
-            self.problems.append(InputError(file=self.path, key=problem.key, value=value, allowed=problem.allowed))
+            if problem.file is None:
+                value = self.sources.get(problem.key, {}).get("value", problem.value)
+                problem = InputError(file=self.path, key=problem.key, value=value, allowed=problem.allowed)
+            self.problems.append(problem)
             return None
 
     def _law(self, key):
@@ -292,11 +294,7 @@ class _Reader:
 
     def _value(self, key, read, allowed, optional=False):
         """What `read` makes of the value of a key, whose source is kept; None where missing or wrong, a problem."""
-        try:
-            return self._read(key, read, allowed, optional)
-        except InputError as problem:
-            self.problems.append(problem)
-            return None
+        return self._try(self._read, key, read, allowed, optional)
 
     def _read(self, key, read, allowed, optional):
         entry = self._find(key)

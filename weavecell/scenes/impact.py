@@ -43,9 +43,6 @@ SHAPES = {  # of `shellfabric.projectile.projectile`, in words
 }  # fmt: skip
 
 
-LENGTHS = 0.1, 30.0  # [diameters] of a projectile whose length is not given: from a disc to a long rod
-
-
 def _name_or_size(schema):
     """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not required."""
     schema["required"] = ["strike_velocity"]
@@ -69,8 +66,8 @@ class ProjectileTable(Table):
         "the name of a projectile",
     ) = None  # fmt: skip
     mass: quantity(
-        "mass; with the diameter and the length it gives a mean density from 0.5 to 23 g/cm^3, where the length is not "
-        f"known with one of {LENGTHS[0]:g} to {LENGTHS[1]:g} diameters", "kg", "3 g",
+        "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.1 to 30 diameters",
+        "kg", "3 g",
     )  # fmt: skip
     diameter: quantity("diameter", "m", "5.5 mm")
     edge_radius: quantity(
@@ -562,7 +559,6 @@ def _check_relations(scene, table, file):
     if scene.accuracy is not None and not scene.accuracy.targets:
         names = ", ".join(AccuracyTable.model_fields)
         raise InputError("has no target", file=file, key="accuracy", allowed=f"at least one of {names}")
-    _check_density(shot, table["projectile"].get("mass"), file)
     smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
     limits = {
         ("projectile", "edge_radius"): (
@@ -576,33 +572,12 @@ def _check_relations(scene, table, file):
     for (name, key), (holds, allowed) in limits.items():
         if not holds and key in table[name]:
             raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
+    stl_file.check_mass(shot, table["projectile"].get("mass"), file)
     if scene.backing is not None and scene.backing.size is not None and len(scene.backing.size) != 3:
         raise InputError(file=file, key="backing.size", value=table["backing"]["size"], allowed="three lengths")
     if isinstance(panel.boundary, BoundaryTable):
         for name in ("warp", "weft"):
             _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", file)
-
-
-def _check_density(shot, written, file):
-    """The mass is one that a body of this diameter and length can have; of an STL file `stl_file` checks it.
-
-    The largest body is the cylinder, or the sphere; the smallest has a third of its volume, as a cone.
-    """
-    if shot.shape == "stl":
-        return
-    lengths = [factor * shot.diameter for factor in LENGTHS] if shot.length is None else [shot.length] * 2
-    if shot.shape == "sphere":
-        lengths = [2 / 3 * shot.diameter] * 2  # of the cylinder of the same volume
-    section, shares = math.pi / 4 * shot.diameter**2, (1.0 if shot.shape == "sphere" else 1 / 3, 1.0)
-    low, high = (rho * share * section * x for rho, share, x in zip(stl_file.DENSITIES, shares, lengths))
-    if not low <= shot.mass <= high:
-        size = "diameter" if shot.length is None else "diameter and length"
-        longest = f", {LENGTHS[1]:g} diameters long at most" if lengths[0] < lengths[1] else ""
-        densities = " to ".join(f"{1e-3 * rho:g}" for rho in stl_file.DENSITIES)
-        allowed = (
-            f"from {1e3 * low:.3g} to {1e3 * high:.3g} g, of a body of this {size}{longest}, of {densities} g/cm^3"
-        )
-        raise InputError(file=file, key="projectile.mass", value=written, allowed=allowed)
 
 
 def _check_sides(side, key, file):

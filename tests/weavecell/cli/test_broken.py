@@ -59,10 +59,10 @@ SCENES = {
     "law-not-a-law": f"fabric.law = 'printed': must be {LAW}",
     "law-of-another": f"fabric.law = '{BROKEN}/law-of-S-728.json': is a law of fabric S-728; must be a law of S-720, "
     "or its constants a and b to use them all the same",
-    "mass-of-a-long-rod": "projectile.mass = '3 kg': must be from 0.00218 to 90.2 g, of a body of this diameter, 30 "
-    "diameters long at most, of 0.5 to 23 g/cm^3",
-    "mass-of-a-sphere": "projectile.mass = '30 g': must be from 0.0436 to 2 g, of a body of this diameter, "
-    "of 0.5 to 23 g/cm^3",
+    "mass-of-a-long-rod": "projectile.mass = '3 kg': must be from 0.00218 to 90.2 g, for a body of this diameter, at "
+    "most 30 times as long, of 0.5 to 23 g/cm^3",
+    "mass-of-a-sphere": "projectile.mass = '30 g': must be from 0.0436 to 2 g, for a body of this diameter, of 0.5 to "
+    "23 g/cm^3",
     "measure-no-unit": "history.report_positions = ['5 mm', 20]: must be a list of positions along the yarns, such as "
     '["5 mm", "50 mm"]',
     "measure-not-a-list": "history.warp = '0 mm': must be a list of distances of warp yarns from the impact point, "
