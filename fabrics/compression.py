@@ -45,6 +45,7 @@ class CompressionLaw:
     a_interval, b_interval : (low, high) 95 % confidence intervals
     assumed_range : ((a, b), (a, b)) [m, m N^(1/3)] of the soft and the stiff end of an assumed solid law that the law
         was fitted from; None where that was not assumed
+    fabric : name of the fabric whose crossover or test it was fitted to; empty of constants that a user gives
 
     Raises
     ------
@@ -60,6 +61,7 @@ class CompressionLaw:
     a_interval: tuple[float, float] | None = None
     b_interval: tuple[float, float] | None = None
     assumed_range: tuple[tuple[float, float], tuple[float, float]] | None = None
+    fabric: str = ""
 
     def __post_init__(self):
         not_negative(self, "a", "b")
@@ -103,6 +105,22 @@ class CompressionLaw:
             for end, (low, high) in self.outside_ends().items()
         ]
 
+    def require_fabric(self, name: str, *, file: FilePath | None = None, key: str, value: object = None) -> None:
+        """Refuse a law that was fitted to a fabric of another name.
+
+        Parameters
+        ----------
+        name : of the fabric that the law is to be used for
+        file, key, value : where the law is named, and how
+
+        Raises
+        ------
+        InputError : it states another fabric
+        """
+        if self.fabric not in ("", name):
+            allowed = f"a law of {name}, or its constants a and b to use them all the same"
+            raise InputError(f"is a law of fabric {self.fabric}", file=file, key=key, value=value, allowed=allowed)
+
     @property
     def F0(self) -> float:
         """[N] (b / a)^3, the force at which the printed form starts."""
@@ -143,7 +161,9 @@ class CompressionLaw:
         return self.b**3 / 2 * ((self.a - d) ** -2 - self.a**-2) - self._shift * d
 
     @classmethod
-    def fit(cls, F: ArrayLike, d: ArrayLike, *, provenance: str = "", confidence: float = 0.95) -> CompressionLaw:
+    def fit(
+        cls, F: ArrayLike, d: ArrayLike, *, provenance: str = "", confidence: float = 0.95, fabric: str = ""
+    ) -> CompressionLaw:
         """Fit the regularised form to samples by least squares in d.
 
         Parameters
@@ -179,7 +199,7 @@ class CompressionLaw:
         spread = student.ppf(0.5 + confidence / 2, F.size - 2) if F.size > 2 else np.inf
         da = spread * np.sqrt(covariance[0, 0])
         db = spread * np.sqrt(covariance[0, 0] + 2 / 3 * covariance[0, 1] + covariance[1, 1] / 9)
-        fitted = cls(float(a), float(b), provenance=provenance)
+        fitted = cls(float(a), float(b), provenance=provenance, fabric=fabric)
         return replace(
             fitted,
             residual_rms=float(np.sqrt(np.mean((fitted.d(F) - d) ** 2))),
@@ -195,6 +215,7 @@ class CompressionLaw:
             "form": self.form,
             "a": f"{self.a!r} m",
             "b": f"{self.b!r} m * N**(1/3)",
+            "fabric": self.fabric,
             "provenance": self.provenance,
             "fit": {
                 "residual_rms_m": self.residual_rms,
@@ -235,6 +256,7 @@ class CompressionLaw:
                 a_interval,
                 b_interval,
                 _read_range(content.get("assumed_range"), path),
+                str(content.get("fabric", "")),
             )
         except InputError as problem:
             if problem.file is None:

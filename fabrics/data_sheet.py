@@ -1,4 +1,5 @@
-"""What follows from the numbers of a data sheet: crimp from thickness, failure strain from strength, checks.
+"""Quantities of a data sheet with their bounds, and what follows from them: crimp from thickness, failure strain from
+strength, checks.
 
 Warp and weft touch at the crossover, so that the sum of the heights of their centrelines is half of the sum of the
 yarns' thicknesses there; where the faces of both families are level that sum is the thickness of the fabric:
@@ -12,17 +13,61 @@ data sheet: `data_sheet.toml` has its value with a range, and that of the thickn
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.families import Entry, entry
-from fabrics.weave import arc_length, height_from_length
-from fabrics.yarn import Yarn
+from fabrics.units import in_one_of, si
+from fabrics.weave import Weave, arc_length, height_from_length
+from fabrics.yarn import CLOSEST_PACKING, Yarn
 
 Crimps: TypeAlias = tuple[float | None, float | None]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity of a yarn or a fabric, as `quantities.toml` has it.
+
+    Parameters
+    ----------
+    bounds : {SI unit that a value converts to: lowest and highest value, such as "1 to 1000 GPa"}
+    example, meaning : texts for messages and prompts
+    """
+
+    bounds: Mapping[str, str]
+    example: str
+    meaning: str
+
+    def limits(self, unit: str) -> tuple[float, float]:
+        """(lowest, highest) value in the SI `unit`."""
+        low, _, rest = self.bounds[unit].partition(" to ")
+        return si(f"{low} {rest.partition(' ')[2]}", unit), si(rest, unit)
+
+    def read(self, value: Any, *, file: FilePath | None = None, key: str | None = None) -> tuple[float, str]:
+        """(number, its SI unit) of a value as it is written.
+
+        Raises
+        ------
+        InputError : no quantity of these units, or one out of bounds
+        """
+        number, unit = in_one_of(value, tuple(self.bounds), file=file, key=key)
+        low, high = self.limits(unit)
+        if not low <= number <= high:
+            raise InputError(file=file, key=key, value=value, allowed=f"from {self.bounds[unit]}")
+        return number, unit
+
+
+_FILE = Path(__file__).with_name("quantities.toml")
+OF_YARN, OF_FABRIC, OTHERS = (
+    {key: Quantity(**entry) for key, entry in table.items()}
+    for table in tomllib.loads(_FILE.read_text(encoding="utf-8")).values()
+)
+QUANTITIES = OF_YARN | OF_FABRIC | OTHERS
 FAMILIES = ("warp", "weft")
 FROM_THICKNESS = "computed from the thickness"
 
@@ -48,7 +93,7 @@ def crimps(
 
     Raises
     ------
-    InputError : the yarn whose crimp is known is alone higher than half of the thickness
+    InputError : the yarn whose crimp is known is alone higher than half of the thickness, or a crimp out of bounds
     """
     share = entries()["warp_share"].value if share is None else share
     half = thickness / 2
@@ -66,6 +111,12 @@ def crimps(
     first, second = (
         float(arc_length(w_i, h)) / (2 * w_i) - 1 if c is None else c for w_i, h, c in zip(w, heights, known)
     )
+    limits = OF_YARN["crimp"]
+    if max(first, second) > limits.limits("")[1]:
+        allowed = (
+            f"one that gives a crimp from {limits.bounds['']} at these counts, not {100 * max(first, second):.4g} %"
+        )
+        raise InputError(key="thickness", value=thickness, allowed=allowed)
     return first, second
 
 
@@ -115,9 +166,21 @@ def mass_note(computed: float, stated: float) -> list[str]:
     ]
 
 
-def thickness_note(computed: float, stated: float) -> list[str]:
-    """A line where the thickness of a weave of given crimps [m] is outside the range about the stated one."""
-    one = entries()["thickness"]
+def thickness_note(weave: Weave, stated: float) -> list[str]:
+    """A line where the thickness of a weave is outside the range about the stated one [m].
+
+    Raises
+    ------
+    InputError : warp and weft, their fibres closest packed, are together thicker than the stated thickness
+    """
+    layers = (
+        count * (1 + yarn.crimp) * yarn.A_s for yarn, count in zip(weave.yarns, (weave.warp_count, weave.weft_count))
+    )
+    least = sum(layers) / CLOSEST_PACKING
+    if stated < least:
+        allowed = f"at least {1e3 * least:.3g} mm, which the closest packed fibres of warp and weft take"
+        raise InputError(key="thickness", value=stated, allowed=allowed)
+    one, computed = entries()["thickness"], weave.thickness
     if one.low <= computed / stated <= one.high:
         return []
     return [

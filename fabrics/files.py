@@ -2,11 +2,13 @@
 
 Every HDF5 file of the project has the attribute "format" with its kind and version, which is compared when it is read.
 
-Columns of numbers are read from a user's CSV file. Its first line names them with their units, such as
+CSV files of a user are UTF-8, with or without a byte order mark; cells are separated by commas, or by semicolons where
+the first line has one. Lines that begin with # are comments. The first line of columns of numbers names them with their
+units, such as
 
     time [us], displacement [mm]
 
-and every other line is a row of numbers. Lines that begin with # are comments.
+and every other line is a row of numbers.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ import numpy as np
 
 from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
-from fabrics.units import si
+from fabrics.units import decimal_comma, si
 
 
 @contextmanager
@@ -116,6 +118,35 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
 
 
+def read_csv(path: FilePath, what: str) -> list[tuple[int, list[str]]]:
+    """(line number, cells without the blanks around them) of each line of a CSV file but empty ones and comments.
+
+    Empty cells at the end of the first line, and below these, are left out.
+
+    Parameters
+    ----------
+    what : the file's content, given as what is allowed where it cannot be read
+
+    Raises
+    ------
+    InputError : no such file, or not UTF-8 text
+    """
+    try:
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as problem:
+        why = getattr(problem, "strerror", None) or "not UTF-8 text"
+        raise InputError("cannot be read", file=path, allowed=f"{what} ({why})") from problem
+    numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip("; ,") and not line.lstrip().startswith("#")]
+    separator = ";" if numbered and ";" in numbered[0][1] else ","
+    texts = csv.reader([line for _, line in numbered], delimiter=separator, skipinitialspace=True)
+    rows = [(n, [cell.strip() for cell in cells]) for (n, _), cells in zip(numbered, texts)]
+    columns = max((n for n, cell in enumerate(rows[0][1], 1) if cell), default=0) if rows else 0
+    for _, cells in rows:
+        while len(cells) > columns and not cells[-1]:
+            cells.pop()
+    return rows
+
+
 def read_columns(
     path: FilePath,
     units: Mapping[str, str],
@@ -138,36 +169,31 @@ def read_columns(
     ------
     InputError : one line naming the file, the row, the value and what is allowed
     """
-    path = Path(path)
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as problem:
-        why = getattr(problem, "strerror", None) or "not text"
-        raise InputError("cannot be read", file=path, allowed=f"{what} ({why})") from problem
-    numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
-    if not numbered:
+    lines = read_csv(path, what)
+    if not lines:
         raise InputError("is empty", file=path, allowed=content)
-    names, scales = zip(*(_heading(cell, units, heading, path) for cell in next(csv.reader([numbered[0][1]]))))
+    names, scales = zip(*(_heading(cell, units, heading, path) for cell in lines[0][1]))
     if not accepts(names):
         raise InputError(file=path, key="columns", value=", ".join(names), allowed=columns)
-    rows = [_row(n, line, len(names), path) for n, line in numbered[1:]]
+    rows = [_row(number, cells, len(names), path) for number, cells in lines[1:]]
     return dict(zip(names, (np.array(rows).reshape(-1, len(names)) * scales).T))
 
 
 def _heading(cell, units, allowed, path):
     """(name, SI value of its unit) of a heading such as "pressure [MPa]"."""
-    found = re.fullmatch(r"\s*(.+?)\s*\[([^\]]+)\]\s*", cell)
+    found = re.fullmatch(r"(.+?)\s*\[([^\]]+)\]", cell)
     if found is None or found[1] not in units:
-        raise InputError(file=path, key="heading", value=cell.strip(), allowed=allowed)
+        raise InputError(file=path, key="heading", value=cell, allowed=allowed)
     return found[1], si(f"1 {found[2]}", units[found[1]], file=path, key=found[1])
 
 
-def _row(number, line, count, path):
+def _row(number, cells, count, path):
     try:
-        values = [float(cell) for cell in next(csv.reader([line]))]
+        values = [float(cell) for cell in cells]
     except ValueError:
         values = []
     if len(values) != count:
         allowed_text = "two numbers" if count == 2 else f"{count} numbers"
-        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed=allowed_text)
+        line = ", ".join(cells)
+        raise InputError(decimal_comma(cells), file=path, key=f"line {number}", value=line, allowed=allowed_text)
     return values

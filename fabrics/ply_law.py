@@ -149,16 +149,21 @@ class PlyLaw:
                 accepts=lambda names: sorted(names) == ["closure", "pressure"], columns="closure, pressure",
             )  # fmt: skip
             return cls._checked(columns, path.name, "user", fabric, path, "")
-        table = _held(path)
+        content = _content(path)
+        table, stated = content.get("ply_contact"), content.get("fabric", "")
         if table is None:
             raise InputError("has no ply_contact", file=path, allowed="a law of `weavecell calibrate`")
+        if stated not in ("", fabric.name):
+            raise InputError(
+                file=path, key="fabric", value=stated, allowed=f"{fabric.name}, or a CSV file of its curve"
+            )
         return cls.from_table(table, fabric, path)
 
     @staticmethod
     def held_by(path: FilePath) -> bool:
         """Whether a law.json holds the contact law of plies too; False as well where it cannot be read."""
         try:
-            return _held(Path(path)) is not None
+            return _content(Path(path)).get("ply_contact") is not None
         except InputError:
             return False
 
@@ -283,13 +288,13 @@ class PlyLaw:
         return stored[k] + start * rest + 0.5 * slope * rest * rest
 
 
-def _held(path):
-    """The table ply_contact of a law.json, or None."""
+def _content(path):
+    """The content of a law.json."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as problem:
         raise InputError("cannot be read", file=path, allowed=f"a law of `weavecell calibrate` ({problem})") from None
-    return content.get("ply_contact") if isinstance(content, dict) else None
+    return content if isinstance(content, dict) else {}
 
 
 def between_plies(areal_density: float, plies: int = TESTED) -> tuple[FloatArray, FloatArray]:

@@ -19,10 +19,10 @@ FACTORS = {
     "N": {"N": 1.0, "kN": 1e3},
     "J": {"J": 1.0},
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
-    "kg/m": {"denier": 1.111111111111111e-07, "dtex": 1e-7, "tex": 1e-6},
+    "kg/m": {"denier": 1.111111111111111e-07, "den": 1.111111111111111e-07, "dtex": 1e-7, "tex": 1e-6},
     "1/m": {"/ mm": 1e3, "/ cm": 100.0, "/ inch": 39.37007874015748},
-    "kg/m^2": {"g/m^2": 1e-3},
-    "kg/m^3": {"kg/m^3": 1.0, "g/cm^3": 999.9999999999999},
+    "kg/m^2": {"g/m^2": 1e-3, "g/m2": 1e-3, "gsm": 1e-3},
+    "kg/m^3": {"kg/m^3": 1.0, "kg/m3": 1.0, "g/cm^3": 999.9999999999999, "g/cm3": 999.9999999999999},
     "m N^(1/3)": {"m N^(1/3)": 1.0, "mm N^(1/3)": 1e-3},
     "m * N**(1/3)": {"m * N^(1/3)": 1.0, "mm * N^(1/3)": 1e-3},
     "N/(kg/m)": {"mN/tex": 1e3, "cN/dtex": 1e5, "cN/tex": 1e4, "N/tex": 1e6},
@@ -37,7 +37,11 @@ EXAMPLES = {
 }  # fmt: skip
 _NAMES = {"N/(kg/m)": "N/tex"}
 _PER_DENIER = ("g/den", "g/denier", "gf/den", "gpd")  # of a data sheet: grams as a force
-_NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d{1,15}(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(|[a-zA-Z%/].*?)\s*")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+# of a unit: one digit, or a fraction of two; pint takes forever over "kg^99999999"
+_EXPONENT = re.compile(r"(?<=[^\W\d]|\)) ?(?:\^|\*\*) ?(?:[-+]?[1-9]\b|\([-+]?[1-9](?:/[1-9])?\))(?! ?(?:\^|\*\*))")
+_PLAIN_EXPONENT = re.compile(r"(?<=[^\W\d_])(-?[1-9])\b")  # of "g/cm3" and "kg m-3"
+_PER = re.compile(r"(?:per\b|1?/) *")  # before the first unit of "34 per inch", "8.5 / cm" and "8.5 1/cm"
 
 
 @cache
@@ -46,6 +50,7 @@ def _registry():
 
     registry = pint.UnitRegistry(cache_folder=None)
     registry.define("tpi = 1 / inch")
+    registry.define("gsm = gram / meter ** 2")
     return registry
 
 
@@ -54,7 +59,8 @@ def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None =
 
     Parameters
     ----------
-    value : a text with a unit ("92.5 m/s"), or a number where `unit` is "" (dimensionless; "2.18 %" is also understood)
+    value : a text of exactly one number, with a decimal point, and one unit ("92.5 m/s"); or a number where `unit` is
+        "" (dimensionless; "2.18 %" is also understood)
     unit : the SI unit of the result, as text; "" for a dimensionless quantity
     file, key : named in the error
 
@@ -62,29 +68,13 @@ def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None =
     ------
     InputError : not a quantity, not finite, or of another dimension
     """
-    allowed = (
-        f'a text with a unit that converts to {_NAMES.get(unit, unit)}, such as "{example(unit)}"'
-        if unit
-        else "a number"
-    )
-    bad = InputError(file=file, key=key, value=value, allowed=allowed)
-    if isinstance(value, bool):
-        raise bad
-    if isinstance(value, (int, float)):
-        if unit:
-            raise bad
-        number = float(value)
-    else:
-        number = _convert(value, unit, bad)
-    if not isfinite(number):
-        raise bad
-    return number
+    return in_one_of(value, (unit,), file=file, key=key)[0]
 
 
 def in_one_of(
     value: Any, units: tuple[str, ...], *, file: FilePath | None = None, key: str | None = None
 ) -> tuple[float, str]:
-    """(number, unit) of the first of the SI `units` that the value converts to.
+    """(number, unit) of the first of the SI `units` that the value converts to, as `si` does.
 
     Raises
     ------
@@ -92,13 +82,26 @@ def in_one_of(
     """
     for unit in units:
         try:
-            return si(value, unit, file=file, key=key), unit
-        except InputError:
-            if len(units) == 1:
-                raise
+            number = _converted(value, unit)
+        except Exception:  # pint raises many types: parse, undefined unit, dimension
+            continue
+        if isfinite(number):
+            return number, unit
     names = " or ".join(_NAMES.get(unit, unit) for unit in units)
-    allowed = f'a text with a unit that converts to {names}, such as "{example(units[0])}"'
-    raise InputError(file=file, key=key, value=value, allowed=allowed)
+    allowed = f'a text with a unit that converts to {names}, such as "{example(units[0])}"' if names else "a number"
+    raise refused(value, allowed, file=file, key=key)
+
+
+def refused(value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None) -> InputError:
+    """The InputError of a value that is no quantity, or of a list with one; it names a decimal comma."""
+    return InputError(decimal_comma(value), file=file, key=key, value=value, allowed=allowed)
+
+
+def decimal_comma(value: Any) -> str | None:
+    """What to do about a decimal comma in a text, or in one of a list; None where there is none."""
+    parts = value if isinstance(value, (list, tuple)) else (value,)
+    found = any(isinstance(part, str) and re.search("[0-9],[0-9]|^ *,[0-9]", part) for part in parts)
+    return "write a decimal point and no comma" if found else None
 
 
 def example(unit: str) -> str:
@@ -106,24 +109,35 @@ def example(unit: str) -> str:
     return EXAMPLES.get(unit, f"1 {unit}")
 
 
-@cache
-def _convert_text(text, unit):
-    found = _NUMBER_AND_UNIT.fullmatch(text)
-    if unit == "N/(kg/m)" and found and found[2] in _PER_DENIER:
-        text, found = f"{found[1]} gf/denier", None
-    factor = FACTORS.get(unit, {}).get(found[2]) if found else None
-    return _convert_by_pint(text, unit) if factor is None else float(found[1]) * factor
-
-
-def _convert_by_pint(text, unit):
-    registry = _registry()
-    return float(registry.Quantity(text.replace("%", " percent")).to(unit or "dimensionless").magnitude)
-
-
-def _convert(value, unit, bad):
+def _converted(value, unit):
+    """`value` in SI; ValueError, or an error of pint, where it is no quantity of the dimension of `unit`."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and not unit:
+        return float(value)
     if not isinstance(value, str):
-        raise bad
-    try:
-        return _convert_text(value, unit)
-    except Exception as problem:  # pint raises many types: parse, undefined unit, dimension
-        raise bad from problem
+        raise ValueError("no text")
+    text = value.strip()
+    number = _NUMBER.match(text)
+    if number is None:
+        raise ValueError("no number")
+    return float(number[0]) * _factor(text[number.end() :].lstrip(), unit)
+
+
+@cache
+def _factor(written, unit):
+    """SI value of one of the unit that is `written`."""
+    if unit == "N/(kg/m)" and written in _PER_DENIER:
+        written = "gf/denier"
+    factor = FACTORS.get(unit, {}).get(written)
+    return _factor_by_pint(written, unit) if factor is None else factor
+
+
+def _factor_by_pint(written, unit):
+    """The same by pint, to which nothing but the unit goes: digits stand in exponents alone."""
+    text = _PLAIN_EXPONENT.sub(r"^\1", written)
+    per = _PER.match(text)
+    text = text[per.end() :] if per else text
+    if re.search(r"[0-9,.]|\([^)]*\(", _EXPONENT.sub("", text)):
+        raise ValueError("more than one number, or brackets in brackets")
+    registry = _registry()
+    found = registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
+    return float(registry.Quantity(1.0, found).to(unit or "dimensionless").magnitude)

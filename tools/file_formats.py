@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from fabrics import catalogue, ply_law, surface  # noqa: E402
+from fabrics import catalogue, data_sheet, ply_law, surface  # noqa: E402
 from fabrics.families import strain_rate  # noqa: E402
 from weavecell.report.marked_page import markdown, put  # noqa: E402
 
@@ -77,17 +77,12 @@ def marks(name: str) -> tuple[str, str]:
 
 def fabric_file() -> list[list[str]]:
     """Keys of a fabric file."""
-    rows = [["table", "key", "unit", "meaning"]]
-    yarn = {"linear_density": "kg/m", "effective_linear_density": "kg/m", "axial_stiffness": "N"}
+    rows = [["table", "key", "unit or bounds", "meaning"]]
+    bounds = {key: " or ".join(quantity.bounds.values()) for key, quantity in data_sheet.QUANTITIES.items()}
+    yarn = (*data_sheet.OF_YARN, "effective_linear_density", "axial_stiffness")
     tables = {
-        "top level": {
-            "thickness": "m",
-            "areal_density": "kg/m^2",
-            "areal_density_measured": "kg/m^2",
-            "interlayer_gap": "m",
-            "fibre_diameter": "m",
-        },
-        "`[warp]`, `[weft]`": yarn | catalogue._YARN,
+        "top level": {key: text for key, text in bounds.items() if key not in yarn},
+        "`[warp]`, `[weft]`": {key: bounds[key] for key in yarn},
         "`[compression]`, or `[compression.warp]` and `[compression.weft]`": catalogue._LAW,
         "`[shear]`": catalogue._SHEAR,
         "`[solid]`, or `[solid.warp]` and `[solid.weft]`": catalogue._SOLID,

@@ -11,7 +11,7 @@ from __future__ import annotations
 import difflib
 import tomllib
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from fabrics.checks import FilePath
@@ -19,6 +19,8 @@ from fabrics.compression import CompressionLaw
 from fabrics.data_sheet import (
     FAMILIES,
     FROM_THICKNESS,
+    OF_YARN,
+    QUANTITIES,
     crimps,
     mass_note,
     strain_at_strength,
@@ -31,7 +33,7 @@ from fabrics.families.strain_rate import RateLaw
 from fabrics.ply_law import STATUSES, PlyLaw
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
-from fabrics.units import example, in_one_of
+from fabrics.units import example, si
 from fabrics.weave import Weave
 from fabrics.yarn import CLOSEST_PACKING, Yarn
 
@@ -41,18 +43,10 @@ _TOP = (
     "name", "section", "interlayer_gap", "areal_density", "areal_density_measured", "thickness", "fibre_diameter",
 )  # fmt: skip
 _TABLES = ("warp", "weft", "compression", "shear", "ply_contact", "solid", "micrograph", "strain_rate")
-_TENACITY = "N/(kg/m)"
-_YARN = {
-    "crimp": "", "count": "1/m", "fibre_density": "kg/m^3", "modulus": "Pa or N/(kg/m)", "failure_strain": "",
-    "strength": "N or Pa", "tenacity": "N/(kg/m)", "width": "m",
-    "section_area": "m^2",
-}  # fmt: skip
 _MASS = ("linear_density", "effective_linear_density")
 _LAW = {"a": "m", "b": "m * N**(1/3)"}
 _SHEAR = {"G1": "Pa", "G2": "Pa", "gamma1": "", "gamma2": ""}
 _SOLID = {"E_a": "Pa", "E_c": "Pa", "K_r": "", "K_G": "", "V_c": "", "Vf0": ""}
-_FRACTIONS = ("crimp", "failure_strain")
-_FREE = ("compression", "shear", "solid", "micrograph")  # tables whose values are checked by the laws made from them
 _MICROGRAPH = {
     "width": "m",
     "thickness": "m",
@@ -118,14 +112,14 @@ class _Reader:
     def fabric(self) -> Fabric:
         self._known(self.content, (*_TOP, *_TABLES), "")
         tables = {f: self._has(f) and self._known(self._find(f), self._keys(f), f) for f in FAMILIES}
-        thickness, areal_density = self._number("thickness", "m", True), self._number("areal_density", "kg/m^2", True)
+        thickness, areal_density = (self._quantity(key, True)[0] for key in ("thickness", "areal_density"))
         weave, made_crimp = self._weave(thickness, tables)
         self.notes += [f"note: {' and '.join(names)}: {text}" for text, names in self.strengths.items() if text]
         if weave is not None:
-            self.notes += thickness_note(weave.thickness, thickness) if thickness and not made_crimp else []
+            self.notes += self._try(thickness_note, weave, thickness) or [] if thickness else []
             self.notes += self._try(mass_note, weave.areal_density, areal_density) or [] if areal_density else []
-        effective = [self._number(f"{f}.effective_linear_density", "kg/m", True) for f in FAMILIES]
-        warp_width, weft_width = (self._number(f"{f}.width", "m", True) for f in FAMILIES)
+        effective = [self._quantity(f"{f}.effective_linear_density", True)[0] for f in FAMILIES]
+        warp_width, weft_width = (self._quantity(f"{f}.width", True)[0] for f in FAMILIES)
         warp_area, weft_area = (self._area(f, weave) for f in FAMILIES)
         values = {
             "name": self._text("name", self.path.stem),
@@ -133,8 +127,8 @@ class _Reader:
             "shear": self._shear(),
             "solid_laws": self._solids(),
             "section": self._text("section", None),
-            "areal_density_measured": self._number("areal_density_measured", "kg/m^2", True),
-            "interlayer_gap": self._number("interlayer_gap", "m", True),
+            "areal_density_measured": self._quantity("areal_density_measured", True)[0],
+            "interlayer_gap": self._quantity("interlayer_gap", True)[0],
             "effective_linear_density": tuple(effective) if None not in effective else None,
             "micrograph": self._micrograph(),
             "sources": self.sources,
@@ -142,7 +136,7 @@ class _Reader:
             "yarn_width": (warp_width, weft_width),
             "yarn_area": (warp_area, weft_area),
             "thickness": thickness,
-            "fibre_diameter": self._number("fibre_diameter", "m", True),
+            "fibre_diameter": self._quantity("fibre_diameter", True)[0],
             "strain_rate": self._rate_law(),
             "notes": tuple(self.notes),
         }
@@ -157,7 +151,8 @@ class _Reader:
 
     def _keys(self, family):
         """The keys that the table of a yarn may have."""
-        return (*_YARN, *(("axial_stiffness",) if self._has(f"{family}.axial_stiffness") else _MASS))
+        mass = ("axial_stiffness",) if self._has(f"{family}.axial_stiffness") else _MASS
+        return (*(key for key in OF_YARN if key not in _MASS), *mass)
 
     def _weave(self, thickness, tables):
         """The Weave, or None where a value of it is wrong; and whether a crimp was computed from the thickness."""
@@ -165,8 +160,8 @@ class _Reader:
             if not self._has(family):
                 allowed = "a table with the yarn's data"
                 self.problems.append(InputError("is missing", file=self.path, key=f"[{family}]", allowed=allowed))
-        counts = [self._number(f"{family}.count", "1/m") if tables[family] else None for family in FAMILIES]
-        known = [self._number(f"{family}.crimp", "", True) for family in FAMILIES]
+        counts = [self._quantity(f"{family}.count")[0] if tables[family] else None for family in FAMILIES]
+        known = [self._quantity(f"{family}.crimp", True)[0] for family in FAMILIES]
         wrong = [self._has(f"{family}.crimp") and crimp is None for family, crimp in zip(FAMILIES, known)]
         open_ = [family for family in FAMILIES if tables[family] and not self._has(f"{family}.crimp")]
         crimp = known
@@ -189,37 +184,43 @@ class _Reader:
     def _yarn(self, family, crimp):
         """The Yarn of a family, or None where a value of it is wrong."""
         stiffness = self._has(f"{family}.axial_stiffness")
-        fibre_density = self._number(f"{family}.fibre_density", "kg/m^3")
-        E, unit = self._number(f"{family}.modulus", ("Pa", _TENACITY))
+        fibre_density, _ = self._quantity(f"{family}.fibre_density")
+        E, unit = self._quantity(f"{family}.modulus")
         if None not in (E, fibre_density):
-            E *= fibre_density if unit == _TENACITY else 1.0
-        linear_density = self._number(f"{family}.axial_stiffness" if stiffness else f"{family}.linear_density",
-                                      "N" if stiffness else "kg/m")  # fmt: skip
+            E *= 1.0 if unit == "Pa" else fibre_density
+        linear_density, _ = self._quantity(f"{family}.{'axial_stiffness' if stiffness else 'linear_density'}")
         if stiffness and None not in (linear_density, E, fibre_density):
             linear_density *= fibre_density / E
         given = [key for key in ("strength", "tenacity") if self._has(f"{family}.{key}")]
-        strain = self._number(f"{family}.failure_strain", "", bool(given))
+        strain, _ = self._quantity(f"{family}.failure_strain", bool(given))
         if not given:
             return self._build(Yarn, family, linear_density, fibre_density, E, strain, crimp)
         if len(given) == 2:
             self.problems.append(
                 InputError("give strength or tenacity, which are the same", file=self.path, key=f"{family}.tenacity")
             )
-        units = ("N", "Pa") if given[0] == "strength" else (_TENACITY,)
-        strength, unit = self._number(f"{family}.{given[0]}", units)
+        strength, unit = self._quantity(f"{family}.{given[0]}")
         if None in (strength, linear_density, fibre_density, E):
             return None
         reached = strain_at_strength(strength, unit, linear_density, fibre_density, E)
+        written, strains = self.sources[f"{family}.{given[0]}"]["value"], OF_YARN["failure_strain"]
+        low, high = strains.limits("")
+        if not low <= reached <= high:
+            allowed = (
+                f"a strength that this modulus reaches at a strain from {strains.bounds['']}, not {100 * reached:.3g} %"
+            )
+            key = f"{family}.{given[0]}"
+            self.problems.append(InputError(file=self.path, key=key, value=written, allowed=allowed))
+            return None
         yarn = self._build(Yarn, family, linear_density, fibre_density, E, reached, crimp)
         if yarn is not None:
-            written = self.sources[f"{family}.{given[0]}"]["value"]
             self.strengths.setdefault(strength_note(yarn, strain, written), []).append(family)
         return yarn
 
     def _area(self, family, weave):
         """[m2] of a yarn's section, which has room for its fibres, or None."""
         key = f"{family}.section_area"
-        area = self._number(key, "m^2", True)
+        area, _ = self._quantity(key, True)
         least = 0.0 if weave is None else getattr(weave, family).A_s / CLOSEST_PACKING
         if area is not None and area < least:
             allowed = f"at least {1e6 * least:.4g} mm^2, which the fibres of linear_density take when closest packed"
@@ -231,8 +232,10 @@ class _Reader:
         try:
             return function(*args)
         except InputError as problem:
-            value = self.sources.get(problem.key, {}).get("value", problem.value)
-            self.problems.append(InputError(file=self.path, key=problem.key, value=value, allowed=problem.allowed))
+            if problem.file is None:
+                value = self.sources.get(problem.key, {}).get("value", problem.value)
+                problem = InputError(file=self.path, key=problem.key, value=value, allowed=problem.allowed)
+            self.problems.append(problem)
             return None
 
     def _law(self, key):
@@ -280,43 +283,35 @@ class _Reader:
             return [None] * len(units)
         return [self._number(f"{key}.{name}", unit) for name, unit in units.items()]
 
-    def _number(self, key, unit, optional=False):
-        """The value in SI, None where it is missing or wrong; of several units (value, its unit)."""
-        units = unit if isinstance(unit, tuple) else (unit,)
-        value, found = None, units[0]
-        try:
-            value, found = self._converted(key, units, optional)
-        except InputError as problem:
-            self.problems.append(problem)
-        return (value, found) if isinstance(unit, tuple) else value
+    def _quantity(self, key, optional=False):
+        """(value in SI, its SI unit) of one of QUANTITIES, within its bounds; (None, None) where missing or wrong."""
+        quantity = QUANTITIES[key.rpartition(".")[2]]
+        return self._value(key, quantity.read, f'such as "{quantity.example}"', optional) or (None, None)
 
-    def _converted(self, key, units, optional):
-        entry, name = self._find(key), key.split(".")[-1]
+    def _number(self, key, unit):
+        """The value in SI `unit` of another key, which the law made from it checks; None where missing or wrong."""
+        return self._value(key, partial(si, unit=unit), f'such as "{example(unit)}"' if unit else "a number")
+
+    def _value(self, key, read, allowed, optional=False):
+        """What `read` makes of the value of a key, whose source is kept; None where missing or wrong, a problem."""
+        return self._try(self._read, key, read, allowed, optional)
+
+    def _read(self, key, read, allowed, optional):
+        entry = self._find(key)
         if entry is None and (optional or key in self.meant):
-            return None, units[0]
+            return None
         if entry is None:
-            raise InputError(
-                "is missing",
-                file=self.path,
-                key=key,
-                allowed=f'such as "{example(units[0])}"' if units[0] else "a number",
-            )
+            raise InputError("is missing", file=self.path, key=key, allowed=allowed)
         if not isinstance(entry, dict):
             entry = {"value": entry, "source": self.path.name, "status": "user"}
         elif not self._known(entry, ("value", "source", "status"), key):
-            return None, units[0]
+            return None
         status = entry.get("status", "user")
         if status not in STATUSES:
             raise InputError(file=self.path, key=f"{key}.status", value=status, allowed=f"one of {', '.join(STATUSES)}")
-        number, unit = in_one_of(entry.get("value"), units, file=self.path, key=key)
-        if key.split(".")[0] not in _FREE:
-            if name in _FRACTIONS and not 0 <= number < 1:
-                allowed = "a fraction from 0 to below 1 (0.02 or 2 %)"
-                raise InputError(file=self.path, key=key, value=entry["value"], allowed=allowed)
-            if name not in _FRACTIONS and not (number > 0 or (name == "interlayer_gap" and number == 0)):
-                raise InputError(file=self.path, key=key, value=entry["value"], allowed="a positive number")
+        found = read(entry.get("value"), file=self.path, key=key)
         self.sources[key] = {"value": str(entry["value"]), "source": entry.get("source", ""), "status": status}
-        return number, unit
+        return found
 
     def _text(self, key, default):
         value = self._find(key)

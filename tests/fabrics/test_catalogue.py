@@ -48,7 +48,7 @@ def test_a_users_file_needs_no_sources(tmp_path):
 
 
 BROKEN = {
-    "negative crimp": ("2.18 %", "-2.18 %", "warp.crimp = '-2.18 %': must be a fraction from 0 to below 1"),
+    "negative crimp": ("2.18 %", "-2.18 %", "warp.crimp = '-2.18 %': must be from 0 to 50 %"),
     "wrong unit": (
         '"20 / inch"',
         '"20 inch"',
@@ -64,7 +64,7 @@ BROKEN = {
     "missing value": ("crimp   ", "crimpx  ", "warp.crimpx: is not a known key"),
     "locked before it touches": ('"0.49"', '"0.10"', "shear.gamma2 = '0.10': must be above gamma1 = 0.24"),
     "not TOML": ("[shear]", "[shear", "is not TOML"),
-    "zero modulus": ('"96 GPa"', '"0 GPa"', "warp.modulus = '0 GPa': must be a positive number"),
+    "zero modulus": ('"96 GPa"', '"0 GPa"', "warp.modulus = '0 GPa': must be from 1 to 1000 GPa"),
     "packed from the start": ('"0.70"', '"1.20"', "solid.warp.Vf0 = '1.20': must be below V_c = 1"),
     "unknown section": ('"sine"', '"square"', "section = 'square': must be sine, ellipse or conforming"),
     "infinite": ('"96 GPa"', '"inf GPa"', "warp.modulus = 'inf GPa': must be a text with a unit"),

@@ -68,6 +68,54 @@ def test_ends_of_the_crimp_are_those_of_thickness_and_share():
 
 
 @pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("0.30 mm", "0.30 m", "thickness = '0.30 m': must be from 0.02 to 5 mm"),
+        ("0.30 mm", "3.0 mm", "thickness = '3.0 mm': must be one that gives a crimp from 0 to 50 % at these"),
+        ("0.30 mm", "0.15 mm", "thickness = '0.15 mm': must be at least 0.157 mm, which the closest packed fibres of"),
+        ("95 GPa", "95 MPa", "warp.modulus = '95 MPa': must be from 1 to 1000 GPa"),
+        ("95 GPa", "950 N/tex", "warp.modulus = '950 N/tex': must be from 0.5 to 500 N/tex"),
+        ("95 GPa", "1.5 GPa", "warp.tenacity = '2350 mN/tex': must be a strength that this modulus reaches at a strain "
+         "from 0.1 to 50 %, not 226 %"),
+        ("2350 mN/tex", "2350 N/tex", "warp.tenacity = '2350 N/tex': must be from 0.05 to 10 N/tex"),
+        ('"930 dtex"', '"930 kg/m"', "warp.linear_density = '930 kg/m': must be from 5 to 100000 dtex"),
+        ("1.44 g/cm^3", "1.44 kg/m3", "warp.fibre_density = '1.44 kg/m3': must be from 0.5 to 23 g/cm^3"),
+        ('"3.3 %"', "3.3", "warp.failure_strain = 3.3: must be from 0.1 to 50 %"),
+        ("11 / cm", "11 / m", "warp.count = '11 / m': must be from 0.5 to 100 / cm"),
+        ("205 g/m^2", "205 kg/m2", "areal_density = '205 kg/m2': must be from 5 to 5000 g/m^2"),
+        ('thickness =', 'interlayer_gap = "0.1 m"\nthickness =', "interlayer_gap = '0.1 m': must be from 0 to 5 mm"),
+        ('thickness =', 'fibre_diameter = "12 mm"\nthickness =', "fibre_diameter = '12 mm': must be from 1 to 500 um"),
+        ("count", 'width = "1.1 m"\ncount', "warp.width = '1.1 m': must be from 0.02 to 20 mm"),
+        ("count", 'crimp = 1.2\ncount', "warp.crimp = 1.2: must be from 0 to 50 %"),
+    ],
+)  # fmt: skip
+def test_the_key_that_was_given_is_named(tmp_path, old, new, line):
+    (found,) = refused(tmp_path, TWARON.replace(old, new, 1))
+    assert found.startswith(f"{tmp_path}/own.toml: {line}")
+
+
+def test_examples_and_published_fabrics_are_within_the_bounds():
+    for quantity in data_sheet.QUANTITIES.values():
+        assert quantity.read(quantity.example)[1] in quantity.bounds
+        assert all(low < high for low, high in map(quantity.limits, quantity.bounds))
+    for path in Path(__file__).parents[2].glob("validation/published/measured_fabrics/*.toml"):
+        catalogue.load(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("1.44 g/cm^3", "1.44 g/cm3"), ("1.44 g/cm^3", "1440 kg/m3"), ("205 g/m^2", "205 g/m2"), ("205 g/m^2", "205 gsm"),
+     ('"930 dtex"', '"837 den"'), ('"930 dtex"', '"837denier"'),
+     ("11 / cm", "27.94 per inch"), ("11 / cm", "11/cm")],
+)  # fmt: skip
+def test_spellings_of_data_sheets(tmp_path, old, new):
+    fabric, other = load(tmp_path, TWARON), load(tmp_path, TWARON.replace(old, new))
+    assert other.weave.areal_density == pytest.approx(fabric.weave.areal_density)
+    assert other.weave.thickness == pytest.approx(fabric.weave.thickness)
+    assert other.weave.warp.strength == pytest.approx(fabric.weave.warp.strength)
+
+
+@pytest.mark.parametrize(
     "line",
     ['tenacity = "2350 mN/tex"', 'tenacity = "23.5 cN/dtex"', 'tenacity = "26.6259 g/den"', 'strength = "218.55 N"',
      'strength = "3384 MPa"'],

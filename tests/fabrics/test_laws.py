@@ -86,7 +86,7 @@ def test_fit_needs_samples_in_contact():
 
 def test_law_file_keeps_every_bit(tmp_path):
     F = np.geomspace(0.5, 150, 40)
-    law = CompressionLaw.fit(F, S720.d(F) + 1e-7 * np.sin(9 * F), provenance="a test")
+    law = CompressionLaw.fit(F, S720.d(F) + 1e-7 * np.sin(9 * F), provenance="a test", fabric="S-720")
     law.to_json(tmp_path / "law.json")
     assert CompressionLaw.from_json(tmp_path / "law.json") == law
 

@@ -37,8 +37,9 @@ def test_pressure_law_is_never_extrapolated_to_light_cloth():
 
 def test_users_file(tmp_path):
     path = tmp_path / "curve.csv"
-    path.write_text(GOOD)
-    curve = PlateCurve.read(path)
+    for text in (GOOD, "\ufeff" + GOOD.replace(",", ";")):
+        path.write_text(text)
+        curve = PlateCurve.read(path)
     assert curve.pressure == pytest.approx(np.array([30, 100, 400, 1500, 6000]) * 1e3)
     assert curve.closure == pytest.approx(np.array([0, 0.05, 0.09, 0.11, 0.12]) * 1e-3, abs=1e-12)
     assert curve.source == "curve.csv"
@@ -50,6 +51,11 @@ BROKEN = {
     "wrong unit": ("[kPa]", "[mm]", "pressure = '1 mm': must be a text with a unit that converts to Pa"),
     "two thicknesses": ("pressure [kPa]", "closure [um]", "columns = 'thickness, closure': must be pressure, and"),
     "not a number": ("0.31, 400", "0.31, x", "line 5 = '0.31, x': must be two numbers"),
+    "decimal comma": (
+        "0.31, 400",
+        '"0,31", 400',
+        "line 5 = '0,31, 400': write a decimal point and no comma; must be two",
+    ),
     "one number": ("0.31, 400", "0.31", "line 5 = '0.31': must be two numbers"),
     "unloading": ("0.28, 6000", "0.28, 600", "pressure = 'row 5': must be finite and rising"),
     "negative": ("0.40, 30", "0.40, -30", "pressure = -30000.0: must be positive"),

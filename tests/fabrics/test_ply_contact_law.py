@@ -76,6 +76,9 @@ def test_csv_and_law_json(tmp_path, fabric):
     assert not PlyLaw.held_by(tmp_path / "old.json")
     with pytest.raises(InputError, match=r"old\.json: has no ply_contact"):
         PlyLaw.read(tmp_path / "old.json", fabric)
+    CompressionLaw(4e-5, 5e-5, fabric="another").to_json(tmp_path / "other.json", fabric.ply_contact)
+    with pytest.raises(InputError, match=rf"other\.json: fabric = 'another': must be {fabric.name}, or a CSV file"):
+        PlyLaw.read(tmp_path / "other.json", fabric)
 
 
 def test_law_that_does_not_rise_is_named_with_its_row(tmp_path, fabric):

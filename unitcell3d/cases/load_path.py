@@ -6,10 +6,7 @@ From a CSV file: a heading "d1 [um], d2 [um]", in either order and any unit of l
 
 from __future__ import annotations
 
-import csv
-import re
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +14,7 @@ from numpy.typing import ArrayLike
 from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.units import si
+from fabrics.files import read_columns
 from meshing.crossover import Crossover
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver import path_following
@@ -113,33 +110,13 @@ def read(path: FilePath) -> FloatArray:
     ------
     InputError : one line naming the file, the row, the value and what is allowed
     """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as problem:
-        raise InputError("cannot be read", file=path, allowed="a CSV file of corners d1, d2") from problem
-    lines = [
-        (number, line.strip())
-        for number, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if not lines:
-        raise InputError("is empty", file=path, allowed='headed "d1 [um], d2 [um]"')
-    cells = next(csv.reader([lines[0][1]]))
-    names = [name for cell in cells if (name := re.fullmatch(r"\s*(d1|d2)\s*\[([^\]]+)\]\s*", cell)) is not None]
-    if len(cells) != 2 or len(names) != 2 or {name[1] for name in names} != {"d1", "d2"}:
-        raise InputError(file=path, key="heading", value=lines[0][1], allowed='"d1 [um], d2 [um]" or another length')
-    scale = {name[1]: si(f"1 {name[2]}", "m", file=path, key=name[1]) for name in names}
-    corners = []
-    for number, line in lines[1:]:
-        try:
-            values = [float(cell) for cell in next(csv.reader([line]))]
-        except ValueError:
-            values = []
-        if len(values) != 2 or not np.all(np.isfinite(values)):
-            raise InputError(file=path, key=f"line {number}", value=line, allowed="two finite numbers")
-        found = {name[1]: value * scale[name[1]] for name, value in zip(names, values)}
-        corners.append((found["d1"], found["d2"]))
-    if not corners:
-        raise InputError(file=path, key="corners", value=0, allowed="at least one")
-    return np.array(corners)
+    heading = '"d1 [um], d2 [um]" or another length'
+    corners = read_columns(
+        path, {"d1": "m", "d2": "m"}, what="a CSV file of corners d1, d2", content=f"headed {heading}", heading=heading,
+        accepts=lambda names: sorted(names) == ["d1", "d2"], columns="d1 and d2",
+    )  # fmt: skip
+    found = np.column_stack([corners["d1"], corners["d2"]])
+    if not len(found) or not np.all(np.isfinite(found)):
+        allowed = "at least one, of finite numbers"
+        raise InputError(file=path, key="corners", value=len(found), allowed=allowed)
+    return found

@@ -228,12 +228,12 @@ def evaluate(
         raise UnstableError(f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}")
     provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
     provenance += f", friction {friction:g}" if friction else ""
-    law = CompressionLaw.fit(F, d, provenance=provenance)
-    yarn_laws, ratio_law, ratio_residuals = _finer(histories)
+    law = CompressionLaw.fit(F, d, provenance=provenance, fabric=fabric.name)
+    yarn_laws, ratio_law, ratio_residuals = _finer(histories, fabric.name)
     return Calibration(
         fabric=fabric.name,
         law=law,
-        path_laws={name: _own_law(name, pair) for name, pair in pairs.items()},
+        path_laws={name: _own_law(name, pair, fabric.name) for name, pair in pairs.items()},
         histories=histories,
         residuals={name: float(np.sqrt(np.mean((law.d(pair[0]) - pair[1]) ** 2))) for name, pair in pairs.items()},
         yarn_laws=yarn_laws,
@@ -255,7 +255,7 @@ def _contact(histories, fabric, size):
         return None
 
 
-def _finer(histories):
+def _finer(histories, fabric):
     """Laws of each yarn's own compression, and the law that sees the tension ratio with its residual by path."""
     found = {name: h for name, h in histories.items() if name != PLATES}
     rows = {
@@ -263,7 +263,7 @@ def _finer(histories):
     }
     F, d, m, *yarns = (np.concatenate(columns) for columns in zip(*rows.values()))
     made = "own compression at the crossing, paths " + ", ".join(found)
-    yarn_laws = tuple(_own_law(f"{name}: {made}", (F, own)) for name, own in zip(YARNS, yarns))
+    yarn_laws = tuple(_own_law(f"{name}: {made}", (F, own), fabric) for name, own in zip(YARNS, yarns))
     try:
         law = RatioLaw.fit(F, m, d)
     except InputError:
@@ -284,8 +284,8 @@ def _numbers(law):
     return {"a_m": law.a, "b_m_N^(1/3)": law.b, "rms_m": law.residual_rms}
 
 
-def _own_law(name, pair):
+def _own_law(name, pair, fabric):
     try:
-        return CompressionLaw.fit(*pair, provenance=name)
+        return CompressionLaw.fit(*pair, provenance=name, fabric=fabric)
     except InputError:
         return None

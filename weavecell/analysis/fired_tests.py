@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import asdict, dataclass
 from math import nan, sqrt
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,8 @@ from scipy.stats import t as student
 
 from fabrics.checks import BoolArray, FilePath, FloatArray
 from fabrics.errors import InputError
-from fabrics.units import si
+from fabrics.files import read_csv
+from fabrics.units import refused, si
 from shellfabric.impact import lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
@@ -54,18 +53,11 @@ class FiredTests:
         ------
         InputError : one line naming the file, the line, the value and what is allowed
         """
-        path = Path(path)
-        try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as problem:
-            why = getattr(problem, "strerror", None) or "not text"
-            raise InputError("cannot be read", file=path, allowed=f"a table of tests, CSV ({why})") from None
-        lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
+        lines = read_csv(path, "a table of tests, CSV")
         if len(lines) < 2:
             raise InputError("has no shot", file=path, allowed="a heading and a row a shot")
-        heading = [cell.strip() for cell in next(csv.reader([lines[0][1]]))]
-        units = _units(heading, path)
-        rows = [_row(n, line, list(units), units, path) for n, line in lines[1:]]
+        units = _units(lines[0][1], path)
+        rows = [_row(number, cells, units, path) for number, cells in lines[1:]]
         return cls(*(np.array(column) for column in zip(*rows)))
 
 
@@ -175,12 +167,11 @@ def _units(heading, path):
     return found
 
 
-def _row(number, line, names, units, path):
+def _row(number, values, units, path):
     """(velocity [m/s], whether it perforated, residual velocity [m/s]) of a line."""
-    cells = dict(zip(names, (cell.strip() for cell in next(csv.reader([line])))))
-    key = f"line {number}"
-    if len(cells) != len(names):
-        raise InputError(file=path, key=key, value=line.strip(), allowed=f"{len(names)} values")
+    cells, key = dict(zip(units, values)), f"line {number}"
+    if len(values) != len(units):
+        raise InputError(file=path, key=key, value=", ".join(values), allowed=f"{len(units)} values")
     word = cells[OUTCOME].lower()
     if word not in OUTCOMES:
         raise InputError(file=path, key=f"{key}, {OUTCOME}", value=cells[OUTCOME], allowed=" or ".join(OUTCOMES))
@@ -193,7 +184,7 @@ def _row(number, line, names, units, path):
         try:
             speeds[name] = float(text) * units[name]
         except ValueError:
-            raise InputError(file=path, key=f"{key}, {name}", value=text, allowed="a number") from None
+            raise refused(text, "a number", file=path, key=f"{key}, {name}") from None
         if not (speeds[name] > 0 or (name == RESIDUAL and speeds[name] == 0)):
             raise InputError(file=path, key=f"{key}, {name}", value=text, allowed="above 0")
     through = OUTCOMES[word]

@@ -54,20 +54,21 @@ def laws(fabric: Fabric, law: Any = None) -> tuple[CompressionLaw, CompressionLa
 
     Raises
     ------
-    InputError : none of these, or None for a fabric without laws
+    InputError : none of these, a law of another fabric, or None for a fabric without laws
     """
-    law = getattr(law, "law", law)
+    written, law = law, getattr(law, "law", law)
     if law is None or law == "published":
         if fabric.laws is None:
             raise InputError(
                 f"fabric {fabric.name} has no compression law: give law=, or use weavecell.calibrate(fabric).fabric"
             )
         return fabric.laws
-    if isinstance(law, CompressionLaw):
-        return law, law
     if isinstance(law, (str, Path)):
-        found = CompressionLaw.from_json(law)
-        return found, found
-    if isinstance(law, (tuple, list)) and len(law) == 2 and all(isinstance(one, CompressionLaw) for one in law):
-        return law[0], law[1]
-    raise InputError(key="law", value=law, allowed="a CompressionLaw, a pair (warp, weft) of them, or a law.json")
+        law = CompressionLaw.from_json(law)
+    warp, weft = law if isinstance(law, (tuple, list)) and len(law) == 2 else (law, law)
+    for found in (warp, weft):
+        if not isinstance(found, CompressionLaw):
+            allowed = "a CompressionLaw, a pair (warp, weft) of them, or a law.json"
+            raise InputError(key="law", value=written, allowed=allowed)
+        found.require_fabric(fabric.name, key="law", value=str(written) if isinstance(written, (str, Path)) else None)
+    return warp, weft

@@ -151,17 +151,17 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     scene = keywords.scene(own.name, velocity, options)
     surface = options.get("surface")
 
-    def made(table):
+    def made(table, _):
         """Fabric, surface and laws of a table [fabric], with the objects among the keywords in place of their names."""
         named = table.file or (table.name if table.name != own.name else None)
         law = options.get("law") if table.law == scene.fabric.law and named is None else table.law
         if isinstance(law, InlineLaw) or isinstance(table.law, InlineLaw):
             law = CompressionLaw(table.law.a, table.law.b, table.law.form)
         cloth = build.damaged(assumed.with_shear(own if named is None else as_fabric(named)), table)
-        if scene.panel.plies > 1:
-            cloth = build.with_ply_contact(cloth, options.get("ply_contact"), law)
         cell = build.surface_of(table, cloth, None, surface if isinstance(surface, ResponseSurface) else None)
         laws = quantities.laws(cloth, law) if cell is None and table.cell_model == "compressible" else None
+        if scene.panel.plies > 1:
+            cloth = build.with_ply_contact(cloth, options.get("ply_contact"), law)
         return cloth, cell, laws, ""
 
     try:

@@ -186,7 +186,8 @@ def _run(name, case, out, domain, size, chosen, choices):
     """Run a case of a fabric, write it and print what it found; `choices` are texts of the command line."""
     fabric = mesh.with_3d_data(name)
     if choices["law"] is not None:
-        compression.CompressionLaw.from_json(choices["law"])  # refused before anything is computed
+        held = compression.CompressionLaw.from_json(choices["law"])  # refused before anything is computed
+        held.require_fabric(fabric.name, key="--law", value=str(choices["law"]))
     run = CASES[case](fabric, choices)
     shifted = case == "stack" and any(options.pair(choices["shift"], "", "--shift", "along x and y"))
     allowed = ("periodic",) if shifted else ("quarter",) if case == "stack" else DOMAINS[case]

@@ -201,7 +201,7 @@ def new(
     if texgen is not None:
         known = fabric_file.from_texgen(geometry.WeaveGeometry.read(texgen))
     found = fabric_file.read_values(values, known) if values is not None else _prompt(known)
-    draft = fabric_file.Draft(path.stem, known | found)
+    draft = fabric_file.Draft(path.stem, known | found, file=values)
     draft, fitted = fabric_file.with_curves(draft, yarn=yarn_curve, frame=picture_frame, side=side)
     fabric = draft.write(path)
     for line in (*fitted, *fabric_file.left_open(fabric)):
@@ -216,16 +216,18 @@ def _prompt(known):
     """
     source = typer.prompt("source of the values", default="data sheet")
     found = {}
-    for key, (_, shown, meaning) in fabric_file.KEYS.items():
+    for key in fabric_file.REQUIRED:
         if key in known:
             continue
         others = fabric_file.INSTEAD.get(key, ())
         skip = f" (Enter: from the {others[-1]})" if others else ""
-        warp = _value(key, f"{key} of the warp, {meaning}, such as {shown}{skip}", "" if others else None)
+        asked = fabric_file.ALL[key]
+        text = f"{key} of the warp, {asked.meaning}, such as {asked.example}{skip}"
+        warp = _value(key, text, "" if others else None)
         if not warp:
             key = others[-1]
-            _, shown, meaning = fabric_file.ALL[key]
-            warp = _value(key, f"{key}, {meaning}, such as {shown}")
+            asked = fabric_file.ALL[key]
+            warp = _value(key, f"{key}, {asked.meaning}, such as {asked.example}")
         weft = "" if key in fabric_file.OF_FABRIC else _value(key, f"{key} of the weft", warp)
         found[key] = fabric_file.Value(warp, weft, source)
     return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
@@ -16,7 +15,7 @@ import numpy as np
 from fabrics import run_cache
 from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError, UndecidedError, UnstableError
-from fabrics.files import read_columns
+from fabrics.files import read_columns, read_csv
 from fabrics.units import si
 from weavecell.analysis import fired_tests
 from weavecell.analysis import fit as analysis
@@ -264,11 +263,9 @@ class Model:
 def heading_of(data: FilePath) -> list[str]:
     """The cells of the first line of a CSV file that is no comment; none of a file that cannot be read."""
     try:
-        lines = Path(data).read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError):
+        return next((cells for _, cells in read_csv(data, "measured data")), [])
+    except InputError:
         return []
-    first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
-    return next(csv.reader([first]), [])
 
 
 def read(name: str, data: FilePath) -> Data:

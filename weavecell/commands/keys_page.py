@@ -28,9 +28,10 @@ tocdepth: 3
 Made by `python -m weavecell.commands.keys_page {PAGE}`; not to be edited by hand.
 
 An input file is a [TOML](https://toml.io) file. A quantity is a string with a unit, in any unit of its dimension:
-`"92.5 m/s"`, `"300 ft/s"`. Everything is checked before a run starts; a wrong key or value is refused in one line.
-The same keys are keywords in [Python](python.md). Editors complete and check input files with the JSON Schemas
-`scene.schema.json` and `coupon.schema.json`, which `make docs` writes to docs/generated.
+`"92.5 m/s"`, `"300 ft/s"`: one number, with a decimal point, and one unit. Everything is checked before a run starts;
+a wrong key or value is refused in one line. The same keys are keywords in [Python](python.md). Editors complete and
+check input files with the JSON Schemas `scene.schema.json` and `coupon.schema.json`, which `make docs` writes to
+docs/generated.
 
 Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left
 out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *[accuracy]* the

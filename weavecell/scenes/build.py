@@ -129,7 +129,7 @@ def build(scene: Any, file: Path, name: str) -> Case:
     ------
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
-    cloths, plies = lay_up(scene, lambda table: _cloth(table, scene, file))
+    cloths, plies = lay_up(scene, lambda table, key: _cloth(table, key, scene, file))
     fabric, surface, laws, law_name = cloths[0]
     shot = getattr(scene, "projectile", None)
     if shot is not None and (shot.name is not None or shot.stl is not None):
@@ -137,27 +137,26 @@ def build(scene: Any, file: Path, name: str) -> Case:
     return Case(name, fabric, laws, law_name, scene, surface, plies)
 
 
-def _cloth(table, scene, file):
-    """(fabric, surface, laws, where they come from) of a table [fabric]."""
-    fabric = _sheared(_with_strength(_fabric(table, file), scene, file), scene, file)
+def _cloth(table, key, scene, file):
+    """(fabric, surface, laws, where they come from) of a table [fabric] that stands under a key of the scene."""
+    fabric = _sheared(_with_strength(_fabric(table, key, file), scene, file), scene, file)
     surface = surface_of(table, fabric, file)
-    fabric = _with_ply_contact(fabric, table.law, scene, file)
-    if surface is not None:
-        return fabric, surface, fabric.laws, "3D response surface"
-    return fabric, None, *_laws(table, fabric, file)
+    laws, words = (fabric.laws, "3D response surface") if surface is not None else _laws(table, key, fabric, file)
+    return _with_ply_contact(fabric, table.law, scene, file), surface, laws, words
 
 
-def lay_up(scene: Any, make: Callable[[FabricTable], Any]) -> tuple[list[Any], tuple[Ply, ...]]:
+def lay_up(scene: Any, make: Callable[[FabricTable, str], Any]) -> tuple[list[Any], tuple[Ply, ...]]:
     """What the plies of a scene are made of, that of the first ply first, and every ply of its tables [[panel.ply]].
 
     Parameters
     ----------
     scene : whose [fabric] is that of plies that name none
-    make : called once for each table [fabric] that differs, gives (fabric, surface, laws, where they come from)
+    make : called once for each table [fabric] that differs, with the key that it stands under; gives (fabric, surface,
+        laws, where they come from)
     """
     tables = getattr(getattr(scene, "panel", None), "ply", ())
     if not tables:
-        return [make(scene.fabric)], ()
+        return [make(scene.fabric, "fabric")], ()
     from shellfabric.impact.simulation import Ply
 
     known: dict[str, Any] = {}
@@ -167,7 +166,7 @@ def lay_up(scene: Any, make: Callable[[FabricTable], Any]) -> tuple[list[Any], t
         own = {"name": None, "file": None, "law": "published", **named} if named else {}
         own |= {} if table.law is None else {"law": table.law}
         if (key := repr(own)) not in known:
-            known[key] = make(scene.fabric.model_copy(update=own))
+            known[key] = make(scene.fabric.model_copy(update=own), "panel.ply" if own else "fabric")
         fabric, _, laws, _ = known[key]
         gap = scene.panel.ply_gap if table.gap is None else table.gap
         plies += [Ply(fabric, laws, table.angle, gap)] * table.count
@@ -286,14 +285,14 @@ def in_file(problem: InputError, file: FilePath | None, tables: Mapping[str, typ
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
 
 
-def _fabric(table, file):
+def _fabric(table, key, file):
     if table.file is not None:
         fabric = catalogue.read(table.file)
     elif table.name in catalogue.list_names():
         fabric = catalogue.load(table.name)
     else:
         raise InputError(
-            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
+            file=file, key=f"{key}.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
         )
     return damaged(with_linear_density(fabric, table.linear_density), table)
 
@@ -388,7 +387,7 @@ def surface_of(
         raise InputError(file=table.surface, key=problem.key, value=problem.value, allowed=problem.allowed) from None
 
 
-def _laws(table, fabric, file):
+def _laws(table, key, fabric, file):
     if table.cell_model != "compressible":
         law = CompressionLaw.incompressible()
         return (law, law), f"none, {table.cell_model} yarns"
@@ -397,19 +396,19 @@ def _laws(table, fabric, file):
             law = CompressionLaw(table.law.a, table.law.b, table.law.form, provenance=f"scene {file}")
         except InputError as problem:
             raise InputError(
-                file=file, key=f"fabric.law.{problem.key}", value=problem.value, allowed=problem.allowed
+                file=file, key=f"{key}.law.{problem.key}", value=problem.value, allowed=problem.allowed
             ) from None
         return (law, law), "given in the scene"
     if table.law != "published":
         law = CompressionLaw.from_json(table.law)
+        law.require_fabric(fabric.name, file=file, key=f"{key}.law", value=table.law)
         return (law, law), "fitted to the 3D crossover"
     if fabric.laws is None:
         raise InputError(
-            f"fabric {fabric.name} has no published law; calibrate one or give a and b",
-            file=file,
-            key="fabric.law",
-            value=table.law,
-        )
+            f"fabric {fabric.name} has no compression law: run `weavecell calibrate {table.file or table.name}` and "
+            'name its result, law = ".../law.json", or give law = { a = ..., b = ... }',
+            file=file, key=f"{key}.law",
+        )  # fmt: skip
     return fabric.laws, "published (Table 5-1)" if "Table 5-1" in _source(fabric) else "published"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -193,4 +192,4 @@ def check(table: dict[str, Any], file: FilePath, support: Any = None) -> CouponS
     if scene.test == "pull_out" and test.crossings % 2:
         allowed = "an even number from 8 to 400"
         raise InputError(file=file, key="pull_out.crossings", value=written["crossings"], allowed=allowed)
-    return anchored(scene, Path(file).parent)
+    return anchored(scene, file)

@@ -14,7 +14,6 @@ modulus, failure strain or the trellis law by fits. A TexGen file gives what is 
 
 from __future__ import annotations
 
-import csv
 import difflib
 from collections.abc import Container
 from dataclasses import dataclass, field, replace
@@ -23,37 +22,20 @@ from typing import TYPE_CHECKING
 
 from fabrics import assumed, catalogue
 from fabrics.checks import FilePath
+from fabrics.data_sheet import OF_FABRIC, OF_YARN
 from fabrics.errors import InputError, together
 from fabrics.fabric import Fabric
-from fabrics.files import replace_whole
-from fabrics.units import in_one_of, si
+from fabrics.files import read_csv, replace_whole
+from fabrics.units import decimal_comma, refused, si
 from weavecell.scenes import curves
 
 if TYPE_CHECKING:
     from meshing.texgen.geometry import WeaveGeometry
 
-# key: SI units, example, meaning
-KEYS = {
-    "linear_density": (("kg/m",), "1100 dtex", "mass per length of the yarn"),
-    "fibre_density": (("kg/m^3",), "1.44 g/cm^3", "density of the fibre"),
-    "modulus": (("Pa", "N/(kg/m)"), "90 GPa", "axial modulus of the fibre"),
-    "failure_strain": (("",), "3.3 %", "failure strain of the fibre"),
-    "crimp": (("",), "1.2 %", "yarn length over length of fabric, minus one"),
-    "count": (("1/m",), "8.5 / cm", "yarns per width of fabric"),
-}
-OPTIONAL = {
-    "strength": (("N", "Pa"), "220 N", "of one yarn, or as a stress of the fibre"),
-    "tenacity": (("N/(kg/m)",), "2350 mN/tex", "strength over linear density"),
-    "width": (("m",), "1.1 mm", "width of the yarn in the fabric, across its family"),
-    "section_area": (("m^2",), "0.11 mm^2", "area of the yarn's section"),
-}
-OF_FABRIC = {
-    "thickness": (("m",), "0.30 mm", "of the fabric, as its data sheet has it"),
-    "areal_density": (("kg/m^2",), "200 g/m^2", "of the fabric, as its data sheet has it"),
-    "interlayer_gap": (("m",), "0.1 mm", "play between plies of a pack at rest"),
-}
-ALL = KEYS | OPTIONAL | OF_FABRIC
-# key of KEYS that may be left out: keys of which one then stands in for it
+# of both yarns
+REQUIRED = ("linear_density", "fibre_density", "modulus", "failure_strain", "crimp", "count")
+ALL = OF_YARN | OF_FABRIC
+# key of REQUIRED that may be left out: keys of which one then stands in for it
 INSTEAD = {"failure_strain": ("strength", "tenacity"), "crimp": ("thickness",)}
 COLUMNS = ("key", "warp", "weft", "source", "status")
 
@@ -77,11 +59,22 @@ class Draft:
     name : of the fabric
     values : {key of ALL: Value}
     shear : {key: (value, source, status)} of [shear], or empty
+    file : of the values, named in errors in place of the fabric file
     """
 
     name: str
     values: dict[str, Value]
     shear: dict[str, tuple[str, str, str]] = field(default_factory=dict)
+    file: FilePath | None = None
+
+    def fabric(self) -> Fabric:
+        """The Fabric of these values.
+
+        Raises
+        ------
+        InputError : they are not those of a fabric
+        """
+        return catalogue.read(self.file or f"{self.name}.toml", self.text())
 
     def text(self) -> str:
         """The TOML file."""
@@ -114,17 +107,15 @@ class Draft:
         path = Path(path)
         if path.exists():
             raise InputError("exists already", file=path)
-        text = self.text()
-        fabric = catalogue.read(path, text)
+        fabric = self.fabric()
         with replace_whole(path) as beside:
-            beside.write_text(text, encoding="utf-8")
+            beside.write_text(self.text(), encoding="utf-8")
         return fabric
 
 
 def check(key: str, text: str) -> str:
-    """The text of one value; InputError where it is no quantity of a unit that the key may have."""
-    units = ALL[key][0]
-    in_one_of(text if units != ("",) or "%" in text else _plain(text), units, key=key)
+    """The text of one value; InputError where it is no quantity of a unit that the key may have, or out of bounds."""
+    ALL[key].read(text, key=key)
     return text.strip()
 
 
@@ -152,39 +143,42 @@ def read_values(path: FilePath, known: Container[str] = ()) -> dict[str, Value]:
     ------
     InputError : all that is wrong, a line each naming the file, the key, the value and what is allowed
     """
-    try:
-        with open(path, encoding="utf-8", newline="") as file:
-            rows = [[cell.strip() for cell in row] for row in csv.reader(file) if row and not row[0].startswith("#")]
-    except (OSError, UnicodeDecodeError) as problem:
-        raise InputError("cannot be read", file=path, allowed="a CSV file of key, warp, weft") from problem
-    if not rows or rows[0][:3] != list(COLUMNS[:3]) or not set(rows[0]) <= set(COLUMNS):
-        raise InputError(file=path, key="columns", value=", ".join(rows[0] if rows else ()), allowed=", ".join(COLUMNS))
+    rows = read_csv(path, "a CSV file of key, warp, weft")
+    heading = rows[0][1] if rows else []
+    if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS):
+        raise InputError(file=path, key="columns", value=", ".join(heading), allowed=", ".join(COLUMNS))
     found: dict[str, Value] = {}
     problems: list[InputError] = []
-    for row in rows[1:]:
-        key, value = _row(dict(zip(rows[0], row)), len(row) - len(rows[0]), path, problems)
-        found |= {key: value} if value is not None else {}
-    tried = {found for row in rows[1:] for found in (row[0], *difflib.get_close_matches(row[0], ALL, n=1, cutoff=0.75))}
-    for key in KEYS:
+    tried: set[str] = set()
+    for number, cells in rows[1:]:
+        key = cells[0]
+        tried |= {key, *difflib.get_close_matches(key, ALL, n=1, cutoff=0.75)}
+        if not 2 <= len(cells) <= len(heading):
+            hint = decimal_comma(",".join(cells))
+            message = f"{len(cells)} fields, {len(heading)} expected" + (f"; {hint}" if hint else "")
+            problems.append(InputError(message, file=path, key=f"line {number}", value=", ".join(cells)))
+        elif (value := _row(dict(zip(heading, cells)), path, problems)) is not None:
+            found[key] = value
+    for key in REQUIRED:
         others = INSTEAD.get(key, ())
         if key not in known and not tried & {key, *others}:
             more = f", or {' or '.join(others)} in its place" if others else ""
-            allowed = f'such as "{KEYS[key][1]}"{more}'
+            allowed = f'such as "{ALL[key].example}"{more}'
             problems.append(InputError("is missing", file=path, key=key, allowed=allowed))
     if problems:
         raise together(problems)
     return found
 
 
-def _row(entry, surplus, path, problems):
-    """(key, Value) of one row, or (key, None) with what is wrong with it added to `problems`."""
+def _row(entry, path, problems):
+    """The Value of one row, or None with what is wrong with it added to `problems`."""
     key = entry["key"]
-    if key not in ALL or surplus > 0 or len(entry) < 2:
+    if key not in ALL:
         near = difflib.get_close_matches(key, ALL, n=1, cutoff=0.75)
-        hint = f'is not a known key, did you mean "{near[0]}"?' if near and key not in ALL else None
+        hint = f'is not a known key, did you mean "{near[0]}"?' if near else None
         allowed = None if hint else f"one of {', '.join(ALL)}"
         problems.append(InputError(hint, file=path, key="key", value=key, allowed=allowed))
-        return key, None
+        return None
     texts, wrong = [], len(problems)
     weft = "" if key in OF_FABRIC else entry.get("weft") or entry["warp"]
     for family, text in (("warp", entry["warp"]), ("weft", weft)):
@@ -192,14 +186,14 @@ def _row(entry, surplus, path, problems):
             texts.append(check(key, text) if text or family == "warp" else "")
         except InputError as problem:
             if not (family == "weft" and text == entry["warp"]):
-                problems.append(InputError(file=path, key=key, value=problem.value, allowed=problem.allowed))
+                problems.append(refused(problem.value, problem.allowed, file=path, key=key))
     status = entry.get("status") or "user"
     if status not in catalogue.STATUSES:
         allowed = f"one of {', '.join(catalogue.STATUSES)}"
         problems.append(InputError(file=path, key=f"{key}, status", value=status, allowed=allowed))
     if len(problems) > wrong:
-        return key, None
-    return key, Value(*texts, entry.get("source") or Path(path).name, status)
+        return None
+    return Value(*texts, entry.get("source") or Path(path).name, status)
 
 
 def with_curves(
@@ -238,7 +232,7 @@ def with_curves(
             f"fitted: modulus {moduli[0]}, failure strain {strain} (rms {fit.rms:.3g} N, slack {100 * fit.slack:.3g} %)"
         )
     if frame is not None:
-        found = curves.picture_frame(frame, catalogue.read(draft.name, draft.text()).weave.thickness, side)
+        found = curves.picture_frame(frame, draft.fabric().weave.thickness, side)
         law, source = found.law, f"picture-frame curve, {curves.name_of(frame)}"
         if not found.locked:
             source += "; ends before the yarns lock: G2 and gamma2 are not determined"
@@ -255,14 +249,6 @@ def left_open(fabric: Fabric) -> list[str]:
         return [*fabric.notes, *assumed.lines(assumed.with_solid_laws(assumed.with_shear(fabric)))]
     except InputError as problem:
         return [*fabric.notes, *assumed.lines(fabric), str(problem)]
-
-
-def _plain(text):
-    """A number where the text is one: ratios carry no unit."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _entry(value, source, status):

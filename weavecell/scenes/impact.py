@@ -65,7 +65,10 @@ class ProjectileTable(Table):
         "projectile of `weavecell projectiles list`; its data stand for keys that are not given, required ones too",
         "the name of a projectile",
     ) = None  # fmt: skip
-    mass: quantity("mass", "kg", "3 g")
+    mass: quantity(
+        "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.1 to 30 diameters",
+        "kg", "3 g",
+    )  # fmt: skip
     diameter: quantity("diameter", "m", "5.5 mm")
     edge_radius: quantity(
         "rounding of the edges; required except for a sphere. Of an STL file the smallest radius of the nose's edges, "
@@ -499,7 +502,7 @@ def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> 
     _check_relations(scene, table, file)
     if support is not None:
         supported.check(scene, table, file, support(scene) if callable(support) else support)
-    return scene if file is None else anchored(scene, Path(file).parent)
+    return scene if file is None else anchored(scene, file)
 
 
 def _with_named(table, file, name, key, data):
@@ -569,6 +572,7 @@ def _check_relations(scene, table, file):
     for (name, key), (holds, allowed) in limits.items():
         if not holds and key in table[name]:
             raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
+    stl_file.check_mass(shot, table["projectile"].get("mass"), file)
     if scene.backing is not None and scene.backing.size is not None and len(scene.backing.size) != 3:
         raise InputError(file=file, key="backing.size", value=table["backing"]["size"], allowed="three lengths")
     if isinstance(panel.boundary, BoundaryTable):

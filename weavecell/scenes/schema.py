@@ -30,7 +30,7 @@ from pydantic import (
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, together
-from fabrics.units import si
+from fabrics.units import refused, si
 from fabrics.yarn import STATUSES
 
 
@@ -319,23 +319,35 @@ def exactly_one(table: BaseModel, names: Sequence[str], key: str, file: FilePath
         raise InputError(f"give exactly one of {', '.join(paths[:-1])} and {paths[-1]}", file=file, key=key or None)
 
 
-def anchored(scene: Any, folder: Path) -> Any:
-    """The scene with its relative paths taken from the folder of the scene file."""
-    updates: dict[str, Any] = {"fabric": _anchored(scene.fabric, folder, ("file", "law", "surface"))}
+def anchored(scene: Any, file: FilePath) -> Any:
+    """The scene with its relative paths taken from the folder of the scene file.
+
+    Raises
+    ------
+    InputError : a path that is not that of a file
+    """
+
+    def of(name, table, keys):
+        """The table [name] whose paths, all texts but the names of laws, are taken from that folder."""
+        given = {key: getattr(table, key) for key in keys}
+        texts = {key: text for key, text in given.items() if isinstance(text, str) and text not in _NAMED_LAWS}
+        paths = {key: os.path.normpath(Path(file).parent / text) for key, text in texts.items()}
+        for key, path in paths.items():
+            if not os.path.isfile(path):
+                allowed = type(table).model_fields[key].description
+                raise InputError(
+                    f"there is no file {path}", file=file, key=f"{name}.{key}", value=texts[key], allowed=allowed
+                )
+        return table.model_copy(update=paths)
+
+    updates: dict[str, Any] = {"fabric": of("fabric", scene.fabric, ("file", "law", "surface"))}
     shot, panel = getattr(scene, "projectile", None), getattr(scene, "panel", None)
     if shot is not None:
-        updates["projectile"] = _anchored(shot, folder, ("stl",))
+        updates["projectile"] = of("projectile", shot, ("stl",))
     if panel is not None:
-        plies = tuple(_anchored(ply, folder, ("file", "law")) for ply in panel.ply)
-        updates["panel"] = _anchored(panel, folder, ("ply_contact",)).model_copy(update={"ply": plies})
+        plies = tuple(of("panel.ply", ply, ("file", "law")) for ply in panel.ply)
+        updates["panel"] = of("panel", panel, ("ply_contact",)).model_copy(update={"ply": plies})
     return scene.model_copy(update=updates)
-
-
-def _anchored(table, folder, keys):
-    """A table whose paths, all texts but the names of laws, are taken from a folder."""
-    given = {key: getattr(table, key) for key in keys}
-    paths = {key: text for key, text in given.items() if isinstance(text, str) and text not in _NAMED_LAWS}
-    return table.model_copy(update={key: os.path.normpath(folder / text) for key, text in paths.items()})
 
 
 def _problems(found, model, file):
@@ -358,7 +370,7 @@ def _problems(found, model, file):
         elif error["type"] == "missing":
             line = InputError("is missing", file=file, key=key, allowed=field.description)
         else:
-            line = InputError(file=file, key=key, value=error["input"], allowed=field.description)
+            line = refused(error["input"], field.description, file=file, key=key)
         problems.setdefault(key, line)
     return list(problems.values())
 

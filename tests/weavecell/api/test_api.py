@@ -121,6 +121,22 @@ def test_one_law_serves_both_families(tmp_path):
         wc.setup(fabric, 100.0, law=(law,))
 
 
+def test_a_law_of_another_fabric_is_refused(tmp_path):
+    """By its name: variants of the fabric take it, and a law without a name is of any fabric."""
+    law, fabric = CompressionLaw(4e-5, 5e-5, fabric="S-720"), wc.fabric("S-720")
+    law.to_json(tmp_path / "law.json")
+    variant = fabric.with_yarns(crimp=0.01)
+    for given in (law, (law, law), tmp_path / "law.json", str(tmp_path / "law.json")):
+        assert wc.setup(variant, 100.0, law=given).laws[0].a == 4e-5
+        with pytest.raises(
+            InputError, match=r"law.*: is a law of fabric S-720; must be a law of S-728, or its constants"
+        ):
+            wc.setup("S-728", 100.0, law=given)
+    with pytest.raises(InputError, match="is a law of fabric S-720; must be a law of S-726"):
+        wc.setup("S-720", 100.0, ply=[{"count": 2}, {"name": "S-726", "law": str(tmp_path / "law.json")}])
+    assert wc.setup("S-728", 100.0, law=replace(law, fabric="")).laws[0].a == 4e-5
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [

@@ -38,7 +38,11 @@ SCENES = {
     "allowed here: clamp_force, pull_in, start, end, zone",
     "boundary-wrong-unit": """panel.boundary.weft.clamp_force = '20 mm': must be a force above 0, such as "20 N\"""",
     "cone-without-angle": "projectile.half_angle: must be above 0 for a cone",
+    "decimal-comma": "projectile.strike_velocity = '92,5 m/s': write a decimal point and no comma; must be a speed "
+    'above 0 and at most 1000 m/s, such as "92.5 m/s"',
     "edge-too-round": "projectile.edge_radius = '3 mm': must be below half of projectile.diameter",
+    "fabric-file-missing": f"fabric.file = 'fabric-nowhere.toml': there is no file {BROKEN}/fabric-nowhere.toml; "
+    "must be the path of a fabric file (*.toml)",
     "form-of-a-law": "fabric.cell_formulation = 'direct': must be variational or equilibrium without fabric.surface",
     "form-of-a-surface": "fabric.cell_formulation = 'equilibrium': must be variational or direct with fabric.surface",
     "gap-too-wide": "fabric.crossover_gap = 0.001: must be at least 0 and at most h01 + h02",
@@ -53,6 +57,12 @@ SCENES = {
     'such as "0.058 mm N^(1/3)"',
     "law-half-zero": "fabric.law.b = 0.0: must be zero exactly where a is zero (an incompressible yarn)",
     "law-not-a-law": f"fabric.law = 'printed': must be {LAW}",
+    "law-of-another": f"fabric.law = '{BROKEN}/law-of-S-728.json': is a law of fabric S-728; must be a law of S-720, "
+    "or its constants a and b to use them all the same",
+    "mass-of-a-long-rod": "projectile.mass = '3 kg': must be from 0.00218 to 90.2 g, for a body of this diameter, at "
+    "most 30 times as long, of 0.5 to 23 g/cm^3",
+    "mass-of-a-sphere": "projectile.mass = '30 g': must be from 0.0436 to 2 g, for a body of this diameter, of 0.5 to "
+    "23 g/cm^3",
     "measure-no-unit": "history.report_positions = ['5 mm', 20]: must be a list of positions along the yarns, such as "
     '["5 mm", "50 mm"]',
     "measure-not-a-list": "history.warp = '0 mm': must be a list of distances of warp yarns from the impact point, "
@@ -64,6 +74,9 @@ SCENES = {
     "missing-table": "panel: is missing; must be a table [panel]",
     "negative-mass": """projectile.mass = '-3 g': must be a mass above 0, such as "3 g\"""",
     "no-elements": "run.elements_per_crossover = 0: must be a whole number from 1 to 8",
+    "no-law-file": f"fabric.law = 'nowhere.json': there is no file {BROKEN}/nowhere.json; must be {LAW}",
+    "no-surface-file": f"fabric.surface = 'nowhere.h5': there is no file {BROKEN}/nowhere.h5; "
+    "must be the path of a surface written by `weavecell surface`",
     "no-unit": 'panel.opening = 203: must be a length above 0, such as "203 mm", or a list of two, along warp and weft',
     "not-a-table": "fabric = 'S-720': must be a table [fabric]",
     "not-toml": "not valid TOML (Expected newline or end of document after a statement (at line 5, column 10))",
@@ -82,6 +95,8 @@ SCENES = {
     "three-sides": "panel.opening = ['203 mm', '100 mm', '50 mm']: must be a length above 0, "
     'such as "203 mm", or a list of two, along warp and weft',
     "two-fabrics": "fabric: give exactly one of fabric.name and fabric.file",
+    "two-numbers": "panel.opening = '20 3 mm': must be a length above 0, "
+    'such as "203 mm", or a list of two, along warp and weft',
     "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
     "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
     "allowed here: name, mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, "
@@ -96,13 +111,10 @@ SCENES = {
 # scene -> (the other file that is to blame, what follows its name)
 OTHERS = {
     "fabric-file-broken": ("fabric-crimp-as-length.toml", "warp.crimp = '2 mm': must be a number"),
-    "fabric-file-missing": ("fabric-nowhere.toml", "cannot be read (No such file or directory)"),
     "surface-of-another": (
         "../../../shellfabric/cell/data/S-720-coarse-9x9.h5",
         "surface = 'S-720': must be one of S-728",
     ),
-    "no-surface-file": ("nowhere.h5", "cannot be read; must be a surface written by `weavecell surface`"),
-    "no-law-file": ("nowhere.json", "cannot be read; must be a compression law (No such file or directory)"),
 }
 
 # fabric -> what follows the name of the file
@@ -111,8 +123,8 @@ FABRIC_FILES = {
     "fabric-no-weft": "[weft]: is missing; must be a table with the yarn's data",
     "fabric-unknown-key": f"colour: is not a known key; must be one of {FABRIC_KEYS}",
     "fabric-negative-modulus": (
-        "warp.modulus = '-96 GPa': must be a positive number",
-        "weft.modulus = '-96 GPa': must be a positive number",
+        "warp.modulus = '-96 GPa': must be from 1 to 1000 GPa",
+        "weft.modulus = '-96 GPa': must be from 1 to 1000 GPa",
     ),
     "fabric-round-section": "section = 'round': must be sine, ellipse or conforming",
 }

@@ -143,7 +143,7 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
 
 
 @pytest.mark.parametrize("shape", [
-    {}, {"shape": "sphere"}, {"shape": "hemisphere"}, {"obliquity": "30 deg"}, {"name": "FSP 1.10 g"},
+    {}, {"shape": "sphere", "mass": "1 g"}, {"shape": "hemisphere"}, {"obliquity": "30 deg"}, {"name": "FSP 1.10 g"},
     {"shape": "cone", "half_angle": "40 deg", "tip_radius": "1 mm"},
     {"shape": "stl", "stl": str(ROOT / "examples" / "cube.stl"), "stl_unit": "mm", "diameter": None, "yaw": "10 deg"},
 ])  # fmt: skip

@@ -206,9 +206,11 @@ def test_yarns_that_are_not_compressed_need_no_law(command, tmp_path, model):
 
 
 def test_compressible_yarns_need_one(command, tmp_path):
-    code, _, err = command("impact", own(tmp_path, law=""), "--out", "r")
-    assert code == 2
-    assert "fabric mine has no published law; calibrate one or give a and b" in err
+    path = own(tmp_path, law="")
+    code, _, err = command("impact", path, "--out", "r")
+    assert (code, len(err.splitlines())) == (2, 1)
+    assert err.startswith(f"error: {path}: fabric.law: fabric mine has no compression law: run `weavecell calibrate ")
+    assert err.endswith('mine.toml` and name its result, law = ".../law.json", or give law = { a = ..., b = ... }\n')
     assert not (tmp_path / "r").exists()
 
 

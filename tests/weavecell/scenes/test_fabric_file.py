@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 from fabrics import catalogue
 from fabrics.trellis import TrellisShear
 from weavecell.cli import app
-from weavecell.scenes import curves
+from weavecell.scenes import curves, fabric_file
 
 VALUES = """key,warp,weft,source
 linear_density,1100 dtex,1100 dtex,data sheet
@@ -39,6 +39,16 @@ def test_from_a_csv_file(command, tmp_path, values):
     assert "assumed: [solid] of para-aramid yarns" in out
     code, _, err = command("fabrics", "new", "mine.toml", "--from", values)
     assert (code, err) == (2, "error: mine.toml: exists already\n")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+@pytest.mark.parametrize("separator", [",", ";", " ; "])
+def test_files_of_excel_are_read(tmp_path, values, encoding, separator):
+    """With a byte order mark, semicolons, empty cells and lines to the right and below."""
+    plain = fabric_file.read_values(values)
+    text = '"measured, own"'.join(part.replace(",", separator) for part in VALUES.split('"measured, own"'))
+    values.write_text(text.replace("\n", f"{separator}{separator}\n", 3) + separator * 4 + "\n", encoding=encoding)
+    assert fabric_file.read_values(values) == plain
 
 
 def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
@@ -73,7 +83,14 @@ def test_from_prompts(tmp_path):
         ("crimp,", "crimps,", "key = 'crimps': is not a known key, did you mean \"crimp\"?"),
         ("count,8.5 / cm,8.5 / cm,data sheet\n", "", "count: is missing; must be such as"),
         ("key,warp,weft", "key,warp,fill", "columns = 'key, warp, fill, source': must be key, warp, weft"),
-        ("0.8 %", "180 %", "weft.crimp = '180 %': must be a fraction"),
+        ("0.8 %", "180 %", "values.csv: crimp = '180 %': must be from 0 to 50 %"),
+        ("90 GPa,90 GPa", "90 MPa,", "values.csv: modulus = '90 MPa': must be from 1 to 1000 GPa"),
+        ("90 GPa,90 GPa", '90 GPa, "90,5 GPa"', "modulus = '90,5 GPa': write a decimal point and no comma; must be a"),
+        ("90 GPa,90 GPa", "90,5 GPa,", "line 4 = 'modulus, 90, 5 GPa, , data sheet': 5 fields, 4 expected; write a d"),
+        ("90 GPa,90 GPa,data", "90 GPa,90 GPa,data,of,", "line 4 = 'modulus, 90 GPa, 90 GPa, data, of, sheet': 6 f"),
+        ("crimp,1.2 %,0.8 %", "thickness,3 mm,", "values.csv: thickness = '3 mm': must be one that gives a crimp from"),
+        ("crimp,1.2 %,0.8 %", "thickness,0.1 mm,", "values.csv: thickness = '0.1 mm': must be at least 0.143 mm, wh"),
+        (VALUES, "", "columns = '': must be key, warp, weft"),
     ],
 )
 def test_bad_values_are_one_line(command, tmp_path, values, old, new, told):

@@ -76,5 +76,5 @@ def test_the_schema_rejects(table, key, value):
 
 def test_a_property_has_meaning_unit_and_range():
     table = reference.json_schema(impact.Scene)["$defs"]["ProjectileTable"]["properties"]
-    assert table["mass"]["description"] == 'mass [kg]; a mass above 0, such as "3 g"'
+    assert table["diameter"]["description"] == 'diameter [m]; a length above 0, such as "5.5 mm"'
     assert table["mass"]["type"] == "string"

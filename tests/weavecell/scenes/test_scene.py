@@ -170,7 +170,10 @@ def test_every_shape_of_the_solver_is_a_shape_of_scenes():
 
 
 def test_a_sphere_has_no_edge():
-    ball = {key: value for key, value in TABLE["projectile"].items() if key != "edge_radius"} | {"shape": "sphere"}
+    ball = {key: value for key, value in TABLE["projectile"].items() if key != "edge_radius"} | {
+        "shape": "sphere",
+        "mass": "1 g",
+    }
     asked = scenes_impact.check(TABLE | {"projectile": ball}, "s")
     assert build.setup(build.build(asked, "s", "s"), "s").projectile.shape == "sphere"
 

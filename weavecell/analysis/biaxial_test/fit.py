@@ -104,7 +104,7 @@ def _packed(fabric, test, x, covariance, residuals, spread, options):
         intervals = [(value * np.exp(-half), value * np.exp(half)) for value, half in ((a, da), (b, db))]
     law = CompressionLaw(
         a, b, provenance=f"fitted to {Path(test.source).name or 'a biaxial test'}, k = {test.ratio:.3g}",
-        a_interval=intervals[0], b_interval=intervals[1],
+        a_interval=intervals[0], b_interval=intervals[1], fabric=fabric.name,
     )  # fmt: skip
     shift = (0.0, None)
     if x.size > 2:
