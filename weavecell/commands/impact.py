@@ -192,9 +192,11 @@ def fire(
     """
     from shellfabric.impact import simulation
     from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
+    from shellfabric.plies import memory
 
-    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)  # type: ignore[arg-type]
     table = table or setup.table(kept=True)
+    memory.check([setup.panel(table)] * setup.plies, setup.snapshots, written=True)
+    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)  # type: ignore[arg-type]
     result, failure = progress.watched(
         lambda hooks: simulation.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table),
         title,
