@@ -29,7 +29,7 @@ with lazy.imports():
     from weavecell.commands import mesh
     from weavecell.report import chapters
     from weavecell.report import page as report_page
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
 
 
 STATES = 241
@@ -80,6 +80,7 @@ def biaxial(
     fabric = variants.with_linear_density(plain, "effective")
     options: dict[str, Any] = {"profile": profile.value, "toe": _toes(toe)}
     model, began = CellModel(fabric, **options), time.perf_counter()
+    out_folder.claim(out)
     found = {text: to_strength(model, ratio, STATES) for text, ratio in wanted.items()}
     solved = {} if size is None else _crossovers(fabric, found, size, out)
     ends = {text: _end(path) | _misses(model, solved.get(text)) for text, path in found.items()}

@@ -179,10 +179,16 @@ def test_resume_of_another_scene_is_refused(command, scene, tmp_path, monkeypatc
     assert names(tmp_path / "results") == ["checkpoint.h5"]
 
 
-def test_nothing_to_resume(command, scene, tmp_path):
-    code, _, err = command("impact", scene(), "--out", "results", "--resume")
-    assert (code, err) == (2, "error: results/checkpoint.h5: there is no checkpoint to resume from\n")
-    assert names(tmp_path) == ["scene.toml"]
+def test_resume_begins_a_new_run_and_leaves_a_finished_one(command, scene, tmp_path):
+    path = scene()
+    assert command("impact", path, "--out", "results", "--resume")[0] == 0
+    written = (tmp_path / "results" / "summary.json").read_text()
+    code, out, _ = command("impact", path, "--out", "results", "--resume")
+    assert code == 0
+    assert out.endswith("; done before with the same input and code, in results\n")
+    assert (tmp_path / "results" / "summary.json").read_text() == written
+    other = scene("other.toml", extra="\n[numerics]\npenalty = 0.02\n")
+    assert command("impact", other, "--out", "results", "--resume")[1].startswith("replaces the results of ")
 
 
 def test_unstable_run_keeps_what_it_computed(command, scene, tmp_path):
