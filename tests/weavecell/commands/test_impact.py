@@ -83,11 +83,14 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert "numpy" in summary["provenance"]["packages"]
 
 
-def test_view_draws_the_result(command, scene, tmp_path):
+def test_view_draws_the_result(command, scene, tmp_path, monkeypatch):
     command("impact", scene(outputs='["paraview"]'), "--out", "results")
-    code, _, _ = command("view", "results", "--screenshot", "panel.png")
-    assert code == 0
+    assert command("view", "results", "--screenshot", "panel.png")[:2] == (0, "written to panel.png\n")
     assert (tmp_path / "panel.png").read_bytes().startswith(b"\x89PNG")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    line = "error: there is no display for a window: give --screenshot FILE.png or --movie FILE.gif\n"
+    assert command("view", "results") == (2, "", line)
 
 
 def test_view_shows_the_whole_panel_and_the_projectile(command, scene, tmp_path):
@@ -129,8 +132,7 @@ def test_view_writes_a_movie(command, scene, tmp_path, monkeypatch):
     from PIL import Image
 
     command("impact", scene(outputs='["paraview"]'), "--out", "results")
-    code, _, _ = command("view", "results", "--movie", "shot.gif")
-    assert code == 0
+    assert command("view", "results", "--movie", "shot.gif")[:2] == (0, "written to shot.gif\n")
     with Image.open(tmp_path / "shot.gif") as movie:
         assert movie.n_frames == len(paraview.read_series(tmp_path / "results" / "panel.pvd"))
     monkeypatch.setitem(sys.modules, "imageio.v2", None)
