@@ -20,9 +20,15 @@ from fabrics.checks import BoolArray, FloatArray
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon import relaxation_kernels as kernels
+from shellfabric.driver import memory
 
 if TYPE_CHECKING:
     from fabrics.weave import Weave
+
+
+# [bytes] of resident memory at the peak, of bias coupons of S-720 of four sizes: 77 of each point of the grid that a
+# coupon is cut from, then 1,900 to 2,500 of each element, most of them in `Coupon.spread`
+GRID_POINT, ELEMENT = 80.0, 2500.0
 
 
 @dataclass(frozen=True)
@@ -139,13 +145,15 @@ def mesh_coupon(
 
     Raises
     ------
-    InputError : no element lies inside the outline
+    InputError : no element lies inside the outline, or more of them than memory holds
     """
     m = elements_per_crossover
     if m < 1 or m != int(m):
         raise InputError(key="elements_per_crossover", value=m, allowed="1, 2, 3, ...")
     spacing = tuple(2 * w / m for w in table.model.fabric.weave.w)
     half = tuple(int(reach / side) + 2 for side in spacing)
+    points = (2 * half[0] + 1) * (2 * half[1] + 1)
+    memory.check(GRID_POINT * points, f"a grid of {points:,} points", "length", reach)
     X, Y = np.meshgrid(
         *(side * (np.arange(-n, n + 1) + shift) for side, n, shift in zip(spacing, half, offset)), indexing="ij"
     )
@@ -165,6 +173,7 @@ def mesh_coupon(
     lines = [np.stack([number[i, j], number[k, l]], axis=1) for i, j, k, l in edges]
     # a yarn is crossed where an element beside it holds the other family too
     both = present[0] & present[1]
+    memory.check(ELEMENT * both.sum(), f"{both.sum():,} elements", "length", reach)
     is_crossed = [(part > 0)[edge[:2]] for part, edge in zip(_beside(both, both), edges)]
     across = tuple(_meeting(lines[k], is_crossed[k], lines[1 - k], is_crossed[1 - k], used.sum()) for k in (0, 1))
     i, j = np.nonzero(both)

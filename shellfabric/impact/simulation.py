@@ -32,6 +32,7 @@ from shellfabric.output.snapshots import Snapshot
 from shellfabric.panel import boundary, quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Numerics, Panel
+from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
@@ -245,6 +246,11 @@ class ImpactSetup:
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
         near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))
         return replace(self, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
+
+    @property
+    def snapshots(self) -> int:
+        """Snapshots of a run to the end time."""
+        return 0 if not self.snapshot_interval else round(self.end_time / self.snapshot_interval)
 
     @property
     def sample_interval(self) -> float:
@@ -504,7 +510,8 @@ def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
 
 
 def solver_of(target: Pack, setup: ImpactSetup) -> PackSolver:
-    """The solver of the target of a set-up."""
+    """The solver of the target of a set-up; InputError where it and the snapshots need more memory than is free."""
+    memory.check(target.plies, setup.snapshots)
     return PackSolver(target, setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
 
 

@@ -162,6 +162,19 @@ def in_frame(panel: Panel) -> FloatArray:
     return np.stack([c * X - s * Y + panel.impact_point[0], s * X + c * Y + panel.impact_point[1]])
 
 
+def shown(panel: Panel) -> list[FloatArray]:
+    """[X, Y] (ni+1, nj+1) [m] of the nodes at rest in the panel's frame, those beyond the opening moved onto its edge:
+    what a picture shows of a grid that lies in the clamp out there."""
+    places = panel.coordinates()
+    if not stepped(panel):
+        return places
+    at, half = in_frame(panel), 0.5 * np.array(panel.opening)[:, None, None]
+    onto = at * (half[0] / np.maximum(np.hypot(*at), half[0])) if panel.round else np.clip(at, -half, half)
+    (x, y), (c, s) = onto - np.array(panel.impact_point)[:, None, None], axes(panel.weave_angle)[0]
+    beyond = np.any(onto != at, axis=0)
+    return [np.where(beyond, moved, place) for moved, place in zip((c * x + s * y, c * y - s * x), places)]
+
+
 def loose(panel: Panel) -> BoolArray:
     """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
     free = np.ones(tuple(n + 1 for n in panel.counts), bool)

@@ -24,7 +24,7 @@ from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
-from shellfabric.plies import contact_simd_kernels, torn_contact_kernels
+from shellfabric.plies import contact_simd_kernels, memory, torn_contact_kernels
 from shellfabric.plies.contact_kernels import forces_on, side_of
 from shellfabric.plies.model import Pack
 from shellfabric.plies.turn_kernels import turned_back
@@ -47,6 +47,7 @@ PLY_SAMPLES = (
 def begin_compiling(panel: Panel) -> None:
     """Begin to compile what a run of one ply needs; returns at once."""
     pack = Pack((panel,))
+    memory.check(pack.plies)
     states, stack = pack.states(1.0)
     compile_ahead.begin(Items(states), Items(pack.constants()), None, None, stack, Items(pack.works()))
 
@@ -82,7 +83,7 @@ class PackSolver(ExplicitSolver):
 
     Raises
     ------
-    InputError : a strike velocity, end time or interval that is not positive
+    InputError : a strike velocity, end time or interval that is not positive, or more elements than memory holds
     """
 
     counters = (*ExplicitSolver.counters, "perforated_samples")
@@ -94,6 +95,7 @@ class PackSolver(ExplicitSolver):
         energy_error_limit: float = ENERGY_ERROR_LIMIT,
     ) -> None:  # fmt: skip
         pack = Pack.of(target)
+        memory.check(pack.plies)
         super().__init__(
             pack.plies[0].projectile, strike_velocity, end_time, interval=interval,
             energy_error_limit=energy_error_limit,

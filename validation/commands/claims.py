@@ -23,7 +23,7 @@ from validation.claims import runner, summary, variants
 from validation.claims.judge import BROKEN, DATA, MISSED, NOT_BUILT, NOT_COMPARABLE, NOT_TESTABLE, VERDICTS, WRONG
 from weavecell.report import pictures
 from weavecell.report.page import Figure
-from weavecell.results import json_file, progress, provenance
+from weavecell.results import json_file, out_folder, progress, provenance
 
 _COLUMNS_OF_VERDICTS = (MISSED, WRONG, DATA, NOT_COMPARABLE, NOT_BUILT, NOT_TESTABLE)
 _SUBTITLE = (
@@ -63,6 +63,7 @@ def validate(
     chosen, left_out = data.select(data.load(), topics, slow)
     if page is not None and topics:
         raise InputError(key="--page", value=page, allowed="without --topic: the page has the claims of all topics")
+    out_folder.claim(out, resume)
     began, cpu = time.perf_counter(), _cpu_time()
     with progress.bar(f"{len(chosen)} claims") as advance:
         records = runner.validate(

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from fabrics.errors import InputError
 from validation.commands import studies
-from weavecell.results import json_file, progress, provenance
+from weavecell.results import json_file, out_folder, progress, provenance
 
 LONG = "crossover"
 
@@ -96,6 +96,7 @@ def crossover(out: Path, level: str, only: Sequence[str], jobs: int, executor: s
     """The 3D crossover by all its choices."""
     from validation.verification.crossover_convergence import page, pictures, study, tables
 
+    out_folder.claim(out, resume)
     with progress.bar("Study of the 3D crossover") as advance:
         found = study.run(
             out, level=level, only=only or None, resume=resume, jobs=jobs, executor=executor,

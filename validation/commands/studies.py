@@ -11,7 +11,7 @@ from typing import Any
 
 from fabrics.errors import InputError
 from validation.verification.study import known
-from weavecell.results import json_file, progress, provenance
+from weavecell.results import json_file, out_folder, progress, provenance
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,7 @@ def run(
         raise InputError(f"say --all, or which {kind.option}: {', '.join(there)}")
     names = study.NAMES if everything else names
     out = out or Path("results") / (kind.folder if len(names) > 1 else f"{kind.prefix}-{names[0]}")
+    out_folder.claim(out, options.get("resume", False))
     found = []
     for name in names:
         with progress.bar(f"{kind.title}: {name}") as advance:

@@ -38,7 +38,6 @@ NOT_HERE = (
 DEFAULTS: dict[str, Any] = {  # of keys that the input file requires
     "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"},
     "opening": "203 mm",
-    "end_time": "800 us",
 }
 _OBJECTS = {"fabric": ("law", "surface"), "panel": ("ply_contact",)}  # may be objects, which no file can hold
 
@@ -63,7 +62,7 @@ class Keywords(TypedDict, total=False):
     opening: Quantity | tuple[Quantity, Quantity] | list[Quantity]
     opening_shape: Literal["rectangular", "round"]
     impact_point: tuple[Quantity, Quantity] | list[Quantity]
-    boundary: Literal["clamped", "free"] | Mapping[str, Side]
+    boundary: Literal["clamped", "free"] | Mapping[str, Side | Quantity]
     symmetry: Literal["quarter", "half", "whole"]
     weave_angle: Quantity
     plies: int
@@ -96,12 +95,12 @@ def tables() -> dict[str, str]:
     return flat | dict.fromkeys(GROUPS, "")
 
 
-def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
+def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> Scene:
     """The checked scene of a call.
 
     Parameters
     ----------
-    fabric : its name, for messages
+    fabric : its name, for messages; None where every ply has its own
     velocity : [m/s] of the strike, or a text with a unit
     options : of `Keywords`
 
@@ -135,7 +134,8 @@ def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
     struck = {} if velocity is None else {"strike_velocity": velocity}
     table["projectile"] = {**table["projectile"], **struck}
     written = _written(table, scenes_impact.Scene)
-    written["fabric"] |= {"name": fabric}
+    if fabric is not None:
+        written["fabric"] |= {"name": fabric}
     rejected = dict(IMPACT.rejected) | {"history.report_positions": "left out: `weavecell.setup` does not support it"}
     try:
         return scenes_impact.check(written, None, replace(IMPACT, rejected=rejected))

@@ -21,6 +21,7 @@ from weavecell.api import keywords, quantities
 from weavecell.api.keywords import Keywords
 from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
 from weavecell.scenes.schema import InlineLaw
+from weavecell.scenes.target import NO_HISTORY
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
@@ -118,12 +119,12 @@ def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
     return projectile_data.table(name, changes)
 
 
-def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Keywords]) -> ImpactSetup:
+def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Unpack[Keywords]) -> ImpactSetup:
     """The set-up of one impact, for `sweep` or `shellfabric`.
 
     Parameters
     ----------
-    fabric : Fabric, or what `weavecell.fabric` takes
+    fabric : Fabric, or what `weavecell.fabric` takes; None where every dict of `ply` has its name or file
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
     options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
         [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time
@@ -147,17 +148,17 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     """
     from weavecell.scenes import build
 
-    own = as_fabric(fabric)
-    scene = keywords.scene(own.name, velocity, options)
+    own = None if fabric is None else as_fabric(fabric)
+    scene = keywords.scene(own and own.name, velocity, options)
     surface = options.get("surface")
 
     def made(table, _):
         """Fabric, surface and laws of a table [fabric], with the objects among the keywords in place of their names."""
-        named = table.file or (table.name if table.name != own.name else None)
+        named = table.file or (table.name if own is None or table.name != own.name else None)
         law = options.get("law") if table.law == scene.fabric.law and named is None else table.law
         if isinstance(law, InlineLaw) or isinstance(table.law, InlineLaw):
             law = CompressionLaw(table.law.a, table.law.b, table.law.form)
-        cloth = build.damaged(assumed.with_shear(own if named is None else as_fabric(named)), table)
+        cloth = build.damaged(assumed.with_shear(as_fabric(named or own)), table)
         cell = build.surface_of(table, cloth, None, surface if isinstance(surface, ResponseSurface) else None)
         laws = quantities.laws(cloth, law) if cell is None and table.cell_model == "compressible" else None
         if scene.panel.plies > 1:
@@ -176,7 +177,7 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
 
 
 def shoot(
-    fabric: Fabric | FilePath, velocity: float | str, *, assumed_range: bool = False, **options: Unpack[Keywords]
+    fabric: Fabric | FilePath | None, velocity: float | str, *, assumed_range: bool = False, **options: Unpack[Keywords]
 ) -> ShotResult:
     """Fire a projectile at a panel, in this process.
 
@@ -317,7 +318,7 @@ def _assumed(given):
 
 
 def critical_velocity(
-    target: Fabric | FilePath | ImpactSetup, *, tolerance: float | str = 1.0, residual_shots: int = 8,
+    target: Fabric | FilePath | ImpactSetup | None, *, tolerance: float | str = 1.0, residual_shots: int = 8,
     scan: bool = True, assumed_range: bool = False, jobs: int = 1, executor: str = "local",
     **options: Unpack[Keywords],
 ) -> CriticalVelocityResult:  # fmt: skip
@@ -330,8 +331,8 @@ def critical_velocity(
 
     Parameters
     ----------
-    target, options : a set-up of `setup`; or a fabric with options, both as of `setup`, without velocity, end_time,
-        snapshot_interval and history
+    target, options : a set-up of `setup`; or a fabric with options, both as of `setup`, without velocity and history.
+        A shot ends with its outcome: end_time and snapshot_interval are not used
     tolerance : [m/s] at most between a stop and a perforation
     residual_shots : shots above the limit, for the Lambert-Jonas fit
     scan : whether the velocities about the bracket are scanned for mixed outcomes (`limit_scan`)
@@ -368,7 +369,7 @@ def critical_velocity(
 
 
 def v50(
-    target: Fabric | FilePath | ImpactSetup, *, shots: int = 100, batch: int = 10,
+    target: Fabric | FilePath | ImpactSetup | None, *, shots: int = 100, batch: int = 10,
     shape: float | None = None, modulus_cov: float | None = None, crimp_cov: float | None = None, seed: int = 1,
     folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local", **options: Unpack[Keywords],
 ) -> V50Result:  # fmt: skip
@@ -426,10 +427,8 @@ def _panel(target: Any, options: Any) -> ImpactSetup:
         for key in options:
             raise InputError(key=key, allowed="left out beside a set-up, which has it")
         return target
-    for key in ("end_time", "snapshot_interval", "history"):
-        if key in options:
-            allowed = "left out: a shot of the search ends with its outcome, and records nothing"
-            raise InputError(key=key, allowed=allowed)
+    if options.get("history") is not None:
+        raise InputError(key="history", allowed=NO_HISTORY["history"])
     return setup(target, 100.0, **options)
 
 

@@ -3,13 +3,15 @@
 Each has its arguments and options as its signature, its help as its docstring, and its example (`options.example`). A
 call imports the module of its command alone, and that imports the rest lazily (`fabrics.lazy`): help comes at once.
 
-Exit codes: 0 done; 2 bad input (a line on stderr for each problem, nothing written); 3 a run became unstable (what it
-had computed is kept); 130 interrupted.
+Exit codes: 0 done; 2 bad input, or a path that cannot be written to (a line on stderr for each problem, nothing
+written); 3 a run became unstable (what it had computed is kept); 130 interrupted.
 """
 
 from __future__ import annotations
 
+import errno
 import gc
+import logging
 import re
 import sys
 from collections.abc import Iterable
@@ -20,8 +22,10 @@ from typing import Annotated, Any, NoReturn
 import typer
 
 from fabrics.errors import InputError, WeavecellError, marked
+from weavecell.results import out_folder
 
 INTERRUPTED = 130
+UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}  # bad input
 # objects from one collection of cyclic garbage to the next (Python: 700): modules, kernels and pictures are hundreds of
 # thousands that live to the end of a command, and going through them again and again took a twentieth of its time
 COLLECT_EVERY = 10_000
@@ -119,6 +123,9 @@ def _root(
 def main(arguments: Iterable[str] | None = None) -> NoReturn:
     """Run the command line; never returns."""
     gc.set_threshold(COLLECT_EVERY)
+    log: Any = logging.getLogger("weavecell")
+    log.propagate = False  # plain lines, whatever an imported library sets up for all loggers (ffcx does)
+    log.addHandler(logging.lastResort)
     # click's own class, wherever this typer keeps its click
     usage_error: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
@@ -131,9 +138,12 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     except ModuleNotFoundError as problem:
         _fail(f"this command needs the Python package {problem.name}, which is not installed{_hint(problem.name)}", 1)
     except OSError as problem:  # a full disk, a folder that may not be written to
-        _fail(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem), 1)
+        code = InputError.exit_code if problem.errno in UNWRITABLE else 1
+        _fail(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem), code)
     except (typer.Abort, KeyboardInterrupt):
         code = INTERRUPTED
+    finally:
+        out_folder.release()
     if code == INTERRUPTED:
         _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import csv
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from enum import StrEnum
 from math import isfinite, sqrt
 from pathlib import Path
@@ -26,10 +27,11 @@ from weavecell.commands.options import RESULTS, FabricArgument, OutOption, Size,
 
 with lazy.imports():
     from fabrics import catalogue, files, units, variants
+    from fabrics.compression import CompressionLaw
     from weavecell.commands import mesh
     from weavecell.report import chapters
     from weavecell.report import page as report_page
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
 
 
 STATES = 241
@@ -65,6 +67,12 @@ def biaxial(
             metavar="WARP[,WEFT]",
         ),
     ] = "0",
+    law: Annotated[
+        Path | None,
+        typer.Option(
+            help="Compression law of `weavecell calibrate` (law.json), in place of the fabric's.", metavar="FILE"
+        ),
+    ] = None,
     out: OutOption = None,
 ) -> None:
     """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
@@ -78,8 +86,14 @@ def biaxial(
     wanted = {text: _ratio(text) for text in ratio or ("1:1", "1:0", "0:1")}
     plain = catalogue.load(name) if size is None else mesh.with_3d_data(name)
     fabric = variants.with_linear_density(plain, "effective")
+    if law is not None:
+        fabric = replace(fabric, laws=(CompressionLaw.from_json(law),) * 2)
+    elif fabric.laws is None:
+        allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
+        raise InputError(key="--law", allowed=allowed)
     options: dict[str, Any] = {"profile": profile.value, "toe": _toes(toe)}
     model, began = CellModel(fabric, **options), time.perf_counter()
+    out_folder.claim(out)
     found = {text: to_strength(model, ratio, STATES) for text, ratio in wanted.items()}
     solved = {} if size is None else _crossovers(fabric, found, size, out)
     ends = {text: _end(path) | _misses(model, solved.get(text)) for text, path in found.items()}
@@ -89,7 +103,7 @@ def biaxial(
         for text, path in found.items():
             columns = (*path.strain.T, *(path.response[key] for key in _COLUMNS))
             rows.writerows([text, *(f"{value:.8g}" for value in row)] for row in zip(*columns))
-    _report(out, model, found, solved, ends, options, size, began)
+    _report(out, model, found, solved, ends, options, size, began, "published" if law is None else str(law))
     for text, end in ends.items():
         print(
             f"{text:<8}{end['failed']} at its strength at strains {100 * end['strain'][0]:.2f} / "
@@ -99,17 +113,25 @@ def biaxial(
     print(f"written to {out}")
 
 
-def _report(out, model, found, solved, ends, options, size, began):
+def _report(out, model, found, solved, ends, options, size, began, source):
     """Write biaxial.json, pictures and report."""
     fabric, stamp = model.fabric, provenance.stamp("", model.fabric)
-    content = {"fabric": fabric.name, "form": model.form, **options, "mesh": size, "paths": ends, "provenance": stamp}
+    content = {
+        "fabric": fabric.name,
+        "form": model.form,
+        "law": source,
+        **options,
+        "mesh": size,
+        "paths": ends,
+        "provenance": stamp,
+    }
     json_file.write(out / "biaxial.json", content)
-    section = _chapter(fabric, found, solved, ends, options)
+    section = _chapter(fabric, found, solved, ends, options, source)
     report_page.write_pictures([section], out / "pictures")
     page = report_page.Report(
         f"{fabric.name}: biaxial response",
         "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first yarn.",
-        ((chapters.fabric_card(fabric), chapters.law_card(fabric.laws[0], source="published")),),  # type: ignore[index]
+        ((chapters.fabric_card(fabric), chapters.law_card(fabric.laws[0], source=source)),),  # type: ignore[index]
         (section, chapters.sources(fabric), chapters.making(stamp, {"all of it": time.perf_counter() - began})),
         f"weavecell {stamp['weavecell']}, {stamp['date']}",
     )
@@ -165,7 +187,7 @@ def _misses(model, history):
     return {"rms_from_3d": [sqrt(((own - other) ** 2).mean()) for own, other in pairs]}
 
 
-def _chapter(fabric, found, solved, ends, options):
+def _chapter(fabric, found, solved, ends, options, source):
     paths = {}
     for text, path in found.items():
         title = f"strains {text}"
@@ -174,7 +196,9 @@ def _chapter(fabric, found, solved, ends, options):
             paths[title] = history.d1 / w1, history.d2 / w2, history.T1, history.T2
         else:
             paths[title] = tuple(path.strain.T)
-    drawn = chapters.cell(fabric, {"published law": fabric.laws}, paths=paths, **options)
+    drawn = chapters.cell(
+        fabric, {"published law" if source == "published" else "law given": fabric.laws}, paths=paths, **options
+    )
     columns = ("strains, warp : weft", "first at its strength", "strain [%]", "tension [N]", "contact force [N]")
     columns += ("rms from 3D [N]",) if solved else ()
     rows = tuple(

@@ -27,7 +27,7 @@ with lazy.imports():
     from weavecell.commands import calibrate_all, calibrate_chain, calibrate_solid, mesh
     from weavecell.report import chapters
     from weavecell.report import page as report_page
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -96,8 +96,10 @@ def _one(name, out, plates, fit_solid, resume, choices):
     """Calibrate one fabric, its solid first where it is to be fitted, write what came of it and print the law."""
     fabric = mesh.with_3d_data(name)
     solid = None
-    if plates is not None or fit_solid:
-        solid = calibrate_solid.fit(fabric, calibrate_solid.curve_for(fabric, plates), out, resume=resume)
+    curve = calibrate_solid.curve_for(fabric, plates) if plates is not None or fit_solid else None
+    out_folder.claim(out, resume)
+    if curve is not None:
+        solid = calibrate_solid.fit(fabric, curve, out, resume=resume)
         fabric = assumed.given(solid.fabric, "solid")
     built = mesh.build(fabric, size=choices["size"], domain="whole")
     mesh.write(built, out, fabric=fabric)

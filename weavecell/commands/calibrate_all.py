@@ -16,7 +16,7 @@ from fabrics.files import write, write_csv
 from weavecell.report import chapters, pictures, pictures_solid
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
-from weavecell.results import progress, provenance
+from weavecell.results import out_folder, progress, provenance
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -32,6 +32,7 @@ def command(out: Path, *, size: str, jobs: int, executor: str, resume: bool, fri
     """Calibrate the whole catalogue, write the summary and print it."""
     from unitcell3d.identify.calibrate import CASES, calibrate_all
 
+    out_folder.claim(out, resume)
     fabrics = [fabric for fabric in map(catalogue.load, catalogue.list_names()) if fabric.solid_laws is not None]
     with progress.bar(f"Calibration of {len(fabrics)} fabrics") as advance:
         found = calibrate_all(

@@ -21,7 +21,7 @@ from weavecell.commands import calibrate_solid
 from weavecell.report import chapters, marked_page, pictures, pictures_solid
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
-from weavecell.results import json_file, progress, provenance
+from weavecell.results import json_file, out_folder, progress, provenance
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -49,6 +49,7 @@ def command(
     fabrics, skipped = with_curves()
     if page is not None:
         marked_page.split(page, *MARKS)
+    out_folder.claim(out, resume)
     runs = calibrate_solid.begin(out, resume)
     fits, failed = _fit(fabrics, runs, jobs, executor)
     choices = {"size": size, "friction": friction, "jobs": jobs, "executor": executor}

@@ -25,7 +25,7 @@ with lazy.imports():
     from shellfabric.impact import ballistic_limit
     from weavecell.analysis import fired_tests
     from weavecell.report import checks, pictures
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
     from weavecell.scenes import of_commands, target
 
 
@@ -59,6 +59,7 @@ def compare(
     out = out or options.RESULTS / f"compare-{Path(name).stem}"
     fired = fired_tests.FiredTests.read(tests)
     this = target.read(name, out, of_commands.LIMITS)
+    out_folder.claim(out)
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
     try:
         panel = this.setup.target()

@@ -33,7 +33,7 @@ with lazy.imports():
     from weavecell.report import chapters, checks, pictures, pictures_coupon
     from weavecell.report import page as report_page
     from weavecell.results import coupon as results_coupon
-    from weavecell.results import coupon_measures, progress, provenance, pull_out, run_folder
+    from weavecell.results import coupon_measures, out_folder, progress, provenance, pull_out, run_folder
     from weavecell.scenes import build, of_commands
     from weavecell.scenes import coupon as scenes_coupon
 
@@ -65,11 +65,15 @@ def coupon(
     scene, text = scenes_coupon.load(path, of_commands.COUPON)
     this = build.build(scene, path, path.stem)
     checkpoint = out / "checkpoint.h5"
-    if resume and not checkpoint.exists():
-        raise InputError("there is no checkpoint to resume from", file=checkpoint)
+    code = "shellfabric.coupon.quasistatic", "shellfabric.coupon.pull_out"
+    key = run_cache.key((text, this.fabric, this.laws, scene.model_dump()), *code)
+    if resume and impact.finished(out, key, strict):
+        return
+    resume &= checkpoint.exists()
+    out_folder.claim(out, resume)
     title = scene.title or f"{this.fabric.name}, {WORDS[scene.test]}"
     if scene.test == "pull_out":
-        _pull_out(this, path, title, text, out, strict)
+        _pull_out(this, path, title, text, out, strict, key)
         return
     began = time.perf_counter()
     try:
@@ -86,7 +90,7 @@ def coupon(
         wall_time=time.perf_counter() - began, checks=coupon_measures.indicators(result, table, scene.run.tolerance),
     )  # fmt: skip
     with progress.bar("Writing results") as advance:
-        _write(out, this, record, text, advance)
+        _write(out, this, record, text, advance, key)
     checkpoint.unlink(missing_ok=True)
     print(f"{record.title}: {record.outcome}")
     for line in lines(record):
@@ -97,7 +101,7 @@ def coupon(
     checks.report(record.checks, strict)
 
 
-def _pull_out(this, path, title, text, out, strict):
+def _pull_out(this, path, title, text, out, strict, key):
     """Run a yarn pull-out, write its results and print them."""
     began, scene, failure = time.perf_counter(), this.scene, None
     with progress.bar(title) as advance:
@@ -113,7 +117,7 @@ def _pull_out(this, path, title, text, out, strict):
         wall_time=time.perf_counter() - began,
     )  # fmt: skip
     stamp = provenance.stamp(text, this.fabric)
-    run_folder.write(out, text, record, checks.summary(record.checks), stamp)
+    run_folder.write(out, text, record, checks.summary(record.checks) | {"run_key": key}, stamp)
     record.write_csv(out / "load.csv")
     section = _pull_out_chapter(record)
     if "pictures" in scene.run.outputs:
@@ -190,11 +194,11 @@ def _stamp(table, scene):
     return run_cache.stamp(inputs, "shellfabric.coupon.quasistatic")
 
 
-def _write(out, this, record, text, advance):
+def _write(out, this, record, text, advance, key):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, this.fabric)
-    run_folder.write(out, text, record, checks.summary(record.checks), stamp)
+    run_folder.write(out, text, record, checks.summary(record.checks) | {"run_key": key}, stamp)
     advance(0.2)
     if not outputs:
         return

@@ -30,7 +30,7 @@ with lazy.imports():
     from shellfabric.panel import quality
     from weavecell.analysis import limit_search
     from weavecell.report import chapters_assumed, checks, pictures
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
     from weavecell.scenes import of_commands, target
 
 if TYPE_CHECKING:
@@ -84,6 +84,7 @@ def critical_velocity(
     width, scan = options.above_zero(tolerance, "m/s", "--tolerance"), _scan(scan_above, scan_below, scan_step)
     out = out or options.RESULTS / f"critical-velocity-{Path(name).stem}"
     this, began = target.read(name, out, of_commands.LIMITS), time.perf_counter()
+    out_folder.claim(out)
     shots: list[Any] = []
     try:
         found = limit_search.search(

@@ -25,7 +25,7 @@ with lazy.imports():
     from fabrics.friction import pull_out as friction_pull_out
     from weavecell.commands import mesh
     from weavecell.report import checks, crossover_cases, pictures, pictures_crossover
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
 
 
 DOMAINS = {
@@ -194,6 +194,7 @@ def _run(name, case, out, domain, size, chosen, choices):
     domain = allowed[0] if domain is None else domain
     if domain not in allowed:
         raise InputError(key="--domain", value=domain, allowed=f"{' or '.join(allowed)} for this case")
+    out_folder.claim(out)
     built = mesh.build(fabric, domain=domain, **chosen)
     with progress.bar(f"{fabric.name}, {case}") as advance:
         record = run(built, hooks=[lambda share, row: advance(share)])

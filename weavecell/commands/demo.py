@@ -29,7 +29,7 @@ with lazy.imports():
     from weavecell.report import chapters
     from weavecell.report import page as report_page
     from weavecell.report.shot import chapters_mesh, chapters_shot, tables_shot
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
     from weavecell.scenes import build, of_commands
     from weavecell.scenes import impact as scenes_impact
 
@@ -47,6 +47,7 @@ def demo(
     file = resources.files("weavecell") / "scenes" / "demo.toml"
     text, plan = scenes_impact.read_toml(file, what="demonstration")  # type: ignore[arg-type]
     fabric = catalogue.load(plan["calibration"]["fabric"])
+    out_folder.claim(out)
     clock = Clock()
     compiler = executors.CONTEXT.Process(target=_compile, args=(plan,), daemon=True)
     if jobs > 1:

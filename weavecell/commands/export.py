@@ -23,6 +23,7 @@ from weavecell.commands.options import RESULTS, OutOption, TargetArgument, examp
 with lazy.imports():
     from weavecell.report import deck_folder
     from weavecell.results import convert as results_convert
+    from weavecell.results import out_folder
     from weavecell.scenes import target
 
 
@@ -73,6 +74,7 @@ def export(
     """
     out = out or RESULTS / f"export-{Path(name).stem}-{to.value}"
     this = target.read(name, out, deck_folder.SUPPORT)
+    out_folder.claim(out)
     try:
         made = deck_folder.made_of(
             this.setup, to.value, units.value, match.value, title=_title(this), source=this.case.law_name

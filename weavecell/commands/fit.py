@@ -38,7 +38,7 @@ with lazy.imports():
     from weavecell.analysis.uncertainty import inputs
     from weavecell.commands import fit_model, mesh
     from weavecell.report import pictures
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
     from weavecell.scenes import target
 
 
@@ -95,6 +95,7 @@ def run(
         return None
     points = fit_model.read(name, data)
     model = fit_model.Model(name, points, out)
+    out_folder.claim(out, resume)
     if not resume:
         run_cache.RunCache(out / options.RUNS).clear()
     with (
@@ -129,6 +130,7 @@ def _platens(name, data, out, free, resume):
         raise InputError(key="--free", value=text, allowed="left out: a platen curve gives E_c, V_c and K_r")
     curve = plate_curve.PlateCurve.read(data)
     fabric = mesh.with_3d_data(name)
+    out_folder.claim(out, resume)
     found = calibrate_solid.fit(fabric, curve, out, resume=resume)
     chapter = calibrate_solid.chapter(found, {})
     files.write(out / "fit.svg", chapter.figures[0].content)

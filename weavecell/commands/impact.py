@@ -29,10 +29,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fabrics import lazy
-from fabrics.errors import InputError, UnstableError, WeavecellError
+from fabrics.errors import DoubtfulError, InputError, UnstableError, WeavecellError
 from weavecell.commands import options
 
 with lazy.imports():
+    from fabrics import run_cache
     from weavecell.analysis import assumed_range as over_assumed
     from weavecell.commands import fidelity
     from weavecell.commands import uncertainty as scatter
@@ -40,7 +41,7 @@ with lazy.imports():
     from weavecell.report import page as report_page
     from weavecell.report.shot import shot_page, tables_shot
     from weavecell.results import impact as results_impact
-    from weavecell.results import impact_shapes, paraview, progress, provenance, run_folder
+    from weavecell.results import impact_shapes, json_file, out_folder, paraview, progress, provenance, run_folder
     from weavecell.scenes import build, of_commands, words
     from weavecell.scenes import impact as scenes_impact
 
@@ -121,7 +122,7 @@ def run(
 
     Raises
     ------
-    InputError : the scene or what it names is wrong, or there is nothing to resume; nothing has been written
+    InputError : the scene or what it names is wrong; nothing has been written
     UnstableError : the run became unstable; what it had computed has been written
     DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     Interrupted : by the user; the last checkpoint has been kept
@@ -129,8 +130,10 @@ def run(
     scene, text = scenes_impact.load(path, of_commands.impact)
     this = build.build(scene, path, path.stem)
     setup = build.setup(this, path)
-    if resume and not checkpoints(out):
-        raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
+    key = run_cache.key((text, setup, with_range, uncertainty), "shellfabric.impact.simulation")
+    if resume and finished(out, key, strict):
+        return
+    out_folder.claim(out, resume and bool(checkpoints(out)))
     title = scene.title or f"{setup.title}, {scene.projectile.strike_velocity:g} m/s"
 
     def shoot(setup, table=None, model=""):
@@ -147,7 +150,7 @@ def run(
     plain = with_range and choice is None and failure is None and setup.plies == 1
     around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
-        write(out, this, setup, record, snapshots, text, advance, choice, around, pair)
+        write(out, this, setup, record, snapshots, text, advance, choice, around, pair, key)
     for checkpoint in checkpoints(out):
         checkpoint.unlink()
     _tell(record, out, around, choice, pair)
@@ -172,6 +175,23 @@ def _interrupted(out):
     return Interrupted(f"interrupted{hint}")
 
 
+def finished(out: Path, key: str, strict: bool) -> bool:
+    """Whether a folder holds the results of the run with a `run_cache.key`, which is then printed.
+
+    Raises
+    ------
+    DoubtfulError : they are doubtful, and `strict`
+    """
+    file = out / "summary.json"
+    found = json_file.read_summary(file) if file.exists() and not checkpoints(out) else {}
+    if found.get("run_key") != key or found["outcome"] == "unstable":
+        return False
+    print(f"{found['title']}: {found['outcome']}; done before with the same input and code, in {out}")
+    if strict and found["checks"]["status"] == checks.DOUBTFUL:
+        raise DoubtfulError("the result is doubtful")
+    return True
+
+
 def checkpoints(out: Path) -> list[Any]:
     """The checkpoints in a folder: one, or one for each model that has been tried."""
     return sorted(out.glob("checkpoint*.h5"))
@@ -192,9 +212,11 @@ def fire(
     """
     from shellfabric.impact import simulation
     from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
+    from shellfabric.plies import memory
 
-    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)  # type: ignore[arg-type]
     table = table or setup.table(kept=True)
+    memory.check([setup.panel(table)] * setup.plies, setup.snapshots, written=True)
+    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)  # type: ignore[arg-type]
     result, failure = progress.watched(
         lambda hooks: simulation.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table),
         title,
@@ -211,13 +233,14 @@ def fire(
 def write(
     out: Path, this: build.Case, setup: ImpactSetup, record: ImpactRecord, snapshots: Sequence[tuple[Snapshot, ...]],
     text: str, advance: Callable[..., object], choice: Answer | None = None, around: Any = None,
-    pair: Discretisation | None = None,
+    pair: Discretisation | None = None, key: str = "",
 ) -> None:  # fmt: skip
-    """Write everything but the checkpoint."""
+    """Write everything but the checkpoint; `key` is that of the run, for `finished`."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, *setup.fabrics, shot=setup.projectile)
     more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
     more |= chapters_discretisation.summary(pair) | {"projectile": words.shot_in_words(this.scene.projectile)}
+    more |= {"run_key": key}
     run_folder.write(out, text, record, more, stamp)
     if this.scene.projectile.stl is not None:
         shutil.copyfile(this.scene.projectile.stl, out / "projectile.stl")

@@ -23,7 +23,7 @@ with lazy.imports():
     from fabrics import assumed, catalogue
     from meshing.texgen import comparison, geometry
     from weavecell.commands import fabrics
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -117,9 +117,11 @@ def mesh(
         size=size, crimp=crimp, width=width, end_shells=end_shells, gap=gap, section=section and section.value,
         tip_thickness_ratio=tip_thickness_ratio, overlap=overlap.value,
     )  # fmt: skip
+    formats = _formats(format)
+    out_folder.claim(out)
     built = build(fabric, domain=domain.value if domain else "quarter", count=count, **chosen)
     compared = {} if drawn is None else {"texgen": {"file": drawn.name, **comparison.compare(drawn, built)}}
-    write(built, out, _formats(format), fabric, compared)
+    write(built, out, formats, fabric, compared)
     for key, value in facts(built).items():
         print(f"{key:<24}{value}")
     if compared:

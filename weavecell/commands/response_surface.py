@@ -25,7 +25,7 @@ with lazy.imports():
     from weavecell.commands import mesh
     from weavecell.report import chapters, pictures, pictures_surface
     from weavecell.report import page as report_page
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
 
 
 @options.example("weavecell surface S-720 --mesh coarse --points 11")
@@ -63,6 +63,7 @@ def surface(
     fabric = mesh.with_3d_data(name)
     spans = [_span(text, key) for text, key in ((d1, "--d1"), (d2, "--d2"))]
     stamp = provenance.stamp("", fabric)
+    out_folder.claim(out, resume)
     partial = out / "partial.h5"
     with progress.bar(f"Response surface of {fabric.name}") as advance:
         found = identify_response_surface.sample(

@@ -23,7 +23,7 @@ with lazy.imports():
     from weavecell.analysis import sweep as analysis
     from weavecell.analysis.uncertainty import inputs
     from weavecell.report import pictures_uncertainty
-    from weavecell.results import json_file, parquet, progress, provenance
+    from weavecell.results import json_file, out_folder, parquet, progress, provenance
     from weavecell.scenes import impact as scenes
     from weavecell.scenes import of_commands, schema, supported, target
 
@@ -74,6 +74,7 @@ def sweep(
     for number, changes in enumerate(combinations):
         with redirect_stdout(io.StringIO()) if number else nullcontext():  # what is assumed is printed once
             targets.append(target.read(name, out, check, changes=changes, own_mesh=own))
+    out_folder.claim(out, resume)
     rows = _rows(targets, wanted, out / options.RUNS, jobs, executor, resume)
     table = [
         changes | {"areal_density_kg_m2": one.setup.areal_density} | row

@@ -30,7 +30,7 @@ with lazy.imports():
     from weavecell.analysis.uncertainty import v50 as v50_of
     from weavecell.commands import critical_velocity
     from weavecell.report import marked_page, pictures_uncertainty
-    from weavecell.results import json_file, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
     from weavecell.scenes import build, of_commands, target
     from weavecell.scenes import impact as impact_scenes
 
@@ -271,6 +271,7 @@ def draws(
     setup = build.setup(this, path)
     scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
     title = scene.title or f"{setup.title}, {scene.projectile.strike_velocity:g} m/s"
+    out_folder.claim(out, resume)
     try:
         with progress.bar(f"{title}, draws") as advance:
             study = draws_of.study(
@@ -351,6 +352,7 @@ def _begin(name, out, page, mark, resume, support, **panel):
     this = target.read(name, out, support, own_mesh=mark == "v50", **panel)
     if page is not None:
         marked_page.split(page, *_marks(mark))
+    out_folder.claim(out, resume)
     if not resume:
         run_cache.RunCache(out / options.RUNS).clear()
     return this

@@ -38,3 +38,6 @@ def view(
     --cut its section along the warp through the impact point.
     """
     report_view.show(path, screenshot, movie, cut)
+    for file in (movie, screenshot):
+        if file is not None:
+            print(f"written to {file}")

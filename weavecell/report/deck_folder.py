@@ -44,7 +44,7 @@ ROWS = {
     "uniaxial": "largest in uniaxial tension", "shear": "largest in trellis shear until locking",
 }  # fmt: skip
 _NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
-_SIDES = [f"panel.boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields]
+_SIDES = [f"panel.boundary.{side}{key}" for side in ("", "warp.", "weft.") for key in SlipTable.model_fields]
 _IN_PART = "panel.boundary", "panel.ply.angle"  # refused for some of their values, the angle by `deck.build`
 SUPPORT = target.support(
     ignored=(*target.UNWRITTEN, "history"),

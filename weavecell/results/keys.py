@@ -61,6 +61,7 @@ SHARED = keys(
     ("steps", "1", "number of time steps; of a coupon, of load steps"),
     ("checks.status", "", '"ok", "noted" or "doubtful"'),
     ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status"),
+    ("run_key", "", "digest of the input and the code: `--resume` computes nothing where it is the same"),
     ("assumed_range.*", "", "residual or critical velocity over the ranges of assumed laws: low_m_s, high_m_s, runs"),
     ("provenance.*", "", "versions, commit, date, machine, threads, text of the input file, assumed tables, digest, "
      "unit and edge radius of an STL file"),

@@ -252,7 +252,7 @@ def _edge(boundary):
         return boundary
     return tuple(
         tuple(_side(end) for end in side) if isinstance(side, tuple) else _side(side)
-        for side in (boundary.warp, boundary.weft)
+        for side in boundary.sides.values()
     )
 
 

@@ -40,8 +40,8 @@ class BiasTable(Table):
     elongation = "10 mm"
     """
 
-    length: quantity("length of the coupon between the clamps", "m", "143.5 mm")
-    width: quantity("width of the coupon", "m", "74 mm")
+    length: quantity("length of the coupon between the clamps", "m", "143.5 mm", most="5 m")
+    width: quantity("width of the coupon", "m", "74 mm", most="5 m")
     elongation: quantity("displacement of the moving clamp at the end", "m", "10 mm")
     trellis: flag("whether the trellis shear law acts") = True
 
@@ -68,8 +68,8 @@ class UniaxialTable(Table):
     """
 
     direction: one_of("yarns along which the strip is pulled", "warp", "weft")
-    length: quantity("length of the strip between the clamps", "m", "100 mm")
-    width: quantity("width of the strip", "m", "30 mm")
+    length: quantity("length of the strip between the clamps", "m", "100 mm", most="5 m")
+    width: quantity("width of the strip", "m", "30 mm", most="5 m")
     strain: quantity("nominal strain at the end", "", "5 %")
     failure: flag("whether the run ends where a yarn reaches its strength") = True
 

@@ -127,7 +127,7 @@ _SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
     "or a list of two such for its ends"
 )
-_BOUNDARY = '"clamped", "free" or a table { warp = ..., weft = ... } of sides'
+_BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a table { warp = ..., weft = ... } of sides'
 
 
 def _kind(value):
@@ -140,8 +140,9 @@ _Pair = Annotated[tuple[_One, _One], BeforeValidator(tuple), Tag("pair")]
 Side = Annotated[_Text | Annotated[SlipTable, Tag("inline")] | _Pair, Discriminator(_kind)]
 
 
-class BoundaryTable(Table):
-    """Different conditions for the ends of warp and weft, in place of `boundary = ...`.
+class BoundaryTable(SlipTable):
+    """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys of a slipping side,
+    which then holds for all four: `boundary = { clamp_force = "5 N" }`.
 
     [panel.boundary]
     warp = "clamped"
@@ -151,13 +152,22 @@ class BoundaryTable(Table):
     warp: Annotated[Side, described("how the warp yarns end at the frame", _SIDE)] = "clamped"
     weft: Annotated[Side, described("how the weft yarns end at the frame", _SIDE)] = "clamped"
 
+    @property
+    def sides(self) -> dict[str, Any]:
+        """{"warp": side, "weft": side} in the forms of these keys; where all four slip alike, this table itself."""
+        alike = bool(self.model_fields_set & set(SlipTable.model_fields))
+        return {name: self if alike else getattr(self, name) for name in ("warp", "weft")}
+
 
 Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discriminator(_kind)]
 
 
+WIDEST = 5.0  # [m] of an opening: a larger number has another unit
+
+
 def _opening(value):
     sides = [si(text, "m") for text in (value if isinstance(value, list) and len(value) == 2 else [value])]
-    if min(sides) <= 0:
+    if not 0 < min(sides) <= max(sides) <= WIDEST:
         raise ValueError("out of range")
     return sides[0] if len(sides) == 1 else tuple(sides)
 
@@ -202,6 +212,9 @@ def _ply_angle(text):
 
 
 MOST_PLIES = 100
+
+
+WITHOUT_FABRIC = "which may be left out where every [[panel.ply]] has name or file"
 
 
 class PlyTable(Table):
@@ -250,7 +263,8 @@ class PanelTable(Table):
     opening: from_text(
         float | tuple[float, float], _opening,
         "side of the square opening of the frame, or both sides; diameter of a round one",
-        'a length above 0, such as "203 mm", or a list of two, along warp and weft', "m", "203 mm", TEXT_OR_TWO,
+        f'a length above 0 and at most {WIDEST:g} m, such as "203 mm", or a list of two, along warp and weft',
+        "m", "203 mm", TEXT_OR_TWO,
     )  # fmt: skip
     opening_shape: one_of("shape of the opening; a round one needs clamped edges", "rectangular", "round") = (
         "rectangular"
@@ -367,7 +381,7 @@ class RunTable(Table):
     end_time: quantity(
         "latest end of the run; it ends earlier when the projectile stops (see backing.after_stop) or has perforated",
         "s", "250 us", most="10 ms",
-    )  # fmt: skip
+    ) = 800e-6  # fmt: skip
     elements_per_crossover: whole(
         "elements along each side of a crossover; where not given, 1 for one ply, and for a pack 2 about the impact "
         "point and longer ones outside", 1, 8,
@@ -459,10 +473,10 @@ class Scene(Table):
     """
 
     title: string("heading of the report", "a text") = ""
-    fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
+    fabric: Annotated[FabricTable, Field(description="a table [fabric]")] = FabricTable()
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
     panel: Annotated[PanelTable, Field(description="a table [panel]")]
-    run: Annotated[RunTable, Field(description="a table [run]")]
+    run: Annotated[RunTable, Field(description="a table [run]")] = RunTable()
     history: Annotated[HistoryTable | None, Field(description="a table [history]")] = None
     accuracy: Annotated[AccuracyTable | None, Field(description="a table [accuracy]")] = None
     numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
@@ -549,7 +563,10 @@ def is_angled(panel: PanelTable) -> bool:
 def _check_relations(scene, table, file):
     """What no single field can know; values are shown as they were written."""
     fabric, shot, panel, run = scene.fabric, scene.projectile, scene.panel, scene.run
-    exactly_one(fabric, ("name", "file"), "fabric", file)
+    if not (panel.ply and all(ply.name or ply.file for ply in panel.ply) and fabric.name is fabric.file is None):
+        if not table.get("fabric"):
+            raise InputError("is missing", file=file, key="fabric", allowed=f"a table [fabric], {WITHOUT_FABRIC}")
+        exactly_one(fabric, ("name", "file"), "fabric", file)
     if shot.edge_radius is None and shot.shape != "sphere":
         allowed = ProjectileTable.model_fields["edge_radius"].description
         raise InputError("is missing", file=file, key="projectile.edge_radius", allowed=allowed)
@@ -570,14 +587,14 @@ def _check_relations(scene, table, file):
         ("run", "checkpoint_interval"): (run.checkpoint_interval <= run.end_time, "at most run.end_time"),
     }
     for (name, key), (holds, allowed) in limits.items():
-        if not holds and key in table[name]:
+        if not holds and key in table.get(name, {}):
             raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
     stl_file.check_mass(shot, table["projectile"].get("mass"), file)
     if scene.backing is not None and scene.backing.size is not None and len(scene.backing.size) != 3:
         raise InputError(file=file, key="backing.size", value=table["backing"]["size"], allowed="three lengths")
     if isinstance(panel.boundary, BoundaryTable):
-        for name in ("warp", "weft"):
-            _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", file)
+        for name, side in panel.boundary.sides.items():
+            _check_sides(side, "panel.boundary" + ("" if side is panel.boundary else f".{name}"), file)
 
 
 def _check_sides(side, key, file):
@@ -585,7 +602,7 @@ def _check_sides(side, key, file):
     for one in side if isinstance(side, tuple) else (side,):
         if not isinstance(one, SlipTable):
             continue
-        given = {name for name, value in one if value is not None}
+        given = {name for name in one.model_fields_set if getattr(one, name) is not None}
         if given != {"clamp_force"} and given - {"zone"} != {"pull_in", "start", "end"}:
             raise InputError("give clamp_force alone, or pull_in with start and end (and zone)", file=file, key=key)
         if one.clamp_force is None and one.end <= one.start:

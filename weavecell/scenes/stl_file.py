@@ -10,7 +10,6 @@ it becomes all places of that ball in it. With K the points at least rho deep, d
 from __future__ import annotations
 
 import hashlib
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -92,14 +91,15 @@ def surface(path: FilePath, unit: str) -> Surface:
 @lru_cache(maxsize=4)
 def _surface(path, unit, digest):
     import pyvista
+    from vtkmodules.vtkIOGeometry import vtkSTLReader
 
-    with pyvista.vtk_verbosity("off"), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            mesh: Any = pyvista.read(path, force_ext=".stl")
-            corners = np.asarray(mesh.points, float)[mesh.regular_faces]
-        except Exception:  # pyvista has several of its own
-            corners = np.empty((0, 3, 3))
+    reader = vtkSTLReader()
+    for source in (reader, reader.GetExecutive()):
+        source.AddObserver("ErrorEvent", lambda *_: None)  # in place of VTK's own lines
+    reader.SetFileName(path)
+    reader.Update()
+    mesh: Any = pyvista.wrap(reader.GetOutput())
+    corners = np.asarray(mesh.points, float)[mesh.regular_faces]
     if not len(corners) or not np.all(np.isfinite(corners)):
         raise InputError("holds no triangles; must be an STL file, ASCII or binary", file=path)
     scale = _SAME * np.ptp(corners.reshape(-1, 3), axis=0).max()

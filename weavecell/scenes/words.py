@@ -33,8 +33,7 @@ def panel_in_words(panel: PanelTable) -> str:
         words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
     if isinstance(panel.boundary, str):
         return f"{words} and {panel.boundary}{_crossovers_in_words(panel)}"
-    sides = {name: getattr(panel.boundary, name) for name in ("warp", "weft")}
-    ends = " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in sides.items())
+    ends = " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in panel.boundary.sides.items())
     return f"{words}, {ends}{_crossovers_in_words(panel)}"
 
 

@@ -329,3 +329,18 @@ def test_what_stepped_edges_need(tables):
     ):
         with pytest.raises(InputError, match=key):
             Panel(table, **({"opening": (0.04, 0.04)} | changes))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"weave_angle": radians(30)}, {"round": True}, {"impact_point": (3e-3, 0.0)}, {"impact_point": (0.0, 0.0)}],
+)
+def test_what_is_shown_ends_at_the_opening(small, given):
+    """Nodes within it are shown where they are, and those that lie in the clamp on the edge."""
+    panel = small(symmetry="whole", **given)
+    held, at = ~boundary.loose(panel), np.array(boundary.shown(panel))
+    assert np.array_equal(at[:, ~held], np.array(panel.coordinates())[:, ~held])
+    c, s = np.cos(panel.weave_angle), np.sin(panel.weave_angle)
+    x, y = np.stack([c * at[0] - s * at[1], s * at[0] + c * at[1]]) + np.array(panel.impact_point)[:, None, None]
+    reach = np.hypot(x, y) if panel.round else np.maximum(np.abs(x), np.abs(y))
+    assert reach.max() <= 0.5 * panel.opening[0] + 1e-12

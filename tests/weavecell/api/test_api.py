@@ -365,8 +365,6 @@ def test_a_critical_velocity():
     assert found.fit is not None
     assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(s.strike_velocity for s in found.limit.shots)
     assert found.plot().axes[0].get_title(loc="left") == "S-720"
-    with pytest.raises(InputError, match="end_time: must be left out"):
-        wc.critical_velocity("S-720", end_time="1 ms")
     with pytest.raises(InputError, match="opening: must be left out beside a set-up"):
         wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1)
 

@@ -12,6 +12,7 @@ FABRICS = "S-720, S-726, S-727, S-728, S-731, S-745, glass-balanced, glass-unbal
 FABRIC_KEYS = "name, section, interlayer_gap, areal_density, areal_density_measured, thickness, "
 FABRIC_KEYS += "fibre_diameter, warp, weft, compression, shear, ply_contact, solid, micrograph, strain_rate"
 LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
+OPENING = 'a length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft'
 SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
     "or a list of two such for its ends"
@@ -34,6 +35,7 @@ SCENES = {
     "boundary-ends-early": "panel.boundary.weft: must end after its start",
     "boundary-glued": f"panel.boundary.weft = 'glued': must be {SIDE}",
     "boundary-half-glued": f"panel.boundary.warp = 'glued': must be {SIDE}",
+    "boundary-slips-and-free": "panel.boundary: give clamp_force alone, or pull_in with start and end (and zone)",
     "boundary-unknown-key": 'panel.boundary.weft.clamp_forc: unknown key, did you mean "clamp_force"? '
     "allowed here: clamp_force, pull_in, start, end, zone",
     "boundary-wrong-unit": """panel.boundary.weft.clamp_force = '20 mm': must be a force above 0, such as "20 N\"""",
@@ -70,6 +72,8 @@ SCENES = {
     "measure-off-the-panel": "history.weft = 0.25: must be at most 100.3 mm from the impact point",
     "measure-unknown-key": 'history.wrap: unknown key, did you mean "warp"? '
     "allowed here: interval, warp, weft, report_positions",
+    "missing-fabric": "fabric: is missing; must be a table [fabric], which may be left out where every [[panel.ply]] "
+    "has name or file",
     "missing-key": 'projectile.edge_radius: is missing; must be a length above 0, such as "0.3 mm"',
     "missing-table": "panel: is missing; must be a table [panel]",
     "negative-mass": """projectile.mass = '-3 g': must be a mass above 0, such as "3 g\"""",
@@ -77,11 +81,12 @@ SCENES = {
     "no-law-file": f"fabric.law = 'nowhere.json': there is no file {BROKEN}/nowhere.json; must be {LAW}",
     "no-surface-file": f"fabric.surface = 'nowhere.h5': there is no file {BROKEN}/nowhere.h5; "
     "must be the path of a surface written by `weavecell surface`",
-    "no-unit": 'panel.opening = 203: must be a length above 0, such as "203 mm", or a list of two, along warp and weft',
+    "no-unit": f"panel.opening = 203: must be {OPENING}",
     "not-a-table": "fabric = 'S-720': must be a table [fabric]",
     "not-toml": "not valid TOML (Expected newline or end of document after a statement (at line 5, column 10))",
     "oblique-quarter": "panel.symmetry = 'quarter': must be whole for this shot",
     "off-the-middle": "panel.impact_point = (0.02, 0.0): must be 0 across planes of symmetry, or symmetry = whole",
+    "opening-in-m": f"panel.opening = '60 m': must be {OPENING}",
     "round-rectangle": "panel.opening = (0.203, 0.15): must be one diameter of a round opening",
     "oblique-weave-quarter": "panel.symmetry = 'quarter': must be whole where the weave is oblique",
     "panel-too-small": "panel.opening = 0.004: must be wider than two projectiles and four crossovers",
@@ -92,11 +97,9 @@ SCENES = {
     "toe-in-an-impact": "fabric.fibre_slack = '0.1 %': must be left out in an impact",
     "toe-too-long": "fabric.fibre_slack = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
     "or a list of two, of warp and weft",
-    "three-sides": "panel.opening = ['203 mm', '100 mm', '50 mm']: must be a length above 0, "
-    'such as "203 mm", or a list of two, along warp and weft',
+    "three-sides": f"panel.opening = ['203 mm', '100 mm', '50 mm']: must be {OPENING}",
     "two-fabrics": "fabric: give exactly one of fabric.name and fabric.file",
-    "two-numbers": "panel.opening = '20 3 mm': must be a length above 0, "
-    'such as "203 mm", or a list of two, along warp and weft',
+    "two-numbers": f"panel.opening = '20 3 mm': must be {OPENING}",
     "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
     "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
     "allowed here: name, mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, "

@@ -2,11 +2,13 @@
 
 import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fabrics import catalogue
+from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import CellModel
@@ -59,6 +61,19 @@ def test_options_of_the_cell(command, tmp_path):
     assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
     linear = to_strength(CellModel(catalogue.load("glass-unbalanced")), (1, 1))
     assert abs(expected.strain[-1, 0] - linear.strain[-1, 0]) > 1e-4
+
+
+def test_the_law_of_a_calibration(command, tmp_path):
+    mine = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
+    code, _, err = command("biaxial", mine, "--ratio", "1:1", "--out", "b")
+    line = "error: --law: must be given, a law.json of `weavecell calibrate`: fabric mine has no compression law\n"
+    assert (code, err, list(tmp_path.iterdir())) == (2, line, [])
+    law = CompressionLaw(4e-5, 5e-5)
+    law.to_json(tmp_path / "law.json")
+    assert command("biaxial", mine, "--ratio", "1:1", "--law", "law.json", "--out", "b")[0] == 0
+    told = json.loads((tmp_path / "b" / "biaxial.json").read_text())
+    expected = to_strength(CellModel(catalogue.read(mine), (law, law)), (1, 1))
+    assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -116,15 +116,16 @@ def test_yarns_that_resist_bending_are_held_by_the_pre_tension(command, scene, t
     assert 0 < loads[0] < loads[1]
 
 
-def test_a_pull_out_is_not_resumed(command, scene):
-    code, _, err = command("coupon", scene(PULL), "--out", "r", "--resume")
-    assert (code, err) == (2, "error: r/checkpoint.h5: there is no checkpoint to resume from\n")
+def test_resume_begins_a_new_run_and_leaves_a_finished_one(command, scene):
+    path = scene(PULL)
+    assert "done before" not in command("coupon", path, "--out", "r", "--resume")[1]
+    code, out, _ = command("coupon", path, "--out", "r", "--resume")
+    assert code == 0
+    assert out.endswith(": complete; done before with the same input and code, in r\n")
 
 
 def test_only_its_own_checkpoint_is_gone_on_with(command, scene, tmp_path, monkeypatch):
     path = scene()
-    code, _, err = command("coupon", path, "--out", "r", "--resume")
-    assert (code, err) == (2, "error: r/checkpoint.h5: there is no checkpoint to resume from\n")
     keep = results_coupon.write_states
 
     def interrupted(*arguments):

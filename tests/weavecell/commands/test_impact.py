@@ -83,11 +83,14 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert "numpy" in summary["provenance"]["packages"]
 
 
-def test_view_draws_the_result(command, scene, tmp_path):
+def test_view_draws_the_result(command, scene, tmp_path, monkeypatch):
     command("impact", scene(outputs='["paraview"]'), "--out", "results")
-    code, _, _ = command("view", "results", "--screenshot", "panel.png")
-    assert code == 0
+    assert command("view", "results", "--screenshot", "panel.png")[:2] == (0, "written to panel.png\n")
     assert (tmp_path / "panel.png").read_bytes().startswith(b"\x89PNG")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    line = "error: there is no display for a window: give --screenshot FILE.png or --movie FILE.gif\n"
+    assert command("view", "results") == (2, "", line)
 
 
 def test_view_shows_the_whole_panel_and_the_projectile(command, scene, tmp_path):
@@ -129,8 +132,7 @@ def test_view_writes_a_movie(command, scene, tmp_path, monkeypatch):
     from PIL import Image
 
     command("impact", scene(outputs='["paraview"]'), "--out", "results")
-    code, _, _ = command("view", "results", "--movie", "shot.gif")
-    assert code == 0
+    assert command("view", "results", "--movie", "shot.gif")[:2] == (0, "written to shot.gif\n")
     with Image.open(tmp_path / "shot.gif") as movie:
         assert movie.n_frames == len(paraview.read_series(tmp_path / "results" / "panel.pvd"))
     monkeypatch.setitem(sys.modules, "imageio.v2", None)
@@ -179,10 +181,16 @@ def test_resume_of_another_scene_is_refused(command, scene, tmp_path, monkeypatc
     assert names(tmp_path / "results") == ["checkpoint.h5"]
 
 
-def test_nothing_to_resume(command, scene, tmp_path):
-    code, _, err = command("impact", scene(), "--out", "results", "--resume")
-    assert (code, err) == (2, "error: results/checkpoint.h5: there is no checkpoint to resume from\n")
-    assert names(tmp_path) == ["scene.toml"]
+def test_resume_begins_a_new_run_and_leaves_a_finished_one(command, scene, tmp_path):
+    path = scene()
+    assert command("impact", path, "--out", "results", "--resume")[0] == 0
+    written = (tmp_path / "results" / "summary.json").read_text()
+    code, out, _ = command("impact", path, "--out", "results", "--resume")
+    assert code == 0
+    assert out.endswith("; done before with the same input and code, in results\n")
+    assert (tmp_path / "results" / "summary.json").read_text() == written
+    other = scene("other.toml", extra="\n[numerics]\npenalty = 0.02\n")
+    assert command("impact", other, "--out", "results", "--resume")[1].startswith("replaces the results of ")
 
 
 def test_unstable_run_keeps_what_it_computed(command, scene, tmp_path):

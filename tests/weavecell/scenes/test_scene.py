@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import weavecell as wc
 from fabrics.compression import CompressionLaw
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes_impact
@@ -119,6 +120,16 @@ def test_setup_is_what_the_scene_says():
     assert setup.snapshot_interval == pytest.approx(1e-5)
 
 
+def test_what_a_lay_up_and_a_limit_need_not_say():
+    """[fabric] where every ply names its own, and [run]; in Python the same."""
+    plies = [{"name": "S-728"}, {"name": "S-726", "angle": "90 deg"}]
+    table = {"projectile": TABLE["projectile"], "panel": {"opening": "203 mm", "ply": plies}}
+    written = build.setup(build.build(scenes_impact.check(table, "s"), "s", "s"), "s")
+    given = wc.setup(None, "92.5 m/s", ply=plies)
+    assert written.title == given.title == "1 x S-728 + 1 x S-726 at 90 deg"
+    assert written.end_time == given.end_time == 800e-6
+
+
 def test_an_elastic_projectile_and_a_block_are_what_the_scene_says():
     changed = with_change("projectile", "body", "elastic_bar") | {
         "backing": {"modulus": "50 MPa", "standoff": "1 mm", "outer_boundary": "free"}
@@ -191,6 +202,10 @@ def test_sides_and_weave_of_the_panel():
     assert dataclasses.astuple(weft) == pytest.approx((5e-3, 200e-6, 650e-6, 60e-3))  # zone of the source
     told = words.panel_in_words(asked.panel)
     assert told == "203 mm by 100 mm, warp ends clamped / clamped with 20 N a yarn and weft ends slipping by 5 mm"
+    for side, grip in (({"clamp_force": "5 N"}, Grip(5.0)), (pull, weft)):
+        setup, asked = setup_of({"panel": {"boundary": side}})
+        assert setup.edge == (grip, grip), "one side holds for all four"
+    assert words.panel_in_words(asked.panel).endswith("warp ends slipping by 5 mm and weft ends slipping by 5 mm")
     setup, asked = setup_of({"panel": {"weave_angle": "45 deg", "symmetry": "whole"}})
     assert setup.weave_angle == pytest.approx(math.pi / 4)
     assert words.panel_in_words(asked.panel) == "203 mm square, its weave turned by 45° and clamped"

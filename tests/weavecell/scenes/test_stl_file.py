@@ -92,12 +92,13 @@ def test_a_bad_file_is_refused_in_one_line(command, tmp_path, what):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("content", [b"", b"no STL file", bytes(84), bytes(range(256)) * 9])
-def test_what_is_no_stl_file(tmp_path, content):
+@pytest.mark.parametrize("content", [b"", b"no STL file", b"solid x\n", bytes(84), bytes(range(256)) * 9])
+def test_what_is_no_stl_file(tmp_path, content, capfd, caplog):
     path = tmp_path / "body.stl"
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"body.stl: (holds no triangles|is )"):
         stl_file.surface(path, "mm")
+    assert (caplog.text, *capfd.readouterr()) == ("", "", ""), "VTK has reported it too"
 
 
 def test_no_file(tmp_path):

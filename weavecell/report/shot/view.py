@@ -8,6 +8,7 @@ file are drawn.
 from __future__ import annotations
 
 import io
+import os
 import sys
 import textwrap
 from collections.abc import Iterator, Mapping
@@ -87,7 +88,7 @@ def show(path: Path, screenshot: Path | None = None, movie: Path | None = None, 
     Raises
     ------
     InputError : there is nothing at `path` that can be shown or no series for a movie, a file is not named .png, .gif
-        or .mp4, or an MP4 is to be written without imageio
+        or .mp4, an MP4 is to be written without imageio, or there is no display for a window
     """
     if screenshot is not None and screenshot.suffix != ".png":
         raise InputError(key="--screenshot", value=str(screenshot), allowed="a file named *.png")
@@ -107,6 +108,8 @@ def show(path: Path, screenshot: Path | None = None, movie: Path | None = None, 
     if screenshot is not None:
         _write_screenshot(panel, file, screenshot, cut)
     elif movie is None:
+        if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+            raise InputError("there is no display for a window: give --screenshot FILE.png or --movie FILE.gif")
         plotter = pictures3d.new_plotter(off_screen=False, size=(1400, 900))
         add(plotter, file, panel, summary_of(file))
         plotter.show(title=f"weavecell: {file}")

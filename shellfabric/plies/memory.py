@@ -1,0 +1,50 @@
+"""Memory of a run of one ply or several, estimated from the numbers of its elements before any of its arrays is made.
+
+The bytes are of resident memory: growth of the peak beyond that of a small panel, per element, of whole panels of S-720
+of two sizes in each case (tests/shellfabric/impact/test_memory.py repeats one of them).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import prod
+
+from shellfabric.driver import memory
+from shellfabric.panel.model import Panel
+from shellfabric.sliding.model import SlidingPanel
+
+ELEMENT = 310.0  # [bytes] of an element of one ply with pinned crossovers: 303 to 318
+LARGER = 540.0  # [bytes] of an element of a pack, 390 to 539, or of sliding crossovers, 495 to 522
+SNAPSHOT = 70.0  # [bytes] of an element in a snapshot: 57 in one ply, 69 in a pack
+WRITTEN = 1100.0  # [bytes] of an element of the largest ply while pictures and files are made, after the run: 1090
+BRICK = 1270.0  # [bytes] of an element of the block behind the panel: 1266
+
+
+def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> float:
+    """[bytes] that a run needs.
+
+    Parameters
+    ----------
+    plies : all of them
+    snapshots : how many are kept
+    written : whether pictures and files are made of the results
+    """
+    counts, backing = [ply.elements for ply in plies], plies[0].backing
+    larger = len(plies) > 1 or isinstance(plies[0], SlidingPanel)
+    run = sum(counts) * (LARGER if larger else ELEMENT) + (BRICK * prod(backing.count) if backing else 0.0)
+    return max(run, WRITTEN * max(counts) if written else 0.0) + SNAPSHOT * snapshots * sum(counts)
+
+
+def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> None:
+    """Refuse a run that needs more memory than is free; parameters as of `needed`.
+
+    Raises
+    ------
+    InputError : with the numbers of elements and both amounts of memory
+    """
+    opening, backing = plies[0].opening, plies[0].backing
+    content = f"{sum(ply.elements for ply in plies):,} elements"
+    content += f" with a block of {prod(backing.count):,}" if backing else ""
+    content += f" and {snapshots:,} snapshots" if snapshots else ""
+    value = opening if opening[0] != opening[1] else opening[0]
+    memory.check(needed(plies, snapshots, written), content, "opening", value)

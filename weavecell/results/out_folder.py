@@ -1,0 +1,101 @@
+"""The folder that a command writes to: made, probed and locked before anything is computed, so that no result is lost.
+
+The lock is a file in the folder, held by flock until the command ends; the system frees it when the process dies.
+"""
+
+from __future__ import annotations
+
+import atexit
+import json
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from fabrics.errors import InputError
+
+LOCK = ".lock"
+_held: dict[Path, tuple[int, list[Path]]] = {}  # folder: descriptor of its lock, and folders that were made for it
+
+
+def claim(folder: Path, resume: bool = False) -> None:
+    """Make a folder ready for results, and keep it until `release`; print whose results are there and get replaced.
+
+    Parameters
+    ----------
+    folder : made with its parents where it does not exist
+    resume : whether the run goes on with what the folder holds, and replaces nothing
+
+    Raises
+    ------
+    InputError : it cannot be made or written to, or another run writes to it
+    """
+    place = folder.resolve()
+    if place in _held:
+        return
+    made = [path for path in (place, *place.parents) if not path.exists()]
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        descriptor = _locked(place / LOCK)
+    except OSError as problem:
+        _remove_empty(made)
+        allowed = f"a folder that can be written to ({problem.strerror})"
+        if isinstance(problem, BlockingIOError):
+            allowed = "another folder: another run is writing to this one"
+        raise InputError(key="--out", value=str(folder), allowed=allowed) from None
+    if not _held:
+        atexit.register(release)
+    _held[place] = descriptor, made
+    earlier = None if resume else _earlier(place)
+    if earlier:
+        print(f"replaces the results of {earlier} in {folder}")
+
+
+def release() -> None:
+    """Free all folders; one that was made and is still empty goes."""
+    while _held:
+        place, (descriptor, made) = _held.popitem()
+        with suppress(OSError):
+            os.unlink(place / LOCK)
+        os.close(descriptor)
+        _remove_empty(made)
+
+
+def _locked(path):
+    """Descriptor of a file that this process alone has locked; where files cannot be locked, of the file."""
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            import fcntl
+
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if os.fstat(descriptor).st_ino == os.stat(path).st_ino:
+                return descriptor
+        except FileNotFoundError:  # removed by the run that had it before
+            pass
+        except BlockingIOError:
+            os.close(descriptor)
+            raise
+        except (ImportError, OSError):
+            return descriptor
+        os.close(descriptor)
+
+
+def _remove_empty(folders):
+    """Remove folders, the innermost first, up to one that holds something."""
+    with suppress(OSError):
+        for folder in folders:
+            folder.rmdir()
+
+
+def _earlier(folder):
+    """What a folder holds the results of, with their date; None where it holds none."""
+    found: list[tuple[str, str]] = []
+    for path in folder.glob("*.json"):
+        content: Any = None
+        with suppress(OSError, ValueError):
+            content = json.loads(path.read_text("utf-8"))
+        stamp = content.get("provenance", content) if isinstance(content, dict) else None
+        if isinstance(stamp, dict) and "date" in stamp:
+            found.append((str(stamp["date"]), str(content.get("title") or content.get("fabric") or path.stem)))
+    return "{1} of {0}".format(*max(found)) if found else None
