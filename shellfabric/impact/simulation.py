@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import groupby
-from math import ceil, degrees, inf, pi
+from math import ceil, degrees, inf, pi, remainder
 from typing import Any
 
 import numpy as np
@@ -35,12 +35,13 @@ from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, SlipSummary
+from shellfabric.sliding.model import WINDOWING_FRICTION, CrossoverFriction, SlidingPanel, SlipSummary
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver, begin_compiling
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 PACK_ELEMENTS, NEAR = 2, 10  # of packs, per crossover about the impact point, and to how many crossovers at least
+OFF_CROSSOVER = 0.25  # [spacings] from a crossover along warp and weft: impact point of one sliding ply, by default
 UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
 
@@ -76,7 +77,7 @@ class ImpactSetup:
     edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
     round : whether the opening is a circle with the diameter `opening`
-    impact_point : [m] from the middle of the opening, along its two sides
+    impact_point : [m] from the middle of the opening, along its two sides; None takes that of `struck_at`
     symmetry : "quarter", "half" or "whole"
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
@@ -119,7 +120,7 @@ class ImpactSetup:
     edge: str | PullIn | Grip | tuple = "clamped"
     weave_angle: float = 0.0
     round: bool = False
-    impact_point: tuple[float, float] = (0.0, 0.0)
+    impact_point: tuple[float, float] | None = None
     symmetry: str = "quarter"
     end_time: float = 800e-6
     elements_per_crossover: int | None = None
@@ -198,10 +199,47 @@ class ImpactSetup:
         """Whether a ply is at another angle than 0 and a right one."""
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
 
+    @property
+    def struck_at(self) -> tuple[float, float]:
+        """[m] the impact point that is given, or its default: the middle of the opening. One ply of sliding yarns has a
+        crossover there; modelled whole, it is struck OFF_CROSSOVER beside it, since an exact hit is the exception and
+        overstates the limit where yarns are pushed aside."""
+        if self.impact_point is not None:
+            return self.impact_point
+        if not self.slides or self.plies > 1 or self.symmetry != "whole":
+            return 0.0, 0.0
+        warp, weft = (OFF_CROSSOVER * 2 * w for w in self.fabric.weave.w)
+        return warp, weft
+
+    @property
+    def slides(self) -> bool:
+        """Whether yarns can slide at the crossovers."""
+        return self.crossovers is not None and not self.crossovers.pins
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What has to be known of a shot at sliding yarns, a line each."""
+        if not self.slides:
+            return ()
+        found = []
+        if self.symmetry != "whole":
+            found.append(f"{self.symmetry} model of sliding yarns: symmetry can decide the outcome; compute the whole")
+        if self.plies == 1:
+            x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
+            on = max(x, y) < 1e-6
+            found.append(
+                "one sliding ply is struck on a crossover: the limit may be overstated" if on else
+                f"one sliding ply is struck {x:.2g} mm along the warp and {y:.2g} mm along the weft off a crossover"
+            )  # fmt: skip
+        if self.plies == 1 and self.crossovers.mu < WINDOWING_FRICTION:
+            words = f"friction below {WINDOWING_FRICTION:g} at the crossovers of one ply"
+            found.append(f"{words}: window possible, limit not conservative")
+        return tuple(found)
+
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
         """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply first."""
-        found = [replace(self, plies=1, lay_up=())]
+        found = [replace(self, plies=1, lay_up=(), impact_point=self.struck_at)]
         for ply in self.lay_up:
             one = replace(found[0], fabric=ply.fabric, laws=ply.laws)
             if one not in found:
@@ -323,7 +361,7 @@ class ImpactSetup:
             jam=self.jam,
             weave_angle=self.weave_angle,
             round=self.round,
-            impact_point=self.impact_point,
+            impact_point=self.struck_at,
             bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),  # type: ignore[arg-type]
             grading=self.grading,
             **more,

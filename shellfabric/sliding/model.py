@@ -37,6 +37,7 @@ DATA = tomllib.loads((Path(__file__).parent / "friction.toml").read_text("utf-8"
 HEXAGONAL = pi / sqrt(12)  # densest packing of round fibres
 LEAST = 0.9  # of the closest distance: yarn between two neighbours that touch, stretched and pressed together
 MOST_CLOSEST = 0.9  # of the spacing: fabric at rest is not in lateral contact
+WINDOWING_FRICTION = DATA["windowing_friction"]["value"]  # below it a nose may pass between the yarns of one ply
 
 Slip = namedtuple(
     "Slip",
@@ -83,7 +84,8 @@ class CrossoverFriction:
 
 @dataclass(frozen=True)
 class SlidingPanel(Panel):
-    """A Panel whose yarns slide through its crossovers, with one grid line a yarn.
+    """A Panel whose yarns slide through its crossovers, with one grid line a yarn, one crossover in the middle of the
+    opening.
 
     Parameters
     ----------
@@ -106,7 +108,6 @@ class SlidingPanel(Panel):
             ("grading", self.grading, self.grading is None, "left out"),
             ("weave_angle", self.weave_angle, self.weave_angle == 0, "0"),
             ("opening_shape", "round", not self.round, "rectangular"),
-            ("impact_point", self.impact_point, not any(self.impact_point), "0"),
             ("edge", self.edge, not led, "clamped, free or gripped"),
             ("bending", self.bending, not any(self.bending), "0"),
             ("jam", self.jam, self.jam[0] == 0, "left out"),
@@ -117,6 +118,12 @@ class SlidingPanel(Panel):
         ):  # fmt: skip
             if not met:
                 raise InputError(key=key, value=value, allowed=f"{allowed} {words}")
+
+    @property
+    def grid_middle(self) -> tuple[float, float]:
+        """[m] as of Panel: the grid stays in the middle of the opening, wherever it is struck, so that a shot need not
+        hit a crossover."""
+        return 0.0, 0.0
 
     @property
     def own_masses(self) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -136,6 +137,10 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
         both families, a pair (warp, weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult;
         without it that of the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
 
+    Returns
+    -------
+    ImpactSetup; each of its `notes`, which sliding crossovers have, is a warning
+
     Raises
     ------
     InputError : an unknown keyword, a value that is not allowed, or a law that is missing
@@ -145,6 +150,18 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     >>> wc.setup("S-720", "92.5 m/s", opening="50 mm").opening
     0.05
     """
+    return _noted(_setup(fabric, velocity, options))
+
+
+def _noted(made, stacklevel=3):
+    """The set-up, after a warning for each of its notes, at the line of the user."""
+    for note in made.notes:
+        warnings.warn(note, stacklevel=stacklevel)
+    return made
+
+
+def _setup(fabric, velocity, options):
+    """As `setup`, without its warnings."""
     from weavecell.scenes import build
 
     own = as_fabric(fabric)
@@ -205,7 +222,7 @@ def shoot(
     ('in flight', 148)
     """
 
-    given = setup(fabric, velocity, **options)
+    given = _noted(_setup(fabric, velocity, options))
     shot, problem = _fire(given)
     if problem:
         error = UnstableError(problem)
@@ -430,7 +447,7 @@ def _panel(target: Any, options: Any) -> ImpactSetup:
         if key in options:
             allowed = "left out: a shot of the search ends with its outcome, and records nothing"
             raise InputError(key=key, allowed=allowed)
-    return setup(target, 100.0, **options)
+    return _noted(_setup(target, 100.0, options), stacklevel=4)
 
 
 def as_fabric(given: Fabric | FilePath) -> Fabric:

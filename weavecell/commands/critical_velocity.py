@@ -166,7 +166,7 @@ def _write(out, this, search, shots, indicators, scan, wall_time):
         **checks.summary(indicators),
         **chapters_assumed.summary(search.range),
         "wall_time_s": wall_time,
-        "provenance": provenance.stamp(this.text, *this.setup.fabrics, shot=this.setup.projectile),
+        "provenance": provenance.stamp(this.text, setup=this.setup),
     }
     json_file.write(out / "critical-velocity.json", summary)
     files.write(

@@ -215,7 +215,7 @@ def write(
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
-    stamp = provenance.stamp(text, *setup.fabrics, shot=setup.projectile)
+    stamp = provenance.stamp(text, setup=setup)
     more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
     more |= chapters_discretisation.summary(pair) | {"projectile": words.shot_in_words(this.scene.projectile)}
     run_folder.write(out, text, record, more, stamp)

@@ -370,7 +370,7 @@ def _finish(
     command : that made it; content : of the record; began : perf_counter() at the start
     draw : called with the path of the picture
     """
-    stamp = provenance.stamp("", *setup.fabrics, shot=setup.projectile)
+    stamp, remarks = provenance.stamp("", setup=setup), [*remarks, *(f"Note: {note}." for note in setup.notes)]
     files.write_csv(out / f"{name}.csv", [head, *rows])
     record = {**_finite(content), "wall_time": time.perf_counter() - began, "provenance": stamp}
     json_file.write(out / f"{name}.json", record)

@@ -27,7 +27,7 @@ def panel_in_words(panel: PanelTable) -> str:
         if isinstance(panel.opening, tuple)
         else f"{1e3 * panel.opening:g} mm {'round' if panel.opening_shape == 'round' else 'square'}"
     )
-    if any(panel.impact_point):
+    if panel.impact_point is not None and any(panel.impact_point):
         words += f", struck {' and '.join(f'{1e3 * x:g}' for x in panel.impact_point)} mm off its middle"
     if panel.weave_angle:
         words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"

@@ -6,6 +6,7 @@ import math
 import subprocess
 import sys
 import typing
+from contextlib import suppress
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -296,6 +297,19 @@ def test_a_doubtful_shot_warns_and_says_so_everywhere():
     assert shots.doubtful
     assert shots.summary()["doubtful"] == 1
     assert [text.split(":")[0] for text in shots.to_dataframe()["checks"]] == ["doubtful", "ok"]
+
+
+@pytest.mark.parametrize("call", [wc.shoot, wc.setup, lambda *args, **given: wc.critical_velocity(args[0], **given)])
+def test_sliding_yarns_warn_at_the_line_of_the_user(call):
+    given = SMALL | {"crossovers": "sliding", "crossover_friction": 0.1}
+    if call not in (wc.shoot, wc.setup):
+        del given["end_time"]
+        given |= {"tolerance": -1.0}
+    with pytest.warns(UserWarning, match="window possible, limit not conservative") as told, suppress(InputError):
+        call("S-726", 96.0, **given)
+    assert len(told) == 2
+    assert "off a crossover" in str(told[0].message)
+    assert {one.filename for one in told} == {__file__}
 
 
 def test_a_bracket_on_a_doubtful_shot_says_so():

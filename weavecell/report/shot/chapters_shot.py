@@ -230,6 +230,7 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> 
         pinned += " The computed limit of loose weaves is too high."
     else:
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
+        pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
     fails = f"A yarn fails at its strength, {strength}, the same for all yarns and at any strain rate."
     shot, between = setup.projectile, setup.ply_friction
     rows = [
