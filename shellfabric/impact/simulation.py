@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import groupby
 from math import ceil, degrees, inf, pi, remainder
@@ -206,35 +206,25 @@ class ImpactSetup:
         overstates the limit where yarns are pushed aside."""
         if self.impact_point is not None:
             return self.impact_point
-        if not self.slides or self.plies > 1 or self.symmetry != "whole":
-            return 0.0, 0.0
-        warp, weft = (OFF_CROSSOVER * 2 * w for w in self.fabric.weave.w)
-        return warp, weft
-
-    @property
-    def slides(self) -> bool:
-        """Whether yarns can slide at the crossovers."""
-        return self.crossovers is not None and not self.crossovers.pins
+        slides = self.crossovers is not None and not self.crossovers.pins
+        off = OFF_CROSSOVER if slides and self.plies == 1 and self.symmetry == "whole" else 0.0
+        return off * 2 * self.fabric.weave.w[0], off * 2 * self.fabric.weave.w[1]
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What has to be known of a shot at sliding yarns, a line each."""
-        if not self.slides:
+        if self.crossovers is None or self.crossovers.pins:
             return ()
-        found = []
-        if self.symmetry != "whole":
-            found.append(f"{self.symmetry} model of sliding yarns: symmetry can decide the outcome; compute the whole")
-        if self.plies == 1:
-            x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
-            on = max(x, y) < 1e-6
-            found.append(
-                "one sliding ply is struck on a crossover: the limit may be overstated" if on else
-                f"one sliding ply is struck {x:.2g} mm along the warp and {y:.2g} mm along the weft off a crossover"
-            )  # fmt: skip
-        if self.plies == 1 and self.crossovers.mu < WINDOWING_FRICTION:
-            words = f"friction below {WINDOWING_FRICTION:g} at the crossovers of one ply"
-            found.append(f"{words}: window possible, limit not conservative")
-        return tuple(found)
+        x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
+        alone, off, mu = self.plies == 1, max(x, y) > 1e-6, self.crossovers.mu
+        lines = {
+            f"{self.symmetry} model of sliding yarns: symmetry can decide the outcome": self.symmetry != "whole",
+            "one sliding ply is struck on a crossover: the limit may be overstated": alone and not off,
+            f"one sliding ply is struck {x:.2g} mm along warp, {y:.2g} mm along weft off a crossover": alone and off,
+            f"window possible, limit not conservative: one ply, its yarns slide with friction {mu:g}, below "
+            f"{WINDOWING_FRICTION:g}": alone and mu < WINDOWING_FRICTION,
+        }
+        return tuple(line for line, applies in lines.items() if applies)
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
@@ -342,30 +332,11 @@ class ImpactSetup:
         """
         if self.meshed is not self:
             return self.meshed.panel(table)
-        opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
-        kind: type[Panel]
-        more: dict[str, Any]
-        kind, more = (Panel, {}) if self.crossovers is None else (SlidingPanel, {"friction": self.crossovers})
-        return kind(
-            table or self.table(),
-            tuple(opening),  # type: ignore[arg-type]
-            self.projectile,
-            self.symmetry,
-            self.resolved_elements_per_crossover,
-            self.edge,
-            self.numerics,
-            failure=self.failure,
-            rate_dependence=self.rate_dependence,
-            nose_bending=self.nose_bending,
-            backing=self.backing,
-            jam=self.jam,
-            weave_angle=self.weave_angle,
-            round=self.round,
-            impact_point=self.struck_at,
-            bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),  # type: ignore[arg-type]
-            grading=self.grading,
-            **more,
-        )
+        shared = {entry.name for entry in fields(Panel)} & {entry.name for entry in fields(self)}
+        own: dict[str, Any] = {name: getattr(self, name) for name in shared} | {"impact_point": self.struck_at}
+        own |= {name: tuple(np.broadcast_to(getattr(self, name), 2).tolist()) for name in ("opening", "bending")}
+        own |= {"table": table or self.table(), "elements_per_crossover": self.resolved_elements_per_crossover}
+        return Panel(**own) if self.crossovers is None else SlidingPanel(**own, friction=self.crossovers)
 
     def target(self, table: CellTable | None = None) -> Pack:
         """What the projectile strikes, of one ply or several; `table` as of `panel`.
@@ -512,7 +483,8 @@ def run(
     """
     if target is None and table is None:
         setup.begin_compiling()
-    solver = solver_of(target or setup.target(table), setup)
+    made = target or setup.target(table)
+    solver = PackSolver(made, setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
     solver.history_request = setup.history
     own: list[Hook] = []
     if setup.history:
@@ -539,11 +511,6 @@ def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
         if problem.result is None:
             raise
         return problem.result, str(problem)
-
-
-def solver_of(target: Pack, setup: ImpactSetup) -> PackSolver:
-    """The solver of the target of a set-up."""
-    return PackSolver(target, setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
 
 
 def collect_result(setup: ImpactSetup, solver: PackSolver) -> ImpactResult:

@@ -18,7 +18,7 @@ from operator import ge
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray
+from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
@@ -333,6 +333,10 @@ class Panel:
     def loose(self) -> BoolArray:
         """See `boundary.loose`."""
         return boundary.loose(self)
+
+    def rim(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """See `boundary.rim`."""
+        return boundary.rim(self)
 
     @cached_property
     def potential(self) -> tuple[FloatArray, FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import warnings
 from collections.abc import Iterable
 from concurrent.futures import Executor
@@ -150,18 +151,6 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     >>> wc.setup("S-720", "92.5 m/s", opening="50 mm").opening
     0.05
     """
-    return _noted(_setup(fabric, velocity, options))
-
-
-def _noted(made, stacklevel=3):
-    """The set-up, after a warning for each of its notes, at the line of the user."""
-    for note in made.notes:
-        warnings.warn(note, stacklevel=stacklevel)
-    return made
-
-
-def _setup(fabric, velocity, options):
-    """As `setup`, without its warnings."""
     from weavecell.scenes import build
 
     own = as_fabric(fabric)
@@ -189,6 +178,9 @@ def _setup(fabric, velocity, options):
         raise keywords.named(problem) from None
     if options.get("snapshot_interval") is None:
         ply = replace(ply, snapshot_interval=None)
+    line_of_the_user = next(level for level, frame in enumerate(inspect.stack(0)) if frame.filename != __file__)
+    for note in ply.notes:
+        warnings.warn(note, stacklevel=line_of_the_user + 1)
     return ply
 
 
@@ -221,8 +213,7 @@ def shoot(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
-
-    given = _noted(_setup(fabric, velocity, options))
+    given = setup(fabric, velocity, **options)
     shot, problem = _fire(given)
     if problem:
         error = UnstableError(problem)
@@ -447,7 +438,7 @@ def _panel(target: Any, options: Any) -> ImpactSetup:
         if key in options:
             allowed = "left out: a shot of the search ends with its outcome, and records nothing"
             raise InputError(key=key, allowed=allowed)
-    return _noted(_setup(target, 100.0, options), stacklevel=4)
+    return setup(target, 100.0, **options)
 
 
 def as_fabric(given: Fabric | FilePath) -> Fabric:

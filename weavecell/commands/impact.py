@@ -143,7 +143,8 @@ def run(
     except InputError as problem:
         raise build.in_file(problem, path) from None
     except KeyboardInterrupt:
-        raise _interrupted(out) from None
+        hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
+        raise Interrupted(f"interrupted{hint}") from None
     plain = with_range and choice is None and failure is None and setup.plies == 1
     around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
@@ -165,11 +166,6 @@ def _range(setup, record):
             return over_assumed.residual_velocity(setup, record.outcome, record.residual_velocity, advance)
     except KeyboardInterrupt:
         return None
-
-
-def _interrupted(out):
-    hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
-    return Interrupted(f"interrupted{hint}")
 
 
 def checkpoints(out: Path) -> list[Any]:

@@ -207,9 +207,8 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         })  # fmt: skip
     except InputError as problem:
         raise in_file(problem, file) from None
-    for note in made.notes:
-        if file is not None:
-            print(f"note: {note}")
+    for note in made.notes if file is not None else ():
+        print(f"note: {note}")
     return made
 
 

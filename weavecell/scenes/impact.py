@@ -536,8 +536,7 @@ def _with_counted_plies(scene, file):
 def _with_modelled_part(scene, file, ignored):
     """The scene with the whole panel where a ply is at an angle, and of one ply of sliding yarns where its symmetry is
     not given, or ignored."""
-    panel, angled = scene.panel, is_angled(scene.panel)
-    given = "symmetry" in panel.model_fields_set
+    panel, angled, given = scene.panel, is_angled(scene.panel), "symmetry" in scene.panel.model_fields_set
     if not angled and (panel.crossovers == "pinned" or panel.plies > 1 or (given and not ignored)):
         return scene
     if angled and given and panel.symmetry != "whole":

@@ -299,17 +299,15 @@ def test_a_doubtful_shot_warns_and_says_so_everywhere():
     assert [text.split(":")[0] for text in shots.to_dataframe()["checks"]] == ["doubtful", "ok"]
 
 
-@pytest.mark.parametrize("call", [wc.shoot, wc.setup, lambda *args, **given: wc.critical_velocity(args[0], **given)])
+@pytest.mark.parametrize("call", [wc.shoot, wc.setup, wc.v50])
 def test_sliding_yarns_warn_at_the_line_of_the_user(call):
-    given = SMALL | {"crossovers": "sliding", "crossover_friction": 0.1}
-    if call not in (wc.shoot, wc.setup):
-        del given["end_time"]
-        given |= {"tolerance": -1.0}
+    given = {"opening": "30 mm", "crossovers": "sliding", "crossover_friction": 0.1}
+    target = ("S-726",) if call is wc.v50 else ("S-726", 96.0)
+    more = {"shots": 0} if call is wc.v50 else {"end_time": "5 us"}  # no shots are refused, after the set-up is made
     with pytest.warns(UserWarning, match="window possible, limit not conservative") as told, suppress(InputError):
-        call("S-726", 96.0, **given)
-    assert len(told) == 2
+        call(*target, **given, **more)
     assert "off a crossover" in str(told[0].message)
-    assert {one.filename for one in told} == {__file__}
+    assert [one.filename for one in told] == 2 * [__file__]
 
 
 def test_a_bracket_on_a_doubtful_shot_says_so():

@@ -120,7 +120,8 @@ def _energies(records):
 
 def _edges(records):
     """Tensions at the edges."""
-    runs = {record.title: (record.time, *_reactions(record)) for record in records}
+    tensions = [[record.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")] for record in records]
+    runs = {record.title: (record.time, *both) for record, both in zip(records, tensions)}
     caption = "Tension at the edge of the panel, of the warp and the weft yarn through the impact point"
     caption += ", summed over the plies." if _several_plies(records) else "."
     picture = pictures.render(pictures.reactions, runs)
@@ -134,11 +135,6 @@ def parts(energies: Mapping[str, Any]) -> dict[str, Any]:
     for name in ("contact", "friction"):
         found[name] = energies.get(name, 0.0) + energies.get(f"ply_{name}", 0.0) + 0 * found["yarn_strain"]
     return found
-
-
-def _reactions(record):
-    """(warp, weft) [N] over time."""
-    return record.plies["reaction_warp"].sum(axis=1), record.plies["reaction_weft"].sum(axis=1)
 
 
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
