@@ -223,7 +223,7 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> 
     strength = ", ".join(f"{words} N ({name}, warp / weft)" for name, words in each)
     if setup.crossovers is None:
         pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
-        pinned += " The computed limit of loose weaves is too high."
+        pinned += " In the one pair of tests at hand (S-726) the computed limit is too high."
     else:
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
         pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
