@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import groupby
-from math import ceil, degrees, inf, pi
+from math import ceil, degrees, inf, pi, remainder
 from typing import Any
 
 import numpy as np
@@ -36,12 +36,13 @@ from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, SlipSummary
+from shellfabric.sliding.model import WINDOWING_FRICTION, CrossoverFriction, SlidingPanel, SlipSummary
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver, begin_compiling
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 PACK_ELEMENTS, NEAR = 2, 10  # of packs, per crossover about the impact point, and to how many crossovers at least
+OFF_CROSSOVER = 0.25  # [spacings] from a crossover along warp and weft: impact point of one sliding ply, by default
 UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
 
@@ -77,7 +78,7 @@ class ImpactSetup:
     edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
     round : whether the opening is a circle with the diameter `opening`
-    impact_point : [m] from the middle of the opening, along its two sides
+    impact_point : [m] from the middle of the opening, along its two sides; None takes that of `struck_at`
     symmetry : "quarter", "half" or "whole"
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
@@ -120,7 +121,7 @@ class ImpactSetup:
     edge: str | PullIn | Grip | tuple = "clamped"
     weave_angle: float = 0.0
     round: bool = False
-    impact_point: tuple[float, float] = (0.0, 0.0)
+    impact_point: tuple[float, float] | None = None
     symmetry: str = "quarter"
     end_time: float = 800e-6
     elements_per_crossover: int | None = None
@@ -199,10 +200,37 @@ class ImpactSetup:
         """Whether a ply is at another angle than 0 and a right one."""
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
 
+    @property
+    def struck_at(self) -> tuple[float, float]:
+        """[m] the impact point that is given, or its default: the middle of the opening. One ply of sliding yarns has a
+        crossover there; modelled whole, it is struck OFF_CROSSOVER beside it, since an exact hit is the exception and
+        overstates the limit where yarns are pushed aside."""
+        if self.impact_point is not None:
+            return self.impact_point
+        slides = self.crossovers is not None and not self.crossovers.pins
+        off = OFF_CROSSOVER if slides and self.plies == 1 and self.symmetry == "whole" else 0.0
+        return off * 2 * self.fabric.weave.w[0], off * 2 * self.fabric.weave.w[1]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What has to be known of a shot at sliding yarns, a line each."""
+        if self.crossovers is None or self.crossovers.pins:
+            return ()
+        x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
+        alone, off, mu = self.plies == 1, max(x, y) > 1e-6, self.crossovers.mu
+        lines = {
+            f"{self.symmetry} model of sliding yarns: symmetry can decide the outcome": self.symmetry != "whole",
+            "one sliding ply is struck on a crossover: the limit may be overstated": alone and not off,
+            f"one sliding ply is struck {x:.2g} mm along warp, {y:.2g} mm along weft off a crossover": alone and off,
+            f"window possible, limit not conservative: one ply, its yarns slide with friction {mu:g}, below "
+            f"{WINDOWING_FRICTION:g}": alone and mu < WINDOWING_FRICTION,
+        }
+        return tuple(line for line, applies in lines.items() if applies)
+
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
         """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply first."""
-        found = [replace(self, plies=1, lay_up=())]
+        found = [replace(self, plies=1, lay_up=(), impact_point=self.struck_at)]
         for ply in self.lay_up:
             one = replace(found[0], fabric=ply.fabric, laws=ply.laws)
             if one not in found:
@@ -310,30 +338,11 @@ class ImpactSetup:
         """
         if self.meshed is not self:
             return self.meshed.panel(table)
-        opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
-        kind: type[Panel]
-        more: dict[str, Any]
-        kind, more = (Panel, {}) if self.crossovers is None else (SlidingPanel, {"friction": self.crossovers})
-        return kind(
-            table or self.table(),
-            tuple(opening),  # type: ignore[arg-type]
-            self.projectile,
-            self.symmetry,
-            self.resolved_elements_per_crossover,
-            self.edge,
-            self.numerics,
-            failure=self.failure,
-            rate_dependence=self.rate_dependence,
-            nose_bending=self.nose_bending,
-            backing=self.backing,
-            jam=self.jam,
-            weave_angle=self.weave_angle,
-            round=self.round,
-            impact_point=self.impact_point,
-            bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),  # type: ignore[arg-type]
-            grading=self.grading,
-            **more,
-        )
+        shared = {entry.name for entry in fields(Panel)} & {entry.name for entry in fields(self)}
+        own: dict[str, Any] = {name: getattr(self, name) for name in shared} | {"impact_point": self.struck_at}
+        own |= {name: tuple(np.broadcast_to(getattr(self, name), 2).tolist()) for name in ("opening", "bending")}
+        own |= {"table": table or self.table(), "elements_per_crossover": self.resolved_elements_per_crossover}
+        return Panel(**own) if self.crossovers is None else SlidingPanel(**own, friction=self.crossovers)
 
     def target(self, table: CellTable | None = None) -> Pack:
         """What the projectile strikes, of one ply or several; `table` as of `panel`.
@@ -480,7 +489,9 @@ def run(
     """
     if target is None and table is None:
         setup.begin_compiling()
-    solver = solver_of(target or setup.target(table), setup)
+    made = target or setup.target(table)
+    memory.check(made.plies, setup.snapshots)
+    solver = PackSolver(made, setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
     solver.history_request = setup.history
     own: list[Hook] = []
     if setup.history:
@@ -507,12 +518,6 @@ def fired(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:
         if problem.result is None:
             raise
         return problem.result, str(problem)
-
-
-def solver_of(target: Pack, setup: ImpactSetup) -> PackSolver:
-    """The solver of the target of a set-up; InputError where it and the snapshots need more memory than is free."""
-    memory.check(target.plies, setup.snapshots)
-    return PackSolver(target, setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
 
 
 def collect_result(setup: ImpactSetup, solver: PackSolver) -> ImpactResult:

@@ -115,8 +115,7 @@ def deflection_profile(
     panel: Panel, shot: Snapshot
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
     """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z)) [m]."""
-    c = panel.constants()
-    i, j = (0 if c.mirror_x else c.ni // 2), (0 if c.mirror_y else c.nj // 2)
+    i, j = panel.nearest_lines
     warp, weft = shot.nodes[:, j], shot.nodes[i, :]
     return (warp[:, :2] @ panel.axes[0], warp[:, 2]), (weft[:, :2] @ panel.axes[1], weft[:, 2])
 

@@ -7,10 +7,11 @@ meet that are not free, the corner is held.
 
 Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes move in.
 
-The grid follows the yarns, and its middle is the impact point. Where the weave is at an angle to the sides of the
-opening, the opening is round, or its middle is not the impact point, the grid covers the opening, and its nodes on and
-beyond the edge are held: the fabric out there lies in the clamp. The clamped line is thus a staircase of crossovers,
-nowhere further from the edge than the diagonal of one element.
+The grid follows the yarns, and its middle is the impact point, or with sliding crossovers that of the opening
+(`Panel.grid_middle`). Where the weave is at an angle to the sides of the opening, the opening is round, or its middle
+is not that of the grid, the grid covers the opening, and its nodes on and beyond the edge are held: the fabric out
+there lies in the clamp. The clamped line is thus a staircase of crossovers, nowhere further from the edge than the
+diagonal of one element.
 """
 
 from __future__ import annotations
@@ -120,9 +121,7 @@ def check(panel: Panel) -> None:
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if panel.round and len(set(panel.opening)) > 1:
         raise InputError(key="opening", value=panel.opening, allowed="one diameter of a round opening")
-    if not stepped(panel):
-        return
-    if any(side != "clamped" for pair in given for side in pair):
+    if stepped(panel) and any(side != "clamped" for pair in given for side in pair):
         what = "off the axes of the opening, or in a round one"
         what = "turned in its pack" if panel.ply_angle else "oblique" if panel.weave_angle else what
         raise InputError(key="edge", value=panel.edge, allowed=f"clamped where the weave is {what}")
@@ -140,15 +139,14 @@ def check(panel: Panel) -> None:
         raise InputError(key="symmetry", value=panel.symmetry, allowed=f"whole where {what}")
 
 
-def stepped(panel: Any) -> bool:
-    """Whether the edge of the opening is a staircase of grid lines, in place of four of them; of a Panel or an
-    ImpactSetup."""
-    return panel.weave_angle != 0 or panel.round or any(panel.impact_point)
+def stepped(panel: Panel) -> bool:
+    """Whether the edge of the opening is a staircase of grid lines, in place of four of them."""
+    return panel.weave_angle != 0 or panel.round or any(panel.grid_middle)
 
 
 def extent(panel: Panel) -> tuple[float, ...]:
-    """(along warp, along weft) [m] that the grid has to cover, its middle at the impact point."""
-    (a, b), (x, y), (c, s) = panel.opening, panel.impact_point, axes(panel.weave_angle)[0]
+    """(along warp, along weft) [m] that the grid has to cover, its middle at `Panel.grid_middle`."""
+    (a, b), (x, y), (c, s) = panel.opening, panel.grid_middle, axes(panel.weave_angle)[0]
     if s == 0:
         return a + 2 * abs(x), b + 2 * abs(y)
     wide = (a, b) if panel.round else (a * c + b * abs(s), a * abs(s) + b * c)
@@ -194,8 +192,7 @@ def loose(panel: Panel) -> BoolArray:
 
 def ends(panel: Panel) -> tuple[tuple[int, int], tuple[int, int]]:
     """Nodes (i, j) where the warp and the weft yarn nearest the impact point end, at high x and at high y."""
-    free, start = loose(panel), [0 if mirrored else n // 2 for n, mirrored in zip(panel.counts, panel.mirrors)]
-    found = []
+    free, start, found = loose(panel), panel.nearest_lines, []
     for line, first in ((free[:, start[1]], start[0]), (free[start[0], :], start[1])):
         held = np.flatnonzero(~line[first:])
         found.append(first + (int(held[0]) if held.size else line.size - 1 - first))

@@ -18,7 +18,7 @@ from operator import ge
 
 import numpy as np
 
-from fabrics.checks import BoolArray, FloatArray
+from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
@@ -195,7 +195,7 @@ class Panel:
 
     @property
     def _half(self):
-        """(along warp, along weft) crossovers from the impact point to an edge."""
+        """(along warp, along weft) crossovers from the middle of the grid to an edge."""
         return tuple(int(length / 2 / (2 * w) + 1e-9) for length, w in zip(boundary.extent(self), self.weave.w))
 
     @cached_property
@@ -311,16 +311,32 @@ class Panel:
         return tuple(found)
 
     @property
+    def grid_middle(self) -> tuple[float, float]:
+        """[m] of the crossover in the middle of the grid from the middle of the opening, along its two sides."""
+        return self.impact_point
+
+    @property
     def origin(self) -> tuple[float, ...]:
-        """(x0, y0) [m] of the first node at rest; on a graded panel as if all elements were the smallest.
+        """(x0, y0) [m] of the first node at rest from the impact point; on a graded panel as if all elements were the
+        smallest.
 
         There the smallest are where they would be then, and nothing else is looked for by its place.
         """
-        return tuple(0.0 if m else -0.5 * n * d for m, n, d in zip(self.mirrors, self.counts, self.spacing))
+        off = (middle - struck for middle, struck in zip(self.grid_middle, self.impact_point))
+        return tuple(0.0 if m else c - 0.5 * n * d for m, n, d, c in zip(self.mirrors, self.counts, self.spacing, off))
+
+    @property
+    def nearest_lines(self) -> tuple[int, ...]:
+        """(row, column) of the grid lines nearest the impact point."""
+        return tuple(int(np.abs(x).argmin()) for x in self.lines())
 
     def loose(self) -> BoolArray:
         """See `boundary.loose`."""
         return boundary.loose(self)
+
+    def rim(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """See `boundary.rim`."""
+        return boundary.rim(self)
 
     @cached_property
     def potential(self) -> tuple[FloatArray, FloatArray]:

@@ -155,7 +155,7 @@ class Monitor:
     def __init__(self, solver: Any) -> None:
         self.found = np.zeros((len(solver.parts), 3))
         plies = [panel for panel, _, _ in solver.parts]
-        self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
+        self._places = [ply.nearest_lines for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
     def sampled(self, solver: Any) -> None:

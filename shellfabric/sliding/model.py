@@ -14,21 +14,20 @@ from __future__ import annotations
 
 import tomllib
 from collections import namedtuple
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, field
 from math import inf, isinf, pi, sqrt
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
 from shellfabric.cell import coefficients
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel import boundary
-from shellfabric.panel.arrays import Constants, State
+from shellfabric.panel.arrays import State
 from shellfabric.panel.model import Panel
 from shellfabric.sliding import contact_force
 from shellfabric.sliding.flow_kernels import PULLED_OUT
@@ -37,6 +36,7 @@ DATA = tomllib.loads((Path(__file__).parent / "friction.toml").read_text("utf-8"
 HEXAGONAL = pi / sqrt(12)  # densest packing of round fibres
 LEAST = 0.9  # of the closest distance: yarn between two neighbours that touch, stretched and pressed together
 MOST_CLOSEST = 0.9  # of the spacing: fabric at rest is not in lateral contact
+WINDOWING_FRICTION = DATA["windowing_friction"]["value"]  # below it a nose may pass between the yarns of one ply
 
 Slip = namedtuple(
     "Slip",
@@ -83,7 +83,7 @@ class CrossoverFriction:
 
 @dataclass(frozen=True)
 class SlidingPanel(Panel):
-    """A Panel whose yarns slide through its crossovers, with one grid line a yarn.
+    """A Panel whose yarns slide through its crossovers: a grid line a yarn, a crossover in the middle of the opening.
 
     Parameters
     ----------
@@ -106,7 +106,6 @@ class SlidingPanel(Panel):
             ("grading", self.grading, self.grading is None, "left out"),
             ("weave_angle", self.weave_angle, self.weave_angle == 0, "0"),
             ("opening_shape", "round", not self.round, "rectangular"),
-            ("impact_point", self.impact_point, not any(self.impact_point), "0"),
             ("edge", self.edge, not led, "clamped, free or gripped"),
             ("bending", self.bending, not any(self.bending), "0"),
             ("jam", self.jam, self.jam[0] == 0, "left out"),
@@ -117,6 +116,12 @@ class SlidingPanel(Panel):
         ):  # fmt: skip
             if not met:
                 raise InputError(key=key, value=value, allowed=f"{allowed} {words}")
+
+    @property
+    def grid_middle(self) -> tuple[float, float]:
+        """[m] as of Panel: the grid stays in the middle of the opening, wherever it is struck, so that a shot need not
+        hit a crossover."""
+        return 0.0, 0.0
 
     @property
     def own_masses(self) -> tuple[float, float]:
@@ -137,39 +142,21 @@ class SlidingPanel(Panel):
     @property
     def closest(self) -> float:
         """[-] share of the spacing below which neighbouring yarns touch."""
-        found = []
-        for w, yarn in zip(self.weave.w, self.weave.yarns[::-1]):  # the yarns that cross lie side by side
-            found.append(sqrt(3) * sqrt(4 * yarn.A_s / (pi * HEXAGONAL)) / (2 * w))
-        return min(*found, MOST_CLOSEST)
+        across = zip(self.weave.w, self.weave.yarns[::-1])  # the yarns that cross lie side by side
+        jammed = (sqrt(3) * sqrt(4 * yarn.A_s / (pi * HEXAGONAL)) / (2 * w) for w, yarn in across)
+        return min(*jammed, MOST_CLOSEST)
 
-    def constants(self, out_of_plane: bool = False) -> Constants:
-        """As Panel; yarns slip through the nodes of a gripped side, which do not move."""
-        held = self._held
-        return super().constants(out_of_plane) if held is None else held.constants(out_of_plane)
-
-    def state(self, strike_velocity: float) -> State:
-        """As Panel."""
-        held = self._held
-        return super().state(strike_velocity) if held is None else held.state(strike_velocity)
-
-    @cached_property
-    def _held(self) -> SlidingPanel | None:
-        """The panel with its grips as clamps, where yarns can slip through these; otherwise None."""
-        given = boundary.sides(self.edge)
-        if self.friction.pins or not any(isinstance(side, boundary.Grip) for pair in given for side in pair):
-            return None
-        held = tuple(tuple("clamped" if isinstance(side, boundary.Grip) else side for side in pair) for pair in given)
-        return replace(self, edge=held)
+    def rim(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """As Panel; none where yarns slip through the nodes of a gripped side, which do not move."""
+        nodes, axes, values = super().rim()
+        return (nodes, axes, values) if self.friction.pins else (nodes[:0], axes[:0], values[:0])
 
     def grips(self) -> tuple[FloatArray, FloatArray]:
         """(warp, weft) each (ni+1, nj+1) [N]: what the clamps of gripped sides hold the yarn at a node with; 0 where
         there is none."""
         found = np.zeros((2, *self.masses().shape))
-        if self._held is None:
-            return found[0], found[1]
-        nodes, axes, values = boundary.rim(self)
-        for node, axis, (*_, force, _) in zip(nodes, axes, values):
-            found[axis].flat[node] = force
+        for node, axis, (*_, force, _) in zip(*super().rim()):
+            found[axis].flat[node] = 0.0 if self.friction.pins else force
         return found[0], found[1]
 
     def mobile(self) -> tuple[Any, Any]:
@@ -204,7 +191,9 @@ class SlidingPanel(Panel):
             nodes = np.flatnonzero(force)
             near[nodes + s] = far[nodes - step + s] = inf  # yarn in the clamp
             part[nodes] = 0.0
-        zeros = aligned_zeros(14, slots)
+        zeros, stretches = aligned_zeros(14, slots), aligned_zeros(2, slots)
+        for mine, stretch in zip(stretches, state.stretch):
+            mine[:] = stretch
         removed = tuple(np.zeros(slots, np.uint8) for _ in range(2))
         counter = np.array([0, 0, any("free" in pair for pair in boundary.sides(self.edge))], np.int64)
         return Slip(
@@ -212,18 +201,12 @@ class SlidingPanel(Panel):
             table=coefficients.bilinear(contact_force.stiff_table(self.table, self.friction.bending)).reshape(-1, 4),
             lateral=0.0 if pins else self.closest**2 * min(yarn.EA for yarn in self.weave.yarns), closest=self.closest,
             least=LEAST * self.closest,
-            share=ones[:2], inv_share=ones[2:], x=self._rest_stretch(state), config=zeros[0:2], q=zeros[2:4],
+            share=ones[:2], inv_share=ones[2:], x=stretches, config=zeros[0:2], q=zeros[2:4],
             q_before=zeros[4:6], friction=zeros[6:8], stop=zeros[8:10], residual=zeros[10:12], mass=mass, pull=pull,
             mobility=mobility, coupling=coupling, part=part, grip=grip,
             row_slips=np.zeros(self.counts[0] + 2, np.bool_), tail=(tails[:2], tails[2:]), removed=removed,
             passed=zeros[12:14], counter=counter, work=np.zeros(3),
         )  # fmt: skip
-
-    def _rest_stretch(self, state):
-        found = aligned_zeros(2, state.mass.size)
-        for x, stretch in zip(found, state.stretch):
-            x[:] = stretch
-        return found
 
     def _node_constants(self, state, slots):
         """Of each family: mass of its yarn, that over the node's free mass, 1 / reduced mass; and m1 m2 / m."""

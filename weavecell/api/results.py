@@ -29,6 +29,12 @@ __all__ = ["CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult",
 Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
 
+def _what_is_assumed(result):
+    """Entries of a summary: what is assumed, and the range over it."""
+    found = {"assumed": "; ".join(result.assumed)} if result.assumed else {}
+    return found if result.range is None else found | {"assumed_range": result.range.words()}
+
+
 @dataclass(frozen=True, repr=False)
 class ShotResult(Result):
     """One impact on one ply or on a pack.
@@ -99,11 +105,7 @@ class ShotResult(Result):
         found = self.record.summary() | {"checks": self.checks_text}
         if self.fabric is not None:
             found["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
-        if self.assumed:
-            found["assumed"] = "; ".join(self.assumed)
-        if self.range is not None:
-            found["assumed_range"] = self.range.words()
-        return found
+        return found | _what_is_assumed(self)
 
     def __repr__(self) -> str:
         more = f", assumed: {len(self.assumed)} laws" if self.assumed else ""
@@ -342,11 +344,7 @@ class CriticalVelocityResult(Result):
         found |= {"bracket_checks": self.bracket_checks, "checks": self.checks_text}
         if self.mixed_zone is not None:
             found |= dict(zip(("lowest_perforation_m_s", "highest_stop_m_s"), self.mixed_zone))
-        if self.assumed:
-            found["assumed"] = "; ".join(self.assumed)
-        if self.range is not None:
-            found["assumed_range"] = self.range.words()
-        return found
+        return found | _what_is_assumed(self)
 
     def _columns(self):
         from weavecell.report import checks

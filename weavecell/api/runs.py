@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import warnings
 from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -137,6 +139,10 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
         both families, a pair (warp, weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult;
         without it that of the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
 
+    Returns
+    -------
+    ImpactSetup; each of its `notes`, which sliding crossovers have, is a warning
+
     Raises
     ------
     InputError : an unknown keyword, a value that is not allowed, or a law that is missing
@@ -149,7 +155,7 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
     from weavecell.scenes import build
 
     own = None if fabric is None else as_fabric(fabric)
-    scene = keywords.scene(own and own.name, velocity, options)
+    scene = keywords.scene(None if own is None else own.name, velocity, options)
     surface = options.get("surface")
 
     def made(table, _):
@@ -173,6 +179,9 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
         raise keywords.named(problem) from None
     if options.get("snapshot_interval") is None:
         ply = replace(ply, snapshot_interval=None)
+    line_of_the_user = next(level for level, frame in enumerate(inspect.stack(0)) if frame.filename != __file__)
+    for note in ply.notes:
+        warnings.warn(note, stacklevel=line_of_the_user + 1)
     return ply
 
 
@@ -205,7 +214,6 @@ def shoot(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
-
     given = setup(fabric, velocity, **options)
     shot, problem = _fire(given)
     if problem:

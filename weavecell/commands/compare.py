@@ -92,7 +92,7 @@ def _write(out, this, found):
                 [f"{velocity:.4f}", words[int(hit)], shot.outcome, tested, computed, checks.status(shot.checks)]
             )
     summary = {"format": "weavecell comparison 1", "fabric": this.title, "projectile": this.projectile}
-    stamp = provenance.stamp(this.text, *this.setup.fabrics, shot=this.setup.projectile)
+    stamp = provenance.stamp(this.text, setup=this.setup)
     summary |= found.summary() | {"provenance": stamp}
     json_file.write(out / "comparison.json", summary)
     files.write(out / "comparison.svg", pictures.render(pictures.tested_and_computed, this.title, found))

@@ -125,17 +125,13 @@ def _in_words(shot):
 
 def _report(out, this, found, shots, scan, seconds, strict):
     """Write and print what was found; DoubtfulError where it is doubtful, and `strict`."""
-    indicators = _indicators(found.limit)
+    indicators = (*quality.worst(shot.checks for shot in found.limit.shots), limit_scan.indicator(found.limit))
     _write_shots(out, this.text, shots)
     _write(out, this, found, shots, indicators, scan, seconds)
     _tell(this.title, found.limit, found.fit, shots, out)
     if found.range is not None:
         print(f"assumed laws: {found.range.words()}")
     checks.report(indicators, strict)
-
-
-def _indicators(found):
-    return (*quality.worst(shot.checks for shot in found.shots), limit_scan.indicator(found))
 
 
 def _write_shots(out, text, shots):
@@ -167,7 +163,7 @@ def _write(out, this, search, shots, indicators, scan, wall_time):
         **checks.summary(indicators),
         **chapters_assumed.summary(search.range),
         "wall_time_s": wall_time,
-        "provenance": provenance.stamp(this.text, *this.setup.fabrics, shot=this.setup.projectile),
+        "provenance": provenance.stamp(this.text, setup=this.setup),
     }
     json_file.write(out / "critical-velocity.json", summary)
     files.write(

@@ -159,11 +159,7 @@ def _projectile(scene):
 def _row(option, targets):
     panel_elements = f"{option.elements:,}"
     expected = (_percent(option.expected[name]) if name in option.expected else "-" for name in targets)
-    return option.model.name, _symmetry(option), panel_elements, f"{option.cost:.3f}", *expected
-
-
-def _symmetry(option):
-    return option.setup.symmetry
+    return option.model.name, option.setup.symmetry, panel_elements, f"{option.cost:.3f}", *expected
 
 
 def _percent(share):
@@ -183,7 +179,7 @@ def summary(choice: Answer | None) -> dict[str, Any]:
         "accuracy": {
             "targets": choice.targets,
             "model": final.option.model.name,
-            "symmetry": _symmetry(final.option),
+            "symmetry": final.option.setup.symmetry,
             "compared_with": final.against,
             "values": {name: _number(final.values[name]) for name in choice.targets},
             "estimated_errors": {
@@ -201,7 +197,8 @@ def tell(choice: Answer) -> None:
     """Print whether the promise holds, and what the target quantities are."""
     final = choice.final
     found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
-    print(f"accuracy {_verdict(choice)}: {final.option.model.name}, {_symmetry(final.option)} panel; errors {found}")
+    model = f"{final.option.model.name}, {final.option.setup.symmetry} panel"
+    print(f"accuracy {_verdict(choice)}: {model}; errors {found}")
     if "peak_tension" in choice.targets and choice.regime == "held" and final.partner:
         warp, weft = final.values["peak_tension"]
         print(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
@@ -242,7 +239,7 @@ def chapter(choice: Answer) -> Section:
         "accuracy",
         "The model that was chosen",
         f"The targets of the scene are {wanted}. Accuracy {_verdict(choice)}; {final.option.model.name}, "
-        f"{_symmetry(final.option)} panel; {choice.body}.",
+        f"{final.option.setup.symmetry} panel; {choice.body}.",
         (),
         (
             Table(("model", "held against", *names, "within"), rows, "Errors that the answers stay below"),

@@ -146,7 +146,8 @@ def run(
     except InputError as problem:
         raise build.in_file(problem, path) from None
     except KeyboardInterrupt:
-        raise _interrupted(out) from None
+        hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
+        raise Interrupted(f"interrupted{hint}") from None
     plain = with_range and choice is None and failure is None and setup.plies == 1
     around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
@@ -168,11 +169,6 @@ def _range(setup, record):
             return over_assumed.residual_velocity(setup, record.outcome, record.residual_velocity, advance)
     except KeyboardInterrupt:
         return None
-
-
-def _interrupted(out):
-    hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
-    return Interrupted(f"interrupted{hint}")
 
 
 def finished(out: Path, key: str, strict: bool) -> bool:
@@ -237,7 +233,7 @@ def write(
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint; `key` is that of the run, for `finished`."""
     outputs = this.scene.run.outputs
-    stamp = provenance.stamp(text, *setup.fabrics, shot=setup.projectile)
+    stamp = provenance.stamp(text, setup=setup)
     more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
     more |= chapters_discretisation.summary(pair) | {"projectile": words.shot_in_words(this.scene.projectile)}
     more |= {"run_key": key}

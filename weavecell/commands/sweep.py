@@ -132,7 +132,7 @@ def _write(out, targets, keys, table, wanted):
     columns = list(dict.fromkeys(name for row in table for name in row))
     files.write(out / "scene.toml", targets[0].text)
     files.write_csv(out / "sweep.csv", [columns, *([row.get(name, "") for name in columns] for row in table)])
-    stamp = provenance.stamp(targets[0].text, *targets[0].setup.fabrics, shot=targets[0].setup.projectile)
+    stamp = provenance.stamp(targets[0].text, setup=targets[0].setup)
     json_file.write(out / "sweep.json", {"quantity": wanted.quantity, "rows": table, "provenance": stamp})
     with suppress(ImportError):
         parquet.write(

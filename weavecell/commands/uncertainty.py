@@ -91,7 +91,7 @@ def sensitivity(
             )  # fmt: skip
     except InputError as problem:
         raise this.in_file(problem) from None
-    _write_scene(out, this.text)
+    files.write(out / "scene.toml", this.text)
     head = [
         "strike velocity [m/s]", "quantity", "input", "range [%]", "status of the range", "first order", "± 95 %",
         "total order", "± 95 %",
@@ -182,7 +182,7 @@ def v50(
 
 
 def _write_v50(out, page, this, study, scatter, batch, seed, command, began):
-    _write_scene(out, this.text)
+    files.write(out / "scene.toml", this.text)
     _write_shots(study, out / "shots.csv")
     for link, curve in study.curves.items():
         interval = "{:.1f} to {:.1f} m/s".format(*curve.intervals["V50"])
@@ -280,7 +280,7 @@ def draws(
             )  # fmt: skip
     except InputError as problem:
         raise build.in_file(problem, path) from None
-    _write_scene(out, text)
+    files.write(out / "scene.toml", text)
     columns = study.columns()
     files.write_csv(out / "draws.csv", [_HEADS, *zip(*(columns[name] for name in _HEADS.values()))])
     head, rows, remarks = draws_table(study)
@@ -372,7 +372,7 @@ def _finish(
     command : that made it; content : of the record; began : perf_counter() at the start
     draw : called with the path of the picture
     """
-    stamp = provenance.stamp("", *setup.fabrics, shot=setup.projectile)
+    stamp, remarks = provenance.stamp("", setup=setup), [*remarks, *(f"Note: {note}." for note in setup.notes)]
     files.write_csv(out / f"{name}.csv", [head, *rows])
     record = {**_finite(content), "wall_time": time.perf_counter() - began, "provenance": stamp}
     json_file.write(out / f"{name}.json", record)
@@ -385,10 +385,6 @@ def _finish(
     for line in remarks:
         print(line)
     print(f"written to {out}")
-
-
-def _write_scene(out, text):
-    files.write(out / "scene.toml", text)
 
 
 def _series_words(found):

@@ -74,7 +74,7 @@ class Cut:
         """The cut of the plies' `shellfabric.output.snapshots.Snapshot` of one instant, along x at rest."""
         lines = []
         for shot, panel in zip(shots, panels):
-            j = 0 if panel.mirrors[1] else shot.nodes.shape[1] // 2
+            j = panel.nearest_lines[1]
             line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.failed[:, j, 0])
             if panel.ply_angle:
                 line, gone = _across(shot, panel)

@@ -63,8 +63,8 @@ SHARED = keys(
     ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status"),
     ("run_key", "", "digest of the input and the code: `--resume` computes nothing where it is the same"),
     ("assumed_range.*", "", "residual or critical velocity over the ranges of assumed laws: low_m_s, high_m_s, runs"),
-    ("provenance.*", "", "versions, commit, date, machine, threads, text of the input file, assumed tables, digest, "
-     "unit and edge radius of an STL file"),
+    ("provenance.*", "", "versions, commit, date, machine, threads, text of the input file, assumed tables, notes, "
+     "digest, unit and edge radius of an STL file"),
 )  # fmt: skip
 PACK = keys(
     ("stacking", "", 'pack: "aligned", "alternating" or "lay-up"'),

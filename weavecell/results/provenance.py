@@ -16,7 +16,7 @@ from fabrics import assumed
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
-    from shellfabric.projectile.projectile import Projectile
+    from shellfabric.impact.simulation import ImpactSetup
 
 PACKAGES = (
     "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "h5py",
@@ -24,13 +24,16 @@ PACKAGES = (
 )  # fmt: skip
 
 
-def stamp(scene_text: str = "", *fabrics: Fabric, shot: Projectile | None = None) -> dict[str, str]:
-    """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, which of their tables were assumed, and
-    of a projectile from an STL file what that was."""
+def stamp(scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None) -> dict[str, str]:
+    """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, also those of a set-up, which of their
+    tables were assumed, and of a set-up its notes and what a projectile from an STL file was."""
+    fabrics = fabrics if setup is None else (*fabrics, *setup.fabrics)
     lines = [line for fabric in fabrics if fabric.assumed for line in assumed.lines(fabric)]
     known = {"assumed": "; ".join(lines)} if lines else {}
-    if shot is not None and shot.solid is not None:
-        known["projectile_stl"] = shot.solid.digest
+    if setup is not None and setup.notes:
+        known["notes"] = "; ".join(setup.notes)
+    if setup is not None and setup.projectile.solid is not None:
+        known["projectile_stl"] = setup.projectile.solid.digest
     return known | {
         "weavecell": weavecell.__version__,
         "commit": commit(),

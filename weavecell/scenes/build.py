@@ -174,7 +174,7 @@ def lay_up(scene: Any, make: Callable[[FabricTable, str], Any]) -> tuple[list[An
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
-    """The impact's set-up for `shellfabric`.
+    """The impact's set-up for `shellfabric`. With a file, its notes are printed.
 
     Raises
     ------
@@ -190,7 +190,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     for name in ("fabric", "panel", "run"):
         given |= {key: value for key, value in _given(getattr(scene, name), name).items() if key in of_setup}
     try:
-        return ImpactSetup(**given | {  # in place of texts and tables the objects that they describe
+        made = ImpactSetup(**given | {  # in place of texts and tables the objects that they describe
             "fabric": case.fabric,
             "laws": case.laws,
             "surface": case.surface,
@@ -206,6 +206,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         })  # fmt: skip
     except InputError as problem:
         raise in_file(problem, file) from None
+    for note in made.notes if file is not None else ():
+        print(f"note: {note}")
+    return made
 
 
 def _crossovers(table):

@@ -271,15 +271,18 @@ class PanelTable(Table):
     )
     impact_point: Annotated[
         quantities(
-            "where the projectile hits, from the middle of the opening along its two sides; needs clamped edges, and a "
-            "symmetry across which it is 0: `half` for a point on the second axis, else `whole`",
+            "where the projectile hits, from the middle of the opening along its two sides. Where not given the "
+            "middle; of one ply with sliding crossovers, computed whole, a quarter of the spacing off a crossover in "
+            "both directions. Off the middle it needs a symmetry across which it is 0, `half` for a point on the "
+            "second axis, else `whole`; with pinned crossovers also clamped edges",
             "m", "a list of two lengths", '["20 mm", "0 mm"]',
         ),
         Field(min_length=2, max_length=2),
-    ] = (0.0, 0.0)  # fmt: skip
+    ] = None  # fmt: skip
     boundary: Annotated[Boundary, described("how the yarns end at the frame", _BOUNDARY)] = "clamped"
     symmetry: one_of(
-        "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg)",
+        "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg). Where "
+        "not given, one ply with sliding crossovers is whole: symmetry can decide its outcome",
         "quarter", "half", "whole",
     ) = "quarter"  # fmt: skip
     weave_angle: angle("angle of the warp to the sides of the opening", -89, 89, "45 deg") = 0.0
@@ -513,6 +516,7 @@ def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> 
     table = stl_file.described(table, ProjectileTable.model_fields, file)
     table = _with_named(table, file, "backing", "material", backings)
     scene = _with_counted_plies(validated(Scene, table, file), file)
+    scene = _with_modelled_part(scene, file, "panel.symmetry" in getattr(support, "ignored", ()))
     _check_relations(scene, table, file)
     if support is not None:
         supported.check(scene, table, file, support(scene) if callable(support) else support)
@@ -543,13 +547,19 @@ def _with_counted_plies(scene, file):
     if not 2 <= plies <= MOST_PLIES:
         allowed = f"2 to {MOST_PLIES} plies in all; [fabric] alone is one ply"
         raise InputError(file=file, key="panel.ply", value=f"{plies} plies", allowed=allowed)
-    more = {}
-    if is_angled(panel):
-        if panel.symmetry != "whole" and "symmetry" in panel.model_fields_set:
-            allowed = f"whole, or left out, {BESIDE_ANGLES}"
-            raise InputError(file=file, key="panel.symmetry", value=panel.symmetry, allowed=allowed)
-        more = {"symmetry": "whole"}
-    return scene.model_copy(update={"panel": panel.model_copy(update={"plies": plies} | more)})
+    return scene.model_copy(update={"panel": panel.model_copy(update={"plies": plies})})
+
+
+def _with_modelled_part(scene, file, ignored):
+    """The scene with the whole panel where a ply is at an angle, and of one ply of sliding yarns where its symmetry is
+    not given, or ignored."""
+    panel, angled, given = scene.panel, is_angled(scene.panel), "symmetry" in scene.panel.model_fields_set
+    if not angled and (panel.crossovers == "pinned" or panel.plies > 1 or (given and not ignored)):
+        return scene
+    if angled and given and panel.symmetry != "whole":
+        allowed = f"whole, or left out, {BESIDE_ANGLES}"
+        raise InputError(file=file, key="panel.symmetry", value=panel.symmetry, allowed=allowed)
+    return scene.model_copy(update={"panel": panel.model_copy(update={"symmetry": "whole"})})
 
 
 BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"

@@ -27,18 +27,15 @@ def panel_in_words(panel: PanelTable) -> str:
         if isinstance(panel.opening, tuple)
         else f"{1e3 * panel.opening:g} mm {'round' if panel.opening_shape == 'round' else 'square'}"
     )
-    if any(panel.impact_point):
+    if panel.impact_point is not None and any(panel.impact_point):
         words += f", struck {' and '.join(f'{1e3 * x:g}' for x in panel.impact_point)} mm off its middle"
     if panel.weave_angle:
         words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
+    crossovers = ", with sliding crossovers" if panel.crossovers == "sliding" else ""
     if isinstance(panel.boundary, str):
-        return f"{words} and {panel.boundary}{_crossovers_in_words(panel)}"
+        return f"{words} and {panel.boundary}{crossovers}"
     ends = " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in panel.boundary.sides.items())
-    return f"{words}, {ends}{_crossovers_in_words(panel)}"
-
-
-def _crossovers_in_words(panel):
-    return ", with sliding crossovers" if panel.crossovers == "sliding" else ""
+    return f"{words}, {ends}{crossovers}"
 
 
 def _side_in_words(side):

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
-from shellfabric.panel.boundary import Grip, PullIn
+from shellfabric.panel.boundary import Grip
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import window_kernels
 from shellfabric.projectile.projectile import Projectile
@@ -52,9 +51,26 @@ def test_the_ends_of_yarn_in_a_weak_clamp_are_never_used_up(sliding):
     assert np.all(grid(run.state.intact_fraction[0], run.panel)[:-1] == 1.0)
 
 
-def test_a_prescribed_pull_in_is_refused(sliding):
-    with pytest.raises(InputError, match="edge"):
-        sliding(edge=PullIn(1e-3, 0.0, 1e-4))
+def test_a_ply_is_struck_beside_a_crossover(sliding):
+    """Its grid stays in the opening, and its four sides stay lines that may slip. Mirrored points are alike, and so are
+    crossovers until an edge is felt."""
+    side = 2 * np.array(sliding().weave.w)
+
+    def shot(places, end):
+        point = tuple(np.array(places) * side)
+        panel = sliding(0.1, symmetry="whole", edge=Grip(20.0), impact_point=point)
+        for line, x, n, place in zip(panel.lines(), point, panel.nearest_lines, places):
+            np.testing.assert_allclose(line[[0, -1]] + x, [-0.0153, 0.0153], atol=side.max())
+            np.testing.assert_allclose(line[[0, -1]].sum(), -2 * x, atol=1e-12)
+            assert n == line.size // 2 + round(place)
+        return PackSolver(panel, 60.0, end).run()
+
+    one, mirrored = shot((0.25, 0.25), 40e-6), shot((-0.25, -0.25), 40e-6)
+    assert one.sample("v") == pytest.approx(mirrored.sample("v"), rel=1e-6)
+    assert np.abs(one.sample("error")).max() < 0.005 * one.strike_energy
+    middle, crossover, beside = (shot(places, 1.2e-6).sample("v")[-1] for places in ((0, 0), (2, -1), (0.25, 0.25)))
+    assert crossover == pytest.approx(middle, rel=1e-9)
+    assert beside != pytest.approx(middle, rel=1e-6)
 
 
 def test_contact_ends_in_the_middle_of_a_window_and_not_beside_its_yarns(sliding):

@@ -10,6 +10,7 @@ from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WINDOW
 from shellfabric.output import checkpoint
+from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
@@ -303,15 +304,14 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
         ("bending", {"bending": (1e-8, 1e-8)}),
         ("jam", {"jam": (1.0, 0.9)}),
         ("precision", {"numerics": Numerics(precision="single")}),
+        ("edge", {"edge": PullIn(1e-3, 0.0, 1e-4)}),
+        ("impact_point", {"impact_point": (15e-3, 0.0), "symmetry": "whole"}),
+        ("form", {"table": "equilibrium"}),
         ("crossover_friction", {"mu": -0.1}),
         ("crossover_cohesion", {"cohesion": -1.0}),
     ],
 )
-def test_what_is_not_supported_is_refused(sliding, key, changes):
+def test_what_is_not_supported_is_refused(sliding, tables, key, changes):
+    table = tables[changes.get("table", "variational")]
     with pytest.raises(InputError, match=key):
-        sliding(projectile=Projectile(radius=1e-3), **changes)
-
-
-def test_the_equilibrium_form_is_refused(sliding, tables):
-    with pytest.raises(InputError, match="form"):
-        sliding(table=tables["equilibrium"])
+        sliding(projectile=Projectile(radius=1e-3), **changes | {"table": table})

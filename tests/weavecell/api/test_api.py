@@ -6,6 +6,7 @@ import math
 import subprocess
 import sys
 import typing
+from contextlib import suppress
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -312,6 +313,17 @@ def test_a_doubtful_shot_warns_and_says_so_everywhere():
     assert shots.doubtful
     assert shots.summary()["doubtful"] == 1
     assert [text.split(":")[0] for text in shots.to_dataframe()["checks"]] == ["doubtful", "ok"]
+
+
+@pytest.mark.parametrize("call", [wc.shoot, wc.setup, wc.v50])
+def test_sliding_yarns_warn_at_the_line_of_the_user(call):
+    given = {"opening": "30 mm", "crossovers": "sliding", "crossover_friction": 0.1}
+    target = ("S-726",) if call is wc.v50 else ("S-726", 96.0)
+    more = {"shots": 0} if call is wc.v50 else {"end_time": "5 us"}  # no shots are refused, after the set-up is made
+    with pytest.warns(UserWarning, match="window possible, limit not conservative") as told, suppress(InputError):
+        call(*target, **given, **more)
+    assert "off a crossover" in str(told[0].message)
+    assert [one.filename for one in told] == 2 * [__file__]
 
 
 def test_a_bracket_on_a_doubtful_shot_says_so():

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,9 @@ import pytest
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
-from weavecell.scenes import build, words
+from weavecell.report.shot import chapters_shot
+from weavecell.results import provenance
+from weavecell.scenes import build, of_commands, words
 from weavecell.scenes import impact as scenes_impact
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
@@ -152,6 +155,42 @@ def setup_of(changes):
     table = {name: TABLE[name] | changes.get(name, {}) for name in TABLE}
     asked = scenes_impact.check(table, "s")
     return build.setup(build.build(asked, "s", "s"), "s"), asked
+
+
+ASIDE, ON, PART, WINDOW = "weft off a crossover", "on a crossover", "symmetry can decide", "window possible"
+
+
+@pytest.mark.parametrize(
+    ("panel", "symmetry", "spacings", "notes"),
+    [
+        ({}, "whole", 0.25, [ASIDE]),
+        ({"symmetry": "quarter"}, "quarter", 0.0, [PART, ON]),
+        ({"symmetry": "half"}, "half", 0.0, [PART, ON]),
+        ({"impact_point": ["0 mm", "0 mm"]}, "whole", 0.0, [ON]),
+        ({"impact_point": ["1.27 mm", "-6.35 mm"]}, "whole", None, [ON]),  # crossovers of S-720 are 1.27 mm apart
+        ({"crossover_friction": 0.14}, "whole", 0.25, [ASIDE, WINDOW]),
+        ({"crossover_friction": 0.15}, "whole", 0.25, [ASIDE]),
+        ({"plies": 2, "crossover_friction": 0.1}, "quarter", 0.0, [PART]),
+        ({"crossovers": "pinned"}, "quarter", 0.0, []),
+    ],
+)
+@pytest.mark.parametrize("support", [of_commands.IMPACT, of_commands.LIMITS], ids=["impact", "limits"])
+def test_part_and_impact_point_of_sliding_plies(capsys, panel, symmetry, spacings, notes, support):
+    """By default one sliding ply is computed whole and struck off a crossover; what is doubtful is said everywhere."""
+    table = TABLE | {"panel": {"opening": "50 mm", "crossovers": "sliding"} | panel}
+    setup = build.setup(build.build(scenes_impact.check(table, "s", support), "s", "s"), "s")
+    assert setup.symmetry == symmetry
+    drawn = scenes_impact.check(table, "s", of_commands.DRAWS).panel  # which draws compute whole anyway
+    assert drawn.symmetry == ("whole" if drawn.crossovers == "sliding" and drawn.plies == 1 else symmetry)
+    struck = replace(setup, table_size=11).target().plies[0].impact_point
+    if spacings is not None:
+        assert struck == pytest.approx([spacings * 2 * w for w in setup.fabric.weave.w])
+    assert len(setup.notes) == len(notes)
+    assert all(words in note for words, note in zip(notes, setup.notes))
+    printed = [line for line in capsys.readouterr().out.splitlines() if "note" in line]
+    assert printed == [f"note: {note}" for note in setup.notes]
+    assert provenance.stamp(setup=setup).get("notes", "") == "; ".join(setup.notes)
+    assert all(note[1:] in chapters_shot.assumptions(setup, ()).tables[0].rows[0][1] for note in setup.notes)
 
 
 def test_shape_and_attitude_of_the_shot():

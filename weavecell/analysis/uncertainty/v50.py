@@ -148,7 +148,8 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     """
     given = setup.grading is not None or setup.elements_per_crossover is not None or setup.crossovers is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
-    if setup.plies > 1 or given or not clamped or setup.projectile.obliquity or boundary.stepped(setup):
+    stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
+    if setup.plies > 1 or given or not clamped or setup.projectile.obliquity or stepped:
         return setup
     near = first_zone(setup)
     return replace(setup, grading=((near, 1), (2 * near, 2), (inf, 4)))

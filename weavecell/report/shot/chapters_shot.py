@@ -120,7 +120,8 @@ def _energies(records):
 
 def _edges(records):
     """Tensions at the edges."""
-    runs = {record.title: (record.time, *_reactions(record)) for record in records}
+    tensions = [[record.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")] for record in records]
+    runs = {record.title: (record.time, *both) for record, both in zip(records, tensions)}
     caption = "Tension at the edge of the panel, of the warp and the weft yarn through the impact point"
     caption += ", summed over the plies." if _several_plies(records) else "."
     picture = pictures.render(pictures.reactions, runs)
@@ -134,11 +135,6 @@ def parts(energies: Mapping[str, Any]) -> dict[str, Any]:
     for name in ("contact", "friction"):
         found[name] = energies.get(name, 0.0) + energies.get(f"ply_{name}", 0.0) + 0 * found["yarn_strain"]
     return found
-
-
-def _reactions(record):
-    """(warp, weft) [N] over time."""
-    return record.plies["reaction_warp"].sum(axis=1), record.plies["reaction_weft"].sum(axis=1)
 
 
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
@@ -227,9 +223,10 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> 
     strength = ", ".join(f"{words} N ({name}, warp / weft)" for name, words in each)
     if setup.crossovers is None:
         pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
-        pinned += " The computed limit of loose weaves is too high."
+        pinned += " In the one pair of tests at hand (S-726) the computed limit is too high."
     else:
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
+        pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
     fails = f"A yarn fails at its strength, {strength}, the same for all yarns and at any strain rate."
     shot, between = setup.projectile, setup.ply_friction
     rows = [
