@@ -96,6 +96,7 @@ def test_files_hold_it_all(calibration):
     found, out, seen = calibration
     assert seen == dict.fromkeys([*PATHS, BOTH, "plates"], 1.0)
     assert CompressionLaw.from_json(out / "law.json") == found.law
+    assert [found.law.fabric, *(law.fabric for law in found.yarn_laws)] == [found.fabric] * 3
     summary = json.loads((out / "calibration.json").read_text())
     assert summary["law"]["a_m"] == found.law.a
     assert summary["failure"]["warp only"][0]["criterion"] == "worst bar"
