@@ -86,11 +86,7 @@ def biaxial(
     wanted = {text: _ratio(text) for text in ratio or ("1:1", "1:0", "0:1")}
     plain = catalogue.load(name) if size is None else mesh.with_3d_data(name)
     fabric = variants.with_linear_density(plain, "effective")
-    if law is not None:
-        fabric = replace(fabric, laws=(CompressionLaw.from_json(law),) * 2)
-    elif fabric.laws is None:
-        allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
-        raise InputError(key="--law", allowed=allowed)
+    fabric = _with_law(fabric, law)
     options: dict[str, Any] = {"profile": profile.value, "toe": _toes(toe)}
     model, began = CellModel(fabric, **options), time.perf_counter()
     out_folder.claim(out)
@@ -111,6 +107,16 @@ def biaxial(
             f"contact {end['contact_force']:.1f} N"
         )
     print(f"written to {out}")
+
+
+def _with_law(fabric, law):
+    """The fabric with the law in a file, or with its own."""
+    if law is not None:
+        return replace(fabric, laws=(CompressionLaw.from_json(law),) * 2)
+    if fabric.laws is None:
+        allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
+        raise InputError(key="--law", allowed=allowed)
+    return fabric
 
 
 def _report(out, model, found, solved, ends, options, size, began, source):
