@@ -583,11 +583,9 @@ def _check_relations(scene, table, file):
         names = ", ".join(AccuracyTable.model_fields)
         raise InputError("has no target", file=file, key="accuracy", allowed=f"at least one of {names}")
     smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
+    rounding = shot.edge_radius or 0.0
     limits = {
-        ("projectile", "edge_radius"): (
-            (shot.edge_radius or 0) < shot.diameter / 2,
-            "below half of projectile.diameter",
-        ),
+        ("projectile", "edge_radius"): (rounding < shot.diameter / 2, "below half of projectile.diameter"),
         ("projectile", "diameter"): (shot.diameter < smallest / 2, "below half of panel.opening"),
         ("run", "snapshot_interval"): (run.snapshot_interval <= run.end_time, "at most run.end_time"),
         ("run", "checkpoint_interval"): (run.checkpoint_interval <= run.end_time, "at most run.end_time"),
