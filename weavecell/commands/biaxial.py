@@ -26,8 +26,7 @@ from fabrics.errors import InputError
 from weavecell.commands.options import RESULTS, FabricArgument, OutOption, Size, example
 
 with lazy.imports():
-    from fabrics import catalogue, files, units, variants
-    from fabrics.compression import CompressionLaw
+    from fabrics import catalogue, compression, files, units, variants
     from weavecell.commands import mesh
     from weavecell.report import chapters
     from weavecell.report import page as report_page
@@ -112,7 +111,7 @@ def biaxial(
 def _with_law(fabric, law):
     """The fabric with the law in a file, or with its own."""
     if law is not None:
-        return replace(fabric, laws=(CompressionLaw.from_json(law),) * 2)
+        return replace(fabric, laws=(compression.CompressionLaw.from_json(law),) * 2)
     if fabric.laws is None:
         allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
         raise InputError(key="--law", allowed=allowed)
