@@ -26,8 +26,7 @@ from fabrics.errors import InputError
 from weavecell.commands.options import RESULTS, FabricArgument, OutOption, Size, example
 
 with lazy.imports():
-    from fabrics import catalogue, files, units, variants
-    from fabrics.compression import CompressionLaw
+    from fabrics import catalogue, compression, files, units, variants
     from weavecell.commands import mesh
     from weavecell.report import chapters
     from weavecell.report import page as report_page
@@ -86,11 +85,7 @@ def biaxial(
     wanted = {text: _ratio(text) for text in ratio or ("1:1", "1:0", "0:1")}
     plain = catalogue.load(name) if size is None else mesh.with_3d_data(name)
     fabric = variants.with_linear_density(plain, "effective")
-    if law is not None:
-        fabric = replace(fabric, laws=(CompressionLaw.from_json(law),) * 2)
-    elif fabric.laws is None:
-        allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
-        raise InputError(key="--law", allowed=allowed)
+    fabric = _with_law(fabric, law)
     options: dict[str, Any] = {"profile": profile.value, "toe": _toes(toe)}
     model, began = CellModel(fabric, **options), time.perf_counter()
     out_folder.claim(out)
@@ -111,6 +106,16 @@ def biaxial(
             f"contact {end['contact_force']:.1f} N"
         )
     print(f"written to {out}")
+
+
+def _with_law(fabric, law):
+    """The fabric with the law in a file, or with its own."""
+    if law is not None:
+        return replace(fabric, laws=(compression.CompressionLaw.from_json(law),) * 2)
+    if fabric.laws is None:
+        allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
+        raise InputError(key="--law", allowed=allowed)
+    return fabric
 
 
 def _report(out, model, found, solved, ends, options, size, began, source):

@@ -64,7 +64,6 @@ def surface(
     spans = [_span(text, key) for text, key in ((d1, "--d1"), (d2, "--d2"))]
     stamp = provenance.stamp("", fabric)
     out_folder.claim(out, resume)
-    partial = out / "partial.h5"
     with progress.bar(f"Response surface of {fabric.name}") as advance:
         found = identify_response_surface.sample(
             fabric,
@@ -74,7 +73,7 @@ def surface(
             tolerance=tolerance,
             size=size.value,
             friction=friction,
-            partial=partial,
+            partial=out / "partial.h5",
             resume=resume,
             jobs=jobs,
             executor=executor,
@@ -86,7 +85,7 @@ def surface(
         "lines": found.surface.T1.shape, "tolerance": tolerance,
     }  # fmt: skip
     _write(out, fabric, found, chosen, stamp)
-    partial.unlink(missing_ok=True)
+    (out / "partial.h5").unlink(missing_ok=True)
     print(f"{'grid':<10}{found.surface.d1.size} x {found.surface.d2.size}, {size.value} mesh")
     _print_errors(found)
     print(f"written to {out}")

@@ -127,6 +127,7 @@ _SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
     "or a list of two such for its ends"
 )
+WIDEST = 5.0  # [m] of an opening: a larger number has another unit
 _BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a table { warp = ..., weft = ... } of sides'
 
 
@@ -160,9 +161,6 @@ class BoundaryTable(SlipTable):
 
 
 Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discriminator(_kind)]
-
-
-WIDEST = 5.0  # [m] of an opening: a larger number has another unit
 
 
 def _opening(value):
@@ -212,9 +210,6 @@ def _ply_angle(text):
 
 
 MOST_PLIES = 100
-
-
-WITHOUT_FABRIC = "which may be left out where every [[panel.ply]] has name or file"
 
 
 class PlyTable(Table):
@@ -575,7 +570,8 @@ def _check_relations(scene, table, file):
     fabric, shot, panel, run = scene.fabric, scene.projectile, scene.panel, scene.run
     if not (panel.ply and all(ply.name or ply.file for ply in panel.ply) and fabric.name is fabric.file is None):
         if not table.get("fabric"):
-            raise InputError("is missing", file=file, key="fabric", allowed=f"a table [fabric], {WITHOUT_FABRIC}")
+            allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
+            raise InputError("is missing", file=file, key="fabric", allowed=allowed)
         exactly_one(fabric, ("name", "file"), "fabric", file)
     if shot.edge_radius is None and shot.shape != "sphere":
         allowed = ProjectileTable.model_fields["edge_radius"].description
@@ -587,11 +583,9 @@ def _check_relations(scene, table, file):
         names = ", ".join(AccuracyTable.model_fields)
         raise InputError("has no target", file=file, key="accuracy", allowed=f"at least one of {names}")
     smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
+    rounding = shot.edge_radius or 0.0
     limits = {
-        ("projectile", "edge_radius"): (
-            shot.edge_radius is None or shot.edge_radius < shot.diameter / 2,
-            "below half of projectile.diameter",
-        ),
+        ("projectile", "edge_radius"): (rounding < shot.diameter / 2, "below half of projectile.diameter"),
         ("projectile", "diameter"): (shot.diameter < smallest / 2, "below half of panel.opening"),
         ("run", "snapshot_interval"): (run.snapshot_interval <= run.end_time, "at most run.end_time"),
         ("run", "checkpoint_interval"): (run.checkpoint_interval <= run.end_time, "at most run.end_time"),

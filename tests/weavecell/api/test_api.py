@@ -388,6 +388,8 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     search = {"tolerance": "10 m/s", "residual_shots": 0, "scan": False}
     found = wc.critical_velocity("S-720", **search, **panel)
     again = wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **search)
+    ignored = {"end_time": "1 us", "snapshot_interval": "1 us"}  # as in input files
+    assert found.bracket == wc.critical_velocity("S-720", **search, **panel, **ignored).bracket
     assert found.bracket == again.bracket
     assert found.summary()["plies"] == 2
     assert found.plot().axes[0].get_title(loc="left") == "2 x S-720"

@@ -101,6 +101,13 @@ def test_a_call_imports_its_own_command_alone():
     assert found == {"weavecell.commands.view", "weavecell.commands.options"}
 
 
+def test_the_log_is_plain_whatever_a_library_sets_up():
+    script = "import logging\nlogging.basicConfig()\nfrom weavecell.cli import app\ntry: app.main(['--version'])\n"
+    script += "except SystemExit: logging.getLogger('weavecell').warning('compiling')"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stderr == "compiling\n"
+
+
 def test_unknown_command(command):
     code, _, err = command("shoot")
     assert code == 2

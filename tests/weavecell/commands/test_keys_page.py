@@ -35,7 +35,7 @@ def test_what_an_entry_says():
     assert found["panel.ply_gap"].strip().endswith("*Commands:* all.")
     assert "refused by [accuracy]" in found["panel.grading"]
     assert (
-        "*Default:* required. *Commands:* impact, [accuracy], sensitivity, export; ignored by limits."
+        "*Default:* 0.0008. *Commands:* impact, [accuracy], sensitivity, export; ignored by limits."
         in (found["run.end_time"])
     )
     assert "*Commands:* coupon." in found["uniaxial.strain"]

@@ -57,8 +57,8 @@ def merged(table, changes):
 
 # key -> (what else the scene needs, two values that must not come to the same), where default and example will not do
 SLIPS = {
-    f"panel.boundary.{side}.{name}": ({"panel": {"boundary": {side: first}}}, first[name], other)
-    for side in ("warp", "weft")
+    f"{side}.{name}": (table_of(side, first), first[name], other)
+    for side in ("panel.boundary", "panel.boundary.warp", "panel.boundary.weft")
     for name, other, first in (
         ("clamp_force", "30 N", {"clamp_force": "20 N"}),
         ("pull_in", "2 mm", PULL),
