@@ -82,28 +82,17 @@ class CompressionLaw:
             for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ())
         }
 
-    def outside_ends(self) -> dict[str, tuple[float, float]]:
-        """{"soft", "stiff": (lowest, highest) contact force [N] at which the law lies outside this end}.
+    def outside_ends(self) -> list[str]:
+        """A line for each end of the assumed range that the law lies outside of, up to the largest force of its fit.
 
-        Of forces from 0 to the largest fitted one. The law lies outside the soft end where that compresses less, and
-        outside the stiff end where that compresses more; an end is left out where it does so nowhere.
+        The soft end is to be compressed more than the law, the stiff end less.
         """
-        if self.F_range is None:
-            return {}
-        F, found = np.linspace(0, self.F_range[1], 1001)[1:], {}
-        for end, law in self.ends().items():
-            outside = F[law.d(F) < self.d(F) if end == "soft" else law.d(F) > self.d(F)]
-            if outside.size:
-                found[end] = float(outside[0]), float(outside[-1])
+        found, F = [], np.linspace(0, self.F_range[1] if self.F_range else 0, 1001)[1:]
+        for (end, law), sign, other in zip(self.ends().items(), (1, -1), ("stiffer", "softer")):
+            if (outside := F[sign * (law.d(F) - self.d(F)) < 0]).size:
+                forces = f"from {outside[0]:.3g} to {outside[-1]:.3g} N"
+                found.append(f"{end} end {other} than the law {forces}: the ends do not bracket it there")
         return found
-
-    def outside_words(self) -> list[str]:
-        """A line for each end of the assumed range that the law lies outside of."""
-        other = {"soft": "stiffer", "stiff": "softer"}
-        return [
-            f"{end} end {other[end]} than the law from {low:.3g} to {high:.3g} N: the ends do not bracket it there"
-            for end, (low, high) in self.outside_ends().items()
-        ]
 
     def require_fabric(self, name: str, *, file: FilePath | None = None, key: str, value: object = None) -> None:
         """Refuse a law that was fitted to a fabric of another name.

@@ -196,7 +196,7 @@ class CalibrationResult(Result):
         for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
             found |= {f"a_{end}_m": a, f"b_{end}_m_N^(1/3)": b}
         if law.outside_ends():
-            found["outside"] = "; ".join(law.outside_words())
+            found["outside"] = "; ".join(law.outside_ends())
         if self.assumed:
             found["assumed"] = "; ".join(self.assumed)
         return found

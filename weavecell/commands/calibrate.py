@@ -167,7 +167,7 @@ def tell(done: Calibration) -> None:
     print(f"{'impacts use':<12}the fitted law{better}")
     for end, (low, high) in zip(("soft", "stiff"), law.assumed_range or ()):
         print(f"{end + ' end':<12}a = {1e3 * low:.4f} mm, b = {1e3 * high:.4f} mm N^(1/3), of the assumed solid law")
-    for line in law.outside_words():
+    for line in law.outside_ends():
         print(f"{'note':<12}{line}")
     if done.contact is not None:
         print(f"{'plies':<12}{done.contact.words()}")
@@ -250,7 +250,7 @@ def fit_chapter(done: Calibration, laws: Any) -> report_page.Section:
     failure = report_page.Table(
         heads, found_failures, "Where the fibre strain first reaches the failure strain", numeric=heads[3:]
     )
-    lead = " ".join([chapter.lead, *(f"Note: {line}." for line in done.law.outside_words())])
+    lead = " ".join([chapter.lead, *(f"Note: {line}." for line in done.law.outside_ends())])
     return replace(chapter, lead=lead, tables=(*chapter.tables, _laws(done), alone, failure))
 
 
