@@ -35,7 +35,7 @@ def test_schemas_hold_every_table(pages, tmp_path):
     schema = json.loads((tmp_path / "scene.schema.json").read_text())
     assert set(schema["properties"]) == set(Scene.model_fields)
     assert schema["$defs"]["ProjectileTable"]["properties"]["mass"]["description"].startswith(
-        "mass [kg]; a mass above 0"
+        "mass, with a mean density from 0.5 to 23 g/cm^3"
     )
     assert (tmp_path / "cli.md").exists()
     assert (tmp_path / "coupon.schema.json").exists()
