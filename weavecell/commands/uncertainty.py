@@ -31,7 +31,7 @@ with lazy.imports():
     from weavecell.commands import critical_velocity
     from weavecell.report import marked_page, pictures_uncertainty
     from weavecell.results import json_file, out_folder, progress, provenance
-    from weavecell.scenes import build, of_commands, target
+    from weavecell.scenes import build, of_commands, schema, target
     from weavecell.scenes import impact as impact_scenes
 
 if TYPE_CHECKING:
@@ -330,7 +330,7 @@ def grading_of(text: str, key: str = "grading") -> tuple[tuple[float, float], ..
     import tomllib
 
     try:
-        zones = impact_scenes.zones(tomllib.loads(f"grading = {text}")["grading"])
+        zones = schema.zones(tomllib.loads(f"grading = {text}")["grading"])
     except (tomllib.TOMLDecodeError, ValueError, ZeroDivisionError):
         zones = None
     if zones is None:

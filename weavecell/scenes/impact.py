@@ -35,6 +35,7 @@ from weavecell.scenes.schema import (
     string,
     validated,
     whole,
+    zones,
 )
 
 SHAPES = {  # of `shellfabric.projectile.projectile`, in words
@@ -168,26 +169,6 @@ def _opening(value):
     if not 0 < min(sides) <= max(sides) <= WIDEST:
         raise ValueError("out of range")
     return sides[0] if len(sides) == 1 else tuple(sides)
-
-
-def zones(value: Any) -> tuple[tuple[float, float], ...] | None:
-    """Zones (until, side) [crossovers] of a grading as they stand in a file; ValueError where they are none."""
-    if value is None:
-        return None
-    plain = isinstance(value, (list, tuple)) and all(
-        isinstance(zone, (list, tuple)) and len(zone) == 2 for zone in value
-    )
-    if not plain or any(isinstance(x, bool) or not isinstance(x, (int, float, str)) for zone in value for x in zone):
-        raise ValueError("no zones")
-    return tuple((_crossovers(until), _crossovers(side)) for until, side in value)
-
-
-def _crossovers(value):
-    """A number of crossovers, or a fraction of one such as "1/3"."""
-    if not isinstance(value, str):
-        return float(value)
-    over, _, under = value.partition("/")
-    return int(over) / int(under)
 
 
 _ZONE = {"type": "array", "prefixItems": [{"type": ["number", "string"]}] * 2, "minItems": 2, "maxItems": 2}

@@ -289,6 +289,26 @@ class FabricTable(Table):
     bending: quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True) = 0.0
 
 
+def zones(value: Any) -> tuple[tuple[float, float], ...] | None:
+    """Zones (until, side) [crossovers] of a grading as they stand in a file; ValueError where they are none."""
+    if value is None:
+        return None
+    plain = isinstance(value, (list, tuple)) and all(
+        isinstance(zone, (list, tuple)) and len(zone) == 2 for zone in value
+    )
+    if not plain or any(isinstance(x, bool) or not isinstance(x, (int, float, str)) for zone in value for x in zone):
+        raise ValueError("no zones")
+    return tuple((_crossovers(until), _crossovers(side)) for until, side in value)
+
+
+def _crossovers(value):
+    """A number of crossovers, or a fraction of one such as "1/3"."""
+    if not isinstance(value, str):
+        return float(value)
+    over, _, under = value.partition("/")
+    return int(over) / int(under)
+
+
 def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
     """Read a TOML file as (text, table); InputError if it is missing, not text or not TOML."""
     path = Path(path)
