@@ -288,10 +288,8 @@ def face_to_face(front, fc, e, n):
 def contact_point(front, fc, rear, rc, pair, twin, q, often):
     """Follow the closest point of the front ply's point number q, and apply its force: (energy in its spring, depth).
 
-    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push.
-
-    twin : Pair with the points of the rear ply; often : whether the closest point beside torn fabric is to be searched
-        anew, whether or not it has been followed well
+    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push. twin : Pair with the
+    rear ply's points; often : whether the closest point beside torn fabric is to be searched anew in any case
     """
     e, a, b = point_place(fc, pair, q)
     (x, y, z), i, j, k, w_front = front_point(front, fc, pair, a, b)
@@ -340,8 +338,7 @@ def contact_point(front, fc, rear, rc, pair, twin, q, often):
     update_spring(pair, q, depth, made, jump, before, touches, lost, sure)
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n
     pair.status[q], pair.last_depth[q], pair.depth_offset[q] = IN_CONTACT, depth, min(pair.depth_offset[q], depth)
-    part = share_of_law(pair, twin, rc, e, A, B)
-    f, energy = spring_force(fc, pair, q, a, b, depth, closing, part)
+    f, energy = spring_force(fc, pair, q, a, b, depth, closing, share_of_law(pair, twin, rc, e, A, B))
     if f > 0.0:
         grow_window(pair.front_window, i, j, 3)
         grow_window(pair.rear_window, I, J, 3)

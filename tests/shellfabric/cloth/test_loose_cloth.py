@@ -135,7 +135,8 @@ def test_what_a_tear_brings_into_contact_is_no_spring_that_someone_has_squeezed(
     result = run(replace(ply, plies=4, stacking="alternating", ply_gap=9.47e-6))
     assert result.failed_segments[-1] > 0
     torn = np.flatnonzero(result.failed_segments)[0]  # before that springs give back what they have stored
-    assert np.diff(result.energies["ply_contact"])[torn - 1 :].min() > -1e-3 * result.strike_energy
+    taken = result.energies["ply_contact"]
+    assert (taken[torn:] - taken[torn - 1]).min() > -1e-3 * result.strike_energy
     assert result.energies["ply_contact"].min() > -1e-3 * result.strike_energy
 
 
