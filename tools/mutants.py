@@ -35,9 +35,9 @@ def copy_of_tree(folder: Path, commit: str) -> str:
     """A worktree of a commit at `folder`, made or brought up to date; returns the commit's full name."""
     commit = git(ROOT, "rev-parse", commit)
     if folder.exists():
-        git(folder, "checkout", "--force", "--detach", commit)
+        git(folder, "checkout", "--quiet", "--force", "--detach", commit)
     else:
-        git(ROOT, "worktree", "add", "--detach", str(folder), commit)
+        git(ROOT, "worktree", "add", "--quiet", "--detach", str(folder), commit)
     return commit
 
 
