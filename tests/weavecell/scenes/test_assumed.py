@@ -151,7 +151,7 @@ def test_a_width_replaces_the_assumed_gap(tmp_path):
     path.write_text(text.replace("[warp]\n", '[warp]\nwidth = "1.1 mm"\n'))
     assert assumed.with_shear(catalogue.load(path)).shear.gamma1 == pytest.approx(acos(1.1 / (10 / 8.5)))
     path.write_text(text.replace('"1.0 mm"', '"-1 mm"'))
-    with pytest.raises(InputError, match=r"weft\.width = '-1 mm': must be a positive number"):
+    with pytest.raises(InputError, match=r"weft\.width = '-1 mm': must be from 0.02 to 20 mm"):
         catalogue.load(path)
 
 
