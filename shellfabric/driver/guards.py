@@ -16,8 +16,8 @@ def speed_limit(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
 
     That is the strike velocity or, in a slow strike or a pull-out, the velocity e c at which a yarn of the wave speed c
     that breaks at the strain e lets go of its end. Nodes are faster than either without any instability: the nose
-    throws light ones at twice its own velocity and more, the end of a broken yarn flies at 2 e c, and the free corner
-    of a panel that is drawn in cracks as a whip does.
+    throws light ones at twice its own velocity and more, the end of a broken yarn flies at 2 e c (430 m/s in a sound
+    strike at 20 m/s), and the free corner of a panel that is drawn in cracks as a whip does.
 
     Parameters
     ----------
