@@ -131,14 +131,15 @@ def test_cloth_at_rest_stays_at_rest():
 def test_free_cloth_flies_on(fabric):
     """Cloth without supports is pushed along: momentum is kept, and the projectile is left with a velocity between that
     of a plastic blow, all of one velocity, and that of an elastic one."""
-    panel = ImpactSetup(fabric, 136.0, opening=0.05, edge="free").panel()
+    # at half the usual step: the raw energy error falls with its square, and is 0.06 % at the whole step
+    numerics = Numerics(cfl=0.5 * Numerics.cfl)
+    panel = ImpactSetup(fabric, 136.0, opening=0.05, edge="free", numerics=numerics).panel()
     march = PackSolver(panel, 136.0, 800e-6).run()
     masses, projectile = panel.masses().ravel() / panel.share, panel.projectile.mass
     cloth = masses.sum()
     momentum = masses @ march.state.v[2][: masses.size] + projectile * march.state.projectile_velocity[2]
     assert march.outcome == "in flight"
-    # measured: 0.06 %, what steps lose where yarns go taut
-    assert np.abs(march.sample("error")).max() < 1e-3 * march.strike_energy
+    assert np.abs(march.sample("error")).max() < 5e-4 * march.strike_energy
     assert momentum == pytest.approx(projectile * 136.0, rel=1e-12)
     together = 136.0 * projectile / (projectile + cloth)
     assert together * (1 - cloth / projectile) < march.state.projectile_velocity[2] < together
