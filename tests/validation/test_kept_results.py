@@ -13,10 +13,6 @@ import pytest
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
-from validation.claims import runner
-from validation.claims.checks import CHECKS, Check
-from validation.claims.claims import Claim, Condition
-from validation.claims.registry import Run
 
 ROOT = Path(__file__).parents[2]
 made = []
@@ -55,28 +51,12 @@ def the_pool(folder, monkeypatch):
     assert run_cache.results(row, [(1,), (2,)], folder=folder) == [{"number": 1}, {"number": 2}]
 
 
-def the_ledger(folder, monkeypatch):
-    monkeypatch.setattr(runner, "_registry", lambda: {"row": (row, 1)})
-    check = Check(lambda one, of: {"number": one["number"]}, lambda of: {"one": Run.of("row", number=of)})
-    monkeypatch.setitem(CHECKS, "test.number", check)
-    claim = Claim(
-        id="geom-1", kind="value", source="here", basis="analytic", origin="source", quantity="a number",
-        conditions=(Condition("number", "value", 1, within=0),), check="test.number", arguments={"of": 1},
-    )  # fmt: skip
-    [record] = runner.validate([claim], folder, resume=True)
-    assert record.verdict == "reproduced"
-
-
-def a_history():
-    from unitcell3d.solver.history import History
-
-    return History({"F_plate": np.ones((2, 2))}, {}, np.zeros(1))
-
-
 def the_calibration(folder, monkeypatch):
     from unitcell3d.identify import calibrate
+    from unitcell3d.solver.history import History
 
-    monkeypatch.setattr(calibrate, "run_job", lambda job: (row(job.name) and a_history(), 1.0))
+    history = History({"F_plate": np.ones((2, 2))}, {}, np.zeros(1))
+    monkeypatch.setattr(calibrate, "run_job", lambda job: (row(job.name) and history, 1.0))
     found = SimpleNamespace(write=lambda folder: None)
     monkeypatch.setattr(calibrate, "evaluate", lambda *_: found)
     choices = {"size": (2, 2, 2), "plates_size": (2, 2, 2), "executor": Here(), "resume": True}
@@ -93,7 +73,7 @@ def the_fit_of_the_solid(folder, monkeypatch):
     assert chain.fit_solids([fabric], [curve], folder=folder, executor=Here()) == [{"number": "S-720"}]
 
 
-REMADE = {function.__name__: function for function in (the_pool, the_ledger, the_calibration, the_fit_of_the_solid)}
+REMADE = {function.__name__: function for function in (the_pool, the_calibration, the_fit_of_the_solid)}
 THREE_D = ("the_calibration", "the_fit_of_the_solid", "the_surface")
 
 
@@ -113,30 +93,15 @@ def test_results_of_other_code_are_computed_again(name, tmp_path, monkeypatch, o
     assert made == first + first
 
 
-def panel():
-    from shellfabric.cell.model import CellModel
-    from shellfabric.panel.model import Panel
-
-    return Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.0306, 0.0306))
-
-
 def an_impact(path):
+    from shellfabric.cell.model import CellModel
     from shellfabric.output import checkpoint
+    from shellfabric.panel.model import Panel
     from shellfabric.solver.pack_solver import PackSolver
 
-    this = panel()
-    checkpoint.write(PackSolver(this, 50.0, 2e-6), path)
-    return lambda: checkpoint.read(PackSolver(this, 50.0, 2e-6), path)
-
-
-def a_pack(path):
-    from shellfabric.output import checkpoint
-    from shellfabric.plies.model import Pack
-    from shellfabric.solver.pack_solver import PackSolver
-
-    pack = Pack.stacked(panel(), 2)
-    checkpoint.write(PackSolver(pack, 50.0, 2e-6), path)
-    return lambda: checkpoint.read(PackSolver(pack, 50.0, 2e-6), path)
+    panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.0306, 0.0306))
+    checkpoint.write(PackSolver(panel, 50.0, 2e-6), path)
+    return lambda: checkpoint.read(PackSolver(panel, 50.0, 2e-6), path)
 
 
 def a_coupon(path):
@@ -150,13 +115,9 @@ def a_coupon(path):
     table = CellModel(catalogue.load("S-728").with_effective_density()).table(21)
     state = State(0.5, np.zeros((3, 2)), np.zeros((3, 2)), (0.0, 0.0), np.zeros((1, 2)), 1e-6, True)
     results_coupon.write_states(path, coupon._stamp(table, scene), [state])
-    assert coupon._stamp(table, replace_run(scene)) != coupon._stamp(table, scene)
+    other = scene.model_copy(update={"run": scene.run.model_copy(update={"tolerance": 0.123})})
+    assert coupon._stamp(table, other) != coupon._stamp(table, scene)
     return lambda: results_coupon.read_states(path, coupon._stamp(table, scene))
-
-
-def replace_run(scene):
-    """The same scene with another tolerance."""
-    return scene.model_copy(update={"run": scene.run.model_copy(update={"tolerance": 0.123})})
 
 
 def the_surface(path):
@@ -170,7 +131,7 @@ def the_surface(path):
     return lambda: Partial(path, stamp(), True)
 
 
-REFUSED = {function.__name__: function for function in (an_impact, a_pack, a_coupon, the_surface)}
+REFUSED = {function.__name__: function for function in (an_impact, a_coupon, the_surface)}
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -193,25 +154,14 @@ def test_the_state_of_a_run_of_other_code_is_refused(name, tmp_path, other_code)
 ANALYSES = ("weavecell/__init__.py", "weavecell/analysis/")
 SHELL = ("shellfabric/solver/step_kernels.py", "shellfabric/cell/model.py", "shellfabric/plies/contact_kernels.py")
 SOLID = ("unitcell3d/solver/newton.py", "unitcell3d/contact/surface_contact_kernels.py", "meshing/crossover.py")
-HERE = "validation/verification/"
 CODE = {  # the code of a result: files that are among it
     "shellfabric.impact.simulation": SHELL,
     "shellfabric.coupon.quasistatic": ("shellfabric/coupon/relaxation_kernels.py", "shellfabric/coupon/model.py"),
     "unitcell3d.identify.calibrate": SOLID,
     "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),
-    "validation.verification.crossover_convergence.cases": SOLID,
-    "validation.verification.cost_accuracy.study": (*SHELL, *SOLID, f"{HERE}cost_accuracy/scenes.toml"),
-    "validation.verification.stability.study": (*SHELL, *SOLID, f"{HERE}stability/maps.toml"),
     "weavecell.analysis.uncertainty.sobol": (*SHELL, "weavecell/analysis/uncertainty/inputs.toml"),
     "weavecell.analysis.uncertainty.v50": (*SHELL, "fabrics/catalogue/S-720.toml"),
-    "validation.verification.fidelity.survey": (*SHELL, "weavecell/analysis/fidelity/ladder.py"),
     "validation.verification.fidelity.trial": (*SHELL, "weavecell/analysis/fidelity/errors.json"),
-    "validation.published.packs.study": (*SHELL, "shellfabric/plies/torn_contact_kernels.py"),
-    "validation.published.pencilling.study": (*SHELL, "shellfabric/backing/block.py"),
-    "validation.verification.mesh_convergence.study": (*SHELL, "shellfabric/impact/ballistic_limit.py"),
-    "validation.claims.runs": (*SHELL, "validation/published/bias_extension/cases.py"),
-    "validation.claims.runs_studies": (*SHELL, "validation/published/pencilling/study.py"),
-    "validation.claims.runs3d": SOLID,
     "validation.claims.runner": (*SHELL, *SOLID, "validation/claims/checks/impact.py"),
 }
 

@@ -12,7 +12,7 @@ from typing import Literal
 import pytest
 
 from fabrics.errors import InputError
-from validation import commits, program
+from validation import program
 
 ROOT = Path(__file__).parents[2]
 
@@ -78,15 +78,6 @@ def test_wrong_values_are_refused(wrong, capsys):
     assert "error: " in capsys.readouterr().err
 
 
-def test_help_names_the_program_and_the_study(capsys):
-    with pytest.raises(SystemExit):
-        read("--help")
-    told = capsys.readouterr().out
-    assert "usage: python -m validation.made_up" in told
-    assert "The command line that studies share" in told
-    assert "100 % of it" in told
-
-
 def test_an_error_of_ours_is_one_line(monkeypatch, capsys):
     def fails(*, out: Path = Path("results")) -> None:
         raise InputError("there is no such folder", file=out)
@@ -96,25 +87,6 @@ def test_an_error_of_ours_is_one_line(monkeypatch, capsys):
         program.program(fails)
     assert caught.value.code == InputError("").exit_code
     assert capsys.readouterr().err.count("\n") == 1
-
-
-def test_tables(tmp_path):
-    program.write_csv(tmp_path / "a.csv", [["x", "y"], [1, "a, b"]])
-    assert (tmp_path / "a.csv").read_bytes() == b'x,y\n1,"a, b"\n'
-    program.write_records(tmp_path / "b.csv", [{"x": 1, "y": 2}, {"x": 3, "y": 4}])
-    assert (tmp_path / "b.csv").read_bytes() == b"x,y\n1,2\n3,4\n"
-    program.write_tables(tmp_path / "c.csv", {"**Led.**": [["x"], [1]], "**Gripped.**": [["y"], [2]]})
-    assert (tmp_path / "c.csv").read_bytes() == b"Led\nx\n1\n\nGripped\ny\n2\n\n"
-
-
-def test_a_text_goes_into_a_page_if_there_is_one(tmp_path, capsys):
-    page, marks = tmp_path / "page.md", ("<!-- a -->", "<!-- b -->")
-    page.write_text("before <!-- a -->old<!-- b --> after")
-    program.publish("| x |", None, marks)
-    assert "old" in page.read_text()
-    program.publish("| x |", page, marks, "Made by it.\n")
-    assert page.read_text() == "before <!-- a -->\n\n| x |\nMade by it.\n<!-- b --> after"
-    assert capsys.readouterr().out == "| x |\n| x |\n"
 
 
 def documented():
@@ -136,13 +108,3 @@ def test_commands_of_the_documentation_are_understood(name, words):
             raise
         pytest.skip(f"needs {problem.name}")
     assert set(program.options(module.main, {}, words)) == set(signature(module.main).parameters)
-
-
-def test_the_line_of_a_report_has_commits_and_dates():
-    one = {"commit": "abc123", "date": "2026-11-20 10:00 UTC"}
-    assert commits.computed("make x", one) == "Computed at commit abc123 on 2026-11-20 by `make x`."
-    texts = ("version 1, commit fff1, 2026-11-21 05:00 UTC, here.", "version 1, commit aaa1, 2026-11-21 19:00 UTC.")
-    assert commits.computed("make x", *texts) == (
-        "Computed at commits fff1 (2026-11-21) to aaa1 (2026-11-21) by `make x`."
-    )
-    assert commits.computed("make x") == "Computed by `make x`."
