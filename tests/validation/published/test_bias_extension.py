@@ -6,10 +6,7 @@ import pytest
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.coupon.relaxation_kernels import potential
-from validation.published.bias_extension import __main__ as command
 from validation.published.bias_extension import cases, dynamic
-
-SMALL = {"length": 0.0570, "width": 0.0296, "elongation": 0.004, "steps": 2, "table_size": 61}
 
 
 def test_the_cloth_is_balanced():
@@ -22,20 +19,6 @@ def test_the_cloth_is_balanced():
     soft, straight = (cases.cloth(name)[0] for name in ("soft", "straight"))
     assert soft.shear.G2 == soft.shear.G1 == fabric.shear.G1
     assert straight.shear.G1 * straight.weave.thickness == pytest.approx(fabric.shear.G1 * fabric.weave.thickness)
-
-
-def test_the_command_writes_its_tables(tmp_path, monkeypatch, capsys):
-    full = cases.run
-    monkeypatch.setattr(command, "run", lambda name, steps, elements_per_crossover: full(name, **SMALL))
-    given = np.array([0.01]), np.radians([[89.0, 84.0, 80.0]]), np.array([1.2])
-    monkeypatch.setattr(dynamic, "pull", lambda name, element: dynamic.Pull(None, None, *given, None))
-    command.main(out=tmp_path, dynamic=True)
-    lines = (tmp_path / "zones.csv").read_text().splitlines()
-    assert lines[0].split(",")[:2] == ["cloth", "elongation mm"]
-    assert {line.split(",")[0] for line in lines[1:]} == set(cases.CLOTHS)
-    assert "the shear has run into bands" in capsys.readouterr().out
-    rows = (tmp_path / "dynamic.csv").read_text().splitlines()
-    assert rows[4] == "one point,locking,10,89,84,80,-0.5,1.2"
 
 
 def test_the_tables_slopes_are_those_of_the_kernel():

@@ -1,15 +1,11 @@
 """The study of one ply: curves of residual velocity, shots of captions, and the tables made of them."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from validation.published import one_ply as study
-from weavecell.report.pictures import render
 
 FABRIC = "S-720"
-ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(scope="module")
@@ -41,34 +37,3 @@ def test_shots_of_captions_have_their_histories(shots):
         free = stopped.result.setup.fabric.weave.yarns[number].wave_speed
         assert speed["transverse", family] < speed["longitudinal", family] < free / np.sqrt(2)
     assert 0.5 < stopped.kinetic_over_internal < 4
-
-
-def test_tables_and_pictures(curve, shots, monkeypatch):
-    (_, row) = study.limit_table([curve])
-    assert row[0] == FABRIC
-    assert "**" not in row[3]
-    assert len(study.residual_table([curve])) == 1 + len(study.MULTIPLES)
-    assert [row[3].split(",")[0] for row in study.caption_table(shots)[1:]] == ["stops", "perforates"]
-    assert len(study.wave_table(shots)) == 2
-    for draw, content in ((study.draw_residual, [curve]), (study.velocities, shots), (study.draw_fronts, shots),
-                          (study.energies, shots)):  # fmt: skip
-        assert render(draw, content, kind="png").startswith(b"\x89PNG")
-
-
-def test_the_page_shows_every_picture(shots):
-    from matplotlib import pyplot
-
-    page = (ROOT / "docs" / "reports" / "one-ply.md").read_text("utf-8")
-    for name in ("residual", "limits", "velocities", "energies", "profiles", "fronts", "reactions"):
-        assert f"figures/validation-{name}.png" in page
-        assert (ROOT / "docs" / "reports" / "figures" / f"validation-{name}.png").exists()
-    figure = study.energies(pyplot, shots)
-    for axes, shot in zip(figure.axes, shots):
-        top = max(part.get_datalim(axes.transData).y1 for part in axes.collections)
-        assert top == pytest.approx(100, abs=1), shot.fabric  # the parts add up to the strike energy
-    pyplot.close(figure)
-
-
-def test_a_critical_velocity_outside_the_captions_is_bold(curve, monkeypatch):
-    monkeypatch.setitem(study.CAPTIONS, FABRIC, (10.0, 20.0))
-    assert study.limit_table([curve])[1][3].startswith("**")

@@ -6,13 +6,6 @@ from fabrics import catalogue
 from validation.published.packs import limits
 
 
-@pytest.mark.parametrize("guess", [60.0, 100.0, 300.0])
-def test_the_search_brackets_the_limit(guess):
-    low, high = limits.limit(limits.Case(("S-728",)), guess, lambda _, velocity: {"perforated": velocity > 123.4})
-    assert low <= 123.4 < high
-    assert high - low <= limits.WIDTH * high
-
-
 def test_a_fabric_of_another_size_is_similar():
     fabric = catalogue.load("S-728")
     large = limits.changed(fabric, limits.Case(("S-728",), size=2.0, mass=4.0))
@@ -39,22 +32,6 @@ def test_one_fine_ply_weighs_as_much_as_four():
     assert heavy.weave.areal_density * plies == pytest.approx(2 * fabric.weave.areal_density)
     assert heavy.weave.warp_count == pytest.approx(2 * fabric.weave.warp_count)
     assert heavy.laws[0].d(3.0) == pytest.approx(size * fabric.laws[0].d(3.0 / mass))
-
-
-def test_the_change_by_friction_is_that_on_the_same_mesh(tmp_path):
-    """One element per crossover raises the limit by a tenth in these made-up shots, friction by its sum."""
-
-    def results(case, velocity):
-        between, yarns, nose = case.frictions
-        real = 300.0 * (1.1 if case.elements == 1 else 1.0) * (1 + between + (yarns or 0) + nose)
-        return {"perforated": velocity > real}
-
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in
-            limits.of_friction(results, tmp_path).splitlines()[2:]]  # fmt: skip
-    assert len(rows) == 2 * len(limits.FRICTIONS)
-    changes = [float(row[-1].removesuffix(" %")) for row in rows[: len(limits.FRICTIONS)]]
-    expected = [100 * sum(one or 0 for one in given[:3]) for given in limits.FRICTIONS]
-    assert changes == pytest.approx(expected, abs=100 * limits.WIDTH)
 
 
 def test_a_case_with_friction_is_a_pack_with_friction():

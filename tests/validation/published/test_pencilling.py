@@ -2,14 +2,12 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from shellfabric.backing.block import Backing
 from shellfabric.panel.model import Numerics
-from validation.program import save
-from validation.published.pencilling.__main__ import compose_craters, compose_depths, name_of, table
-from validation.published.pencilling.study import CASES, Case, march, shoot
+from validation.published.pencilling.__main__ import name_of
+from validation.published.pencilling.study import CASES, march
 
 
 def test_cases_are_those_of_the_table():
@@ -34,18 +32,3 @@ def test_a_target_has_the_mass_and_modulus_of_its_case():
         ply = run.pack.plies[0]
         assert ply.time_step == pytest.approx(0.5 * replace(ply, numerics=Numerics()).time_step, rel=1e-12)
         assert run.const.dt == run.pack.time_step <= ply.time_step
-
-
-@pytest.mark.slow
-def test_a_shot_and_its_pictures(tmp_path):
-    small = Backing(size=(0.1, 0.1, 0.05), min_size=3e-3, refined_depth=6e-3, growth=1.5, points=1)
-    shot = shoot(replace(CASES[4]), block=small, elements=1, opening=0.08, velocity=100.0, end_time=60e-6)
-    assert shot.balance < 0.005
-    assert shot.depth > 2e-3
-    assert np.isfinite(shot.steepness)
-    rows = table({"a": shot})
-    assert len(rows[0]) == len(rows[1])
-    save(compose_depths, {"a": shot}, to=tmp_path / "d.png")
-    save(compose_craters, {"a": shot, "b": shot}, to=tmp_path / "c.png")
-    assert (tmp_path / "c.png").stat().st_size > 1000
-    assert Case(1, 1.0, 0.2) != CASES[4]

@@ -1,13 +1,10 @@
 """The convergence study: extrapolation in closed form, and the machinery on a small panel."""
 
-import csv
-
 import numpy as np
 import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from validation.verification.mesh_convergence import __main__ as command
 from validation.verification.mesh_convergence import study as module
@@ -129,47 +126,6 @@ def test_meshes_refine_the_cloth_about_the_impact_point():
     uniform = mesh(coarse, 3, uniform=True)
     assert (uniform.elements_per_crossover, uniform.grading) == (3, None)
     assert uniform.elements > fine.elements > mesh(coarse, 1).elements
-
-
-def test_study_and_its_command(tmp_path, monkeypatch, capsys):
-    """On a panel of 25 mm: each result is that of its shot, the tables hold them, and a picture is drawn."""
-    fabric = catalogue.load("S-720").with_effective_density()
-    small = ImpactSetup(fabric, 20.0, opening=0.0254, table_size=101).panel()
-    monkeypatch.setattr(module, "coarse", lambda name: small)
-    monkeypatch.setattr(command, "velocities", lambda: {"S-720": Strikes(20.0, 100.0)})
-    options = {"elements": (1, 2, 3), "tolerance": 2.0, "out": tmp_path}
-    page = tmp_path / "docs" / "c.md"
-    page.parent.mkdir()
-    page.write_text("\n".join(f"before\n{begin}\nold\n{end}" for begin, end in (command.MARKS, command.CHECKED)))
-    command.main(["S-720"], page=page, **options)
-    rows = list(csv.DictReader((tmp_path / "convergence.csv").open(encoding="utf-8")))
-    assert [row["quantity"] for row in rows] == [
-        "critical velocity", "residual velocity at 110 m/s", "residual velocity at 150 m/s",
-        "absorbed energy at 110 m/s", "absorbed energy at 150 m/s", "peak tension of the warp",
-        "peak tension of the weft",
-    ]  # fmt: skip
-    for n in (1, 3):
-        stopped, *through = ballistic_limit.shoot(mesh(small, n), [20.0, 110.0, 150.0])
-        values = [float(row[f"{n} per crossover"]) for row in rows]
-        left = [shot.residual_velocity for shot in through]
-        assert values[1:3] == pytest.approx(left, abs=1e-4)
-        taken = [0.5 * 3e-3 * (V**2 - v**2) for V, v in zip((110.0, 150.0), left)]
-        assert values[3:5] == pytest.approx(taken, abs=1e-4)
-        assert values[5:] == pytest.approx(stopped.peak_tension, abs=1e-4)
-        about = ballistic_limit.shoot(mesh(small, n), [values[0] - 1, values[0] + 1])
-        assert [shot.perforated for shot in about] == [False, True]
-    assert (tmp_path / "docs" / "data" / "convergence.csv").read_bytes() == (tmp_path / "convergence.csv").read_bytes()
-    assert (tmp_path / "docs" / "figures" / "convergence.png").read_bytes().startswith(b"\x89PNG")
-    text = page.read_text()
-    assert "old" not in text
-    assert f"| S-720 | critical velocity, m/s | {float(rows[0]['1 per crossover']):.4g} |" in text
-    assert "| critical velocity | 1 | 1 |" in text
-    sizes = [mesh(small, 2, uniform).elements for uniform in (False, True)]
-    assert f"| S-720 | {sizes[0]}, {sizes[1]} |" in text
-    assert "critical velocity" in capsys.readouterr().out
-    monkeypatch.setattr(ballistic_limit, "shoot", None)  # nothing is run again
-    command.main(["S-720"], page=page, **options)
-    assert page.read_text() == text
 
 
 def test_what_is_refused(monkeypatch):

@@ -1,7 +1,5 @@
 """Stability maps: edges on made-up methods; of each real one, that its guard speaks outside and the default is in."""
 
-from dataclasses import replace
-
 import pytest
 
 from fabrics.errors import UnstableError
@@ -57,16 +55,6 @@ def test_an_edge_that_is_not_met_is_at_least_the_end_of_the_axis():
     edge = explored(made_up(x=Axis("x", (1.0, 2.0)), sides=(ABOVE,))).edges[0]
     assert not edge.met
     assert edge.margin == 2.0
-
-
-def test_margins_are_reported_in_the_unit_that_the_axis_names():
-    from validation.verification.stability import page
-
-    found = explored(made_up(x=Axis("x [mm]", (0.0, 0.05, 0.5, 1.0, 2.0, 8.0), unit=1e-3)))
-    rows = [line.split(" | ") for line in page.margins([found]).splitlines()[2:]]
-    assert [row[1] for row in rows] == ["1000", "1000"]
-    assert float(rows[0][3]) == pytest.approx(3000, rel=0.01)
-    assert float(rows[1][3]) == pytest.approx(100, rel=0.01)
 
 
 # the maps, with the guard of each outside its stable region
@@ -180,32 +168,3 @@ def test_the_default_of_the_load_step_is_that_of_the_code():
     from unitcell3d.solver.load_stepping import Steps
 
     assert study.MAPS["load-step"]["default"][0] == Steps().largest
-
-
-def test_a_map_from_end_to_end_and_resumed(tmp_path, monkeypatch):
-    from validation.verification.stability import page, pictures, tables
-
-    found = study.run("penalty", tmp_path / "points", quick=True)
-    assert {edge.side for edge in found.edges} == {ABOVE, BELOW}
-    assert all(edge.enough for edge in found.edges)
-    pictures.draw(found, tmp_path / "map.png")
-    assert (tmp_path / "map.png").read_bytes()[:4] == b"\x89PNG"
-    tables.write(found, tmp_path, "here and now")
-    read, made = tables.read(study.load("penalty", quick=True), tmp_path)
-    assert made == "here and now"
-    assert read.outcomes == found.outcomes
-    assert [edge.margin for edge in read.edges] == [edge.margin for edge in found.edges]
-    page.write([(read, made)], tmp_path / "stability.md", "weavecell stability")
-    assert "the contact has given" in (tmp_path / "stability.md").read_text()
-    monkeypatch.setattr(shots, "fire", None)  # nothing is run again
-    again = study.run("penalty", tmp_path / "points", quick=True, resume=True)
-    assert again.outcomes == found.outcomes
-
-
-def test_knobs_out_of_their_range_are_refused_where_a_user_gives_them():
-    from fabrics.errors import InputError
-    from shellfabric.panel.model import Numerics
-
-    with pytest.raises(InputError, match="cfl"):
-        Numerics(cfl=1.5)
-    assert replace(shots.Beyond(), cfl=1.5).cfl == 1.5
