@@ -156,10 +156,7 @@ SHELL = ("shellfabric/solver/step_kernels.py", "shellfabric/cell/model.py", "she
 SOLID = ("unitcell3d/solver/newton.py", "unitcell3d/contact/surface_contact_kernels.py", "meshing/crossover.py")
 CODE = {  # the code of a result: files that are among it
     "shellfabric.impact.simulation": SHELL,
-    "shellfabric.coupon.quasistatic": ("shellfabric/coupon/relaxation_kernels.py", "shellfabric/coupon/model.py"),
-    "unitcell3d.identify.calibrate": SOLID,
     "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),
-    "weavecell.analysis.uncertainty.sobol": (*SHELL, "weavecell/analysis/uncertainty/inputs.toml"),
     "weavecell.analysis.uncertainty.v50": (*SHELL, "fabrics/catalogue/S-720.toml"),
     "validation.verification.fidelity.trial": (*SHELL, "weavecell/analysis/fidelity/errors.json"),
     "validation.claims.runner": (*SHELL, *SOLID, "validation/claims/checks/impact.py"),

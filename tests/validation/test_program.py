@@ -47,45 +47,46 @@ def named():
     __spec__.name = before
 
 
-def test_without_arguments_all_is_by_default():
-    assert read("") == {
-        "fabrics": ("S-720", "S-728"), "out": Path("results"), "page": None, "edge": "clamped", "size": (5, 5, 2),
-        "mu": None, "end_time": 42.0, "no_bare": False,
-    }  # fmt: skip
+DEFAULTS = {
+    "fabrics": ("S-720", "S-728"), "out": Path("results"), "page": None, "edge": "clamped", "size": (5, 5, 2),
+    "mu": None, "end_time": 42.0, "no_bare": False,
+}  # fmt: skip
 
 
-def test_values_are_of_the_types_of_the_annotations():
-    found = read("S-731 --page docs/a.md --edge free --size 4 4 1 --mu 0.2 inf --end-time 6 --no-bare --out x")
-    assert found == {
-        "fabrics": ["S-731"], "out": Path("x"), "page": Path("docs/a.md"), "edge": "free", "size": [4, 4, 1],
-        "mu": [0.2, float("inf")], "end_time": 6.0, "no_bare": True,
-    }  # fmt: skip
+@pytest.mark.parametrize(
+    ("main", "text", "expected"),
+    [
+        (study, "", DEFAULTS),
+        (study, "S-731 --page docs/a.md --edge free --out x", DEFAULTS | {
+            "fabrics": ["S-731"], "page": Path("docs/a.md"), "edge": "free", "out": Path("x")}),
+        (study, "--size 4 4 1 --mu 0.2 inf --end-time 6 --no-bare", DEFAULTS | {
+            "size": [4, 4, 1], "mu": [0.2, float("inf")], "end_time": 6.0, "no_bare": True}),
+        (one_file, "results/chain S-728", {"chain": Path("results/chain"), "fabric": "S-728"}),
+    ],
+)  # fmt: skip
+def test_values_are_of_the_types_of_the_annotations(main, text, expected):
+    assert read(text, main) == expected
 
 
-def test_an_argument_without_a_default_is_needed(capsys):
-    assert read("results/chain", one_file) == {"chain": Path("results/chain"), "fabric": "S-720"}
-    assert read("results/chain S-728", one_file)["fabric"] == "S-728"
-    with pytest.raises(SystemExit):
-        read("", one_file)
-    assert "the following arguments are required: chain" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("wrong", ["--edge loose", "--size 4 4", "--end-time soon", "--seed 1"])
-def test_wrong_values_are_refused(wrong, capsys):
+@pytest.mark.parametrize(
+    ("main", "wrong"),
+    [(study, "--edge loose"), (study, "--size 4 4"), (study, "--end-time soon"), (study, "--seed 1"), (one_file, "")],
+)
+def test_wrong_or_missing_values_are_refused(main, wrong, capsys):
     with pytest.raises(SystemExit) as caught:
-        read(wrong)
+        read(wrong, main)
     assert caught.value.code == 2
     assert "error: " in capsys.readouterr().err
 
 
-def test_an_error_of_ours_is_one_line(monkeypatch, capsys):
+def test_bad_input_is_one_line(monkeypatch, capsys):
     def fails(*, out: Path = Path("results")) -> None:
         raise InputError("there is no such folder", file=out)
 
     monkeypatch.setattr(sys, "argv", ["study"])
     with pytest.raises(SystemExit) as caught:
         program.program(fails)
-    assert caught.value.code == InputError("").exit_code
+    assert caught.value.code == InputError("").exit_code == 2
     assert capsys.readouterr().err.count("\n") == 1
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import UnstableError
 from fabrics.variants import homogenised
 from shellfabric.cell.model import CellModel
 from validation.verification.cost_accuracy import shots, study
@@ -40,26 +39,6 @@ def test_what_cannot_change_an_answer():
     for symmetry in ("half", "whole"):
         assert shots.run(replace(SMALL, symmetry=symmetry))[0] == pytest.approx(base, rel=1e-6)
     assert shots.run(replace(SMALL, precision="single"))[0] == pytest.approx(base, rel=1e-4)
-
-
-def test_a_shot_with_another_outcome_fails():
-    with pytest.raises(UnstableError, match=r"at 92\.5 m/s ends in flight, not stopped"):
-        shots.run(replace(SMALL, shot=replace(SHOT, outcome="stopped")))
-
-
-def test_the_defaults_of_the_charts_are_those_of_the_code():
-    from shellfabric.cell.model import FILL
-    from shellfabric.impact.simulation import ImpactSetup
-    from validation.verification.cost_accuracy import coupons
-    from weavecell.commands.coupon import TABLE_SIZE
-    from weavecell.scenes.coupon import TOLERANCE
-
-    table_size = ImpactSetup.__dataclass_fields__["table_size"].default
-    for shell in (shots.Shell(SHOT), study.load("four-ply-pack").methods[0].case.shell):
-        assert (shell.table, shell.fill) == (table_size, FILL)
-        assert shell.grading is None
-    for test in (coupons.Bias(), coupons.Cross()):
-        assert (test.table, test.tolerance) == (TABLE_SIZE, TOLERANCE)
 
 
 @pytest.mark.parametrize("key", ["bias-extension", "biaxial-coupon"])
