@@ -17,7 +17,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.projectile.bar import Bar
 from validation.claims import claims as data
 from validation.claims import judge
-from validation.claims.checks import CHECKS, cell_bounds, compression, shear
+from validation.claims.checks import CHECKS, compression, shear
 
 CLAIMS = {claim.id: claim for claim in data.load()}
 KERNELS = compression.crossover_kernels
@@ -120,10 +120,6 @@ PLANTED = {
     ),
     "trellis that stretches its yarns": (
         shear, "trellis", lambda trellis: scaled(trellis, 1.001, 1), {"shear-thickness-constant": "relative change"},
-    ),
-    "strain that one fabric survives": (
-        cell_bounds, "_survived", lambda survived: lambda name: survived("S-728" if name == "S-731" else name),
-        {"cell-no-failure-zone-crimp": "order"},
     ),
     "gap between plies": (
         compression, "compression_gap", lambda gap: lambda density, plies: 1e-4, {"compr-gap-formula": "difference"},

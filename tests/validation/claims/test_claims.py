@@ -41,13 +41,6 @@ def test_every_claim_has_a_check_whose_runs_and_arguments_it_takes_or_a_reason_f
 
 
 @pytest.mark.parametrize(
-    ("unit", "factor"), [("mm", 1e-3), ("%", 0.01), ("mm uN^(1/3)", 1e-5), ("g/m2", 1e-3), ("Pa um3", 1e-18)]
-)
-def test_units_are_converted(unit, factor):
-    assert Condition("x", "value", 1, 0.1, unit=unit).factor == pytest.approx(factor)
-
-
-@pytest.mark.parametrize(
     "change",
     [
         {"kind": "rumour"},
@@ -95,6 +88,8 @@ def test_a_bad_claim_is_refused(change):
         (Condition("h", "value", 1, within=1), float("nan"), False),
         (Condition("h", "value", 1, within=1), None, False),
         (Condition("other", "value", 1, within=1), 1.0, False),
+        (Condition("h", "value", 45, within=0.1, unit="mm uN^(1/3)"), 45e-5, True),
+        (Condition("h", "value", 3, within=0.1, unit="Pa um3"), 3e-18, True),
     ],
 )
 def test_conditions(condition, found, holds):

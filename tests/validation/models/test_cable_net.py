@@ -1,4 +1,4 @@
-"""The pin-jointed cable net: waves, balances, symmetry, failure, and the shell's decoupled limit beside it."""
+"""The pin-jointed cable net: waves, balances, symmetry, and the shell's decoupled limit beside it."""
 
 from dataclasses import replace
 from math import sqrt
@@ -88,10 +88,11 @@ def test_energy(fabric, velocity, bound):
     [
         ({"symmetry": "third"}, "symmetry"),
         ({"opening": (0.05, 0.005)}, "opening"),
-        *(({"projectile": Projectile(**own)}, "projectile") for own in (
-            {"shape": "sphere"}, {"obliquity": 0.1}, {"friction": 0.1}, {"length": 6e-3})),
+        ({"projectile": Projectile(shape="sphere")}, "projectile"),
+        ({"projectile": Projectile(obliquity=0.1)}, "projectile"),
+        ({"projectile": Projectile(friction=0.1)}, "projectile"),
     ],
-)  # fmt: skip
+)
 def test_what_the_net_has_not_is_refused(change, message):
     with pytest.raises(InputError, match=message):
         replace(SMALL, **change)
@@ -148,31 +149,12 @@ def test_decoupled_shell_is_the_cable_model(crimps, bounds):
     assert noise[0] < 1.25 * noise[1]
 
 
-def small(symmetry="quarter", **numerics):
-    """A net of about ten crossovers from the middle to the edge, odd blocks, unequal yarns and counts."""
-    knobs = CableNumerics(contact_points=4, block=25, **numerics)
-    return CableNet(catalogue.load("S-726"), (0.020, 0.024), symmetry=symmetry, numerics=knobs)
-
-
 def test_mass_of_the_net():
-    net = small("whole")
+    """Unequal yarns and counts; a yarn along each edge is held by half a cell more."""
+    quarter = CableNet(catalogue.load("S-726"), (0.020, 0.024))
+    net = replace(quarter, symmetry="whole")
     area = net.counts[0] * net.counts[1] * net.fabric.weave.cell_area
     mass, weave = net.state(1.0).mass.sum(), net.fabric.weave
     edges = 2 * sum(0.5 * n * S0 * yarn.linear_density for n, S0, yarn in zip(net.counts, weave.S0, weave.yarns))
     assert mass == pytest.approx(area * weave.areal_density + edges, rel=1e-12)
-    assert small("quarter").state(1.0).mass.sum() == pytest.approx(mass / 4, rel=1e-12)
-
-
-def test_only_what_the_wave_has_reached_is_worked_on_and_nothing_is_missed():
-    """The window of active rows changes no bit of the motion."""
-    net = replace(small(), opening=(0.060, 0.024))
-    histories = []
-    for whole in (False, True):
-        const, state, history = net.constants(), net.state(100.0), np.empty((150, kernels.COLUMNS))
-        if whole:
-            state.active_rows[:] = 0, const.ni
-        kernels.run_steps(state, const, 150, history)
-        histories.append((history, state.u.copy(), state.active_rows[1]))
-    assert histories[0][2] < net.counts[0]
-    assert np.array_equal(histories[0][1], histories[1][1])
-    assert np.array_equal(histories[0][0], histories[1][0])
+    assert quarter.state(1.0).mass.sum() == pytest.approx(mass / 4, rel=1e-12)

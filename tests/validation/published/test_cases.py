@@ -15,7 +15,6 @@ from shellfabric.panel.model import Numerics
 from validation.published import edge_slip, measured_shots, one_ply, shots, tests_s726
 from validation.published.packs import limits
 from validation.published.pencilling import study as pencilling
-from validation.verification.mesh_convergence import packs
 
 DATA = Path(__file__).parents[3] / "docs" / "reports" / "data"
 S728 = catalogue.load("S-728")
@@ -33,16 +32,6 @@ def test_stored_outcomes_are_computed(velocity, body):
     assert shots.WORDS[found["outcome"]] == row["computed"]
     # an outcome is what the tables are about; 1 % of the strike velocity is a tenth of what the mesh moves
     assert found["residual_velocity"] == pytest.approx(float(row["residual velocity [m/s]"]), abs=0.01 * velocity)
-
-
-def test_residual_velocities_lie_on_the_curve_and_below_the_strike_velocity():
-    curve = one_ply.curve("S-720")
-    strike = np.array([shot.strike_velocity for shot in curve.shots])
-    residual = np.array([shot.residual_velocity for shot in curve.shots])
-    assert curve.fit.limit == curve.limit.velocity
-    np.testing.assert_allclose(strike / curve.limit.velocity, one_ply.MULTIPLES)
-    assert (residual < strike).all()
-    assert (np.diff(residual) > 0).all()
 
 
 def test_fronts_are_slower_than_waves_in_a_lone_yarn(monkeypatch):
@@ -123,28 +112,3 @@ def test_fabrics_of_other_size_or_fibre_are_similar():
     assert other.weave.areal_density == pytest.approx(S728.weave.areal_density)
     ratios = new.E / old.E, new.failure_strain / old.failure_strain, new.fibre_density / old.fibre_density
     assert ratios == pytest.approx((2.0, 0.7, 1.4))
-
-
-def test_levels_of_a_pack_share_the_outer_mesh():
-    one, two = (packs.setup(packs.Case("S-728", 2, level)) for level in (1, 2))
-    first = two.grading[0][0]
-    one, two = (replace(ply, table_size=11).panel() for ply in (one, two))
-    assert (one.lines_per_crossover, two.lines_per_crossover) == (1, 2)
-    for x, y, w in zip(one.lines(), two.lines(), one.weave.w):
-        np.testing.assert_allclose(x[x > first * 2 * w * 1.001], y[y > first * 2 * w * 1.001])
-
-
-def test_the_published_yarn_is_too_stiff_when_loose_and_too_soft_when_packed():
-    """A lower modulus of the loose yarn, K_r / 16, closes more below 1 MPa."""
-    pytest.importorskip("dolfinx")
-    from validation.published import platen
-
-    coarse = {"mesh": {"size": (4, 3, 2)}}
-    published = platen.outcome(platen.Variant("published", "published", **coarse))
-    softer = platen.outcome(platen.Variant("constants", "K_r / 16", platen.solids(K_r=0.00125), **coarse))
-    law = platen.curve(catalogue.load(platen.FABRIC)).at(published.pressure)
-    loose = float(np.interp(np.log(platen.PACKING), np.log(published.pressure), law))
-    assert published.loose < 0.5 * loose
-    assert published.packed > 1.5 * (law[-1] - loose)
-    assert softer.loose > 1.3 * published.loose
-    assert softer.closure_rms < published.closure_rms

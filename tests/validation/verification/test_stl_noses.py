@@ -53,14 +53,6 @@ def test_weights_of_b_splines():
         assert slope @ (places + t) == pytest.approx(1)
 
 
-def test_outside_the_grid_the_distance_goes_on(pairs):
-    _, body = pairs["flat"]
-    for place, least in (((0, 0, 1.0), 0.999), ((0.3, 0, -1e-3), 0.29), ((0, 0, -0.2), 0.19)):
-        depth, normal = body.distance(np.array(place, float))
-        assert least < depth < np.linalg.norm(place) + 1e-3
-        assert normal @ np.add(place, [0, 0, 2e-3]) > 0
-
-
 def test_a_body_is_its_own_mirror_image_or_not(pairs):
     _, body = pairs["chisel"]
     assert body.mirrored(0)
