@@ -1,4 +1,4 @@
-"""The command line that studies share: options are the parameters of a main function; tables and pages."""
+"""The command line that studies share: options are the parameters of a main function."""
 
 import importlib
 import re

@@ -16,10 +16,8 @@ from validation.models.cable.model import CableNet, CableNumerics
 from validation.models.cable.solver import run
 
 S720 = catalogue.load("S-720").with_effective_density()
-SMALL = CableNet(S720, (0.05, 0.05))
-
-
 FLAT = with_yarns(S720, crimp=0.0)
+SMALL = CableNet(S720, (0.05, 0.05))
 
 
 def test_wave_in_the_net_is_c_over_root_2():

@@ -1,4 +1,4 @@
-"""The bias extension test: its cloths, its command and picture on a small coupon; at full size the claims."""
+"""The bias extension test: the element of the source, explicit runs of a small coupon, and the claims at full size."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Charts: the judge on made-up methods, coarse elements, what cannot change an answer, and a scene from end to end."""
+"""Coarse elements, what cannot change an answer, and coupons that converge."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ import pytest
 from fabrics import catalogue
 from fabrics.variants import homogenised
 from shellfabric.cell.model import CellModel
-from validation.verification.cost_accuracy import shots, study
+from validation.verification.cost_accuracy import coupons, shots, study
 
 
 @pytest.mark.parametrize("n", [2, 4])
@@ -43,10 +43,12 @@ def test_what_cannot_change_an_answer():
 
 @pytest.mark.parametrize("key", ["bias-extension", "biaxial-coupon"])
 def test_coupons_converge(key):
-    """One element a crossover and two agree within 2 %; a finer table and smaller load steps move nothing."""
-    from validation.verification.cost_accuracy import coupons
+    """One element a crossover and two agree within 2 %; a finer table and smaller load steps move nothing.
 
-    base = replace(coupons.read(study.case_of(key)), table=51, steps=1)
+    With a tenth of the default tolerance, by which alone the load of the bias coupon moves by 0.15 %.
+    """
+    base = coupons.read(study.case_of(key))
+    base = replace(base, table=51, steps=1, tolerance=0.1 * base.tolerance)
     one, two = (coupons.run(replace(base, elements=n))[0] for n in (1, 2))
     assert two == pytest.approx(one, rel=0.02)
     assert coupons.run(replace(base, table=101))[0] == pytest.approx(one, rel=1e-3)

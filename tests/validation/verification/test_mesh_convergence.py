@@ -1,12 +1,9 @@
-"""Extrapolation to the limit of fine meshes and its uncertainty, against closed forms; the meshes of the study."""
+"""Extrapolation to the limit of fine meshes and its uncertainty, against closed forms."""
 
 import numpy as np
 import pytest
 
-from fabrics import catalogue
 from fabrics.errors import InputError
-from shellfabric.impact.simulation import ImpactSetup
-from validation.verification.mesh_convergence import study
 from validation.verification.richardson import extrapolate, observed_order, uncertainty
 
 SIZES = (1.0, 1 / 2, 1 / 3)
@@ -71,15 +68,3 @@ def test_changes_within_the_noise_are_none():
 def test_bad_meshes(bad):
     with pytest.raises(InputError):
         extrapolate(*bad)
-
-
-def test_meshes_refine_the_fabric_about_the_impact_point():
-    coarse = ImpactSetup(catalogue.load("S-720"), 20.0, opening=0.1, table_size=31).panel()
-    fine, uniform = study.mesh(coarse, 3), study.mesh(coarse, 3, uniform=True)
-    assert fine.elements_per_crossover == 1
-    for sides, w in zip(fine.sides, fine.weave.w):
-        ends = np.cumsum(sides)
-        assert np.allclose(sides[ends <= study.FINE], 2 * w / 3)
-        assert sides[-1] == pytest.approx(2 * w)
-    assert (uniform.elements_per_crossover, uniform.grading) == (3, None)
-    assert uniform.elements > fine.elements > study.mesh(coarse, 1).elements
