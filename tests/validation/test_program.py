@@ -1,4 +1,4 @@
-"""The command line that studies share: options are the parameters of a main function; tables and pages."""
+"""The command line that studies share: options are the parameters of a main function."""
 
 import importlib
 import re
@@ -12,7 +12,7 @@ from typing import Literal
 import pytest
 
 from fabrics.errors import InputError
-from validation import commits, program
+from validation import program
 
 ROOT = Path(__file__).parents[2]
 
@@ -47,74 +47,47 @@ def named():
     __spec__.name = before
 
 
-def test_without_arguments_all_is_by_default():
-    assert read("") == {
-        "fabrics": ("S-720", "S-728"), "out": Path("results"), "page": None, "edge": "clamped", "size": (5, 5, 2),
-        "mu": None, "end_time": 42.0, "no_bare": False,
-    }  # fmt: skip
+DEFAULTS = {
+    "fabrics": ("S-720", "S-728"), "out": Path("results"), "page": None, "edge": "clamped", "size": (5, 5, 2),
+    "mu": None, "end_time": 42.0, "no_bare": False,
+}  # fmt: skip
 
 
-def test_values_are_of_the_types_of_the_annotations():
-    found = read("S-731 --page docs/a.md --edge free --size 4 4 1 --mu 0.2 inf --end-time 6 --no-bare --out x")
-    assert found == {
-        "fabrics": ["S-731"], "out": Path("x"), "page": Path("docs/a.md"), "edge": "free", "size": [4, 4, 1],
-        "mu": [0.2, float("inf")], "end_time": 6.0, "no_bare": True,
-    }  # fmt: skip
+@pytest.mark.parametrize(
+    ("main", "text", "expected"),
+    [
+        (study, "", DEFAULTS),
+        (study, "S-731 --page docs/a.md --edge free --out x", DEFAULTS | {
+            "fabrics": ["S-731"], "page": Path("docs/a.md"), "edge": "free", "out": Path("x")}),
+        (study, "--size 4 4 1 --mu 0.2 inf --end-time 6 --no-bare", DEFAULTS | {
+            "size": [4, 4, 1], "mu": [0.2, float("inf")], "end_time": 6.0, "no_bare": True}),
+        (one_file, "results/chain S-728", {"chain": Path("results/chain"), "fabric": "S-728"}),
+    ],
+)  # fmt: skip
+def test_values_are_of_the_types_of_the_annotations(main, text, expected):
+    assert read(text, main) == expected
 
 
-def test_an_argument_without_a_default_is_needed(capsys):
-    assert read("results/chain", one_file) == {"chain": Path("results/chain"), "fabric": "S-720"}
-    assert read("results/chain S-728", one_file)["fabric"] == "S-728"
-    with pytest.raises(SystemExit):
-        read("", one_file)
-    assert "the following arguments are required: chain" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("wrong", ["--edge loose", "--size 4 4", "--end-time soon", "--seed 1"])
-def test_wrong_values_are_refused(wrong, capsys):
+@pytest.mark.parametrize(
+    ("main", "wrong"),
+    [(study, "--edge loose"), (study, "--size 4 4"), (study, "--end-time soon"), (study, "--seed 1"), (one_file, "")],
+)
+def test_wrong_or_missing_values_are_refused(main, wrong, capsys):
     with pytest.raises(SystemExit) as caught:
-        read(wrong)
+        read(wrong, main)
     assert caught.value.code == 2
     assert "error: " in capsys.readouterr().err
 
 
-def test_help_names_the_program_and_the_study(capsys):
-    with pytest.raises(SystemExit):
-        read("--help")
-    told = capsys.readouterr().out
-    assert "usage: python -m validation.made_up" in told
-    assert "The command line that studies share" in told
-    assert "100 % of it" in told
-
-
-def test_an_error_of_ours_is_one_line(monkeypatch, capsys):
+def test_bad_input_is_one_line(monkeypatch, capsys):
     def fails(*, out: Path = Path("results")) -> None:
         raise InputError("there is no such folder", file=out)
 
     monkeypatch.setattr(sys, "argv", ["study"])
     with pytest.raises(SystemExit) as caught:
         program.program(fails)
-    assert caught.value.code == InputError("").exit_code
+    assert caught.value.code == InputError("").exit_code == 2
     assert capsys.readouterr().err.count("\n") == 1
-
-
-def test_tables(tmp_path):
-    program.write_csv(tmp_path / "a.csv", [["x", "y"], [1, "a, b"]])
-    assert (tmp_path / "a.csv").read_bytes() == b'x,y\n1,"a, b"\n'
-    program.write_records(tmp_path / "b.csv", [{"x": 1, "y": 2}, {"x": 3, "y": 4}])
-    assert (tmp_path / "b.csv").read_bytes() == b"x,y\n1,2\n3,4\n"
-    program.write_tables(tmp_path / "c.csv", {"**Led.**": [["x"], [1]], "**Gripped.**": [["y"], [2]]})
-    assert (tmp_path / "c.csv").read_bytes() == b"Led\nx\n1\n\nGripped\ny\n2\n\n"
-
-
-def test_a_text_goes_into_a_page_if_there_is_one(tmp_path, capsys):
-    page, marks = tmp_path / "page.md", ("<!-- a -->", "<!-- b -->")
-    page.write_text("before <!-- a -->old<!-- b --> after")
-    program.publish("| x |", None, marks)
-    assert "old" in page.read_text()
-    program.publish("| x |", page, marks, "Made by it.\n")
-    assert page.read_text() == "before <!-- a -->\n\n| x |\nMade by it.\n<!-- b --> after"
-    assert capsys.readouterr().out == "| x |\n| x |\n"
 
 
 def documented():
@@ -136,13 +109,3 @@ def test_commands_of_the_documentation_are_understood(name, words):
             raise
         pytest.skip(f"needs {problem.name}")
     assert set(program.options(module.main, {}, words)) == set(signature(module.main).parameters)
-
-
-def test_the_line_of_a_report_has_commits_and_dates():
-    one = {"commit": "abc123", "date": "2026-11-20 10:00 UTC"}
-    assert commits.computed("make x", one) == "Computed at commit abc123 on 2026-11-20 by `make x`."
-    texts = ("version 1, commit fff1, 2026-11-21 05:00 UTC, here.", "version 1, commit aaa1, 2026-11-21 19:00 UTC.")
-    assert commits.computed("make x", *texts) == (
-        "Computed at commits fff1 (2026-11-21) to aaa1 (2026-11-21) by `make x`."
-    )
-    assert commits.computed("make x") == "Computed by `make x`."

@@ -35,7 +35,7 @@ def test_eroded_bricks_are_gone_and_their_energy_kept():
 
 
 def test_drop_of_a_ball_on_clay():
-    """Coarse: the ball sinks in by some 25 mm and leaves a dent, without energy from nowhere.
+    """Stored values of this coarse mesh, within 2 % (5 % of the volume), without energy from nowhere.
 
     The window of the calibration, 17 to 23 mm, is no assertion: see docs/reports/backing.md.
     """
@@ -43,11 +43,12 @@ def test_drop_of_a_ball_on_clay():
     found = strike(backing, Projectile(mass=1.0, shape="sphere", radius=31.75e-3), 6.26, 0.02, after=2e-3)
     start = found.energies["projectile"][0]
     assert found.v[0] == pytest.approx(6.26, rel=1e-3)
-    assert 15e-3 < found.z.max() < 40e-3
+    assert found.z.max() == pytest.approx(28.16e-3, rel=0.02)
     assert np.abs(found.energies["error"]).max() < 0.005 * start
     assert found.energies["plastic"][-1] > 0.5 * start
     assert found.energies["projectile"][-1] < 0.05 * start  # it hardly bounces
     assert found.eroded == 0
     left = found.block.back_face_signature
-    assert 0.6 * found.z.max() < left < found.z.max()
-    assert 0.2 < found.block.volume / (np.pi * left**2 * (31.75e-3 - left / 3)) < 3.0
+    assert left == pytest.approx(26.61e-3, rel=0.02)
+    cap = np.pi * left**2 * (31.75e-3 - left / 3)  # of the ball, as deep as the dent
+    assert found.block.volume == pytest.approx(0.584 * cap, rel=0.05)

@@ -7,8 +7,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from validation.models.cable.model import CableNumerics
-from validation.models.cable.smith import STRAIGHT, smith, strike
+from validation.models.cable.smith import smith, strike
 
 YARN = catalogue.load("S-720").weave.warp
 VELOCITIES = (50.0, 100.0, 200.0, 400.0)
@@ -54,31 +53,7 @@ def test_orders_of_convergence():
     assert orders[:, 1] == pytest.approx(1.0, abs=0.15)
 
 
-def test_a_straight_yarn_takes_twice_the_step_of_the_net():
-    """For the same tension, kink and force, and a front that is no further from the closed form."""
-    assert STRAIGHT.cfl == 2 * CableNumerics().cfl
-    long, short = (strike(YARN, 100.0, bars=500, numerics=knobs) for knobs in (STRAIGHT, CableNumerics()))
-    for name in ("tension", "U", "force"):
-        assert getattr(long.computed, name) == pytest.approx(getattr(short.computed, name), rel=1e-4), name
-    c = smith(YARN, 100.0).c
-    assert abs(long.computed.c - c) <= abs(short.computed.c - c)
-    assert strike(YARN, 100.0, bars=500).computed == long.computed
-
-
-def test_viscosity_quiets_the_plateau():
-    def ripple(viscosity):
-        run = strike(YARN, 100.0, bars=500, numerics=CableNumerics(viscosity=viscosity))
-        return np.std(np.diff(run.strain[100:350])) / run.computed.strain  # from bar to bar
-
-    assert ripple(0.1) < 0.5 * ripple(0.0)  # measured: 0.43
-
-
 @pytest.mark.parametrize("velocity", [0.0, -1.0, 1e4, float("nan")])
 def test_impossible_velocity(velocity):
     with pytest.raises(InputError, match="velocity"):
         smith(YARN, velocity)
-
-
-def test_too_few_bars():
-    with pytest.raises(InputError, match="bars"):
-        strike(YARN, 100.0, bars=10)

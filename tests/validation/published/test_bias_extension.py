@@ -1,53 +1,11 @@
-"""The bias extension test: its cloths, its command and picture on a small coupon; at full size the claims."""
+"""The bias extension test: the element of the source, explicit runs of a small coupon, and the claims at full size."""
 
 import numpy as np
 import pytest
 
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
-from shellfabric.coupon.relaxation_kernels import potential
-from validation.published.bias_extension import __main__ as command
 from validation.published.bias_extension import cases, dynamic
-
-SMALL = {"length": 0.0570, "width": 0.0296, "elongation": 0.004, "steps": 2, "table_size": 61}
-
-
-def test_the_cloth_is_balanced():
-    fabric, _, trellis = cases.cloth("locking")
-    warp, weft = fabric.weave.yarns
-    assert warp == weft
-    assert warp.crimp == pytest.approx(0.0135)
-    assert trellis
-    assert not cases.cloth("none")[2]
-    soft, straight = (cases.cloth(name)[0] for name in ("soft", "straight"))
-    assert soft.shear.G2 == soft.shear.G1 == fabric.shear.G1
-    assert straight.shear.G1 * straight.weave.thickness == pytest.approx(fabric.shear.G1 * fabric.weave.thickness)
-
-
-def test_the_command_writes_its_tables(tmp_path, monkeypatch, capsys):
-    full = cases.run
-    monkeypatch.setattr(command, "run", lambda name, steps, elements_per_crossover: full(name, **SMALL))
-    given = np.array([0.01]), np.radians([[89.0, 84.0, 80.0]]), np.array([1.2])
-    monkeypatch.setattr(dynamic, "pull", lambda name, element: dynamic.Pull(None, None, *given, None))
-    command.main(out=tmp_path, dynamic=True)
-    lines = (tmp_path / "zones.csv").read_text().splitlines()
-    assert lines[0].split(",")[:2] == ["cloth", "elongation mm"]
-    assert {line.split(",")[0] for line in lines[1:]} == set(cases.CLOTHS)
-    assert "the shear has run into bands" in capsys.readouterr().out
-    rows = (tmp_path / "dynamic.csv").read_text().splitlines()
-    assert rows[4] == "one point,locking,10,89,84,80,-0.5,1.2"
-
-
-def test_the_tables_slopes_are_those_of_the_kernel():
-    """Inside the table, below it and above it."""
-    fabric, model, _ = cases.cloth("soft")
-    table = CellModel(fabric, model=model, form="variational").table(61)
-    stretches = np.random.default_rng(0).uniform(0.9, 1.15, (2, 60))
-    grid = []
-    for values, step in zip((table.stretch1, table.stretch2), table.steps):
-        grid += [values[0], 1 / step, values.size - 2]
-    kernel = [potential(a, b, table.potential.reshape(-1, 16), *grid)[1:3] for a, b in stretches.T]
-    assert np.array(dynamic.table_slopes(table, *stretches)).T == pytest.approx(np.array(kernel), rel=1e-9, abs=1e-12)
 
 
 def test_the_sources_element_balances_and_shears_as_the_law():

@@ -1,7 +1,5 @@
 """No ply passes through another, torn or whole: counted without the contact."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -31,16 +29,6 @@ def test_torn_plies_do_not_pass_through_each_other(ply, velocity):
     assert found == []
 
 
-def test_nodes_of_a_graded_ply_are_on_its_lines(ply):
-    graded = replace(ply, grading=((12, 0.5), (16, 1), (np.inf, 2)))
-    march, near = PackSolver(Pack.stacked(graded, 2, gap=0.0), 1.0, 1.0), passages.elements_within(graded, 14)
-    assert near == 26  # 24 of half a crossover, 2 of one
-    at = passages.nodes(march, 1, near)
-    for axis, lines in enumerate(graded.lines()):
-        np.testing.assert_allclose(np.moveaxis(at[..., axis], axis, 0)[:, 0], lines[: near + 1], atol=1e-12)
-    assert passages.elements_within(ply, 14) == 14
-
-
 def test_a_passage_is_seen(ply):
     """A ply that is laid through another crosses it; through a hole it does not."""
     march = PackSolver(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
@@ -58,27 +46,3 @@ def test_a_passage_is_seen(ply):
     for family in (0, 1):
         state.intact_fraction[family][: (const.ni + 1) * const.row_stride] = 0.0
     assert passages.crossings((before, after), held, (below, below), passages.surfaces(march, 1, rear)[2]) == []
-
-
-@pytest.mark.parametrize(("net", "times"), [((1, 1), 1), ((1, 0), 0), ((1, -1), 0), ((-1, -2), -1), ((2, 3), 2)])
-def test_a_point_is_through_when_it_has_crossed_both_surfaces(net, times):
-    assert passages.gone(net) == times
-
-
-def test_what_is_back_at_once_has_not_passed(ply):
-    march = PackSolver(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
-    march.advance(np.empty((0, 3)))
-    told, z = passages.Passages(march, NEAR), march.states[0].u[2]
-    count, march.stack.awake[:] = march.const.row_stride * (march.const.ni + 1), True
-    for place, found, back in ((2.0, NEAR**2, 0), (0.0, 0, NEAR**2)):
-        z[:count] = place * ply.weave.thickness
-        told.step()
-        assert (len([one for one in told.found if one.ply == 0]), len([one for one in told.back if one.ply == 0])) == (
-            found, back,
-        )  # fmt: skip
-    z[:count] = 2.0 * ply.weave.thickness
-    told.step()
-    march.stack.counter[0] += passages.AT_ONCE + 1
-    z[:count] = 0.0
-    told.step()
-    assert len([one for one in told.found if one.ply == 0]) == NEAR**2

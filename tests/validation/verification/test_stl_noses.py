@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.projectile import Projectile
 from validation.verification import stl_noses
@@ -44,17 +43,6 @@ def test_the_normal_is_the_direction_of_the_slope(pairs):
         np.testing.assert_allclose(normal, slope / np.linalg.norm(slope), atol=2e-5)
 
 
-def test_the_normal_turns_without_a_jump(pairs):
-    """Along lines through many cells the normal changes in proportion to the step, as where it has a bounded slope."""
-    _, body = pairs["chisel"]
-    turns = []
-    for count in (2000, 8000):
-        line = np.linspace((-2.72e-3, 0.3e-3, -0.12e-3), (2.72e-3, 0.41e-3, -0.1e-3), count)
-        normals = np.array([body.distance(place)[1] for place in line])
-        turns.append(np.linalg.norm(np.diff(normals, axis=0), axis=1).max())
-    assert turns[1] == pytest.approx(turns[0] / 4, rel=0.05)
-
-
 def test_weights_of_b_splines():
     for t in np.linspace(0, 1, 11):
         w, slope = map(np.array, sdf_kernels.b_spline(t))
@@ -63,14 +51,6 @@ def test_weights_of_b_splines():
         assert slope.sum() == pytest.approx(0)
         assert w @ places == pytest.approx(0)
         assert slope @ (places + t) == pytest.approx(1)
-
-
-def test_outside_the_grid_the_distance_goes_on(pairs):
-    _, body = pairs["flat"]
-    for place, least in (((0, 0, 1.0), 0.999), ((0.3, 0, -1e-3), 0.29), ((0, 0, -0.2), 0.19)):
-        depth, normal = body.distance(np.array(place, float))
-        assert least < depth < np.linalg.norm(place) + 1e-3
-        assert normal @ np.add(place, [0, 0, 2e-3]) > 0
 
 
 def test_a_body_is_its_own_mirror_image_or_not(pairs):
@@ -86,18 +66,6 @@ def test_a_body_is_its_own_mirror_image_or_not(pairs):
     lopsided = replace(body, solid=replace(solid, digest="lopsided", distances=lumped))
     assert (lopsided.mirrored(0), lopsided.mirrored(1)) == (False, True)
     assert not replace(lopsided, roll=np.pi / 2).mirrored(1)
-
-
-def test_bodies_are_the_same_by_what_they_were_made_from(pairs):
-    _, body = pairs["flat"]
-    assert replace(body, solid=replace(body.solid, points=body.solid.points.copy())) == body
-    assert replace(body, solid=replace(body.solid, digest="another")) != body
-
-
-@pytest.mark.parametrize("bad", [{"radius": 1e-3}, {"length": 1e-3}, {"solid": None}, {"shape": "flat"}])
-def test_a_body_has_its_own_size(pairs, bad):
-    with pytest.raises(InputError, match=next(iter(bad)) if "shape" not in bad else "solid"):
-        replace(pairs["flat"][1], **bad)
 
 
 @pytest.mark.parametrize("name", stl_noses.NOSES)
