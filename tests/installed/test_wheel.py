@@ -187,7 +187,6 @@ COMMANDS = (
     "impact accuracy.toml --explain",
     "impact accuracy.toml --out accuracy",
     "view ply --screenshot ply.png",
-    "convert ply --to vtkhdf",
     "coupon coupon.toml --out coupon",
     "biaxial S-720 --out biaxial",
     "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
@@ -205,7 +204,6 @@ COMMANDS = (
 )
 VIEWED = {
     "view ply": "impact ply.toml --out ply",
-    "convert ply": "impact ply.toml --out ply",
     "view mesh": "mesh S-720 --mesh coarse --format vtu --out mesh",
 }
 NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}
