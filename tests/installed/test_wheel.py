@@ -173,13 +173,12 @@ SCENES = {
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
     "radar.csv": "time [us], velocity [m/s]\n2, 60\n5, 59\n9, 57\n",
 }
-EXAMPLE = ROOT / "examples" / "fabrics" / "plain-weave"
 # every command that needs no PETSc, on the smallest scenes
 COMMANDS = (
     "--version",
     "fabrics list --out list.csv",
     "fabrics show S-728 --out own",
-    f"fabrics new texgen.toml --texgen {EXAMPLE}.tg3 --from {EXAMPLE}.csv",
+    f"fabrics new new.toml --from {ROOT}/examples/fabrics/mine.csv",
     "projectiles list",
     "backings list",
     "impact ply.toml --out ply",
