@@ -84,7 +84,7 @@ KERNEL = """
 import sys, time
 from pathlib import Path
 
-from fabrics.executors import run_task
+from fabrics.executors import start_worker
 
 
 def compiled(me, both):
@@ -103,7 +103,8 @@ def compiled(me, both):
     return sum(slow.stats.cache_misses.values())
 
 
-print(run_task(compiled, sys.argv[1], Path(sys.argv[2])))
+start_worker()
+print(compiled(sys.argv[1], Path(sys.argv[2])))
 """
 
 

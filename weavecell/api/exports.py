@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -58,8 +59,8 @@ def export(
 
 
 def fit(
-    target: FilePath, data: FilePath, free: Sequence[str], out: FilePath, *, jobs: int = 1, executor: str = "local",
-    resume: bool = False,
+    target: FilePath, data: FilePath, free: Sequence[str], out: FilePath, *, jobs: int = 1,
+    executor: str | Executor = "local", resume: bool = False,
 ) -> Fit | None:  # fmt: skip
     r"""Fit numbers of a fabric or an input file to a measured curve; the files of `weavecell fit` are written to `out`.
 
