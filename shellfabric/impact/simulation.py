@@ -94,7 +94,6 @@ class ImpactSetup:
     audit_interval, snapshot_interval : [s]; no snapshots where None
     rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is that of the highest
         rate of the fabric's `strain_rate`
-    nose_bending : whether their strength is lowered by bending over the nose, see Panel
     failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
     backing : Backing, the block behind the fabric, or None
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
@@ -137,7 +136,6 @@ class ImpactSetup:
     snapshot_interval: float | None = None
     failure: bool = True
     rate_dependence: bool = False
-    nose_bending: bool = False
     backing: Backing | None = None
     history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
@@ -402,7 +400,7 @@ class ImpactResult(Outcome):
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
     slips : (plies,) sliding.model.SlipSummary of sliding crossovers; empty of pinned ones
-    failures : (plies, 3) State.failure_sums of each ply
+    failures : (plies, 2) State.failure_sums of each ply
     """
 
     setup: ImpactSetup

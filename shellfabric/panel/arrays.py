@@ -33,7 +33,7 @@ Constants = namedtuple(
     "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
     "table_last2 table_grid table_beyond force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 "
     "cv2 trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
-    "yarn_strengths2 filter_alpha rate_law fibre_diameter erosion_gap_ratio window_limits points_per_side "
+    "yarn_strengths2 filter_alpha rate_law erosion_gap_ratio window_limits points_per_side "
     "shape_functions point_law projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps "
     "nose_shape nose_parameters projectile_length frame tilted window_follows body_depth draw_in_reach "
     "foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends bar_mass bar_h "
@@ -42,7 +42,7 @@ Constants = namedtuple(
 State = namedtuple(
     "State",
     "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch yarn_length "
-    "intact_fraction failed filtered_tension rate_damage bending_strain failure_sums element_flag block_damage "
+    "intact_fraction failed filtered_tension rate_damage failure_sums element_flag block_damage "
     "tension_stale block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
     "projectile_position projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums "
     "peak_tension peak_segment contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth bar_u "
@@ -117,7 +117,6 @@ def _constants(panel, out_of_plane):
         yarn_strengths1=strengths[0], yarn_strengths2=strengths[1],
         filter_alpha=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0,
         rate_law=_rate_law(panel) if panel.rate_dependence else None,
-        fibre_diameter=panel.fabric.fibre_diameter if panel.nose_bending else None,
         erosion_gap_ratio=knobs.widest, window_limits=_near(panel, roaming), **_contact(panel, mass),
         projectile_radius=shot.radius, edge_radius=shot.edge_radius, projectile_mass=shot.mass * panel.share,
         free_dofs=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
@@ -172,7 +171,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
         filtered_tension=aligned_zeros(2, slots if const.filter_alpha > 0 else 0),
         rate_damage=aligned_zeros(2, slots if const.rate_law is not None else 0),
-        bending_strain=aligned_zeros(2, slots if const.fibre_diameter is not None else 0), failure_sums=np.zeros(3),
+        failure_sums=np.zeros(2),
         block_damage=np.zeros(blocks, np.uint8), tension_stale=np.zeros(blocks, np.bool_),
         block_max_tension=np.zeros((blocks, 2)), element_flag=np.zeros(slots, np.uint8), f_contact=three(),
         **contact.contact_state(const.window_limits, const.points_per_side, const.shape_functions, const.friction),
@@ -279,15 +278,9 @@ def _rate_law(panel):
 
 
 def _lowest(panel, strengths):
-    """Bounds [N] below which no yarn fails: the lowest strength, at any strain rate and bent over the nose's edge."""
-    slowest, bent = _rate_law(panel)[0, 0, 0] if panel.rate_dependence else 1.0, 0.0
-    if panel.nose_bending:
-        d = panel.fabric.fibre_diameter
-        bent = d / (2 * panel.projectile.nose_radius + d)
-    return {
-        f"min_strength{n}": max(slowest * each.min() - yarn.EA * bent, 0.0)
-        for n, each, yarn in zip((1, 2), strengths, panel.weave.yarns)
-    }
+    """Bounds [N] below which no yarn fails: the lowest strength, at any strain rate."""
+    slowest = _rate_law(panel)[0, 0, 0] if panel.rate_dependence else 1.0
+    return {f"min_strength{n}": slowest * strength.min() for n, strength in zip((1, 2), strengths)}
 
 
 def _near(panel, roaming):

@@ -282,10 +282,6 @@ class PanelTable(Table):
         "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the table "
         "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
     ) = False  # fmt: skip
-    nose_bending: flag(
-        "failure strain of the yarns lowered by the strain of bending of their fibres over the nose, of the "
-        "`fibre_diameter` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
-    ) = False  # fmt: skip
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(zones),

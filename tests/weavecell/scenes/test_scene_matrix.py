@@ -132,7 +132,7 @@ KINDS = {
     ),
     "whole": Kind({"panel": {"symmetry": "whole"}}, ratio(lambda got: got.elements, 4, 1e-9)),
     "yarns hold": Kind({"panel": {"yarn_failure": False}}, lambda got, plain: got.failed == 0 < plain.failed),
-    "strength by rate and bending": Kind({"panel": {"rate_dependence": True, "nose_bending": True}}),
+    "strength by rate": Kind({"panel": {"rate_dependence": True}}),
     "rates of yarns that hold": Kind(
         {"panel": {"yarn_failure": False, "rate_dependence": True}},
         rejected=all_say("panel.rate_dependence = True: must be left out where yarns do not fail"),
