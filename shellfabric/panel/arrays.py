@@ -19,7 +19,6 @@ from shellfabric.projectile import contact, dynamics, window_kernels
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
 
-PRECISIONS = {"double": np.float64, "single": np.float32}
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
 SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 3 % of those of points much closer
@@ -150,21 +149,20 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     """The state before its forces are computed."""
     ni, s = const.ni, const.row_stride
     slots = (ni + 2) * s + 16
-    real = PRECISIONS[panel.numerics.precision]
-    (mass, inverse), (kick,) = aligned_zeros(2, slots), aligned_zeros(1, slots, real)
+    (mass, inverse), (kick,) = aligned_zeros(2, slots), aligned_zeros(1, slots)
     mass[: (ni + 1) * s] = panel.masses().ravel()
     loose = np.flatnonzero(boundary.loose(panel))
     inverse[loose] = 1.0 / mass[loose]
     kick[:] = const.dt * inverse
     blocks = -(-ni // const.rows_per_block)
-    three, two = (lambda kind=float: aligned_zeros(3, slots, kind)), (lambda: aligned_zeros(2, slots, real))
+    three, two = (lambda: aligned_zeros(3, slots)), (lambda: aligned_zeros(2, slots))
     small = aligned_zeros(2, slots, np.float32)  # of the last changes of stretch: they enter the audit alone
-    forces, lengths, stretches = two(), two(), aligned_zeros(2, slots)
+    forces, lengths, stretches = two(), two(), two()
     for y, length, L in zip(lengths, _yarn_lengths(panel, const), stretches):
         y[: length.size], L[:] = length, 1.0
     i0, i1 = const.window_limits[:2]
     return State(
-        u=three(), v=three(), f_int=three(real), f_int_above=three(real), mass=mass, inverse_mass=inverse,
+        u=three(), v=three(), f_int=three(), f_int_above=three(), mass=mass, inverse_mass=inverse,
         dt_over_mass=kick,
         stretch=stretches, N=forces, T=two() if const.variational else forces, dstretch=small, yarn_length=lengths,
         intact_fraction=tuple((y > 0).astype(float) for y in lengths),

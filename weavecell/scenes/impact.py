@@ -432,9 +432,6 @@ class NumericsTable(Table):
     contact_points: whole(
         "contact points along each side of a crossover; where not given 8, and more under a sharp nose", 1, 64
     ) = None
-    precision: one_of(
-        "precision in which forces are stored between steps; all arithmetic is in double precision", "double", "single"
-    ) = None
     threads: Annotated[int | None, described(
         "threads of the time integration; where not given, chosen by the size of the model. Results do not depend on "
         "it", "a number of threads", example=1, ge=1,

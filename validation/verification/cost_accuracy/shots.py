@@ -46,7 +46,7 @@ class Shell:
     elements : a crossover, along each side; below 1: an element of so many crossovers
     model, form, law : of the cell (`CellModel`), and of compression: "regularised" or "printed"
     table : stretches along each side of the cell's table
-    cfl, viscosity, precision : see `Numerics`
+    cfl, viscosity : see `Numerics`
     symmetry : "quarter", "half" or "whole"
     awake : whether all rows are worked on from the start
     grading : of the panel, see `Panel`, or None
@@ -61,7 +61,6 @@ class Shell:
     table: int = 201
     cfl: float = Numerics.cfl
     viscosity: float = Numerics.stretch_viscosity
-    precision: str = "double"
     symmetry: str = "quarter"
     awake: bool = False
     grading: tuple[tuple[float, float], ...] | None = None
@@ -150,7 +149,7 @@ def panel(case: Shell) -> Panel:
     if case.elements < 1:
         fabric = variants.homogenised(fabric, round(1 / case.elements))
     numerics = Numerics(
-        cfl=case.cfl, stretch_viscosity=case.viscosity, precision=case.precision, threads=1,
+        cfl=case.cfl, stretch_viscosity=case.viscosity, threads=1,
         contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
     )  # fmt: skip
     return Panel(
@@ -248,4 +247,4 @@ def warm(case: Any) -> Any:
     short = replace(case.shot, velocities=case.shot.velocities[:1], end=1e-6, outcome="")
     if isinstance(case, Cable):
         return Cable(short)
-    return Shell(short, table=8, precision=case.precision, form=case.form, grading=case.grading, fill=case.fill)
+    return Shell(short, table=8, form=case.form, grading=case.grading, fill=case.fill)
