@@ -215,7 +215,6 @@ def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):
 
 
 def test_the_defaults_of_the_charts_are_those_of_the_code():
-    from shellfabric.cell.model import FILL
     from shellfabric.impact.simulation import ImpactSetup
     from validation.verification.cost_accuracy import coupons
     from weavecell.commands.coupon import TABLE_SIZE
@@ -223,7 +222,7 @@ def test_the_defaults_of_the_charts_are_those_of_the_code():
 
     table_size = ImpactSetup.__dataclass_fields__["table_size"].default
     for shell in (shots.Shell(SHOT), study.load("four-ply-pack").methods[0].case.shell):
-        assert (shell.table, shell.fill) == (table_size, FILL)
+        assert shell.table == table_size
         assert shell.grading is None
     for test in (coupons.Bias(), coupons.Cross()):
         assert (test.table, test.tolerance) == (TABLE_SIZE, TOLERANCE)

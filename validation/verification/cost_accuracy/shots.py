@@ -14,7 +14,7 @@ from fabrics import catalogue, variants
 from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from fabrics.units import si
-from shellfabric.cell.model import FILL, CellModel
+from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
@@ -50,7 +50,6 @@ class Shell:
     symmetry : "quarter", "half" or "whole"
     awake : whether all rows are worked on from the start
     grading : of the panel, see `Panel`, or None
-    fill : how the table is filled, see `CellTable.fill`
     """
 
     shot: Shot
@@ -64,7 +63,6 @@ class Shell:
     symmetry: str = "quarter"
     awake: bool = False
     grading: tuple[tuple[float, float], ...] | None = None
-    fill: str = FILL
 
     def changed(
         self, *, cable: float = 0, time_step: float = 0, grading: Sequence[float] = (), **changes: Any
@@ -153,7 +151,7 @@ def panel(case: Shell) -> Panel:
         contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
     )  # fmt: skip
     return Panel(
-        CellModel(fabric, model=case.model, form=case.form).table(case.table, case.fill),
+        CellModel(fabric, model=case.model, form=case.form).table(case.table),
         (case.shot.opening, case.shot.opening), symmetry=case.symmetry,
         elements_per_crossover=max(1, int(case.elements)), numerics=numerics,
         grading=case.grading,
@@ -247,4 +245,4 @@ def warm(case: Any) -> Any:
     short = replace(case.shot, velocities=case.shot.velocities[:1], end=1e-6, outcome="")
     if isinstance(case, Cable):
         return Cable(short)
-    return Shell(short, table=8, form=case.form, grading=case.grading, fill=case.fill)
+    return Shell(short, table=8, form=case.form, grading=case.grading)
