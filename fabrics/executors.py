@@ -18,7 +18,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
-from math import ceil
 from multiprocessing import get_context
 from typing import Any
 
@@ -26,8 +25,6 @@ from fabrics.errors import InputError
 
 CONTEXT = get_context("spawn")  # MPI and PETSc do not survive a fork
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
-_TASKS_A_WORKER = 8  # at least, where runs are many: else the last worker keeps the others waiting
-_LARGEST_BATCH = 8  # runs; what an interruption loses of each worker
 _OPTION = "--executor"
 
 
@@ -146,35 +143,19 @@ def _dask():
 _NAMED = {"mpi": _mpi, "dask": _dask}
 
 
-def as_done(
-    executor: Executor, function: Callable, arguments: Sequence[tuple], *, jobs: int | None = None
-) -> Iterator[tuple[int, Any]]:
-    """(index, result) of function(*one) for each one of `arguments`, as they end.
-
-    Parameters
-    ----------
-    executor : Executor
-    function : of a module
-    arguments : list of tuples
-    jobs : workers; where there are many more runs than workers, several are submitted as one task. None: one each
+def as_done(executor: Executor, function: Callable, arguments: Sequence[tuple]) -> Iterator[tuple[int, Any]]:
+    """(index, result) of function(*one) for each one of `arguments`, as they end; `function` is that of a module.
 
     Raises
     ------
-    The first exception of a run, once the results before it in its task have been given; what has not begun is
-    cancelled.
+    The first exception of a run; what has not begun is cancelled.
     """
     if isinstance(executor, InProcess):
         yield from ((index, function(*one)) for index, one in enumerate(arguments))
         return
-    size = 1 if jobs is None else min(_LARGEST_BATCH, ceil(len(arguments) / (_TASKS_A_WORKER * jobs)))
-    starts = range(0, len(arguments), max(size, 1))
-    futures = {executor.submit(_batch, function, arguments[start : start + size]): start for start in starts}
+    futures = {executor.submit(function, *one): index for index, one in enumerate(arguments)}
     try:
-        for future in as_completed(futures):
-            found, problem = future.result()
-            yield from enumerate(found, futures[future])
-            if problem is not None:
-                raise problem
+        yield from ((futures[future], future.result()) for future in as_completed(futures))
     finally:
         for future in futures:
             cancel(future)
@@ -184,14 +165,3 @@ def cancel(future: Future) -> None:
     """Cancel a task that has not begun, where the executor can; that of Parsl cannot."""
     with suppress(NotImplementedError):
         future.cancel()
-
-
-def _batch(function, arguments):
-    """(results of runs one after the other, the exception of the one after them or None)."""
-    found = []
-    for one in arguments:
-        try:
-            found.append(function(*one))
-        except Exception as problem:
-            return found, problem
-    return found, None

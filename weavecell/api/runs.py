@@ -258,7 +258,7 @@ def sweep(setups: Iterable[ImpactSetup], *, jobs: int = 1, executor: str | Execu
     given = [(each,) for each in setups]
     found: dict[int, ShotResult] = {}
     with open_executor(executor, jobs) as pool:
-        for index, (shot, _) in as_done(pool, _fire, given, jobs=jobs):
+        for index, (shot, _) in as_done(pool, _fire, given):
             found[index] = shot
     result = SweepResult(tuple(found[index] for index in range(len(given))))
     result.warn()

@@ -120,7 +120,7 @@ def _rows(targets, wanted, folder, jobs, executor, resume):
                     found.append(analysis.v50_of(one.setup, wanted, report=report, **runs))
                 return found
             return run_cache.results(
-                analysis.point, [(inputs.alone(one.setup), wanted) for one in targets], batches=False,
+                analysis.point, [(inputs.alone(one.setup), wanted) for one in targets],
                 report=lambda done, total: advance(done / total, f"{done} of {total}"), **runs,
             )  # fmt: skip
     except InputError as problem:
