@@ -190,20 +190,15 @@ def work(panel: Panel) -> Work:
     const = panel.constants()
     size = (const.rows_per_block + 4) * const.row_stride + 16
     rows = {name: aligned_zeros(1, size)[0] for name in Work._fields}
-    rows["A"], rows["B"], rows["barrier"] = (
-        aligned_zeros(3, size),
-        aligned_zeros(3, size),
-        np.zeros(barrier.SLOTS, np.int64),
-    )
+    rows["A"], rows["B"] = aligned_zeros(3, size), aligned_zeros(3, size)
+    rows["barrier"] = np.zeros(barrier.SLOTS, np.int64)
     rows["cell_index"] = np.zeros(_PIECE, np.int32)
     # arrays that are needed last share the room of those no longer needed then: scratch is to fit into the cache
     rows["T1"], rows["T2"], rows["f_over_stretch1"], rows["f_over_stretch2"] = (
         rows[name] for name in ("dW_own1", "dW_own2", "dW_crossing1", "dW_crossing2")
     )
-    rows["f_next_row"], rows["contact_scratch"] = (
-        (rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]),
-        contact.scratch(const),
-    )
+    rows["f_next_row"] = rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]
+    rows["contact_scratch"] = contact.scratch(const)
     return Work(**rows)
 
 

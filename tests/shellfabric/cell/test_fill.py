@@ -12,6 +12,7 @@ from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 from shellfabric.cell import fill_kernels
 from shellfabric.cell.model import FORMS, MODELS, PROFILES, CellModel
+from validation.models import variants as comparison
 
 ROUNDING = 2e-12  # of the largest value of a column: both solve the cell to about 1e-13 of it
 FABRICS = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
@@ -57,7 +58,7 @@ def test_random_cells(seed):
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", catalogue.list_names())
 def test_every_fabric_file(name, model, law):
-    fabric = variants.with_law_form(catalogue.load(name), law)
+    fabric = comparison.with_law_form(catalogue.load(name), law)
     for form, profile in itertools.product(FORMS, PROFILES):
         assert difference(CellModel(fabric, model=model, form=form, profile=profile), 21) < ROUNDING
 

@@ -8,8 +8,8 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
-from fabrics.variants import homogenised
 from shellfabric.cell.model import CellModel
+from validation.models.variants import homogenised
 from validation.verification.cost_accuracy import core, page, pictures, shots, study, tables
 from validation.verification.cost_accuracy.core import Method, Quantity, Sample, Scene
 

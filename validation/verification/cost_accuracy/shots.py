@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import catalogue, variants
+from fabrics import catalogue
 from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from fabrics.units import si
@@ -18,6 +18,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
+from validation.models import variants as comparison
 from validation.models.cable import solver as cable_solver
 from validation.models.cable.model import CableNet, CableNumerics
 
@@ -143,9 +144,9 @@ def run(case: Shell | Cable | Plies) -> tuple[dict[str, float], dict[str, float]
 def panel(case: Shell) -> Panel:
     """The panel of a case; fills the table of its cell."""
     fabric = catalogue.load(case.shot.fabric).with_effective_density()
-    fabric = variants.with_law_form(fabric, case.law)
+    fabric = comparison.with_law_form(fabric, case.law)
     if case.elements < 1:
-        fabric = variants.homogenised(fabric, round(1 / case.elements))
+        fabric = comparison.homogenised(fabric, round(1 / case.elements))
     numerics = Numerics(
         cfl=case.cfl, stretch_viscosity=case.viscosity, threads=1,
         contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
