@@ -308,7 +308,7 @@ class ImpactSetup:
             return cell.table(self.table_size)
         if kept:
             self.begin_compiling()
-        return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size)
+        return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size)  # type: ignore[arg-type]
 
     def plain_table(self) -> CellTable:
         """A coarse table, of straight yarns where it is no response surface's: for the geometry of a panel alone."""
