@@ -1,15 +1,14 @@
-"""Cost of the explicit shell: S-720, one ply, 6,241 elements, 250 us; with the size of the panel, threads, precision.
+"""Cost of the explicit shell: S-720, one ply, 6,241 elements, 250 us; with the size of the panel, threads.
 
 Run with nothing else on the machine:
 
-    python benchmarks/shell.py [--repeats 9] [--parts one sizes threads precision] [--out FILE.json]
+    python benchmarks/shell.py [--repeats 9] [--parts one sizes threads] [--out FILE.json]
 
 Reported are medians of the marching alone (no table, no compilation, no audit). What is measured on one core keeps to
 one. CPU time stands beside wall time: where the two differ the machine was busy, and the wall time says nothing about
 the code. For the sizes, all rows are worked on from the start, so that the cost is that of a panel in motion
 everywhere, and the first steps are left out: in these each tension is the highest so far, and all are looked up.
-Threads are compared in pairs of runs, alternated, on 4 x the size, and their results to the bit. Precision: the same
-runs with forces kept in 16 and in 7 digits.
+Threads are compared in pairs of runs, alternated, on 4 x the size, and their results to the bit.
 """
 
 from __future__ import annotations
@@ -29,7 +28,6 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.impact.ballistic_limit import critical_velocity, shoot
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
@@ -38,7 +36,6 @@ END = 250e-6
 FORMS = ("equilibrium", "variational")
 SIZES = ((0.0815, 600), (0.203, 1000), (0.407, 300), (0.815, 100), (2.6, 20))  # side [m], steps, in which nothing fails
 FIRST = 50  # steps of a panel in motion everywhere that are not counted
-PRECISION = (("S-720", 92.5, 155.0), ("S-728", 76.0, 170.0), ("S-731", 116.0, 132.0))  # the thesis's two shots
 
 
 def publish(report, path):
@@ -146,36 +143,10 @@ def threads(table, repeats):
     }
 
 
-def precision(repeats):
-    """What keeping forces in single precision changes, and what it saves."""
-    found = {}
-    for name, slow, fast in PRECISION:
-        panel = Panel(CellModel(catalogue.load(name).with_effective_density()).table(201))
-        found[name] = {}
-        for kind in ("double", "single"):
-            chosen = with_knobs(panel, precision=kind, threads=1)
-            stopped, through = shoot(chosen, (slow, fast))
-            limit = critical_velocity(chosen, tolerance=0.1)
-            found[name][kind] = {
-                "residual_velocity": through.residual_velocity,
-                "time_to_stop": stopped.time,
-                "peak_tension_of_the_stop": stopped.peak_tension,
-                "balance_of_the_stop": stopped.balance,
-                "critical_velocity": limit.velocity,
-                "cost": measure(chosen, repeats)["least_cpu_ns_per_element_step"],
-            }
-        large = Panel(panel.table, (1.6, 1.6))
-        found[name]["cost_400k_elements"] = {
-            kind: measure(with_knobs(large, precision=kind), 3, 30, True)["least_cpu_ns_per_element_step"]
-            for kind in ("double", "single")
-        }
-    return found
-
-
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--repeats", type=int, default=9)
-    parts = ("one", "sizes", "threads", "precision")
+    parts = ("one", "sizes", "threads")
     arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
@@ -192,8 +163,6 @@ def main():
                 report[form] = measure(panel, chosen.repeats) | {"audit_ns_per_element": audit(panel)}
         if "sizes" in chosen.parts:
             report["size"] = {form: sizes(table) for form, table in tables.items()}
-        if "precision" in chosen.parts:
-            report["precision"] = precision(chosen.repeats)
     if "threads" in chosen.parts:
         enough = len(os.sched_getaffinity(0)) > 1
         report["two_cores"] = {form: threads(table, 5) if enough else None for form, table in tables.items()}

@@ -37,20 +37,19 @@ MESHES = {
 
 
 def parts(fabric, scatter, shots, grading):
-    """Medians of the CPU time [s] of a V50 shot: table of its cell by either method, panel, time integration."""
+    """Medians of the CPU time [s] of a V50 shot: table of its cell, panel, time integration."""
     rows = []
     for number, velocity in enumerate(np.linspace(*VELOCITIES, shots)):
         marks = [time.process_time()]
         setup = ImpactSetup(fabric, 1.0)
-        for method in ("nested", "newton"):
-            setup.table(method=method)
-            marks.append(time.process_time())
+        setup.table()
+        marks.append(time.process_time())
         panel = strengths.drawn(replace(setup, opening=OPENING, grading=grading), scatter, 1, number).pack
         marks.append(time.process_time())
         ballistic_limit.shoot(panel, (float(velocity),))
         marks.append(time.process_time())
         rows.append(np.diff(marks))
-    names = ("table, nested", "table, newton", "panel with its table", "shot")
+    names = ("table", "panel with its table", "shot")
     return {name: round(float(statistics.median(column)), 4) for name, column in zip(names, zip(*rows))}
 
 

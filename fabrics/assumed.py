@@ -60,16 +60,6 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
     return _completed(fabric, "strain_rate", known)
 
 
-def with_fibre_diameter(fabric: Fabric) -> Fabric:
-    """The fabric with the diameter of its fibres, that of its fibre family where its file gives none.
-
-    Raises
-    ------
-    InputError : it has none, and its yarns belong to no family
-    """
-    return _completed(fabric, "fibre_diameter", lambda family: family.entries["fibre_diameter"].value)
-
-
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its assumed trellis law}; empty where that is not assumed."""
     if "shear" not in fabric.assumed:

@@ -37,7 +37,7 @@ class Fabric:
     effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
-    assumed : of "crimp", "shear", "solid", "strain_rate" and "fibre_diameter" what the data file does not give (see
+    assumed : of "crimp", "shear", "solid" and "strain_rate" what the data file does not give (see
         `fabrics.assumed`)
     yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
     thickness : [m] of the data sheet, or None
@@ -45,7 +45,6 @@ class Fabric:
     notes : lines about numbers of the data file that disagree
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     strain_rate : RateLaw of its yarns, or None
-    fibre_diameter : [m] or None
     """
 
     name: str
@@ -66,7 +65,6 @@ class Fabric:
     notes: tuple[str, ...] = ()
     ply_contact: PlyLaw | None = None
     strain_rate: RateLaw | None = None
-    fibre_diameter: float | None = None
 
     def __post_init__(self):
         if self.section is not None and self.section not in SECTIONS:

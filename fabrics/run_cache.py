@@ -187,10 +187,9 @@ class RunCache:
 
 def results(
     function: Callable, arguments: Sequence[tuple], *, folder: FilePath, executor: str | Executor = "local",
-    jobs: int = 1, batches: bool = True, fresh: bool = False, resume: bool = True,
-    report: Callable[[int, int], object] | None = None,
+    jobs: int = 1, fresh: bool = False, resume: bool = True, report: Callable[[int, int], object] | None = None,
 ) -> list:  # fmt: skip
-    """function(*one) for each one of `arguments`, in their order; each is kept as soon as its task is done.
+    """function(*one) for each one of `arguments`, in their order; each is kept as soon as it is done.
 
     Nothing depends on how many runs are under way, or in which order they end.
 
@@ -200,7 +199,6 @@ def results(
     arguments : list of tuples of plain numbers, texts and frozen dataclasses
     folder : Path where results are kept, and taken from
     executor, jobs, fresh : as of `executors.open_executor`
-    batches : whether several runs may be one task, as where they are many and short
     resume : take the results that the folder holds; otherwise it is emptied first
     report : called as report(number done, number of all)
 
@@ -217,8 +215,7 @@ def results(
     report(len(names) - len(missing), len(names))
     if missing:
         with executors.open_executor(executor, jobs, fresh=fresh) as pool:
-            waiting = [arguments[k] for k in missing]
-            found = executors.as_done(pool, function, waiting, jobs=jobs if batches else None)
+            found = executors.as_done(pool, function, [arguments[k] for k in missing])
             for done, (k, content) in enumerate(found, 1):
                 kept[names[missing[k]]] = content
                 report(len(names) - len(missing) + done, len(names))

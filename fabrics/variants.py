@@ -9,11 +9,10 @@ number for both families or a pair (warp, weft), and so is a factor. Sources sta
 | values of the yarns (crimp, modulus, ...) | `with_yarns`, `scale_yarns` |
 | areal density at constant stiffness of the yarns | `scale_areal_density` |
 | nearly straight yarns | `with_straight_yarns` |
-| compression laws | `with_law_form`, `scale_laws` |
+| compression laws | `scale_laws` |
 | trellis shear | `with_shear`, `scale_shear` |
 | solid laws of the 3D crossover | `with_solids`, `scale_solids` |
 | warp and weft exchanged | `rotated_90` |
-| one crossover for n x n | `homogenised` |
 
 Laws that are assumed by fibre family: `fabrics.assumed`. Which cell a fabric is solved with (compressible,
 incompressible, decoupled) is a choice of the model: `shellfabric.cell.model.CellModel`.
@@ -85,17 +84,6 @@ def with_straight_yarns(fabric: Fabric, crimp: Value = NEARLY_STRAIGHT) -> Fabri
     return scale_shear(straight, fabric.weave.thickness / straight.weave.thickness)
 
 
-def with_law_form(fabric: Fabric, form: str) -> Fabric:
-    """The fabric's compression laws in another form, "regularised" or "printed" (erratum E-05).
-
-    Raises
-    ------
-    InputError : the fabric has no compression laws, or the form is unknown
-    """
-    warp, weft = (replace(law, form=form) for law in _laws(fabric))
-    return replace(fabric, laws=(warp, weft))
-
-
 def scale_laws(fabric: Fabric, a: float = 1.0, b: float = 1.0) -> Fabric:
     """Both constants of the compression laws, each times a factor [-]; a fabric without laws is returned as it is."""
     if fabric.laws is None:
@@ -161,33 +149,6 @@ def rotated_90(fabric: Fabric) -> Fabric:
     weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
     laws, widths, areas = fabric.laws and fabric.laws[::-1], fabric.yarn_width[::-1], fabric.yarn_area[::-1]
     return replace(fabric, weave=weave, laws=laws, yarn_width=widths, yarn_area=areas)
-
-
-def homogenised(fabric: Fabric, n: float) -> Fabric:
-    """A weave of fewer, thicker yarns with the same response to stretch and shear: one crossover for n x n.
-
-    The spacing is n-fold; yarns have the n-fold area with the same fibres, crimp and strain at failure, hence n-fold
-    length, height and tension. Angles are kept, so that the contact force is n-fold at the same stretches, and the
-    compression must be n-fold too. With d = a - b / (F + F0)^(1/3), F0 = (b/a)^3, that is a' = n a, b' = n^(4/3) b.
-    The fabric is n-fold as thick, so that the moduli of the trellis, whose stress acts on the thickness, are divided
-    by n. What happens within n x n crossovers is not resolved.
-
-    Parameters
-    ----------
-    n : [-] crossovers along each side
-    """
-    weave = fabric.weave
-    weave = replace(weave, warp_count=weave.warp_count / n, weft_count=weave.weft_count / n)
-    coarse = scale_yarns(replace(fabric, weave=weave), linear_density=n)
-    if fabric.shear is not None:
-        coarse = with_shear(coarse, G1=fabric.shear.G1 / n, G2=fabric.shear.G2 / n)
-    return scale_laws(coarse, n, n ** (4 / 3))
-
-
-def _laws(fabric):
-    if fabric.laws is None:
-        raise InputError(f"fabric {fabric.name} has no compression law")
-    return fabric.laws
 
 
 def _solids(fabric):

@@ -32,7 +32,6 @@ MEANINGS = {
     "top.areal_density": "optional: of the data sheet; checked against counts, linear densities and crimp",
     "top.areal_density_measured": "optional: of Kevlar 129, for the pressure law of thesis eq. 2-6",
     "top.interlayer_gap": "optional: approach of neighbouring plies of a pack in a test up to 19.4 MPa",
-    "top.fibre_diameter": "optional: of a fibre, for `panel.nose_bending`; without it assumed by fibre family",
     "strain_rate.rates": "optional: rising strain rates, for `panel.rate_dependence`; without it by fibre family",
     "strain_rate.strength": "strength at these rates over that of the file, a list",
     "strain_rate.modulus": "optional: modulus at these rates over that of the file, a list",

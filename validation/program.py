@@ -30,7 +30,7 @@ from weavecell.report.marked_page import put
 
 NOTES = {
     "chain": "folder of `weavecell calibrate --all --fit-solid`",
-    "executor": "local, mpi, parsl, dask or MODULE:FUNCTION",
+    "executor": "local, mpi or dask",
     "jobs": "cases beside each other",
     "out": "folder of what is written, and of kept results",
     "page": "put tables and pictures into this page",

@@ -40,7 +40,7 @@ from fabrics.yarn import CLOSEST_PACKING, Yarn
 _FOLDER = Path(__file__).parent
 
 _TOP = (
-    "name", "section", "interlayer_gap", "areal_density", "areal_density_measured", "thickness", "fibre_diameter",
+    "name", "section", "interlayer_gap", "areal_density", "areal_density_measured", "thickness",
 )  # fmt: skip
 _TABLES = ("warp", "weft", "compression", "shear", "ply_contact", "solid", "micrograph", "strain_rate")
 _MASS = ("linear_density", "effective_linear_density")
@@ -136,7 +136,6 @@ class _Reader:
             "yarn_width": (warp_width, weft_width),
             "yarn_area": (warp_area, weft_area),
             "thickness": thickness,
-            "fibre_diameter": self._quantity("fibre_diameter", True)[0],
             "strain_rate": self._rate_law(),
             "notes": tuple(self.notes),
         }

@@ -68,7 +68,7 @@ class Family:
     ----------
     name : such as "para-aramid"
     limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that belong to it
-    entries : {dotted key: Entry} of [shear] and [solid], and fibre_diameter
+    entries : {dotted key: Entry} of [shear] and [solid]
     strain_rate : RateLaw, or None where no numbers are known
     """
 
@@ -132,8 +132,7 @@ def _read(path: FilePath) -> Family:
         for key, unit in units.items()
     }
     Vf0 = content["solid"]["Vf0"]
-    entries = {"fibre_diameter": entry(content["fibre_diameter"], "m")}
-    entries |= {f"shear.{key}": entry(content["shear"][key], "") for key in _SHEAR}
+    entries = {f"shear.{key}": entry(content["shear"][key], "") for key in _SHEAR}
     entries |= {f"solid.{key}": entry(content["solid"][key], unit) for key, unit in _SOLID.items()}
     entries |= {f"solid.Vf0.{family}": entry(Vf0[family], "") for family in ("warp", "weft")}
     rates = content.get("strain_rate")

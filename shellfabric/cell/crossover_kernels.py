@@ -175,21 +175,6 @@ def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
 
 
 @entry(nogil=True)
-def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
-    """Fill out (8, n1, n2) with `cell` on a grid; each row starts from the last force found. False if a cell failed."""
-    for i in range(stretches1.size):
-        guess = 1.0
-        for j in range(stretches2.size):
-            values = cell(stretches1[i], stretches2[j], warp, weft, gap, form, coupled, guess)
-            for c in range(8):
-                out[c, i, j] = values[c]
-            if values[4] < 0.0:
-                return False
-            guess = values[4]
-    return True
-
-
-@entry(nogil=True)
 def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
     """Fill out (8, n) with `cell` at n pairs of stretches. False if a cell failed."""
     for i in range(stretch1.size):

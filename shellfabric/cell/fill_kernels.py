@@ -70,7 +70,7 @@ def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
 
 @entry(nogil=True)
 def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
-    """As `crossover_kernels.fill`: out (8, n1, n2) on a grid of stretches; False if a cell failed."""
+    """Fill out (8, n1, n2), values as of `crossover_kernels.cell`, on a grid of stretches; False if a cell failed."""
     n2 = stretches2.size
     free, alone, stored = np.empty(n2), np.empty(n2), np.empty(n2)
     for j in range(n2):

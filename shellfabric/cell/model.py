@@ -29,8 +29,6 @@ from shellfabric.cell import coefficients, fill_kernels
 from shellfabric.cell import crossover_kernels as kernels
 
 FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
-FILLS = {"nested": kernels.fill, "newton": fill_kernels.fill}
-FILL = "newton"  # the default of them
 PROFILES = {"cosine": kernels.COSINE, "straight": kernels.STRAIGHT}
 MODELS = ("compressible", "incompressible", "decoupled")
 _LONGEST_TOE = 0.1
@@ -187,9 +185,9 @@ class CellModel:
 
         return brentq(too_long, _CLOSED, straight) if too_long(straight) > 0 else straight
 
-    def table(self, n: int = 201, method: str = FILL) -> CellTable:
+    def table(self, n: int = 201) -> CellTable:
         """Fill a table of n x n stretches; see CellTable.fill."""
-        return CellTable.fill(self, n, method)
+        return CellTable.fill(self, n)
 
     def _arguments(self):
         warp, weft = self.yarn_tuples
@@ -225,28 +223,23 @@ class CellTable:
     residual: float = 0.0
 
     @classmethod
-    def fill(cls, model: CellModel, n: int = 201, method: str = FILL) -> CellTable:
-        """Solve the cell on n x n stretches over its range.
+    def fill(cls, model: CellModel, n: int = 201) -> CellTable:
+        """Solve the cell on n x n stretches over its range (`fill_kernels`).
 
         Parameters
         ----------
         n : stretches along each side
-        method : "newton", on force and heights together (`fill_kernels`; cells in which its steps do not converge are
-            solved by the nested iterations), or "nested" iterations everywhere (`crossover_kernels`), which take about
-            thirty times as long and give the same values but for rounding
 
         Raises
         ------
-        InputError : n below 8, or an unknown method
+        InputError : n below 8
         UnstableError : a cell that did not close
         """
         if n < 8:
             raise InputError(key="table_size", value=n, allowed="at least 8")
-        if method not in FILLS:
-            raise InputError(key="method", value=method, allowed=" or ".join(FILLS))
         x, y = (coefficients.grid(lowest, highest, n) for lowest, highest in model.range())
         out = np.empty((8, n, n))
-        if not FILLS[method](x, y, *model._arguments(), out):
+        if not fill_kernels.fill(x, y, *model._arguments(), out):
             raise UnstableError("the crossover did not close", where=f"the table of fabric {model.fabric.name}")
         return cls.of_values(model, x, y, dict(zip(COLUMNS, out)))
 

@@ -1,9 +1,9 @@
 """Tables of cells kept from run to run, by the content of the cell and the code that fills them.
 
-What the cell's equations give at the grid is kept, under the cell, the number of stretches and the method of filling,
-and the coefficients are made anew, so that a kept table is the filled one to the last bit. The files lie in the user's
-cache folder (`WEAVECELL_CACHE_DIR`, or `$XDG_CACHE_HOME/weavecell`, or `~/.cache/weavecell`); the least recently used
-are removed. With WEAVECELL_CACHE_DIR empty nothing is kept.
+What the cell's equations give at the grid is kept, under the cell and the number of stretches, and the coefficients are
+made anew, so that a kept table is the filled one to the last bit. The files lie in the user's cache folder
+(`WEAVECELL_CACHE_DIR`, or `$XDG_CACHE_HOME/weavecell`, or `~/.cache/weavecell`); the least recently used are removed.
+With WEAVECELL_CACHE_DIR empty nothing is kept.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from fabrics.files import write_whole
 from fabrics.run_cache import Format, RunCache, key
-from shellfabric.cell.model import COLUMNS, FILL, CellModel, CellTable
+from shellfabric.cell.model import COLUMNS, CellModel, CellTable
 
 MOST_BYTES = 200e6  # of all kept tables; one of 201 x 201 has 2.6 MB
 
@@ -30,7 +30,7 @@ def folder() -> Path | None:
     return Path(root, "weavecell", "tables")
 
 
-def table(model: CellModel, n: int = 201, method: str = FILL) -> CellTable:
+def table(model: CellModel, n: int = 201) -> CellTable:
     """The table of a cell with n x n stretches: a kept one, or one that is filled and kept.
 
     Raises
@@ -39,13 +39,13 @@ def table(model: CellModel, n: int = 201, method: str = FILL) -> CellTable:
     """
     place = folder()
     if place is None:
-        return model.table(n, method)
-    kept, name = RunCache(place, ARRAYS), key((model, int(n), method), "shellfabric.cell.table_cache")
+        return model.table(n)
+    kept, name = RunCache(place, ARRAYS), key((model, int(n)), "shellfabric.cell.table_cache")
     with suppress(OSError, ValueError, EOFError):
         x, y, out = _split(kept[name])
         os.utime(kept.file(name))
         return CellTable.of_values(model, x, y, dict(zip(COLUMNS, out)))
-    filled = model.table(n, method)
+    filled = model.table(n)
     with suppress(OSError):
         kept[name] = _join(filled)
         trim(place, MOST_BYTES)

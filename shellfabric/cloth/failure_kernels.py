@@ -8,7 +8,7 @@ compared with the strength as it is, or low-passed over a time tau:
 
     dT_f/dt = (T - T_f) / tau
 
-The strength is that of the yarn, or follows the strain rate and the bending over the nose (`strength_kernels`).
+The strength is that of the yarn, or follows the strain rate (`strength_kernels`).
 
 A failed segment is gone for good, its mass stays. Its crossing yarns lose the contact with it: see `membrane_kernels`
 for alpha and kappa. What it stored is booked as lost, with the half step in which its old force has acted.
@@ -76,22 +76,10 @@ def yarn_strength(const, family, row, column):
 
 @kernel(_nrt=False)
 def loading(const, state, family, row, column, T):
-    """(load, strain of bending, damage after this step) of the segment of tension T from node (row, column) on.
-
-    The load is the strain of the outer side of its fibres over the failure strain; the damage 0 without a law of rates.
-    """
-    if family == WARP:
-        along, across, EA = const.yarn_columns, const.yarn_rows, const.EA1
-    else:
-        along, across, EA = const.yarn_rows, const.yarn_columns, const.EA2
-    axis, start = (column, row) if family == WARP else (row, column)
-    lines, k = lines_of_yarn(along, axis), np.uint64(row * const.row_stride + column)
-    bent = strength_kernels.segment_bending(
-        const.fibre_diameter, state, along, across, family, axis, start, lines, const.row_stride
-    )
-    load = (T + EA * bent) / yarn_strength(const, family, row, column)
-    kept = state.rate_damage[family]
-    return load, bent, strength_kernels.damage(const.rate_law, family, const.dt, kept, k, load)
+    """(load, damage after this step) of the segment of tension T from node (row, column) on: the load is the tension
+    over the strength of the yarn, the damage 0 without a law of rates."""
+    load, k = T / yarn_strength(const, family, row, column), np.uint64(row * const.row_stride + column)
+    return load, strength_kernels.damage(const.rate_law, family, const.dt, state.rate_damage[family], k, load)
 
 
 @kernel(_nrt=False)
@@ -116,7 +104,7 @@ def any_past_strength(const, state, family, first, last):
             whole = begins_segment(const, i, j) and not state.failed[family][np.uint64(i * const.row_stride + j)]
             if whole:
                 T = yarn_tension(const, state.T[family], family, i, j)
-                load, _, damage = loading(const, state, family, i, j, T)
+                load, damage = loading(const, state, family, i, j, T)
                 if T > 0.0 and is_past(const, load, damage):
                     return True
     return False
@@ -159,12 +147,11 @@ def detect_failures(const, state, family, first, last):
                 T = yarn_tension(const, state.filtered_tension[family], family, i, j)
             if T <= lowest:
                 continue
-            load, bent, damage = loading(const, state, family, i, j, T)
+            load, damage = loading(const, state, family, i, j, T)
             strength_kernels.keep_damage(const.rate_law, state.rate_damage[family], k, damage)
             if is_past(const, load, damage):
                 state.failure_sums[0] += 1.0
-                state.failure_sums[1] += T / yarn_strength(const, family, i, j)
-                state.failure_sums[2] += bent
+                state.failure_sums[1] += load
                 state.failed[family][k] = 1
                 break_segment(const, state, family, i, j)
                 failures += 1

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, log, sqrt
@@ -130,7 +130,8 @@ def first_guess(panel: Panel | Pack) -> float:
 
 def critical_velocity(
     panel: Panel | Pack, *, tolerance: float = 1.0, guess: float | None = None, step: float = STEP,
-    highest: float = 1000.0, executor: str = "local", jobs: int = 1, report: Callable[..., object] | None = None,
+    highest: float = 1000.0, executor: str | Executor = "local", jobs: int = 1,
+    report: Callable[..., object] | None = None,
 ) -> Limit:  # fmt: skip
     """Bisect for the critical velocity of a panel or pack.
 
@@ -176,7 +177,7 @@ def critical_velocity(
 
 
 def shoot(
-    panel: Panel | Pack, velocities: Sequence[float] | FloatArray, *, executor: str = "local", jobs: int = 1,
+    panel: Panel | Pack, velocities: Sequence[float] | FloatArray, *, executor: str | Executor = "local", jobs: int = 1,
     report: Callable[..., object] | None = None, stops_below: float = 0.0,
 ) -> tuple[Shot, ...]:  # fmt: skip
     """Fire shots at given velocities; a tuple of Shot, in their order.

@@ -10,6 +10,7 @@ of a range are fired beside each other, and the result is the same with any exec
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -64,8 +65,8 @@ class ScanRange:
 
 
 def scan(
-    panel: Panel | Pack, limit: Limit, velocities: ScanRange | None = None, *, executor: str = "local", jobs: int = 1,
-    report: Callable[..., object] | None = None,
+    panel: Panel | Pack, limit: Limit, velocities: ScanRange | None = None, *, executor: str | Executor = "local",
+    jobs: int = 1, report: Callable[..., object] | None = None,
 ) -> Limit:  # fmt: skip
     """Fire shots below and above a bracket until the zone of mixed outcomes, if there is one, is enclosed.
 

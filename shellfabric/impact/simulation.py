@@ -19,8 +19,8 @@ from fabrics.surface import ResponseSurface
 from fabrics.variants import rotated_90
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
-from shellfabric.cell import table_cache
-from shellfabric.cell.model import FILL, FILLS, CellModel, CellTable
+from shellfabric.cell import fill_kernels, table_cache
+from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact.outcome import Outcome
@@ -94,7 +94,6 @@ class ImpactSetup:
     audit_interval, snapshot_interval : [s]; no snapshots where None
     rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is that of the highest
         rate of the fabric's `strain_rate`
-    nose_bending : whether their strength is lowered by bending over the nose, see Panel
     failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
     backing : Backing, the block behind the fabric, or None
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
@@ -137,7 +136,6 @@ class ImpactSetup:
     snapshot_interval: float | None = None
     failure: bool = True
     rate_dependence: bool = False
-    nose_bending: bool = False
     backing: Backing | None = None
     history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
@@ -294,13 +292,12 @@ class ImpactSetup:
             reach, fabric = max(reach, *fabric.strain_rate.strength), fabric.at_high_rate()
         return CellModel(fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
 
-    def table(self, kept: bool = False, method: str = FILL) -> CellTable:
+    def table(self, kept: bool = False) -> CellTable:
         """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
 
         Parameters
         ----------
         kept : whether to take it from the user's cache folder, and to keep it there (`cell.table_cache`)
-        method : how it is filled, see CellTable.fill; of a cell with compression laws
 
         Raises
         ------
@@ -311,7 +308,7 @@ class ImpactSetup:
             return cell.table(self.table_size)
         if kept:
             self.begin_compiling()
-        return table_cache.table(cell, self.table_size, method) if kept else cell.table(self.table_size, method)  # type: ignore[arg-type, call-arg]
+        return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size)  # type: ignore[arg-type]
 
     def plain_table(self) -> CellTable:
         """A coarse table, of straight yarns where it is no response surface's: for the geometry of a panel alone."""
@@ -321,12 +318,8 @@ class ImpactSetup:
     def begin_compiling(self) -> None:
         """Begin to compile the kernels of one ply, whose types do not depend on the values of a table, before that is
         filled; only where the kernel that fills it is not compiled either."""
-        if (
-            self.plies == 1
-            and self.crossovers is None
-            and self.surface is None
-            and compile_in_child.is_cold(FILLS[FILL])
-        ):
+        plain = self.plies == 1 and self.crossovers is None and self.surface is None
+        if plain and compile_in_child.is_cold(fill_kernels.fill):
             begin_compiling(self.panel(self.plain_table()))
 
     def panel(self, table: CellTable | None = None) -> Panel:
@@ -402,7 +395,7 @@ class ImpactResult(Outcome):
     max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
     slips : (plies,) sliding.model.SlipSummary of sliding crossovers; empty of pinned ones
-    failures : (plies, 3) State.failure_sums of each ply
+    failures : (plies, 2) State.failure_sums of each ply
     """
 
     setup: ImpactSetup

@@ -19,7 +19,6 @@ from shellfabric.projectile import contact, dynamics, window_kernels
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
 
-PRECISIONS = {"double": np.float64, "single": np.float32}
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
 SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 3 % of those of points much closer
@@ -33,7 +32,7 @@ Constants = namedtuple(
     "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
     "table_last2 table_grid table_beyond force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 "
     "cv2 trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
-    "yarn_strengths2 filter_alpha rate_law fibre_diameter erosion_gap_ratio window_limits points_per_side "
+    "yarn_strengths2 filter_alpha rate_law erosion_gap_ratio window_limits points_per_side "
     "shape_functions point_law projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps "
     "nose_shape nose_parameters projectile_length frame tilted window_follows body_depth draw_in_reach "
     "foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends bar_mass bar_h "
@@ -42,7 +41,7 @@ Constants = namedtuple(
 State = namedtuple(
     "State",
     "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch yarn_length "
-    "intact_fraction failed filtered_tension rate_damage bending_strain failure_sums element_flag block_damage "
+    "intact_fraction failed filtered_tension rate_damage failure_sums element_flag block_damage "
     "tension_stale block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
     "projectile_position projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums "
     "peak_tension peak_segment contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth bar_u "
@@ -117,7 +116,6 @@ def _constants(panel, out_of_plane):
         yarn_strengths1=strengths[0], yarn_strengths2=strengths[1],
         filter_alpha=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0,
         rate_law=_rate_law(panel) if panel.rate_dependence else None,
-        fibre_diameter=panel.fabric.fibre_diameter if panel.nose_bending else None,
         erosion_gap_ratio=knobs.widest, window_limits=_near(panel, roaming), **_contact(panel, mass),
         projectile_radius=shot.radius, edge_radius=shot.edge_radius, projectile_mass=shot.mass * panel.share,
         free_dofs=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
@@ -151,28 +149,27 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     """The state before its forces are computed."""
     ni, s = const.ni, const.row_stride
     slots = (ni + 2) * s + 16
-    real = PRECISIONS[panel.numerics.precision]
-    (mass, inverse), (kick,) = aligned_zeros(2, slots), aligned_zeros(1, slots, real)
+    (mass, inverse), (kick,) = aligned_zeros(2, slots), aligned_zeros(1, slots)
     mass[: (ni + 1) * s] = panel.masses().ravel()
     loose = np.flatnonzero(boundary.loose(panel))
     inverse[loose] = 1.0 / mass[loose]
     kick[:] = const.dt * inverse
     blocks = -(-ni // const.rows_per_block)
-    three, two = (lambda kind=float: aligned_zeros(3, slots, kind)), (lambda: aligned_zeros(2, slots, real))
+    three, two = (lambda: aligned_zeros(3, slots)), (lambda: aligned_zeros(2, slots))
     small = aligned_zeros(2, slots, np.float32)  # of the last changes of stretch: they enter the audit alone
-    forces, lengths, stretches = two(), two(), aligned_zeros(2, slots)
+    forces, lengths, stretches = two(), two(), two()
     for y, length, L in zip(lengths, _yarn_lengths(panel, const), stretches):
         y[: length.size], L[:] = length, 1.0
     i0, i1 = const.window_limits[:2]
     return State(
-        u=three(), v=three(), f_int=three(real), f_int_above=three(real), mass=mass, inverse_mass=inverse,
+        u=three(), v=three(), f_int=three(), f_int_above=three(), mass=mass, inverse_mass=inverse,
         dt_over_mass=kick,
         stretch=stretches, N=forces, T=two() if const.variational else forces, dstretch=small, yarn_length=lengths,
         intact_fraction=tuple((y > 0).astype(float) for y in lengths),
         failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
         filtered_tension=aligned_zeros(2, slots if const.filter_alpha > 0 else 0),
         rate_damage=aligned_zeros(2, slots if const.rate_law is not None else 0),
-        bending_strain=aligned_zeros(2, slots if const.fibre_diameter is not None else 0), failure_sums=np.zeros(3),
+        failure_sums=np.zeros(2),
         block_damage=np.zeros(blocks, np.uint8), tension_stale=np.zeros(blocks, np.bool_),
         block_max_tension=np.zeros((blocks, 2)), element_flag=np.zeros(slots, np.uint8), f_contact=three(),
         **contact.contact_state(const.window_limits, const.points_per_side, const.shape_functions, const.friction),
@@ -193,20 +190,15 @@ def work(panel: Panel) -> Work:
     const = panel.constants()
     size = (const.rows_per_block + 4) * const.row_stride + 16
     rows = {name: aligned_zeros(1, size)[0] for name in Work._fields}
-    rows["A"], rows["B"], rows["barrier"] = (
-        aligned_zeros(3, size),
-        aligned_zeros(3, size),
-        np.zeros(barrier.SLOTS, np.int64),
-    )
+    rows["A"], rows["B"] = aligned_zeros(3, size), aligned_zeros(3, size)
+    rows["barrier"] = np.zeros(barrier.SLOTS, np.int64)
     rows["cell_index"] = np.zeros(_PIECE, np.int32)
     # arrays that are needed last share the room of those no longer needed then: scratch is to fit into the cache
     rows["T1"], rows["T2"], rows["f_over_stretch1"], rows["f_over_stretch2"] = (
         rows[name] for name in ("dW_own1", "dW_own2", "dW_crossing1", "dW_crossing2")
     )
-    rows["f_next_row"], rows["contact_scratch"] = (
-        (rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]),
-        contact.scratch(const),
-    )
+    rows["f_next_row"] = rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]
+    rows["contact_scratch"] = contact.scratch(const)
     return Work(**rows)
 
 
@@ -279,15 +271,9 @@ def _rate_law(panel):
 
 
 def _lowest(panel, strengths):
-    """Bounds [N] below which no yarn fails: the lowest strength, at any strain rate and bent over the nose's edge."""
-    slowest, bent = _rate_law(panel)[0, 0, 0] if panel.rate_dependence else 1.0, 0.0
-    if panel.nose_bending:
-        d = panel.fabric.fibre_diameter
-        bent = d / (2 * panel.projectile.nose_radius + d)
-    return {
-        f"min_strength{n}": max(slowest * each.min() - yarn.EA * bent, 0.0)
-        for n, each, yarn in zip((1, 2), strengths, panel.weave.yarns)
-    }
+    """Bounds [N] below which no yarn fails: the lowest strength, at any strain rate."""
+    slowest = _rate_law(panel)[0, 0, 0] if panel.rate_dependence else 1.0
+    return {f"min_strength{n}": slowest * strength.min() for n, strength in zip((1, 2), strengths)}
 
 
 def _near(panel, roaming):

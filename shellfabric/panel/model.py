@@ -52,7 +52,6 @@ class Panel:
     trellis : whether the fabric's shear law acts; a fabric without one has none
     failure : whether yarns fail
     rate_dependence : whether their strength follows the strain rate, by the fabric's `strain_rate`
-    nose_bending : whether it is lowered by bending over the nose, of fibres of the fabric's `fibre_diameter`
     weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
     round : whether the opening is a circle, of which `opening` has the diameter twice
     impact_point : [m] from the middle of the opening, along its two sides
@@ -84,7 +83,6 @@ class Panel:
     trellis: bool = True
     failure: bool = True
     rate_dependence: bool = False
-    nose_bending: bool = False
     weave_angle: float = 0.0
     round: bool = False
     impact_point: tuple[float, float] = (0.0, 0.0)
@@ -123,11 +121,11 @@ class Panel:
             self._check_grading()
 
     def _check_strength(self):
-        for key, data in (("rate_dependence", "strain_rate"), ("nose_bending", "fibre_diameter")):
-            if getattr(self, key) and getattr(self.fabric, data) is None:
-                raise InputError(key=key, value=True, allowed=f"false: fabric {self.fabric.name} has no {data}")
-            if getattr(self, key) and not self.failure:
-                raise InputError(key=key, value=True, allowed="false where yarns do not fail")
+        if self.rate_dependence and self.fabric.strain_rate is None:
+            allowed = f"false: fabric {self.fabric.name} has no strain_rate"
+            raise InputError(key="rate_dependence", value=True, allowed=allowed)
+        if self.rate_dependence and not self.failure:
+            raise InputError(key="rate_dependence", value=True, allowed="false where yarns do not fail")
 
     def _check_grading(self):
         given = self.elements_per_crossover

@@ -1,11 +1,10 @@
-"""Numerical parameters of a panel: time step, viscosity, contact, precision, threads."""
+"""Numerical parameters of a panel: time step, viscosity, contact, threads."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from fabrics.errors import InputError
-from shellfabric.panel import arrays
 
 
 @dataclass(frozen=True)
@@ -33,8 +32,6 @@ class Numerics:
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
     block : elements worked on together, six rows at least: more share the cost of a block and of the rows about it,
         fewer keep its scratch in cache
-    precision : "double" or "single", in which forces are kept from step to step, and the constants of nodes and edges;
-        all is computed in double precision, and places, velocities and stretches are kept in it
     threads : of the time integration; None takes all that the process may use where it pays (`barrier`), and goes on
         with one where other processes use the processor (`driver.solver`). No result depends on it
     """
@@ -48,7 +45,6 @@ class Numerics:
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
-    precision: str = "double"
     threads: int | None = None
 
     def __post_init__(self):
@@ -60,8 +56,6 @@ class Numerics:
         for key in ("stretch_viscosity", "contact_damping", "failure_time"):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
-        if self.precision not in arrays.PRECISIONS:
-            raise InputError(key="precision", value=self.precision, allowed=" or ".join(arrays.PRECISIONS))
         if self.threads is not None and self.threads < 1:
             raise InputError(key="threads", value=self.threads, allowed="at least 1")
         if self.cfl > 1:

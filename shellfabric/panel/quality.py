@@ -123,7 +123,6 @@ LIMITS = {
     "relaxation residual": (1.0, "", "out-of-balance force over the tolerance of the relaxation"),
     "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
     "ply penetration": (0.75, "", "largest loaded penetration of a ply into the next over the ply's thickness"),
-    "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the fabric's normal"),
     "unresolved torn contact": (0.0, "", "times that torn fabric was not kept from passing through another ply"),
 }
 NOTES = {"viscous energy": 0.1}  # name: value above which the indicator is noted
@@ -200,19 +199,8 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     ]
     if len(solver.parts) > 1:
         found.append(indicator("ply penetration", solver.monitor.found[:, DEPTH].max()))
-        found.append(indicator("ply contact direction", _tilt(solver)))
         found.append(indicator("unresolved torn contact", solver.held_apart[1]))
     return tuple(found)
-
-
-def _tilt(solver):
-    """[-] sine of the steepest slope of the first ply where plies push along z alone (form "nodes"), else 0."""
-    if solver.pack.contact.form != "nodes":
-        return 0.0
-    _, const, state = solver.parts[0]
-    u = state.u[2][: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
-    slope = max(float(np.abs(np.diff(u, axis=axis)).max()) / d for axis, d in enumerate((const.dx, const.dy)))
-    return slope / np.hypot(1.0, slope)
 
 
 def _spacing(const):

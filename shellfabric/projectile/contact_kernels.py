@@ -28,7 +28,7 @@ from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import WINDOW
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, any_lane, fma, greater, load, maximum, store
-from shellfabric.projectile import curvature_kernels, friction_kernels, sdf_kernels
+from shellfabric.projectile import friction_kernels, sdf_kernels
 from shellfabric.projectile.window_kernels import (
     cover_at_point,
     erode,
@@ -54,7 +54,6 @@ def contact_forces(state, const, work):
     nothing is left out where the fabric fails) and the energy in its springs.
     """
     before = clear_forces(state, const)
-    curvature_kernels.clear_bending(const.fibre_diameter, state, const)
     if const.window_follows:
         move_window(state, const)
     taken, spring = contact_window(state, const, work)
@@ -213,9 +212,6 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         if const.friction > 0.0:
             state.friction_state[e, number] = 0.0
         return 0.0, 0.0
-    curvature_kernels.record_bending(
-        const.fibre_diameter, state, const, k, number, depth, at, m, (n_x, n_y, n_z), work.node_position
-    )
     stiffness, damping = part * const.point_law.stiffness, part * const.point_law.damping
     if const.tilted:
         n_x, n_y, n_z = to_panel_frame(const.frame, n_x, n_y, n_z)

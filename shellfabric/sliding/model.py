@@ -92,7 +92,7 @@ class SlidingPanel(Panel):
     Raises
     ------
     InputError : as Panel; and several elements a crossover, grading, an oblique weave, a prescribed pull-in, bending,
-        jamming, a block, single precision, or a cell without contact force or energy
+        jamming, a block, or a cell without contact force or energy
     """
 
     friction: CrossoverFriction = field(default_factory=CrossoverFriction)
@@ -110,7 +110,6 @@ class SlidingPanel(Panel):
             ("bending", self.bending, not any(self.bending), "0"),
             ("jam", self.jam, self.jam[0] == 0, "left out"),
             ("backing", "a block", self.backing is None, "left out"),
-            ("precision", self.numerics.precision, self.numerics.precision == "double", "double"),
             ("form", self.table.model.form, self.table.model.form == "variational", "variational"),
             ("surface", "a response surface", "F" in self.table.values, "left out"),
         ):  # fmt: skip

@@ -404,8 +404,7 @@ class PackSolver(ExplicitSolver):
         """See ExplicitSolver."""
         pack = self.pack
         known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
-        known += self.panel.numerics.precision, self.panel.backing
-        known += pack.gaps, pack.contact, pack.friction, pack.laws, pack.crossovers, pack.angles
+        known += self.panel.backing, pack.gaps, pack.contact, pack.friction, pack.laws, pack.crossovers, pack.angles
         for _, const, state in self.parts:
             known += const._asdict(), state.mass, state.inverse_mass
         return known, self.module

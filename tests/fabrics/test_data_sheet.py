@@ -84,7 +84,6 @@ def test_ends_of_the_crimp_are_those_of_thickness_and_share():
         ("11 / cm", "11 / m", "warp.count = '11 / m': must be from 0.5 to 100 / cm"),
         ("205 g/m^2", "205 kg/m2", "areal_density = '205 kg/m2': must be from 5 to 5000 g/m^2"),
         ('thickness =', 'interlayer_gap = "0.1 m"\nthickness =', "interlayer_gap = '0.1 m': must be from 0 to 5 mm"),
-        ('thickness =', 'fibre_diameter = "12 mm"\nthickness =', "fibre_diameter = '12 mm': must be from 1 to 500 um"),
         ("count", 'width = "1.1 m"\ncount', "warp.width = '1.1 m': must be from 0.02 to 20 mm"),
         ("count", 'crimp = 1.2\ncount', "warp.crimp = 1.2: must be from 0 to 50 %"),
     ],

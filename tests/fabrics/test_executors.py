@@ -1,4 +1,4 @@
-"""Executors: one thread each, batches, the first exception, and kernels that one process of a node compiles."""
+"""Executors: one thread each, the first exception, and kernels that one process of a node compiles."""
 
 import math
 import operator
@@ -16,14 +16,10 @@ from fabrics.executors import THREADS, InProcess, as_done, open_executor
 ROOT = Path(__file__).parents[2]
 
 
-class Counting(Executor):
-    """Does each task at once, and counts them; cancels nothing, like Parsl's."""
-
-    def __init__(self):
-        self.tasks = 0
+class Uncancelled(Executor):
+    """Does each task at once; cancels nothing, like Parsl's."""
 
     def submit(self, function, /, *arguments):
-        self.tasks += 1
         future = InProcess().submit(function, *arguments)
         future.cancel = self.refuse
         return future
@@ -58,21 +54,11 @@ def test_a_given_executor_is_used_and_left_open():
         assert given.submit(int, "3").result() == 3
 
 
-@pytest.mark.parametrize(("jobs", "tasks"), [(None, 100), (1, 13), (2, 15), (20, 100)])
-def test_many_runs_are_submitted_in_batches(jobs, tasks):
-    pool = Counting()
-    found = dict(as_done(pool, pow, [(k, 2) for k in range(100)], jobs=jobs))
-    assert found == {k: k**2 for k in range(100)}
-    assert pool.tasks == tasks
-
-
-@pytest.mark.parametrize("pool", [Counting(), InProcess()])
-def test_what_a_batch_had_done_before_an_exception_is_given(pool):
-    found, runs = {}, 8 * [(1, 2), (3, 4), (1, 0)]  # eight tasks of three runs each
+@pytest.mark.parametrize("pool", [Uncancelled(), InProcess()])
+def test_results_come_as_they_end_until_the_first_exception(pool):
+    assert dict(as_done(pool, pow, [(k, 2) for k in range(100)])) == {k: k**2 for k in range(100)}
     with pytest.raises(ZeroDivisionError):
-        for index, value in as_done(pool, operator.truediv, runs, jobs=1):
-            found[index % 3] = value
-    assert found == {0: 0.5, 1: 0.75}
+        dict(as_done(pool, operator.truediv, [(1, 2), (3, 4), (1, 0)]))
 
 
 def test_no_workers_are_refused():
@@ -84,7 +70,7 @@ KERNEL = """
 import sys, time
 from pathlib import Path
 
-from fabrics.executors import run_task
+from fabrics.executors import start_worker
 
 
 def compiled(me, both):
@@ -103,7 +89,8 @@ def compiled(me, both):
     return sum(slow.stats.cache_misses.values())
 
 
-print(run_task(compiled, sys.argv[1], Path(sys.argv[2])))
+start_worker()
+print(compiled(sys.argv[1], Path(sys.argv[2])))
 """
 
 

@@ -44,25 +44,22 @@ def test_the_modulus_rises_and_the_strength_stays():
 
 
 def test_families_give_it_with_their_source():
-    fabric = assumed.with_fibre_diameter(assumed.with_strain_rate(catalogue.load("S-726")))
+    fabric = assumed.with_strain_rate(catalogue.load("S-726"))
     assert fabric.strain_rate.strength_at(170.0) == pytest.approx(2340 / 1489, rel=1e-3)
-    assert fabric.fibre_diameter == pytest.approx(12e-6)
     assert "Kevlar 49" in fabric.sources["strain_rate"]["source"]
     assert "assumed: [strain_rate] of para-aramid yarns, because S-726 gives none" in assumed.lines(fabric)
-    assert fabric.sources["fibre_diameter"]["status"] == "assumed"
     assert assumed.with_strain_rate(fabric) is fabric
     with pytest.raises(InputError, match=r"glass-balanced has no \[strain_rate\] table.*E-glass yarns no numbers"):
         assumed.with_strain_rate(catalogue.load("glass-balanced"))
-    with pytest.raises(InputError, match=r"S-726 has no fibre_diameter.*in the range of .*para-aramid"):
-        assumed.with_fibre_diameter(catalogue.load("S-726").with_yarns(E=1e9))
+    with pytest.raises(InputError, match=r"S-726 has no \[strain_rate\].*in the range of .*para-aramid"):
+        assumed.with_strain_rate(catalogue.load("S-726").with_yarns(E=1e9))
 
 
 def test_a_fabric_file_has_its_own(tmp_path):
     text = (catalogue._FOLDER / "S-726.toml").read_text()
     path = tmp_path / "own.toml"
-    path.write_text(text.replace("\n[warp]", '\nfibre_diameter = "10 um"\n\n[warp]', 1) + TABLE)
+    path.write_text(text + TABLE)
     fabric = catalogue.read(path)
-    assert fabric.fibre_diameter == pytest.approx(1e-5)
     assert fabric.strain_rate == RateLaw((10.0, 1000.0), (1.0, 1.4), source="made up")
     assert fabric.sources["strain_rate"]["value"] == "strength 1 / 1.4 at 10 / 1000 1/s"
 

@@ -6,6 +6,7 @@ import pytest
 
 from fabrics import catalogue, variants
 from fabrics.errors import InputError
+from validation.models import variants as comparison
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +56,7 @@ def test_trellis_and_laws(fabric):
     half = variants.scale_laws(fabric, 0.5, 0.5)
     for before, after in zip(fabric.laws, half.laws):
         assert after.d(3.0) == pytest.approx(0.5 * before.d(3.0), rel=1e-12)
-    assert [law.form for law in variants.with_law_form(fabric, "printed").laws] == ["printed", "printed"]
+    assert [law.form for law in comparison.with_law_form(fabric, "printed").laws] == ["printed", "printed"]
 
 
 def test_solids(fabric):
@@ -78,7 +79,7 @@ def test_what_a_fabric_does_not_have(fabric):
     bare = replace(fabric, laws=None, shear=None, solid_laws=None)
     assert variants.scale_laws(bare, 2.0) == variants.scale_shear(bare, 2.0) == bare
     for change in (
-        lambda: variants.with_law_form(bare, "printed"),
+        lambda: comparison.with_law_form(bare, "printed"),
         lambda: variants.with_shear(bare, G1=1e6),
         lambda: variants.with_solids(bare, E_c=1e9),
     ):

@@ -321,12 +321,11 @@ def sample_other(draw, fabric, name) -> dict:
 def sample_strength(draw, fabric) -> dict:
     """Entries of [panel] for the options of strength, whose data go into the table of the fabric."""
     faster = draw.log_uniform(10, 1000)
-    fabric["fibre_diameter"] = _text(draw.log_uniform(5, 20), "um")
     fabric["strain_rate"] = {
         "rates": ["1 / s", _text(faster, "/ s")], "strength": [1.0, round(draw.uniform(1, 1.6), 3)],
         "modulus": [1.0, round(draw.uniform(1, 1.3), 3)], "source": "drawn", "status": "assumed",
     }  # fmt: skip
-    return {"rate_dependence": draw.chance(0.3), "nose_bending": draw.chance(0.3)}
+    return {"rate_dependence": draw.chance(0.3)}
 
 
 def sample_plies(draw, count, other, thickness, angled=False) -> list:

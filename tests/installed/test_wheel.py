@@ -173,13 +173,12 @@ SCENES = {
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
     "radar.csv": "time [us], velocity [m/s]\n2, 60\n5, 59\n9, 57\n",
 }
-EXAMPLE = ROOT / "examples" / "fabrics" / "plain-weave"
 # every command that needs no PETSc, on the smallest scenes
 COMMANDS = (
     "--version",
     "fabrics list --out list.csv",
     "fabrics show S-728 --out own",
-    f"fabrics new texgen.toml --texgen {EXAMPLE}.tg3 --from {EXAMPLE}.csv",
+    f"fabrics new new.toml --from {ROOT}/examples/fabrics/mine.csv",
     "projectiles list",
     "backings list",
     "impact ply.toml --out ply",
@@ -187,7 +186,6 @@ COMMANDS = (
     "impact accuracy.toml --explain",
     "impact accuracy.toml --out accuracy",
     "view ply --screenshot ply.png",
-    "convert ply --to vtkhdf",
     "coupon coupon.toml --out coupon",
     "biaxial S-720 --out biaxial",
     "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
@@ -205,7 +203,6 @@ COMMANDS = (
 )
 VIEWED = {
     "view ply": "impact ply.toml --out ply",
-    "convert ply": "impact ply.toml --out ply",
     "view mesh": "mesh S-720 --mesh coarse --format vtu --out mesh",
 }
 NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}

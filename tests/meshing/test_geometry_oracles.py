@@ -1,9 +1,4 @@
-"""Volume, length, crimp and section of the meshed yarns by others: VTK cuts the file, TexGen builds the yarn."""
-
-import importlib.util
-import json
-import subprocess
-import sys
+"""Volume, length, crimp and section of the meshed yarns by VTK, which cuts the file."""
 
 import numpy as np
 import pytest
@@ -59,45 +54,3 @@ def test_vtk_finds_volume_section_and_crimp(mesh, yarn, tmp_path):
     )
     length = np.hypot(*np.diff(ends)).sum()
     assert length / (2 * w) - 1 == pytest.approx(weave.yarns[yarn].crimp, rel=0.02)
-
-
-TEXGEN = """
-import json, sys
-import pytexgen as texgen
-nodes, outline = json.load(sys.stdin)
-section = texgen.XYVector()
-for a, b in outline:
-    section.push_back(texgen.XY(a, b))
-yarn = texgen.CYarn()
-for x, z in nodes:
-    yarn.AddNode(texgen.CNode(texgen.XYZ(x, 0.0, z)))
-yarn.AssignInterpolation(texgen.CInterpolationCubic(False))
-yarn.AssignSection(texgen.CYarnSectionConstant(texgen.CSectionPolygon(section)))
-yarn.SetResolution(401, 240)  # slave nodes, and points of a section
-print(json.dumps([yarn.GetRawYarnLength(), yarn.GetRawYarnVolume()]))
-"""
-
-
-def by_texgen(nodes, outline):
-    """(length, volume) of a yarn. In a process of its own: TexGen crashes one that has loaded the rest."""
-    given = json.dumps([np.asarray(nodes).tolist(), np.asarray(outline).tolist()])
-    run = subprocess.run([sys.executable, "-c", TEXGEN], input=given, capture_output=True, text=True, check=True)
-    return json.loads(run.stdout.splitlines()[-1])
-
-
-@pytest.mark.parametrize("yarn", [0, 1])
-def test_texgen_finds_length_and_volume(mesh, yarn):
-    """TexGen carries a section normal to the path; the vertical section is 1 + crimp larger, and the volumes agree."""
-    if importlib.util.find_spec("pytexgen") is None:
-        pytest.skip("TexGen is not installed")
-    w, h, S0 = mesh.w[yarn], mesh.h0[yarn], mesh.S0[yarn]
-    section = mesh.sections[yarn]
-    y = section.stations(60)
-    across = np.concatenate([-y[:0:-1], y])
-    upper = section.half_thickness(across) / (S0 / (2 * w))
-    outline = [(y[-1], 0.0), *zip(across[::-1], upper[::-1]), (-y[-1], 0.0), *zip(across, -upper)]
-    x = np.linspace(-w, w, 41)
-    length, volume = by_texgen(1e3 * np.column_stack([x, h * np.cos(np.pi * x / (2 * w))]), 1e3 * np.array(outline))
-    assert length == pytest.approx(1e3 * S0, rel=2e-4)
-    assert length / (2e3 * w) - 1 == pytest.approx(S0 / (2 * w) - 1, rel=0.01)
-    assert volume == pytest.approx(1e9 * mesh.fibre_area[yarn] * S0 / mesh.Vf0[yarn], rel=5e-3)

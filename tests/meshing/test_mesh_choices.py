@@ -95,3 +95,12 @@ def test_negative_crimp(build):
     with pytest.raises(InputError) as caught:
         build(replace(fabric, micrograph=pictures), crimp="micrograph")
     assert str(caught.value) == "crimp = -0.01: must be a fraction from 0 to below 1 (0.02 or 2 %)"
+
+
+def test_the_width_of_the_yarns_is_that_of_the_sections():
+    """Without gap and width a mesh has the fabric's widths; a gap replaces them."""
+    fabric = replace(catalogue.load("S-728"), yarn_width=(1.3e-3, None), section="sine")
+    sections = [crossover.build(fabric, size="coarse", **gap).section_fit.requested for gap in ({}, {"gap": 1e-4})]
+    spacing = [2 * w for w in fabric.weave.w][::-1]
+    assert [section.width for section in sections[0]] == pytest.approx([1.3e-3, spacing[1]])
+    assert [section.width for section in sections[1]] == pytest.approx([s - 1e-4 for s in spacing])

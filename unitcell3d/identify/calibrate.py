@@ -183,9 +183,9 @@ class _Run:
         if not self._open:
             return
         queue = CONTEXT.Queue() if executor == "local" else None
-        options = {} if queue is None else {"initializer": _take_queue, "initargs": (queue,)}
+        first = () if queue is None else (_take_queue, queue)
         waiting = sorted(self._open, key=lambda job: job.ratio is not None)
-        with open_executor(executor, min(jobs, len(waiting)), fresh=True, **options) as pool:
+        with open_executor(executor, min(jobs, len(waiting)), fresh=True, first=first) as pool:
             futures = {pool.submit(run_job, job): job for job in waiting}
             pending = set(futures)
             try:

@@ -73,9 +73,7 @@ def fit_solids(
     A SolidFit, or the InputError or UnstableError that ended it, of each fabric
     """
     cases = [(fabric, curve, size, check_size, measure) for fabric, curve in zip(fabrics, curves, strict=True)]
-    return run_cache.results(
-        _fit, cases, folder=folder, executor=executor, jobs=jobs, batches=False, fresh=True, report=report
-    )
+    return run_cache.results(_fit, cases, folder=folder, executor=executor, jobs=jobs, fresh=True, report=report)
 
 
 def _fit(*case):

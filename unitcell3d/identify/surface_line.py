@@ -79,16 +79,10 @@ def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
             stick_states.append(model.stick_state)
     finally:
         solver.close()
-    return Line(
-        case.axis,
-        float(case.fixed),
-        np.asarray(case.along, float),
-        np.array(values),
-        np.array(states) if case.keep else np.empty((0, 0)),
-        np.array(stick_states) if case.keep and case.friction else np.empty((0, 0)),
-        time.perf_counter() - begun,
-        iterations + spent,
-    )
+    kept = np.array(states) if case.keep else np.empty((0, 0))
+    kept_sticks = np.array(stick_states) if case.keep and case.friction else np.empty((0, 0))
+    along, seconds = np.asarray(case.along, float), time.perf_counter() - begun
+    return Line(case.axis, float(case.fixed), along, np.array(values), kept, kept_sticks, seconds, iterations + spent)
 
 
 def _begin(model, solver, case):

@@ -208,7 +208,7 @@ def main(
         known("--only", name, tuple(cases))
         function, places = cases[name]
         report = lambda done, total, name=name: print(f"{name}: {done} of {total}", flush=True)  # noqa: E731
-        results[name] = run_cache.results(function, places, folder=out, jobs=jobs, batches=False, report=report)
+        results[name] = run_cache.results(function, places, folder=out, jobs=jobs, report=report)
     made = text(results)
     print(made)
     if page is not None:

@@ -10,6 +10,7 @@ run. It is a statement about these runs and no bound, since the outcome need not
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -139,7 +140,7 @@ def residual_velocity(
 
 
 def critical_velocity(
-    setup: ImpactSetup, velocity: float, *, tolerance: float = 1.0, executor: str = "local", jobs: int = 1,
+    setup: ImpactSetup, velocity: float, *, tolerance: float = 1.0, executor: str | Executor = "local", jobs: int = 1,
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:  # fmt: skip
     """Range of the critical velocity of a panel or pack; None where nothing is assumed.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any
@@ -44,7 +45,7 @@ class Found:
 
 def search(
     setup: ImpactSetup, *, tolerance: float, residual_shots: int, scan: ScanRange | None, with_range: bool,
-    jobs: int, executor: str, stage: Stage | None = None, keep: Callable[[Shot], object] | None = None,
+    jobs: int, executor: str | Executor, stage: Stage | None = None, keep: Callable[[Shot], object] | None = None,
 ) -> Found:  # fmt: skip
     """Bisect, scan about the bracket, fire residual shots, fit them, and repeat the search over assumed laws.
 

@@ -1,8 +1,9 @@
-"""Decks for other codes, results in standard formats and fits to measured curves, of the Python interface."""
+"""Decks for other codes and fits to measured curves, of the Python interface."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -12,38 +13,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.analysis.fit import Fit
 
-__all__ = ["convert", "export", "fit"]
-
-
-def convert(folder: FilePath, to: Literal["vtkhdf", "parquet"], out: FilePath | None = None) -> Path:
-    """Write results of a finished run in a standard format, as `weavecell convert`.
-
-    Parameters
-    ----------
-    folder : of `weavecell impact`, or for "parquet" also of `weavecell coupon`
-    to : "vtkhdf" for the snapshots of panel.pvd in one file, "parquet" for the histories, with units in the schema
-    out : file to write; None takes panel.vtkhdf or histories.parquet in the folder
-
-    Returns
-    -------
-    path : of the file written
-
-    Raises
-    ------
-    InputError : an unknown format, a folder without what is to be converted, or no pyarrow; nothing has been written
-
-    Examples
-    --------
-    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
-    >>> shot.to_vtk("finished")  # as `weavecell impact` leaves it
-    PosixPath('finished/panel.pvd')
-    >>> shot.write("finished/histories.h5")
-    >>> wc.convert("finished", "vtkhdf").name
-    'panel.vtkhdf'
-    """
-    from weavecell.results import convert as command
-
-    return command.convert(Path(folder), to, None if out is None else Path(out))
+__all__ = ["export", "fit"]
 
 
 def export(
@@ -89,8 +59,8 @@ def export(
 
 
 def fit(
-    target: FilePath, data: FilePath, free: Sequence[str], out: FilePath, *, jobs: int = 1, executor: str = "local",
-    resume: bool = False,
+    target: FilePath, data: FilePath, free: Sequence[str], out: FilePath, *, jobs: int = 1,
+    executor: str | Executor = "local", resume: bool = False,
 ) -> Fit | None:  # fmt: skip
     r"""Fit numbers of a fabric or an input file to a measured curve; the files of `weavecell fit` are written to `out`.
 

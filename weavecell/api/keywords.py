@@ -73,7 +73,6 @@ class Keywords(TypedDict, total=False):
     ply_friction: Number
     yarn_failure: bool
     rate_dependence: bool
-    nose_bending: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
     crossovers: Literal["pinned", "sliding"]
     crossover_friction: Number | None

@@ -258,7 +258,7 @@ def sweep(setups: Iterable[ImpactSetup], *, jobs: int = 1, executor: str | Execu
     given = [(each,) for each in setups]
     found: dict[int, ShotResult] = {}
     with open_executor(executor, jobs) as pool:
-        for index, (shot, _) in as_done(pool, _fire, given, jobs=jobs):
+        for index, (shot, _) in as_done(pool, _fire, given):
             found[index] = shot
     result = SweepResult(tuple(found[index] for index in range(len(given))))
     result.warn()
@@ -327,7 +327,7 @@ def _assumed(given):
 
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None, *, tolerance: float | str = 1.0, residual_shots: int = 8,
-    scan: bool = True, assumed_range: bool = False, jobs: int = 1, executor: str = "local",
+    scan: bool = True, assumed_range: bool = False, jobs: int = 1, executor: str | Executor = "local",
     **options: Unpack[Keywords],
 ) -> CriticalVelocityResult:  # fmt: skip
     """Bisect for the strike velocity between stop and perforation of a ply or pack.

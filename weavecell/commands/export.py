@@ -1,4 +1,4 @@
-"""A panel or pack as a deck for another code (`report.deck_folder`), and results in standard formats.
+"""A panel or pack as a deck for another code (`report.deck_folder`).
 
 The folder of `weavecell export`
     NAME.k                       the deck for LS-DYNA
@@ -22,7 +22,6 @@ from weavecell.commands.options import RESULTS, OutOption, TargetArgument, examp
 
 with lazy.imports():
     from weavecell.report import deck_folder
-    from weavecell.results import convert as results_convert
     from weavecell.results import out_folder
     from weavecell.scenes import target
 
@@ -39,13 +38,6 @@ class Unit(StrEnum):
 
     si = "kg-m-s"
     small = "g-mm-ms"
-
-
-class Format(StrEnum):
-    """Formats of results."""
-
-    vtkhdf = "vtkhdf"
-    parquet = "parquet"
 
 
 class Match(StrEnum):
@@ -92,22 +84,3 @@ def export(
 def _title(this):
     scene = this.case.scene
     return scene.title or f"{this.title}, {scene.projectile.strike_velocity:g} m/s"
-
-
-@example("weavecell convert results/S-720-stops --to vtkhdf")
-def convert(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished impact, or of a coupon.")],
-    to: Annotated[Format, typer.Option(help="Format that is written.")],
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", "-o", help="File to write; by default panel.vtkhdf or histories.parquet in FOLDER.", metavar="FILE"
-        ),
-    ] = None,
-) -> None:
-    """Results of a finished run in a standard format.
-
-    vtkhdf: all snapshots of an impact in one file for ParaView, with the fields of panel.pvd, which the run must have
-    written. parquet: the histories of an impact or a coupon, a row a sample, with units in the schema; needs pyarrow.
-    """
-    print(f"written to {results_convert.convert(folder, to.value, out)}")

@@ -1,6 +1,6 @@
 """Fabrics, projectiles and backings on the terminal: all in one table, or one with the source of each number.
 
-`new` writes a fabric file from prompts, a CSV file, a TexGen file or curves.
+`new` writes a fabric file from prompts, a CSV file or curves.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ with lazy.imports():
     from fabrics import assumed, catalogue, data_sheet, files, units
     from fabrics import backings as backing_data
     from fabrics import projectiles as projectile_data
-    from meshing.texgen import geometry
     from shellfabric.plies import gap as ply_gap
     from weavecell.report import derived
     from weavecell.scenes import fabric_file
@@ -149,12 +148,6 @@ FromOption = Annotated[
     Path | None,
     typer.Option("--from", help="Values: columns key, warp, weft, source, status; else prompts.", metavar="VALUES.csv"),
 ]
-TexGenOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--texgen", help="Counts, crimp, width, area and thickness of a plain weave of TexGen.", metavar="FILE.tg3"
-    ),
-]
 YarnOption = Annotated[
     Path | None,
     typer.Option(
@@ -181,7 +174,6 @@ SideOption = Annotated[
 def new(
     path: PathArgument,
     values: FromOption = None,
-    texgen: TexGenOption = None,
     yarn_curve: YarnOption = None,
     picture_frame: FrameOption = None,
     frame_side: SideOption = None,
@@ -189,19 +181,15 @@ def new(
     """Write a fabric file from data-sheet values, each with its source and status.
 
     What no data sheet states is assumed by fibre family when the file is used; the command prints what that will be. A
-    platen curve is fitted by `weavecell calibrate FILE --platen-curve CURVE.csv`. Values of --from, or typed in, add to
-    those of a TexGen file and replace them.
+    platen curve is fitted by `weavecell calibrate FILE --platen-curve CURVE.csv`.
     """
     if path.suffix != ".toml":
         raise InputError(key="FILE.toml", value=str(path), allowed="a path that ends in .toml")
     if path.exists():
         raise InputError("exists already", file=path)
     side = None if frame_side is None else units.si(frame_side, "m", key="--frame-side")
-    known = {}
-    if texgen is not None:
-        known = fabric_file.from_texgen(geometry.WeaveGeometry.read(texgen))
-    found = fabric_file.read_values(values, known) if values is not None else _prompt(known)
-    draft = fabric_file.Draft(path.stem, known | found, file=values)
+    entered = fabric_file.read_values(values) if values is not None else _prompt()
+    draft = fabric_file.Draft(path.stem, entered, file=values)
     draft, fitted = fabric_file.with_curves(draft, yarn=yarn_curve, frame=picture_frame, side=side)
     fabric = draft.write(path)
     for line in (*fitted, *fabric_file.left_open(fabric)):
@@ -209,16 +197,11 @@ def new(
     typer.echo(f"written to {path}")
 
 
-def _prompt(known):
-    """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be open left empty.
-
-    Keys of `known` are not asked for.
-    """
+def _prompt():
+    """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be open left empty."""
     source = typer.prompt("source of the values", default="data sheet")
     found = {}
     for key in fabric_file.REQUIRED:
-        if key in known:
-            continue
         others = fabric_file.INSTEAD.get(key, ())
         skip = f" (Enter: from the {others[-1]})" if others else ""
         asked = fabric_file.ALL[key]

@@ -22,6 +22,7 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -87,7 +88,7 @@ def fit(
 
 
 def run(
-    name: str, data: Path, out: Path, free: Sequence[str], *, jobs: int, executor: str, resume: bool
+    name: str, data: Path, out: Path, free: Sequence[str], *, jobs: int, executor: str | Executor, resume: bool
 ) -> fit_of.Fit | None:  # fmt: skip
     """Fit what `free` names to the data, write and print what is found; as `weavecell.fit`."""
     if _is_platens(data):

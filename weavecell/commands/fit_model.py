@@ -101,7 +101,7 @@ def solve(
     def evaluate(many):
         settings = [model.at(dict(zip(names, map(float, values)))) for values in many]
         asked = [(points.kind, one, points.x[2], *points.columns) for one in settings]
-        return run_cache.results(computed, asked, batches=False, **runs)
+        return run_cache.results(computed, asked, **runs)
 
     return analysis.solve(evaluate, parameters, points.measured, points.scale, report)
 

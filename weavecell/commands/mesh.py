@@ -3,12 +3,12 @@
 Folder of `weavecell mesh`
     crossover.msh, crossover.vtu    or patch.*; the formats requested (OpenRadioss: crossover_0000.rad)
     crossover.png, quality.png      the mesh, and the scaled Jacobian of its elements
-    mesh.json                       size, quality, overlap, provenance; with --texgen section and path against TexGen's
+    mesh.json                       size, quality, overlap, provenance
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -21,8 +21,6 @@ from weavecell.commands import options
 
 with lazy.imports():
     from fabrics import assumed, catalogue
-    from meshing.texgen import comparison, geometry
-    from weavecell.commands import fabrics
     from weavecell.results import json_file, out_folder, progress, provenance
 
 if TYPE_CHECKING:
@@ -30,13 +28,6 @@ if TYPE_CHECKING:
 
 FORMATS = ("msh", "vtu", "k", "inp", "rad")
 PERIODIC = (2, 2)  # yarns of the periodic cell
-_COMPARED = {
-    "section_area_m2": ("section area, mm²", 1e6), "section_width_m": ("section width, mm", 1e3),
-    "section_height_m": ("section height, mm", 1e3),
-    "section_shape_deviation": ("area in one section alone, over TexGen's", 1),
-    "path_amplitude_m": ("path amplitude, mm", 1e3), "crimp": ("crimp, %", 100),
-    "path_rms_over_thickness": ("path, rms distance over yarn height", 1),
-}  # fmt: skip
 
 
 class Domain(StrEnum):
@@ -57,12 +48,6 @@ class Overlap(StrEnum):
 TipOption = Annotated[
     float,
     typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
-]
-TexGenOption = Annotated[
-    Path | None,
-    typer.Option(
-        help="Compare sections and paths with those of the TexGen file that the fabric is from.", metavar="FILE.tg3"
-    ),
 ]
 
 
@@ -97,7 +82,6 @@ def mesh(
     end_shells: Annotated[
         str | None, typer.Option(help="Close the yarn ends with shells of this thickness.", metavar="LENGTH")
     ] = None,
-    texgen: TexGenOption = None,
     format: Annotated[
         str, typer.Option(help="Files to write, separated by commas.", metavar="msh|vtu|k|inp|rad,...")
     ] = "msh,vtu",
@@ -108,7 +92,6 @@ def mesh(
     A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad).
     """
     out = out or options.RESULTS / f"mesh-{Path(name).stem}"
-    drawn = None if texgen is None else geometry.WeaveGeometry.read(texgen)
     fabric = with_3d_data(name)
     if patch is not None and domain is not None:
         raise InputError(key="--patch", value=patch, allowed="left out where --domain is given")
@@ -120,25 +103,10 @@ def mesh(
     formats = _formats(format)
     out_folder.claim(out)
     built = build(fabric, domain=domain.value if domain else "quarter", count=count, **chosen)
-    compared = {} if drawn is None else {"texgen": {"file": drawn.name, **comparison.compare(drawn, built)}}
-    write(built, out, formats, fabric, compared)
+    write(built, out, formats, fabric)
     for key, value in facts(built).items():
         print(f"{key:<24}{value}")
-    if compared:
-        tell(compared["texgen"])
     print(f"written to {out}")
-
-
-def tell(compared: Mapping[str, Any]) -> None:
-    """Print what `meshing.texgen.comparison.compare` has found."""
-    rows = []
-    for family in ("warp", "weft"):
-        for key, (words, factor) in _COMPARED.items():
-            found = compared[family][key]
-            pair = [f"{factor * found[one]:.4g}" for one in ("texgen", "mesh")] if isinstance(found, dict) else ["", ""]
-            off = f"{found['deviation']:+.2%}" if isinstance(found, dict) else f"{found:.2%}"
-            rows.append([f"{family}, {words}", *pair, off])
-    fabrics.print_table(f"Sections and paths against {compared['file']}", ["", "TexGen", "mesh", "deviation"], rows)
 
 
 def with_3d_data(name: str) -> Fabric:
@@ -173,11 +141,8 @@ def build(fabric: Fabric, *, domain: str = "quarter", count: Sequence[int] | Non
     return crossover.build(fabric, domain=domain, **choices)
 
 
-def write(
-    built: Any, out: Path, formats: Sequence[str] = ("msh", "vtu"), fabric: Fabric | None = None,
-    more: Mapping[str, Any] | None = None,
-) -> None:  # fmt: skip
-    """Write a mesh and its pictures to the folder `out`; `fabric` is the meshed one, and `more` goes into mesh.json."""
+def write(built: Any, out: Path, formats: Sequence[str] = ("msh", "vtu"), fabric: Fabric | None = None) -> None:
+    """Write a mesh and its pictures to the folder `out`; `fabric` is the meshed one."""
     from meshing import pictures, pictures_patch, pictures_quality
     from meshing.formats import export
 
@@ -191,7 +156,7 @@ def write(
         pictures_quality.picture(built, out / "quality.png")
         json_file.write(
             out / "mesh.json",
-            {**facts(built), **(more or {}), "provenance": provenance.stamp("", *([fabric] if fabric else []))},
+            {**facts(built), "provenance": provenance.stamp("", *([fabric] if fabric else []))},
         )
 
 

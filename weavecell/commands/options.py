@@ -71,8 +71,8 @@ ExecutorOption = Annotated[
     typer.Option(
         "--executor",
         help="Where runs are executed: processes of this machine; the ranks of mpiexec -n RANKS python -m "
-        "mpi4py.futures -m weavecell ...; Parsl; Dask; or the concurrent.futures.Executor that your function returns.",
-        metavar="local|mpi|parsl|dask|MODULE:FUNCTION",
+        "mpi4py.futures -m weavecell ...; or the workers of the Dask scheduler at DASK_SCHEDULER_ADDRESS.",
+        metavar="local|mpi|dask",
     ),
 ]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]

@@ -1,14 +1,14 @@
 """An input file over values of its keys: `weavecell sweep`, a row for each combination.
 
-The folder: sweep.csv, sweep.json, sweep.png, scene.toml, sweep.parquet where pyarrow is installed, and
-runs/, a file for each finished run. A sweep that was interrupted goes on from them when it is called with --resume.
+The folder: sweep.csv, sweep.json, sweep.png, scene.toml, and runs/, a file for each finished run. A sweep that was
+interrupted goes on from them when it is called with --resume.
 """
 
 from __future__ import annotations
 
 import io
 import itertools
-from contextlib import nullcontext, redirect_stdout, suppress
+from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,7 +23,7 @@ with lazy.imports():
     from weavecell.analysis import sweep as analysis
     from weavecell.analysis.uncertainty import inputs
     from weavecell.report import pictures_uncertainty
-    from weavecell.results import json_file, out_folder, parquet, progress, provenance
+    from weavecell.results import json_file, out_folder, progress, provenance
     from weavecell.scenes import impact as scenes
     from weavecell.scenes import of_commands, schema, supported, target
 
@@ -58,8 +58,7 @@ def sweep(
     run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50 projectile.strike_velocity,
     run.end_time and backing.after_stop; \\[history] and \\[accuracy] are rejected.
 
-    The folder then holds sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies), scene.toml, and
-    sweep.parquet where pyarrow is installed.
+    The folder then holds sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies), and scene.toml.
     """
     width = options.above_zero(tolerance, "m/s", "--tolerance")
     try:
@@ -121,7 +120,7 @@ def _rows(targets, wanted, folder, jobs, executor, resume):
                     found.append(analysis.v50_of(one.setup, wanted, report=report, **runs))
                 return found
             return run_cache.results(
-                analysis.point, [(inputs.alone(one.setup), wanted) for one in targets], batches=False,
+                analysis.point, [(inputs.alone(one.setup), wanted) for one in targets],
                 report=lambda done, total: advance(done / total, f"{done} of {total}"), **runs,
             )  # fmt: skip
     except InputError as problem:
@@ -134,10 +133,6 @@ def _write(out, targets, keys, table, wanted):
     files.write_csv(out / "sweep.csv", [columns, *([row.get(name, "") for name in columns] for row in table)])
     stamp = provenance.stamp(targets[0].text, setup=targets[0].setup)
     json_file.write(out / "sweep.json", {"quantity": wanted.quantity, "rows": table, "provenance": stamp})
-    with suppress(ImportError):
-        parquet.write(
-            out / "sweep.parquet", {name: parquet.Column([row.get(name) for row in table]) for name in columns}
-        )
     column, ends, label = analysis.QUANTITIES[wanted.quantity]
     x, words = _abscissa(targets, keys[0], table)
     pictures_uncertainty.save(

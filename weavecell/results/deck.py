@@ -48,7 +48,6 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
     "panel.impact_point": ("0", lambda ply: any(ply.impact_point)),
     "panel.rate_dependence": ("false: cards have one strength", lambda ply: ply.rate_dependence),
-    "panel.nose_bending": ("false: cards have one strength", lambda ply: ply.nose_bending),
     "panel.crossovers": ('"pinned": no law here lets yarns slide', lambda ply: ply.crossovers is not None),
     "panel.boundary": ("clamped or free: no side that slips is exported", lambda ply: boundary.slips(ply.edge)),
     "projectile.body": ('"rigid"', lambda ply: ply.projectile.bar is not None),

@@ -360,8 +360,8 @@ def _stacked(setup, pack):
 
 
 def _failure(result):
-    """{key of keys.FAILURE: value} where strengths follow strain rate or bending; None before a yarn has failed."""
-    if not (result.setup.rate_dependence or result.setup.nose_bending):
+    """{key of keys.FAILURE: value} where strengths follow the strain rate; None before a yarn has failed."""
+    if not result.setup.rate_dependence:
         return {}
     count, *sums = result.failures.sum(axis=0)
     return {key.name: float(value / count) if count else None for key, value in zip(keys.FAILURE, sums)}

@@ -78,9 +78,8 @@ PACK = keys(
     ("ply_gap_source", "", "pack: where the gap comes from"),
 )
 FAILURE = keys(
-    ("tension_at_failure_over_strength", "1", "rate_dependence, nose_bending: tension of the segments that have failed "
+    ("tension_at_failure_over_strength", "1", "rate_dependence: tension of the segments that have failed "
      "over the strength of their yarn, mean; null without failures"),
-    ("bending_strain_at_failure", "1", "nose_bending: strain of bending of their fibres over the nose, mean"),
 )  # fmt: skip
 IMPACT = keys(
     ("strike_velocity_m_s", "m/s", "strike velocity along the line of flight"),

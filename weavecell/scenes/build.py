@@ -64,10 +64,7 @@ SHOT_RULES = (
         Rule(f"projectile.{key}", lambda scene: scene.projectile.shape != "stl", 'left out but for the shape "stl"')
         for key in ("stl", "stl_unit", "density")
     ),
-    *(
-        Rule(f"panel.{key}", lambda scene: not scene.panel.yarn_failure, "left out where yarns do not fail")
-        for key in ("rate_dependence", "nose_bending")
-    ),
+    Rule("panel.rate_dependence", lambda scene: not scene.panel.yarn_failure, "left out where yarns do not fail"),
     Rule(
         "panel.rate_dependence",
         lambda scene: scene.fabric.surface is not None,
@@ -309,16 +306,12 @@ def damaged(fabric: Fabric, table: FabricTable) -> Fabric:
 
 def _with_strength(fabric, scene, file):
     """The fabric with what its strength depends on besides the tension, where the scene asks for it."""
-    panel = getattr(scene, "panel", None)
-    for key, completed in (
-        ("rate_dependence", assumed.with_strain_rate), ("nose_bending", assumed.with_fibre_diameter),
-    ):  # fmt: skip
-        if getattr(panel, key, False):
-            try:
-                fabric = completed(fabric)
-            except InputError as problem:
-                raise InputError(f"needs more: {problem}", file=file, key=f"panel.{key}") from None
-    return fabric
+    if not getattr(getattr(scene, "panel", None), "rate_dependence", False):
+        return fabric
+    try:
+        return assumed.with_strain_rate(fabric)
+    except InputError as problem:
+        raise InputError(f"needs more: {problem}", file=file, key="panel.rate_dependence") from None
 
 
 def _sheared(fabric, scene, file):

@@ -9,16 +9,14 @@ The values come from prompts or from a CSV file with the columns key, warp, weft
 
 A value of the fabric as a whole stands in the column warp. Crimp may be left out where the thickness is given, and the
 failure strain where strength or tenacity is (`fabrics.data_sheet`). Curves of tests (`weavecell.scenes.curves`) replace
-modulus, failure strain or the trellis law by fits. A TexGen file gives what is geometry (`from_texgen`).
+modulus, failure strain or the trellis law by fits.
 """
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Container
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fabrics import assumed, catalogue
 from fabrics.checks import FilePath
@@ -28,9 +26,6 @@ from fabrics.fabric import Fabric
 from fabrics.files import read_csv, replace_whole
 from fabrics.units import decimal_comma, refused, si
 from weavecell.scenes import curves
-
-if TYPE_CHECKING:
-    from meshing.texgen.geometry import WeaveGeometry
 
 # of both yarns
 REQUIRED = ("linear_density", "fibre_density", "modulus", "failure_strain", "crimp", "count")
@@ -119,25 +114,8 @@ def check(key: str, text: str) -> str:
     return text.strip()
 
 
-def from_texgen(texgen: WeaveGeometry) -> dict[str, Value]:
-    """Values of the plain weave of a TexGen file: all that is geometry, and fibre data where it holds them.
-
-    TexGen's elastic constants are those of impregnated yarns, with defaults that no one may have chosen: not taken.
-    """
-    source, found = f"TexGen file {texgen.name}", {}
-    for key, factor, unit in (
-        ("linear_density", 1e7, "dtex"), ("fibre_density", 1.0, "kg/m^3"), ("crimp", 100, "%"), ("width", 1e3, "mm"),
-        ("area", 1e6, "mm^2"), ("count", 1e-2, "/ cm"),
-    ):  # fmt: skip
-        values = [1 / yarn.spacing if key == "count" else getattr(yarn, key) for yarn in texgen.yarns]
-        if None not in values:
-            warp, weft = (f"{factor * value:.6g} {unit}" for value in values)
-            found["section_area" if key == "area" else key] = Value(warp, weft, source, "derived")
-    return found | {"thickness": Value(f"{1e3 * texgen.thickness:.6g} mm", "", source, "derived")}
-
-
-def read_values(path: FilePath, known: Container[str] = ()) -> dict[str, Value]:
-    """Values of a CSV file, which need not have the keys that are `known` without it.
+def read_values(path: FilePath) -> dict[str, Value]:
+    """Values of a CSV file.
 
     Raises
     ------
@@ -161,7 +139,7 @@ def read_values(path: FilePath, known: Container[str] = ()) -> dict[str, Value]:
             found[key] = value
     for key in REQUIRED:
         others = INSTEAD.get(key, ())
-        if key not in known and not tried & {key, *others}:
+        if not tried & {key, *others}:
             more = f", or {' or '.join(others)} in its place" if others else ""
             allowed = f'such as "{ALL[key].example}"{more}'
             problems.append(InputError("is missing", file=path, key=key, allowed=allowed))

@@ -282,10 +282,6 @@ class PanelTable(Table):
         "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the table "
         "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
     ) = False  # fmt: skip
-    nose_bending: flag(
-        "failure strain of the yarns lowered by the strain of bending of their fibres over the nose, of the "
-        "`fibre_diameter` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
-    ) = False  # fmt: skip
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(zones),
@@ -435,9 +431,6 @@ class NumericsTable(Table):
     contact_damping: number("damping ratio of the contact between projectile and fabric", 0.6, ge=0.0) = None
     contact_points: whole(
         "contact points along each side of a crossover; where not given 8, and more under a sharp nose", 1, 64
-    ) = None
-    precision: one_of(
-        "precision in which forces are stored between steps; all arithmetic is in double precision", "double", "single"
     ) = None
     threads: Annotated[int | None, described(
         "threads of the time integration; where not given, chosen by the size of the model. Results do not depend on "

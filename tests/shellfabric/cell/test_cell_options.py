@@ -10,13 +10,13 @@ from scipy.optimize import brentq
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from fabrics.variants import with_law_form
 from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell import yarn_kernels
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.panel.model import Panel
+from validation.models.variants import with_law_form
 
 PAIRS = [(1.004, 1.0), (1.0, 1.006), (1.008, 1.008), (1.012, 0.997), (0.998, 1.012), (1.012, 1.01)]
 # of aramid; at rest only the printed law has forces

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
-from fabrics.variants import with_law_form
 from fabrics.weave import arc_length, height_from_length
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell import packed_table
@@ -19,6 +18,7 @@ from shellfabric.cloth import table_kernels
 from shellfabric.coupon import relaxation_kernels
 from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Panel
+from validation.models.variants import with_law_form
 
 
 def test_arc_and_its_slope(fabric):

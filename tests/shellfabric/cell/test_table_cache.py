@@ -46,10 +46,7 @@ def test_another_cell_has_a_table_of_its_own(model, fills):
     table_cache.table(model, 23)
     table_cache.table(replace(model, gap=1e-6), 21)
     table_cache.table(replace(model, form="equilibrium"), 21)
-    table_cache.table(model, 21, "nested")
-    assert len(fills) == 5
-    table_cache.table(model, 21, "newton")  # the default
-    assert len(fills) == 5
+    assert len(fills) == 4
 
 
 @pytest.mark.parametrize("content", [b"", b"broken", None])

@@ -42,16 +42,6 @@ def test_held_nodes_have_no_inverse_mass(small, symmetry, edge):
     np.testing.assert_array_equal(state.dt_over_mass, const.dt * state.inverse_mass)
 
 
-def test_single_precision_is_of_forces_and_constants_alone(small):
-    state = small(numerics=Numerics(precision="single")).state(50.0)
-    for name in ("f_int", "f_int_above", "N", "yarn_length"):
-        assert {part.dtype for part in getattr(state, name)} == {np.dtype(np.float32)}, name
-    for name in ("u", "v", "stretch"):
-        assert {part.dtype for part in getattr(state, name)} == {np.dtype(np.float64)}, name
-    assert state.dt_over_mass.dtype == np.float32
-    assert state.mass.dtype == state.inverse_mass.dtype == np.float64
-
-
 @pytest.mark.parametrize("symmetry", SYMMETRIES)
 def test_all_arrays_of_nodes_have_room_for_whole_vectors(small, symmetry):
     panel = small(symmetry=symmetry)

@@ -7,7 +7,6 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import UnstableError
-from fabrics.variants import with_law_form
 from shellfabric.cell.model import CellModel
 from shellfabric.impact import simulation
 from shellfabric.panel import quality
@@ -17,6 +16,7 @@ from shellfabric.panel.quality_kernels import alternation
 from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
+from validation.models.variants import with_law_form
 from validation.verification.stability import shots
 
 

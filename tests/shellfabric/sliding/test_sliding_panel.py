@@ -303,7 +303,6 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
         ("grading", {"grading": ((8, 1), (np.inf, 2))}),
         ("bending", {"bending": (1e-8, 1e-8)}),
         ("jam", {"jam": (1.0, 0.9)}),
-        ("precision", {"numerics": Numerics(precision="single")}),
         ("edge", {"edge": PullIn(1e-3, 0.0, 1e-4)}),
         ("impact_point", {"impact_point": (15e-3, 0.0), "symmetry": "whole"}),
         ("form", {"table": "equilibrium"}),

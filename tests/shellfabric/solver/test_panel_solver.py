@@ -230,18 +230,6 @@ def test_block_size_does_not_matter(quick):
     np.testing.assert_allclose(one.v, other.v, rtol=1e-12)
 
 
-@pytest.mark.slow(120)  # a program of its own, minutes to compile
-def test_single_precision_of_forces(quick):
-    """Forces kept in 7 digits change what comes out by no more than 1e-6, and the balance not at all."""
-    double, single = (quick(100.0, numerics=Numerics(precision=kind)) for kind in ("double", "single"))
-    np.testing.assert_allclose(single.v, double.v, rtol=1e-6)
-    np.testing.assert_allclose(single.peak_tension, double.peak_tension, rtol=1e-6)
-    assert single.energy_error_max == pytest.approx(double.energy_error_max, rel=0.01)
-    assert not np.array_equal(single.v, double.v)
-    with pytest.raises(InputError, match="precision"):
-        Numerics(precision="half")
-
-
 def test_resumed_run_is_the_same_bit_for_bit(quick, tmp_path):
     path = tmp_path / "run.h5"
     whole = quick(260.0, snapshot_interval=10e-6)

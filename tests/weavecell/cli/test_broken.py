@@ -10,7 +10,7 @@ from weavecell.cli import app
 BROKEN = Path(__file__).parent / "broken"
 FABRICS = "S-720, S-726, S-727, S-728, S-731, S-745, glass-balanced, glass-unbalanced"
 FABRIC_KEYS = "name, section, interlayer_gap, areal_density, areal_density_measured, thickness, "
-FABRIC_KEYS += "fibre_diameter, warp, weft, compression, shear, ply_contact, solid, micrograph, strain_rate"
+FABRIC_KEYS += "warp, weft, compression, shear, ply_contact, solid, micrograph, strain_rate"
 LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
 OPENING = 'a length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft'
 SIDE = (

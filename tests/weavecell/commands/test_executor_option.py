@@ -4,22 +4,15 @@ import os
 import shutil
 import subprocess
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
+from fabrics.executors import one_thread_each
+
 ROOT = Path(__file__).parents[3]
 WORDS = ("v50", "S-720", "--shots", "4", "--batch", "4", "--opening", "30.6 mm", "--seed", "2")
-OWN = """
-from concurrent.futures import ThreadPoolExecutor
-
-
-def threads():
-    return ThreadPoolExecutor(2)
-
-
-number = 3
-"""
 
 
 def table(folder):
@@ -40,14 +33,16 @@ def here(tmp_path_factory):
     return table(folder)
 
 
-@pytest.mark.parametrize(
-    ("executor", "library"), [("local", None), ("parsl", "parsl"), ("dask", "distributed"), ("own:threads", None)]
-)
-def test_the_table_is_the_same_to_the_bit(executor, library, here, command, tmp_path):
-    if library is not None:
-        pytest.importorskip(library)
-    (tmp_path / "own.py").write_text(OWN)
-    code, _, err = command(*WORDS, "--jobs", "2", "--executor", executor, "--out", "out")
+@pytest.mark.parametrize("executor", ["local", "dask"])
+def test_the_table_is_the_same_to_the_bit(executor, here, command, tmp_path, monkeypatch):
+    with ExitStack() as stack:
+        if executor == "dask":
+            distributed = pytest.importorskip("distributed")
+            with one_thread_each():
+                own = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+                cluster = stack.enter_context(distributed.LocalCluster(**own))
+            monkeypatch.setenv("DASK_SCHEDULER_ADDRESS", cluster.scheduler_address)
+        code, _, err = command(*WORDS, "--jobs", "2", "--executor", executor, "--out", "out")
     assert code == 0, err
     assert table(tmp_path / "out") == here
 
@@ -69,17 +64,17 @@ def test_the_table_of_ranks_of_mpi_is_the_same_to_the_bit(here, tmp_path):
 @pytest.mark.parametrize(
     ("executor", "told"),
     [
-        ("threads", "must be local, mpi, parsl, dask or MODULE:FUNCTION"),
-        ("own:nothing", "cannot be imported"),
-        ("nowhere:threads", "cannot be imported"),
-        ("own:number", "must be a function that returns a concurrent.futures.Executor"),
+        ("threads", "must be local, mpi or dask"),
         ("mpi", "mpiexec -n RANKS"),
-        ("dask", "needs the Python package distributed, which is not installed"),
+        ("dask", "DASK_SCHEDULER_ADDRESS = '' is the address of no Dask scheduler"),
+        ("no dask", "needs the Python package distributed, which is not installed"),
     ],
 )
 def test_an_executor_that_there_is_none_of_is_one_line(executor, told, command, tmp_path, monkeypatch):
-    (tmp_path / "own.py").write_text(OWN)
-    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.delenv("DASK_SCHEDULER_ADDRESS", raising=False)
+    if executor == "no dask":
+        monkeypatch.setitem(sys.modules, "distributed", None)
+    executor = executor.removeprefix("no ")
     code, _, err = command(*WORDS, "--jobs", "2", "--executor", executor, "--out", "out")
     assert code == 2
     [line] = err.strip().splitlines()

@@ -90,6 +90,7 @@ def test_from_prompts(tmp_path):
         ("90 GPa,90 GPa,data", "90 GPa,90 GPa,data,of,", "line 4 = 'modulus, 90 GPa, 90 GPa, data, of, sheet': 6 f"),
         ("crimp,1.2 %,0.8 %", "thickness,3 mm,", "values.csv: thickness = '3 mm': must be one that gives a crimp from"),
         ("crimp,1.2 %,0.8 %", "thickness,0.1 mm,", "values.csv: thickness = '0.1 mm': must be at least 0.143 mm, wh"),
+        ("count,", "section_area,0.08 mm^2,0.11 mm^2,a\ncount,", "section_area = '0.08 mm^2': must be at least 0.0842"),
         (VALUES, "", "columns = '': must be key, warp, weft"),
     ],
 )

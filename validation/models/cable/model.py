@@ -35,7 +35,7 @@ Constants = namedtuple(
     "points_per_side shape_functions point_law nose_shape "
     "nose_parameters projectile_length frame tilted friction erosion_gap_ratio projectile_radius edge_radius "
     "projectile_mass free_dofs perforation_delay_steps clamped_nodes middle_end_nodes middle_yarn_fraction "
-    "driven_node fibre_diameter",
+    "driven_node",
     defaults=(None,),  # no bending over the nose
 )
 State = namedtuple(

@@ -66,7 +66,7 @@ def main(
     if not no_bare:
         wanted[BARE] = None
     fired = run_cache.results(
-        fire, [(case, edge, elements) for case in wanted.values()], folder=out / "shots", batches=False, resume=resume
+        fire, [(case, edge, elements) for case in wanted.values()], folder=out / "shots", resume=resume
     )
     shots = dict(sorted(zip(wanted, fired)))
     rows = table(shots)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics import catalogue, variants
+from fabrics import catalogue
 from fabrics.units import si
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.coupon import quasistatic
+from validation.models import variants as comparison
 from validation.published.bias_extension import cases, dynamic
 
 if TYPE_CHECKING:
@@ -43,9 +44,9 @@ class Test:
 
     def cell(self, fabric: Fabric) -> CellTable:
         """Table of a fabric."""
-        fabric = variants.with_law_form(fabric, self.law)
+        fabric = comparison.with_law_form(fabric, self.law)
         if self.elements < 1:
-            fabric = variants.homogenised(fabric, round(1 / self.elements))
+            fabric = comparison.homogenised(fabric, round(1 / self.elements))
         return CellModel(fabric, model=self.model).table(self.table)
 
     @property

@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import catalogue, variants
+from fabrics import catalogue
 from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from fabrics.units import si
-from shellfabric.cell.model import FILL, CellModel
+from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
+from validation.models import variants as comparison
 from validation.models.cable import solver as cable_solver
 from validation.models.cable.model import CableNet, CableNumerics
 
@@ -46,11 +47,10 @@ class Shell:
     elements : a crossover, along each side; below 1: an element of so many crossovers
     model, form, law : of the cell (`CellModel`), and of compression: "regularised" or "printed"
     table : stretches along each side of the cell's table
-    cfl, viscosity, precision : see `Numerics`
+    cfl, viscosity : see `Numerics`
     symmetry : "quarter", "half" or "whole"
     awake : whether all rows are worked on from the start
     grading : of the panel, see `Panel`, or None
-    fill : how the table is filled, see `CellTable.fill`
     """
 
     shot: Shot
@@ -61,11 +61,9 @@ class Shell:
     table: int = 201
     cfl: float = Numerics.cfl
     viscosity: float = Numerics.stretch_viscosity
-    precision: str = "double"
     symmetry: str = "quarter"
     awake: bool = False
     grading: tuple[tuple[float, float], ...] | None = None
-    fill: str = FILL
 
     def changed(
         self, *, cable: float = 0, time_step: float = 0, grading: Sequence[float] = (), **changes: Any
@@ -146,15 +144,15 @@ def run(case: Shell | Cable | Plies) -> tuple[dict[str, float], dict[str, float]
 def panel(case: Shell) -> Panel:
     """The panel of a case; fills the table of its cell."""
     fabric = catalogue.load(case.shot.fabric).with_effective_density()
-    fabric = variants.with_law_form(fabric, case.law)
+    fabric = comparison.with_law_form(fabric, case.law)
     if case.elements < 1:
-        fabric = variants.homogenised(fabric, round(1 / case.elements))
+        fabric = comparison.homogenised(fabric, round(1 / case.elements))
     numerics = Numerics(
-        cfl=case.cfl, stretch_viscosity=case.viscosity, precision=case.precision, threads=1,
+        cfl=case.cfl, stretch_viscosity=case.viscosity, threads=1,
         contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
     )  # fmt: skip
     return Panel(
-        CellModel(fabric, model=case.model, form=case.form).table(case.table, case.fill),
+        CellModel(fabric, model=case.model, form=case.form).table(case.table),
         (case.shot.opening, case.shot.opening), symmetry=case.symmetry,
         elements_per_crossover=max(1, int(case.elements)), numerics=numerics,
         grading=case.grading,
@@ -248,4 +246,4 @@ def warm(case: Any) -> Any:
     short = replace(case.shot, velocities=case.shot.velocities[:1], end=1e-6, outcome="")
     if isinstance(case, Cable):
         return Cable(short)
-    return Shell(short, table=8, precision=case.precision, form=case.form, grading=case.grading, fill=case.fill)
+    return Shell(short, table=8, form=case.form, grading=case.grading)

@@ -114,7 +114,7 @@ def run(
     cases = sorted({BASE} | {case for axis in chosen for case in axis.cases.values()}, key=lambda c: -np.prod(c.size))
     found = run_cache.results(
         solve, [(fabric, paths, case) for case in cases], folder=Path(out) / "cases", executor=executor, jobs=jobs,
-        fresh=True, batches=False, resume=resume, report=report,
+        fresh=True, resume=resume, report=report,
     )  # fmt: skip
     results = dict(zip(cases, found))
     return judge(fabric.name, paths, chosen, results)

@@ -249,7 +249,7 @@ def study(
     guesses: dict[str, float | None] = dict.fromkeys(strikes)
     for n, uniform in [(n, False) for n in elements] + ([] if check is None else [(check, True)]):
         cases = [(name, each, n, uniform, tolerance, guesses[name]) for name, each in strikes.items()]
-        for name, one in zip(strikes, run_cache.results(point, cases, folder=folder, jobs=jobs, batches=False)):
+        for name, one in zip(strikes, run_cache.results(point, cases, folder=folder, jobs=jobs)):
             found[name, n, uniform], guesses[name] = one, one.critical_velocity
     pairs = [] if check is None else [(found[name, check, False], found[name, check, True]) for name in strikes]
     return [each for name in strikes for each in quantities([found[name, n, False] for n in elements])], pairs

@@ -6,12 +6,12 @@ from functools import cache
 from math import inf, sqrt
 
 from fabrics import catalogue
-from fabrics.variants import with_law_form
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell.model import FORMS, CellModel, CellTable
 from shellfabric.panel import quality
 from shellfabric.panel.quality import Indicator
 from validation.claims.checks import newton as thesis
+from validation.models.variants import with_law_form
 from validation.verification.stability.core import FAILED, STABLE, WRONG, Outcome
 
 FABRIC = "S-720"

@@ -15,6 +15,7 @@ from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
+from validation.models import variants as comparison
 from validation.verification.stability.core import STABLE, WRONG, Outcome
 
 FABRIC, OPENING, VELOCITY, END = "S-720", 0.1, 92.5, 100e-6
@@ -53,7 +54,7 @@ def table(form: str = "variational", straight: bool = False, crossovers: int = 1
     if straight:
         fabric = variants.with_yarns(fabric, crimp=variants.NEARLY_STRAIGHT)
         return CellModel(fabric, form=form, model="decoupled").table(TABLE)
-    return CellModel(variants.homogenised(fabric, crossovers) if crossovers > 1 else fabric, form=form).table(TABLE)
+    return CellModel(comparison.homogenised(fabric, crossovers) if crossovers > 1 else fabric, form=form).table(TABLE)
 
 
 def fire(

@@ -180,6 +180,6 @@ def study(
     strengths.check(given, alike)
     arguments = [(given, alike, seed, number) for number in range(count)]
     found = run_cache.results(
-        fire, arguments, folder=folder, executor=executor, jobs=jobs, batches=False, resume=resume, report=report
+        fire, arguments, folder=folder, executor=executor, jobs=jobs, resume=resume, report=report
     )
     return Draws(tuple(found), scatter, seed)

@@ -62,7 +62,6 @@ def _of_failure(key, factor, digits):
 
 _FAILURE = (
     ("tension at failure over the strength of the yarn, mean", _of_failure("tension_at_failure_over_strength", 1, 3)),
-    ("bending strain at failure [%], mean", _of_failure("bending_strain_at_failure", 100, 2)),
 )
 
 

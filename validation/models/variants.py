@@ -1,0 +1,43 @@
+"""Variants of a fabric for comparison, beside those of `fabrics.variants`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.variants import scale_laws, scale_yarns, with_shear
+
+
+def with_law_form(fabric: Fabric, form: str) -> Fabric:
+    """The fabric's compression laws in another form, "regularised" or "printed" (erratum E-05).
+
+    Raises
+    ------
+    InputError : the fabric has no compression laws, or the form is unknown
+    """
+    if fabric.laws is None:
+        raise InputError(f"fabric {fabric.name} has no compression law")
+    warp, weft = (replace(law, form=form) for law in fabric.laws)
+    return replace(fabric, laws=(warp, weft))
+
+
+def homogenised(fabric: Fabric, n: float) -> Fabric:
+    """A weave of fewer, thicker yarns with the same response to stretch and shear: one crossover for n x n.
+
+    The spacing is n-fold; yarns have the n-fold area with the same fibres, crimp and strain at failure, hence n-fold
+    length, height and tension. Angles are kept, so that the contact force is n-fold at the same stretches, and the
+    compression must be n-fold too. With d = a - b / (F + F0)^(1/3), F0 = (b/a)^3, that is a' = n a, b' = n^(4/3) b.
+    The fabric is n-fold as thick, so that the moduli of the trellis, whose stress acts on the thickness, are divided
+    by n. What happens within n x n crossovers is not resolved.
+
+    Parameters
+    ----------
+    n : [-] crossovers along each side
+    """
+    weave = fabric.weave
+    weave = replace(weave, warp_count=weave.warp_count / n, weft_count=weave.weft_count / n)
+    coarse = scale_yarns(replace(fabric, weave=weave), linear_density=n)
+    if fabric.shear is not None:
+        coarse = with_shear(coarse, G1=fabric.shear.G1 / n, G2=fabric.shear.G2 / n)
+    return scale_laws(coarse, n, n ** (4 / 3))
