@@ -130,7 +130,7 @@ def main() -> None:
         values = mutant["id"], mutant["file"], result, test, count, f"{cpu:.0f}", f"{time.monotonic() - begun:.0f}"
         rows.append(dict(zip(COLUMNS, (*values, commit[:10]))))
         with chosen.out.open("a", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS)
+            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             if file.tell() == 0:
                 writer.writeheader()
             writer.writerow(rows[-1])
