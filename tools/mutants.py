@@ -115,7 +115,9 @@ def main() -> None:
     rows = list(csv.DictReader(chosen.out.open())) if chosen.out.exists() else []
     if chosen.check:
         tests = sorted({row["test"] for row in rows if row["outcome"] == "killed"})
-        sys.exit(run_tests(folder, ["--maxfail=1000", *tests], 60 * chosen.minutes * len(tests))[0])
+        code, output = run_tests(folder, ["--maxfail=1000", *tests], 60 * chosen.minutes * len(tests))
+        print(output)
+        sys.exit(code)
     for mutant in tomllib.loads((ROOT / "tools" / "mutants.toml").read_text())["mutant"]:
         if mutant["id"] in {row["id"] for row in rows} or (chosen.only and mutant["id"] not in chosen.only):
             continue
