@@ -115,7 +115,9 @@ def main() -> None:
     rows = list(csv.DictReader(chosen.out.open())) if chosen.out.exists() else []
     if chosen.check:
         tests = sorted({row["test"] for row in rows if row["outcome"] == "killed"})
-        sys.exit(run_tests(folder, ["--maxfail=1000", *tests], 60 * chosen.minutes * len(tests))[0])
+        code, output = run_tests(folder, ["--maxfail=1000", *tests], 60 * chosen.minutes * len(tests))
+        print(output)
+        sys.exit(code)
     for mutant in tomllib.loads((ROOT / "tools" / "mutants.toml").read_text())["mutant"]:
         if mutant["id"] in {row["id"] for row in rows} or (chosen.only and mutant["id"] not in chosen.only):
             continue
@@ -130,7 +132,7 @@ def main() -> None:
         values = mutant["id"], mutant["file"], result, test, count, f"{cpu:.0f}", f"{time.monotonic() - begun:.0f}"
         rows.append(dict(zip(COLUMNS, (*values, commit[:10]))))
         with chosen.out.open("a", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS)
+            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             if file.tell() == 0:
                 writer.writeheader()
             writer.writerow(rows[-1])
