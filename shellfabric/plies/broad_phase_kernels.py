@@ -16,9 +16,8 @@ ELEMENTS, NODES, ENTRIES = range(3)  # of stops.counts: elements of the zone, no
 ROW_STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.ply_shape
 TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole fabric
 PAD = 4  # cells of the grid beyond the panel's edges
-_MAX_CELLS = (
-    20  # [cells] of a facet that is entered; a wider one lies between pieces that have parted: nothing is there
-)
+# [cells] of a facet that is entered; a wider one lies between pieces that have parted: nothing is there
+_MAX_CELLS = 20
 _MARGIN = 4  # [gaps] about a facet, in which what it may meet is searched
 
 

@@ -111,9 +111,12 @@ def rear_surface(rear, rc, form, A, B):
 
 
 @kernel(_nrt=False, forceinline=True)
-def contact_normal(rc, pair, q, off, tangents, whole):
+def contact_normal(rc, pair, q, off, tangents, changed):
     """Normal n towards the rear ply, area of the tangents, depth [m], |cos| to the normal of the step before where that
-    decided, and whether n is the direction of the point: in a fold, on a rim, of fabric drawn to a line."""
+    decided, and whether n is the direction of the point: in a fold, on a rim, of fabric drawn to a line.
+
+    changed : whether yarns have failed in this step, or the surface has changed from spline to facets or back
+    """
     (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     size = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
@@ -124,9 +127,8 @@ def contact_normal(rc, pair, q, off, tangents, whole):
     size = max(size, tiny)
     along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
     turned, known = along > 0.0, 0.0  # what comes near does so on its own side
-    # so deep that it may come through, or has; or the surface has just changed from spline to facets, or back
-    other, pair.on_facet[q] = pair.torn_counts[2] != 0 or (pair.on_facet[q] == 0) != whole, 0 if whole else 1
-    if pair.status[q] == IN_CONTACT and (pair.last_depth[q] > MAX_SQUEEZE * pair.thickness or other):
+    # so deep that it may come through, or has
+    if pair.status[q] == IN_CONTACT and (pair.last_depth[q] > MAX_SQUEEZE * pair.thickness or changed):
         known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
         turned = known < 0.0 if abs(known) > 0.5 else turned
     if turned and pair.surface_form == SMOOTH:
@@ -201,7 +203,11 @@ def closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n):
 @kernel(_nrt=False, forceinline=True)
 def update_spring(pair, q, depth, made, jump, before, touches, lost, sure):
     """Offset of the spring of a point that touches, from how far its depth has changed beside the motion; and the rate
-    of its closest point, which was at `before`."""
+    of its closest point, which was at `before`.
+
+    jump : change of the depth beside the motion, over the thickness; infinite where a tear has changed the surfaces,
+        since the compression of a spring that motion has not made would be energy from nowhere
+    """
     if pair.surface_form == SMOOTH and (lost or abs(jump) > MAX_DEPTH_JUMP):
         kept = max(pair.last_depth[q] - pair.depth_offset[q] + (0.0 if lost else made), 0.0)
         pair.depth_offset[q] = max(depth - kept, 0.0)
@@ -304,7 +310,8 @@ def contact_point(front, fc, rear, rc, pair, twin, q, often):
     form = pair.surface_form if whole else FACETS
     I, J, K, w_rear, slopes, (X, Y, Z), tangents = rear_surface(rear, rc, form, A, B)
     off = at_x - X - A * rc.dx, at_y - Y - B * rc.dy, at_z - Z  # from the closest point
-    n, size, depth, known, slant, near, far = contact_normal(rc, pair, q, off, tangents, whole)
+    changed, pair.on_facet[q] = pair.torn_counts[2] != 0 or (pair.on_facet[q] == 0) != whole, 0 if whole else 1
+    n, size, depth, known, slant, near, far = contact_normal(rc, pair, q, off, tangents, changed)
     go, turn, sure = closest_point_step(
         rear, rc, form, (A, B, I, J), K, w_rear, slopes, off, tangents, size, depth, near
     )  # fmt: skip
@@ -335,7 +342,7 @@ def contact_point(front, fc, rear, rc, pair, twin, q, often):
     back = in_front_frame(pair, n)
     if moved and left_x == 1.0 and left_y == 1.0 and face_to_face(front, fc, e, back):
         pair.energy[PASSED_COUNT], pair.energy[PASSED_POINT] = pair.energy[PASSED_COUNT] + 1.0, q
-    update_spring(pair, q, depth, made, jump, before, touches, lost, sure)
+    update_spring(pair, q, depth, made, math.inf if torn and touches and changed else jump, before, touches, lost, sure)
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n
     pair.status[q], pair.last_depth[q], pair.depth_offset[q] = IN_CONTACT, depth, min(pair.depth_offset[q], depth)
     f, energy = spring_force(fc, pair, q, a, b, depth, closing, share_of_law(pair, twin, rc, e, A, B))

@@ -171,6 +171,8 @@ def test_a_pack(small, stacking):
     assert shot.residual_velocity == solver.residual_velocity
     assert shot.peak_tension == tuple(solver.peak_tensions[..., 0].max(axis=0))
     assert shot.failed == solver.sample("failed_yarns")[-1]
+    # springs that a tear had compressed gave back up to 1.4 % of the strike energy more than the plies had put in
+    assert solver.sample("ply_contact").min() >= -1e-9 * solver.strike_energy
 
 
 def test_plies_that_are_one_stay_one_on_one_thread(small):

@@ -95,7 +95,9 @@ def test_a_point_that_would_come_through_a_facet_stops_at_the_gap(ply):
     assert force[1, 2].sum() == pytest.approx((0.5 * apart + gap) / give, rel=1e-9)
     assert force[0, 2, stack.corners] == pytest.approx(-0.25 * force[1, 2].sum())
     assert abs(force.sum(axis=(0, 2))).max() < 1e-12 * abs(force).max()
-    assert stack.march.held_apart.tolist() == [1.0, 0.0]
+    corrections, unresolved = stack.march.held_apart
+    assert corrections >= 1  # a second sweep may correct the rounding of the first
+    assert unresolved == 0
     for one, own in zip(snapshots.of_plies(stack.march), force):
         assert (one.area * one.pressure[..., 3]).ravel() == pytest.approx(own[2], rel=1e-6)
 

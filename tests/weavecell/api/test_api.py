@@ -332,7 +332,7 @@ def test_a_bracket_on_a_doubtful_shot_says_so():
              ((90.0, "stopped", bad), (110.0, "perforated", good), (100.0, "stopped", bad))]  # fmt: skip
     found = wc.CriticalVelocityResult(wc.fabric("S-720"), Limit(100.0, 110.0, tuple(shots)))
     assert found.doubtful
-    assert found.bracket_checks == "doubtful stopped shot at 100 m/s (viscous energy 0.31 (limit 0.25))"
+    assert found.bracket_checks == "doubtful stopped shot at 100 m/s (viscous energy 0.310 (limit 0.25))"
     assert found.bracket_checks in repr(found)
     with pytest.warns(wc.DoubtfulResult, match="the limit rests on a doubtful stopped shot at 100 m/s"):
         found.warn()
@@ -341,7 +341,7 @@ def test_a_bracket_on_a_doubtful_shot_says_so():
     assert (sound.bracket_checks, sound.doubtful) == ("ok", False)
     faster = Shot(120.0, 0.0, "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (bad,))  # makes the outcomes mixed
     mixed = replace(sound, limit=Limit(100.0, 110.0, (*sound.limit.shots, faster)))
-    assert mixed.bracket_checks == "doubtful stopped shot at 120 m/s (viscous energy 0.31 (limit 0.25))"
+    assert mixed.bracket_checks == "doubtful stopped shot at 120 m/s (viscous energy 0.310 (limit 0.25))"
 
 
 def test_a_coupon(tmp_path):

@@ -13,7 +13,7 @@ from shellfabric.output import checkpoint
 from tests.scene_text import datasets, every, impact_scene
 from weavecell.commands import impact as commands_impact
 from weavecell.report.shot import view
-from weavecell.results import paraview, progress
+from weavecell.results import out_folder, paraview, progress
 from weavecell.results.impact import ImpactRecord
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
@@ -36,7 +36,7 @@ def small_scene(outputs, extra=""):
 
 
 def names(folder):
-    return sorted(path.name for path in folder.iterdir())
+    return sorted(path.name for path in folder.iterdir() if path.name != out_folder.LOCK)
 
 
 def interrupt_at(monkeypatch, share, least_wall=0.0):

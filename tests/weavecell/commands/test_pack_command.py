@@ -209,7 +209,7 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
         ("plies = 2\ngrading = [[2, 1], [inf, 2]]", "", "panel.grading"),
         ('plies = 2\n[[panel.ply]]\nname = "S-726"', "", "panel.plies"),
         ('[[panel.ply]]\nname = "S-726"', "", "panel.ply = '1 plies': must be 2 to 100 plies"),
-        ('[[panel.ply]]\nname = "S-000"\ncount = 2', "", "fabric.name"),
+        ('[[panel.ply]]\nname = "S-000"\ncount = 2', "", "panel.ply.name"),
         ('[[panel.ply]]\nangle = "200 deg"\ncount = 2', "", "panel.ply.angle = '200 deg': must be an angle from"),
         *(
             (f'{panel}\n[[panel.ply]]\n[[panel.ply]]\nangle = "45 deg"', extra, f"{told} where a ply is at another")

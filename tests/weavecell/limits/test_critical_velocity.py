@@ -85,7 +85,7 @@ def test_zone_of_mixed_outcomes(command, written, tmp_path, mixed_outcomes):
     assert 150.0 < high < 155.0
     assert summary["scan"] == {"above": 0.25, "below": 0.1, "step": 0.02}
     assert f"no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s" in out
-    assert f"checks: doubtful: mixed outcomes {high - low:.3g} m/s (limit 0 m/s)" in out
+    assert f"checks: doubtful: mixed outcomes {high - low:.2f} m/s (limit 0 m/s)" in out
     assert summary["checks"]["status"] == "doubtful"
     strike = [float(row["strike velocity [m/s]"]) for row in rows]
     assert min(strike) < 0.92 * low

@@ -27,7 +27,7 @@ def test_status_and_line():
     assert checks.status((GOOD,)) == "ok"
     assert checks.line((GOOD,)) == ""
     assert checks.status((GOOD, BAD)) == "doubtful"
-    assert checks.line((GOOD, BAD, WORSE)) == "c 9 m (limit 1 m); b 2 (limit 1)"
+    assert checks.line((GOOD, BAD, WORSE)) == "c 9.00 m (limit 1 m); b 2.00 (limit 1)"
     assert checks.line((BAD,) * 5).endswith("2 more in the summary")
 
 
@@ -44,16 +44,16 @@ def test_a_viscous_share_is_noted_from_10_and_doubtful_from_25_per_cent():
              for share in (0.09, 0.11, 0.24, 0.31)}  # fmt: skip
     assert [one.status for one in found.values()] == ["ok", "noted", "noted", "doubtful"]
     assert checks.status(found.values()) == "doubtful"
-    assert checks.words((GOOD, found[0.11])) == "noted: viscous energy 0.11 (noted above 0.1, limit 0.25)"
+    assert checks.words((GOOD, found[0.11])) == "noted: viscous energy 0.110 (noted above 0.1, limit 0.25)"
     assert checks.words((GOOD,)) == "ok"
 
 
 def test_what_is_noted_is_printed_and_no_error(capsys):
     checks.report((GOOD, NOTED), strict=True)
-    assert capsys.readouterr().out == "checks: noted: d 0.5 (noted above 0.1, limit 1)\n"
+    assert capsys.readouterr().out == "checks: noted: d 0.500 (noted above 0.1, limit 1)\n"
     assert checks.summary((NOTED,))["checks"]["indicators"][0]["status"] == "noted"
     section = checks.section((NOTED,))
-    assert section.lead == "Noted: d 0.5 (noted above 0.1, limit 1)."
+    assert section.lead == "Noted: d 0.500 (noted above 0.1, limit 1)."
     assert section.tables[0].rows[0][3] == "noted (noted above 0.1)"
 
 
@@ -61,7 +61,7 @@ def test_a_doubtful_result_is_an_error_where_that_is_wanted(capsys):
     checks.report((GOOD,), strict=True)
     assert capsys.readouterr().out == ""
     checks.report((BAD,))
-    assert capsys.readouterr().out == "checks: doubtful: b 2 (limit 1)\n"
+    assert capsys.readouterr().out == "checks: doubtful: b 2.00 (limit 1)\n"
     with pytest.raises(DoubtfulError) as problem:
         checks.report((BAD,), strict=True)
     assert problem.value.exit_code == 3
@@ -69,7 +69,7 @@ def test_a_doubtful_result_is_an_error_where_that_is_wanted(capsys):
 
 def test_the_section_of_the_report():
     section = checks.section((GOOD, BAD))
-    assert "b 2 (limit 1)" in section.lead
+    assert "b 2.00 (limit 1)" in section.lead
     assert [row[3] for row in section.tables[0].rows] == ["ok", "doubtful"]
 
 

@@ -77,8 +77,8 @@ def test_rejected(capsys, tmp_path, name):
     ("command", "table", "told", "lines"),
     [
         ("coupon", SHOT, "run.end_time: unknown key", 5),
-        ("impact", STRIP, "run.steps: unknown key", 6),
-        ("critical-velocity", STRIP, "run.steps: unknown key", 6),
+        ("impact", STRIP, "run.steps: unknown key", 5),
+        ("critical-velocity", STRIP, "run.steps: unknown key", 5),
     ],
 )
 def test_a_scene_of_another_kind_is_rejected(capsys, tmp_path, command, table, told, lines):
