@@ -29,6 +29,7 @@ ROOT = Path(__file__).parents[1]
 COLUMNS = ("id", "file", "outcome", "test", "paths", "cpu_s", "wall_s", "commit")
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+(?:\[.*?\])?)", re.MULTILINE)
 NOTHING_COLLECTED, NO_SUCH_PATH = 5, 4  # exit codes of pytest
+STOPPED = signal.SIGINT, signal.SIGTERM, signal.SIGKILL  # by someone else: nothing that a defect does
 
 
 def copy_of_tree(folder: Path, commit: str) -> str:
@@ -78,8 +79,8 @@ def run_tests(folder: Path, words: Sequence[str], seconds: float) -> tuple[int |
         if process.poll() is None:  # with all that it has started
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
-    if process.returncode == NO_SUCH_PATH:
-        raise SystemExit(output)
+    if process.returncode == NO_SUCH_PATH or -process.returncode in STOPPED:
+        raise SystemExit(output or f"pytest was stopped by signal {-process.returncode}")
     return process.returncode, output
 
 
