@@ -201,7 +201,8 @@ def fields_of(thing, name=""):
 
 
 def setup_of(table):
-    return fields_of(build.setup(build.build(check(table, None), None, "s"), None))
+    """The fields of the set-up of `weavecell impact`."""
+    return fields_of(build.setup(build.build(check(table, None, of_commands.impact), None, "s"), None))
 
 
 def with_value(table, key, value):
