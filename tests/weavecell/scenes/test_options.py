@@ -109,11 +109,11 @@ TOGETHER = [
     "backing, sliding, nose friction, free",
     "backing, graded, grip, measure",
     "backing, weave angle, bending",
-    "bar, round, elements, named",
+    "bar, round, elements, law",
     "bar, sliding, pull-in, written",
     "weave angle, off the middle, measure",
     "accuracy, pack, turned, ply friction, grip, measure",
-    "accuracy, bar, bending, nose friction",
+    "accuracy, bar, bending",
 ]  # fmt: skip
 
 
