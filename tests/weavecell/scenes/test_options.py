@@ -98,7 +98,7 @@ TOGETHER = [
     "pack, oblique, nose friction, free",
     "pack, weave angle, named, ply friction",
     "pack, graded, turned, pull-in",
-    "pack, sliding, turned, grip, nose friction",
+    "pack, sliding, turned, nose friction",
     "pack, round, bending, turned",
     "pack, backing, off the middle, ply friction, yarns hold",
     "pack, elements, law, free",
