@@ -9,7 +9,7 @@ N ?= 1000
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
 # two programs, with and without dolfinx: memory that compiled code takes is given back between them
-SOLID = tests/unitcell3d tests/meshing tests/weavecell tests/installed
+SOLID = tests/unitcell3d tests/meshing tests/refusals tests/weavecell tests/installed
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
 .PHONY: demo test test-slow printed validate fuzz lint figures charts docs docs-again setup clean

@@ -1,5 +1,8 @@
 """The scene that tests of the command line share, 3 g at a small panel of S-720, and what a file of results holds."""
 
+import copy
+import json
+
 import h5py
 
 SCENE = """
@@ -32,6 +35,36 @@ def impact_scene(
         velocity=velocity, opening=opening, end_time=end_time, fabric=fabric, edge_radius=edge_radius, head=head,
         panel=panel, run=run,
     ) + extra  # fmt: skip
+
+
+def merged(table, changes):
+    """A table with the values of `changes` in place of its own, through the tables in it; None removes a key."""
+    found = copy.deepcopy(table)
+    for key, value in changes.items():
+        both = isinstance(value, dict) and isinstance(found.get(key), dict)
+        found[key] = merged(found[key], value) if both else copy.deepcopy(value)
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def table_of(key, value):
+    """{"panel": {"boundary": {"warp": value}}} of "panel.boundary.warp"."""
+    for part in reversed(key.split(".")):
+        value = {part: value}
+    return value
+
+
+def inline(value):
+    """TOML of a value, tables in one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{json.dumps(key)} = {inline(part)}" for key, part in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(inline(part) for part in value) + "]"
+    return json.dumps(value).replace("Infinity", "inf")
+
+
+def toml(table):
+    """The text of an input file that holds a table."""
+    return "".join(f"{key} = {inline(value)}\n" for key, value in table.items())
 
 
 def every(snapshots, checkpoints):

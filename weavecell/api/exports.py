@@ -45,7 +45,7 @@ def export(
     --------
     >>> error = wc.export(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), "lsdyna", "deck")
     >>> f"{100 * error['uniaxial']:.0f} % of the strength"
-    '36 % of the strength'
+    '35 % of the strength'
     """
     from weavecell.report import deck_folder
 

@@ -76,22 +76,6 @@ def test_one_fabric_is_written_and_reported(command, tmp_path, monkeypatch):
     assert places == sorted(places)
 
 
-@pytest.mark.parametrize(
-    ("options", "line"),
-    [
-        ([], "give either a fabric or --all"),
-        (["S-720", "--all"], "give either a fabric or --all"),
-        (["--all", "--platen-curve", "curve.csv"], "--platen-curve goes with one fabric"),
-        (["--all", "--page", "page.md"], "--page goes with --all --fit-solid"),
-        (["S-720", "--fit-solid", "--page", "page.md"], "--page goes with --all --fit-solid"),
-    ],
-)
-def test_bad_options_write_nothing(command, tmp_path, options, line):
-    code, _, err = command("calibrate", *options, "--out", "c")
-    assert (code, err) == (2, f"error: {line}\n")
-    assert not (tmp_path / "c").exists()
-
-
 @pytest.fixture
 def fitted(monkeypatch):
     """Fits of the solid that give that of the file a tenth softer at once, whatever the fabric."""

@@ -133,66 +133,6 @@ def test_a_yarn_pulled_out_adds_its_threshold_to_a_law(command, tmp_path):
     assert (tmp_path / "c" / "pictures" / "curve.svg").exists()
 
 
-@pytest.mark.parametrize(
-    ("options", "line"),
-    [
-        (("--case", "yarn", "--domain", "periodic"), "error: --domain = 'periodic': must be quarter or whole"),
-        (
-            ("--case", "stack", "--shift", "0.5,0", "--domain", "quarter"),
-            "error: --domain = 'quarter': must be periodic",
-        ),
-        (("--case", "stack", "--shift", "a,b"), "error: --shift = 'a': must be a number"),
-        (("--case", "stack", "--plies", "0"), "error: --plies = 0: must be a whole number"),
-        (("--case", "path"), "error: --path: must be given"),
-        (("--case", "biaxial"), "error: --end-displacement = '0 mm': must be a length that is not 0"),
-        (
-            ("--case", "shear", "--shear-angle", "3 rad"),
-            "error: --shear-angle = '3 rad': must be above 0 and at most 1.2 rad",
-        ),
-        (("--case", "shear", "--shear-angle", "3 mm"), "error: --shear-angle = '3 mm': must be a text with a unit"),
-        (("--case", "yarn", "--bars", "100"), "error: bars = 100: must be 0 to"),
-        (("--case", "dance"), "error: Invalid value for '--case'"),
-        (("--case", "pull-out", "--domain", "quarter"), "error: --domain = 'quarter': must be whole"),
-        (("--case", "pull-out", "--end-displacement", "-4 um"), "error: displacements = (-4"),
-        (("--case", "pull-out", "--pull", "3 N"), "error: --pull = '3 N': must be"),
-        (("--case", "pull-out", "--pressure", "3 N"), "error: --pressure = '3 N': must be"),
-        (("--case", "pull-out", "--pressure", "0 MPa"), "error: --pressure = '0 MPa': must be pressures above 0"),
-        (
-            ("--case", "pull-out", "--pressure", "1 MPa", "--end-displacement", "5 um"),
-            "error: --pressure = '1 MPa': must be left out with --end-displacement",
-        ),
-        (("--case", "pull-out", "--law", "none.json"), "error: none.json: cannot be read"),
-        (("--case", "biaxial", "--law", "law.json"), "error: --law: must be left out with --case biaxial"),
-    ],
-)
-def test_bad_options_write_nothing(command, tmp_path, options, line):
-    code, _, err = command("crossover", "S-720", "--mesh", "3,2,2", *options, "--out", "c")
-    assert code == 2
-    assert err.splitlines()[-1].startswith(line)
-    assert not (tmp_path / "c").exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("", "is empty"),
-        ("d1 [um]\n3\n", "columns = 'd1': must be d1 and d2"),
-        ("d1 [um], d3 [um]\n3, 4\n", "heading = 'd3 [um]'"),
-        ("d1 [N], d2 [um]\n3, 4\n", "d1 = '1 N'"),
-        ("d1 [um], d2 [um]\n3, x\n", "line 2 = '3, x': must be two numbers"),
-        ("d1 [um], d2 [um]\n3, nan\n", "corners = 1: must be at least one, of finite numbers"),
-        ("d1 [um], d2 [um]\n", "corners = 0: must be at least one"),
-        ("d1 [m], d2 [m]\n1, 1\n", "path = "),
-    ],
-)
-def test_broken_paths_have_one_clear_line(command, tmp_path, text, line):
-    (tmp_path / "p.csv").write_text(text)
-    code, _, err = command("crossover", "S-720", "--case", "path", "--path", "p.csv", "--mesh", "3,2,2", "--out", "c")
-    assert code == 2
-    assert line in err.splitlines()[-1]
-    assert not (tmp_path / "c").exists()
-
-
 def test_every_case_has_its_parts():
     from weavecell.report import crossover_cases, pictures_crossover
 

@@ -64,8 +64,6 @@ def test_the_table_of_ranks_of_mpi_is_the_same_to_the_bit(here, tmp_path):
 @pytest.mark.parametrize(
     ("executor", "told"),
     [
-        ("threads", "must be local, mpi or dask"),
-        ("mpi", "mpiexec -n RANKS"),
         ("dask", "DASK_SCHEDULER_ADDRESS = '' is the address of no Dask scheduler"),
         ("no dask", "needs the Python package distributed, which is not installed"),
     ],

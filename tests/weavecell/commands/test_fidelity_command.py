@@ -48,13 +48,6 @@ def test_explain_runs_nothing(command, scene, tmp_path):
     assert not (tmp_path / "results").exists()
 
 
-def test_nothing_to_explain(command, scene):
-    scene.write_text(scene.read_text().replace(ACCURACY, ""))
-    code, _, err = command("impact", scene, "--explain")
-    assert code == 2
-    assert "accuracy: is missing, so there is nothing to choose" in err
-
-
 def test_resumed_run_is_the_uninterrupted_one(command, scene, tmp_path, monkeypatch):
     assert command("impact", scene, "--out", "whole")[0] == 0
     calls = []

@@ -193,54 +193,6 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
     assert told["ply_gap_source"].startswith("of the fabric file (thesis Table 5-2), less the ")
 
 
-@pytest.mark.parametrize(
-    ("panel", "extra", "told"),
-    [
-        ("plies = 3.5", "", "panel.plies"),
-        ("plies = 140", "", "panel.plies"),
-        ('plies = 2\nstacking = "crossed"', "", "panel.stacking"),
-        ('plies = 2\nply_gap = "-1 mm"', "", "panel.ply_gap"),
-        ('plies = 1\nply_gap = "1 mm"', "", "panel.ply_gap"),
-        ('plies = 1\nstacking = "alternating"', "", "panel.stacking"),
-        ("plies = 1\nply_friction = 0.2", "", "panel.ply_friction"),
-        ("plies = 2\nply_friction = -0.2", "", "panel.ply_friction"),
-        ("plies = 2\nply_friction = 0.2", "[numerics]\ncfl = 1.0\n", "numerics.cfl"),
-        ("plies = 2\ngrading = [[10, 1], [inf, 2]]", '[accuracy]\ndeflection = "5 %"\n', "panel.grading"),
-        ("plies = 2\ngrading = [[2, 1], [inf, 2]]", "", "panel.grading"),
-        ('plies = 2\n[[panel.ply]]\nname = "S-726"', "", "panel.plies"),
-        ('[[panel.ply]]\nname = "S-726"', "", "panel.ply = '1 plies': must be 2 to 100 plies"),
-        ('[[panel.ply]]\nname = "S-000"\ncount = 2', "", "panel.ply.name"),
-        ('[[panel.ply]]\nangle = "200 deg"\ncount = 2', "", "panel.ply.angle = '200 deg': must be an angle from"),
-        *(
-            (f'{panel}\n[[panel.ply]]\n[[panel.ply]]\nangle = "45 deg"', extra, f"{told} where a ply is at another")
-            for panel, extra, told in (
-                ('symmetry = "quarter"', "", "panel.symmetry = 'quarter': must be whole, or left out,"),
-                ('symmetry = "half"', "", "panel.symmetry = 'half': must be whole, or left out,"),
-                ('boundary = "free"', "", "panel.boundary = 'free': must be clamped"),
-                ('boundary = { warp = { clamp_force = "20 N" } }', "", "panel.boundary: must be clamped"),
-                ('crossovers = "sliding"', "", "panel.crossovers = 'sliding': must be pinned"),
-                ("", '[accuracy]\ndeflection = "5 %"\n', "accuracy: must be left out: no mesh was measured"),
-            )
-        ),
-        ('[[panel.ply]]\nname = "S-726"\nfile = "a.toml"\ncount = 2', "", "panel.ply.name and panel.ply.file"),
-        (
-            'symmetry = "whole"\nweave_angle = "45 deg"\n[[panel.ply]]\ncount = 2', "", "panel.weave_angle",
-        ),
-        (
-            'plies = 2\nstacking = "alternating"\nsymmetry = "whole"\nweave_angle = "45 deg"', "", "panel.stacking",
-        ),
-    ],
-)  # fmt: skip
-def test_bad_packs_are_reported_in_one_line(command, scene, tmp_path, panel, extra, told):
-    path = scene(panel, extra=extra)
-    path.write_text(path.read_text().replace("plies = 3\n", ""))
-    code, _, err = command("impact", path, "--out", "r")
-    assert code == 2
-    assert told in err
-    assert len(err.strip().splitlines()) == 1
-    assert not (tmp_path / "r").exists()
-
-
 def test_a_graded_pack_has_all_records(command, scene, tmp_path):
     """Shapes, cuts and histories of every ply, as without grading; fewer elements, and the shot is much the same."""
     records, history = [], '[history]\ninterval = "2 us"\nwarp = ["0 mm", "5 mm"]\n'

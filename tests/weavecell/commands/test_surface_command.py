@@ -29,20 +29,3 @@ def test_surface_is_sampled_and_reported(command, tmp_path):
     assert 0 < told["rms_from_the_shells_cell_N"]["T1"] < 10
     page = (folder / "report.html").read_text()
     assert page.count("<img") + page.count("<svg") >= 4
-
-
-@pytest.mark.parametrize(
-    ("option", "value", "line"),
-    [
-        ("--d1", "1 mm", "error: --d1 = '1 mm': must be two lengths"),
-        ("--d2", "3 um .. 1 um", "error: d2 = '3e-06 to 1e-06 m': must be a range that rises"),
-        ("--d1", "0 .. 1", "error: --d1 = '0': must be a text with a unit"),
-        ("--points", "2", "error: points = 2: must be 5 to 65"),
-        ("--tolerance", "2", "error: tolerance = 2.0: must be above 0 and below 1"),
-    ],
-)
-def test_bad_options_write_nothing(command, tmp_path, option, value, line):
-    code, _, err = command("surface", "S-720", option, value, "--out", "s")
-    assert code == 2
-    assert err.splitlines()[-1].startswith(line)
-    assert not (tmp_path / "s").exists()

@@ -27,12 +27,3 @@ def test_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
     assert sorted(path.name for path in (tmp_path / "r").iterdir()) == [
         "comparison.json", "comparison.svg", "scene.toml", "shots.csv",
     ]  # fmt: skip
-
-
-def test_a_wrong_table_leaves_nothing(command, tmp_path):
-    (tmp_path / "tests.csv").write_text(TESTS.replace("PP", "no"))
-    (tmp_path / "scene.toml").write_text(impact_scene("100 m/s", "50 mm", "60 us"))
-    code, _, err = command("compare", "tests.csv", "scene.toml", "--out", "r")
-    assert code == 2
-    assert "line 2, outcome = 'no'" in err
-    assert not (tmp_path / "r").exists()

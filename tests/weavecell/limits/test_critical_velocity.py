@@ -146,41 +146,6 @@ def test_a_pack(command, written, tmp_path):
     assert f"2 x {two['fabric']}: critical velocity" in out
 
 
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (["S-702"], "TARGET = 'S-702': must be an input file or fabric file (*.toml), or one of S-720, "),
-        (["nowhere.toml"], "nowhere.toml: the scene or fabric file cannot be read (No such file or directory)"),
-        (["S-720", "--tolerance", "1 mm"], "--tolerance = '1 mm': must be a text with a unit that converts to m/s"),
-        (["S-720", "--tolerance", "0 m/s"], "--tolerance = '0 m/s': must be above 0"),
-        (["S-720", "--scan-step", "0 %"], "--scan-step = '0 %': must be above 0"),
-        (["S-720", "--scan-below", "1"], "--scan-below = '1': must be at least 0 and below 1"),
-        (["S-720", "--scan-above", "2 m/s"], "--scan-above = '2 m/s': must be a number"),
-        (["S-720", "--jobs", "0"], "Invalid value for '--jobs': "),
-    ],
-)
-def test_bad_input_is_one_line(command, tmp_path, words, line):
-    code, out, err = command("critical-velocity", *words)
-    assert code == 2
-    last = err.splitlines()[-1]
-    assert last.startswith(f"error: {line}")
-    assert out == ""
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_bad_scene_and_bad_fabric_name_their_file(command, written):
-    path = written(boundary='boundary = "glued"')
-    code, _, err = command("critical-velocity", path)
-    assert code == 2
-    assert err.startswith(f"error: {path}: panel.boundary = 'glued': must be ")
-    assert len(err.splitlines()) == 1
-    path.write_text('name = "x"\ncolour = "red"\n')
-    code, _, err = command("critical-velocity", path)
-    assert code == 2
-    assert len(err.splitlines()) == 3  # the key, and the two yarns that are missing
-    assert all(line.startswith(f"error: {path}: ") for line in err.splitlines())
-
-
 def test_panel_without_a_limit(command, written, tmp_path, monkeypatch):
     monkeypatch.setattr("shellfabric.impact.ballistic_limit.UNDECIDED", 2e-5)
     path = written()

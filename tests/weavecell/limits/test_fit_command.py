@@ -100,44 +100,6 @@ def test_the_crimp_of_a_strip_is_found(command, files):
     assert told["rms"] < 2e-3 < told["rms_before"]
 
 
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("shot.toml", "radar.csv"), "--free = 'none': must be given, each once: modulus"),
-        (("shot.toml", "radar.csv", "--free", "density"), "--free = 'density': must be modulus, failure_strain"),
-        (("shot.toml", "radar.csv", "--free", "panel.boundary"), "--free = 'panel.boundary': must be modulus"),
-        (("shot.toml", "radar.csv", "--free", "modulus=1"), "--free = 'modulus=1': must be NAME or NAME=LOW..HIGH"),
-        (
-            ("shot.toml", "radar.csv", "--free", "modulus=a..b"),
-            "--free = 'modulus=a..b': must be modulus=LOW..HIGH, two",
-        ),
-        (("shot.toml", "radar.csv", "--free", "modulus=2..3"), "modulus = '2..3': must be a range about 1"),
-        (
-            ("shot.toml", "radar.csv", "--free", "panel.ply_friction"),
-            "must be panel.ply_friction=LOW..HIGH: shot.toml has",
-        ),
-        (("shot.toml", "curve.csv", "--free", "modulus"), "curve.csv: heading = 'strain of the strip [%]': must be"),
-        (
-            ("strip.toml", "radar.csv", "--free", "modulus"),
-            "radar.csv: heading = 'time [us]': must be strain of the strip",
-        ),
-        (("shot.toml", "none.csv", "--free", "modulus"), "none.csv: cannot be read"),
-        (
-            ("S-720", "platens.csv", "--free", "modulus"),
-            "--free = 'modulus': must be left out: a platen curve gives E_c",
-        ),
-        (("shot.toml", "late.csv", "--free", "modulus"), "time = '0.0002 s': must be at most 0.0001 s, run.end_time"),
-    ],
-)
-def test_what_cannot_be_fitted_is_refused_and_leaves_nothing(command, files, words, line):
-    (files / "platens.csv").write_text("pressure [MPa], thickness [mm]\n0.1, 0.3\n1, 0.25\n")
-    (files / "late.csv").write_text("time [us], velocity [m/s]\n10, 90\n200, 80\n")
-    code, _, err = command("fit", *words, "--out", "r")
-    assert code == 2
-    assert line in err
-    assert not (files / "r").exists()
-
-
 def test_platens_give_a_fabric_file_with_the_fitted_solids(command, files, monkeypatch):
     """The fit itself is that of `weavecell calibrate --platen-curve`; here it is another fabric."""
     from fabrics import variants

@@ -113,26 +113,3 @@ def test_the_limit_and_v50_against_the_number_of_plies(command, scene, tmp_path)
     for row, same in zip(rows(tmp_path / "v50"), (one, two)):
         assert float(row["v50_m_s"]) == pytest.approx(float(same["lower_m_s"]), rel=0.25)
         assert row["shots"] == "12"
-
-
-@pytest.mark.parametrize(
-    ("over", "told"),
-    [
-        ("panel.plys=2,4", "panel.plys"),
-        ("panel.plies=2,101", "panel.plies = 101"),
-        ("fabric.name.x=2", "fabric.name.x = 2: must be left out: name is no table of the input file"),
-        ("history.interval=1 us", "history"),
-    ],
-)
-def test_wrong_values_are_refused_before_anything_is_computed(command, scene, tmp_path, over, told):
-    code, _, err = command("sweep", scene, "--over", over, "--out", "r")
-    assert code == 2
-    assert told in err
-    assert not (tmp_path / "r").exists()
-
-
-def test_wrong_options(command, scene):
-    for option, value in (("--quantity", "energy"), ("--tolerance", "0 m/s"), ("--over", "panel.plies")):
-        code, _, err = command("sweep", scene, "--over", "panel.plies=2", option, value)
-        assert code == 2
-        assert option in err

@@ -101,7 +101,7 @@ elements_per_crossover = 1
 
 
 def test_both_take_the_input_file_of_a_pack(command, tmp_path):
-    """Its projectile, plies and opening count; an option of a fabric's standard panel is refused beside it."""
+    """Its projectile, plies and opening count."""
     scene = tmp_path / "pack.toml"
     scene.write_text(PACK)
     words = ["v50", str(scene), "--shots", "8", "--batch", "4", "--jobs", "1", "--out", str(tmp_path / "v50")]
@@ -117,25 +117,3 @@ def test_both_take_the_input_file_of_a_pack(command, tmp_path):
     assert run.exit_code == 0, run.output
     found = json.loads((tmp_path / "s" / "sobol.json").read_text())["indices"]
     assert {one["velocity"] for one in found} == {90.0}
-    for name in ("v50", "sensitivity"):
-        code, _, err = command(name, scene, "--opening", "50 mm", "--out", "no")
-        assert code == 2
-        assert err.startswith("error: --opening = '50 mm': must be left out: panel.opening of ")
-    assert not (tmp_path / "no").exists()
-
-
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        (("plies = 2", "plies = 2\nyarn_failure = false"), "panel.yarn_failure = False: must be true"),
-        (("[run]", "[history]\nwarp = ['0 mm']\n[run]"), "history: must be left out"),
-        (("plies = 2", "plys = 2"), "panel.plys"),
-    ],
-)
-def test_what_an_input_file_cannot_ask_of_v50(command, tmp_path, change, told):
-    scene = tmp_path / "pack.toml"
-    scene.write_text(PACK.replace(*change))
-    code, _, err = command("v50", scene, "--out", "no")
-    assert code == 2
-    assert err.startswith(f"error: {scene}: {told}")
-    assert not (tmp_path / "no").exists()

@@ -73,34 +73,6 @@ def test_nothing_is_assumed_of_what_is_given(command, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('"1.44 g/cm^3"', '"2.56 g/cm^3"'),  # a glass of a modulus that E-glass has not
-        ('"1.44 g/cm^3"', '"0.97 g/cm^3"'),  # polyethylene, and para-aramid in the weft
-        ('"90 GPa"', '"20 GPa"'),
-    ],
-)
-def test_other_yarns_are_one_line(command, tmp_path, old, new):
-    path = own(tmp_path)
-    file = tmp_path / "fabrics/mine.toml"
-    file.write_text(file.read_text().replace(old, new, 1))  # the warp alone
-    known = (
-        "it is assumed only where modulus and fibre_density of both yarns are in the range of "
-        "para-aramid (60 to 145 GPa, 1380 to 1480 kg/m^3); UHMWPE (60 to 200 GPa, 930 to 1000 kg/m^3); "
-        "E-glass (55 to 85 GPa, 2500 to 2650 kg/m^3)"
-    )
-    code, out, err = command("impact", path, "--out", "r")
-    assert (code, out) == (2, "")
-    needs = "fabric mine has no [shear] table; must be given, with G1, G2, gamma1 and gamma2"
-    assert err == f"error: {path}: {needs}: {known}\n"
-    code, out, err = command("mesh", file, "--out", "r")
-    assert (code, out) == (2, "")
-    assert err.startswith(f"error: FABRIC = '{file}': fabric mine has no [solid] table; must be given, with E_a,")
-    assert known in err
-    assert not (tmp_path / "r").exists()
-
-
-@pytest.mark.parametrize(
     ("modulus", "density", "family"),
     [(90e9, 1440.0, "para-aramid"), (110e9, 970.0, "UHMWPE"), (72e9, 2560.0, "E-glass"), (180e9, 1560.0, None)],
 )
@@ -203,15 +175,6 @@ def test_yarns_that_are_not_compressed_need_no_law(command, tmp_path, model):
     assert code == 0, err
     told = json.loads((tmp_path / "r/summary.json").read_text())
     assert told["law_name"] == f"none, {model} yarns"
-
-
-def test_compressible_yarns_need_one(command, tmp_path):
-    path = own(tmp_path, law="")
-    code, _, err = command("impact", path, "--out", "r")
-    assert (code, len(err.splitlines())) == (2, 1)
-    assert err.startswith(f"error: {path}: fabric.law: fabric mine has no compression law: run `weavecell calibrate ")
-    assert err.endswith('mine.toml` and name its result, law = ".../law.json", or give law = { a = ..., b = ... }\n')
-    assert not (tmp_path / "r").exists()
 
 
 def test_a_range_names_what_its_ends_rest_on():

@@ -6,7 +6,6 @@ import pytest
 
 import weavecell as wc
 from fabrics import backings
-from fabrics.errors import InputError
 from fabrics.materials import load
 from weavecell.scenes import impact
 
@@ -37,12 +36,3 @@ def test_the_data_stand_in_the_file():
     assert scene.backing.rate_exponent == 0.15
     assert scene.backing.erosion_strain == float("inf")
     assert scene.backing.min_size is None
-
-
-def test_an_unknown_name_says_which_there_are():
-    with pytest.raises(InputError) as caught:
-        impact.check(SCENE | {"backing": {"material": "Roma Plastilina"}}, "shot.toml")
-    assert str(caught.value) == (
-        "shot.toml: backing.material = 'Roma Plastilina': unknown backing, did you mean \"Roma Plastilina No. 1\"? "
-        "allowed: Roma Plastilina No. 1, gelatine 10 %, gelatine 20 %"
-    )

@@ -4,10 +4,9 @@ from math import pi
 
 import numpy as np
 import pytest
-from test_supported import SHOT
+from test_keys_reach import SHOT
 
 from fabrics import projectiles
-from fabrics.errors import InputError
 from fabrics.units import si
 from weavecell.scenes import build, impact, reference
 from weavecell.scenes.words import shot_in_words
@@ -97,27 +96,6 @@ def test_the_name_stands_in_words():
     assert shot_in_words(scene(name="FSP 2.79 g").projectile) == (
         "FSP 2.79 g, a chisel-nosed fragment simulator of 2.79 g and 7.49 mm"
     )
-
-
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("FSP 1.1 g", 'unknown projectile, did you mean "FSP 1.10 g"? allowed: FSP 0.13 g, '),
-        ("9 mm Parabellum", "unknown projectile; allowed: FSP 0.13 g, "),
-        (9, "must be the name of a projectile"),
-    ],
-)
-def test_an_unknown_name_is_one_line(name, told):
-    with pytest.raises(InputError) as found:
-        scene(name=name, mass="1 g", diameter="5 mm", edge_radius="0.3 mm")
-    assert str(found.value).startswith(f"s.toml: projectile.name = {name!r}: {told}")
-    assert len(str(found.value).splitlines()) == 1
-
-
-def test_a_value_of_the_name_that_does_not_fit_is_named_as_it_stands_there():
-    small = SHOT | {"projectile": {"name": "sphere 12 mm", "strike_velocity": "90 m/s"}, "panel": {"opening": "20 mm"}}
-    with pytest.raises(InputError, match=r"projectile.diameter = '12 mm': must be below half of panel.opening"):
-        impact.check(small, "s.toml")
 
 
 def test_editors_do_not_ask_for_what_the_name_says():

@@ -28,15 +28,6 @@ def with_change(table, key, value):
     return TABLE | {table: TABLE[table] | {key: value}}
 
 
-def test_units_become_si():
-    got = scenes_impact.check(TABLE, "scene.toml")
-    assert got.projectile.mass == pytest.approx(3e-3, rel=1e-15)
-    assert got.projectile.diameter == pytest.approx(5.5e-3, rel=1e-15)
-    assert got.projectile.strike_velocity == 92.5
-    assert got.panel.opening == pytest.approx(0.203, rel=1e-15)
-    assert got.run.end_time == pytest.approx(2.5e-4, rel=1e-15)
-
-
 @pytest.mark.parametrize(
     ("table", "key", "text", "expected"),
     [
@@ -82,45 +73,11 @@ def test_cell_from_a_surface():
         assert panel.table.model.region[0][1] == pytest.approx(1.0567, abs=1e-4)
 
 
-def test_profile_of_the_cell():
-    table = with_change("fabric", "cell_profile", "straight")
-    panel = build.setup(build.build(scenes_impact.check(table, "s"), "s", "s"), "s").panel()
-    assert panel.table.model.profile == "straight"
-
-
-def test_linear_density_is_a_choice():
-    nominal = build.build(scenes_impact.check(with_change("fabric", "linear_density", "nominal"), "s"), "s", "s")
-    effective = build.build(scenes_impact.check(TABLE, "s"), "s", "s")
-    ratio = effective.fabric.weave.warp.linear_density / nominal.fabric.weave.warp.linear_density
-    assert ratio == pytest.approx(1433 / 1420, rel=1e-12)
-
-
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_are_good_scenes(path):
     got, text = scenes_impact.load(path)
     build.build(got, path, path.stem)
     assert "weavecell impact examples/" + path.name in text
-
-
-def test_numerical_knobs_are_those_of_the_shell():
-    from shellfabric.panel.model import Numerics
-
-    known = {entry.name for entry in dataclasses.fields(Numerics)}
-    assert set(scenes_impact.NumericsTable.model_fields) <= known
-    knobs = {"penalty": 0.02, "cfl": 0.5}
-    asked = scenes_impact.check(TABLE | {"numerics": knobs}, "s")
-    numerics = build.setup(build.build(asked, "s", "s"), "s").numerics
-    assert (numerics.penalty, numerics.cfl) == (0.02, 0.5)
-    assert numerics.stretch_viscosity == Numerics().stretch_viscosity
-
-
-def test_setup_is_what_the_scene_says():
-    asked = scenes_impact.check(with_change("panel", "symmetry", "whole"), "s")
-    setup = build.setup(build.build(asked, "s", "s"), "s")
-    assert setup.symmetry == "whole"
-    assert setup.projectile.radius == pytest.approx(2.75e-3)
-    assert setup.opening == pytest.approx(0.203)
-    assert setup.snapshot_interval == pytest.approx(1e-5)
 
 
 def test_what_a_lay_up_and_a_limit_need_not_say():
@@ -248,13 +205,3 @@ def test_sides_and_weave_of_the_panel():
     setup, asked = setup_of({"panel": {"weave_angle": "45 deg", "symmetry": "whole"}})
     assert setup.weave_angle == pytest.approx(math.pi / 4)
     assert words.panel_in_words(asked.panel) == "203 mm square, its weave turned by 45° and clamped"
-
-
-def test_nothing_is_measured_unless_asked():
-    assert build.setup(build.build(scenes_impact.check(TABLE, "s"), "s", "s"), "s").history is None
-    asked = scenes_impact.check(TABLE | {"history": {"interval": "0.5 us", "warp": ["0 mm", "1 cm"]}}, "s")
-    measure = build.setup(build.build(asked, "s", "s"), "s").history
-    assert measure.interval == pytest.approx(5e-7)
-    assert measure.warp == pytest.approx((0.0, 0.01))
-    assert measure.weft == (0.0,)
-    assert asked.history.report_positions == (5e-3, 20e-3, 50e-3, 80e-3)

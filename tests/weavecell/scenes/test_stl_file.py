@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,11 +13,10 @@ import pyvista
 from fabrics.errors import InputError
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import volume
-from tests.weavecell.scenes.test_supported import EXAMPLES
 from validation.verification.stl_noses import NOSES, errors, triangles, write
 from weavecell.scenes import impact, stl_file
 
-CUBE = EXAMPLES / "cube.stl"
+CUBE = Path(__file__).parents[3] / "examples" / "cube.stl"
 EDGE = 0.4e-3
 SCENE = """
 [fabric]
@@ -104,32 +104,6 @@ def test_what_is_no_stl_file(tmp_path, content, capfd, caplog):
 def test_no_file(tmp_path):
     with pytest.raises(InputError, match="cannot be read; must be an STL file"):
         stl_file.surface(tmp_path / "nowhere.stl", "mm")
-
-
-WRONG = {
-    'stl_unit = "cm"': "projectile.stl_unit = 'cm': must be a unit in which the body has a mean density of 0.5 to "
-    "23 g/cm^3, not 0.00782",
-    'stl_unit = "feet"': "projectile.stl_unit = 'feet': must be one of",
-    'diameter = "5 mm"': "projectile.diameter = '5 mm': must be left out: the STL file has it",
-    'density = "8 g/cm^3"': "projectile: give exactly one of projectile.mass and projectile.density",
-    'mass = "1.1"': "projectile.mass = '1.1': must be a mass above 0",
-    'edge_radius = "3 mm"': "projectile.edge_radius",
-    'edge_radius = "0.001 mm"': "projectile.edge_radius",
-    'shape = "flat"': "projectile.stl = 'body.stl': must be left out but for the shape \"stl\"",
-    'body = "elastic_bar"': "projectile.body = 'elastic_bar': must be rigid",
-}
-
-
-@pytest.mark.parametrize("line", WRONG)
-def test_a_key_that_does_not_fit_the_file(command, tmp_path, line):
-    (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
-    key = line.partition(" =")[0]
-    kept = "\n".join(row for row in SCENE.splitlines() if not row.startswith(f"{key} ="))
-    size = '\ndiameter = "5 mm"' if key == "shape" else ""
-    (tmp_path / "scene.toml").write_text(kept.format(projectile=line + size, panel=""))
-    code, _, err = command("impact", "scene.toml", "--out", "out")
-    assert (code, err.count("\n")) == (2, 1)
-    assert WRONG[line] in err
 
 
 def test_text_and_binary_hold_the_same_body(tmp_path):
