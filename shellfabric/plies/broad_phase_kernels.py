@@ -16,8 +16,7 @@ ELEMENTS, NODES, ENTRIES = range(3)  # of stops.counts: elements of the zone, no
 ROW_STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.ply_shape
 TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole fabric
 PAD = 4  # cells of the grid beyond the panel's edges
-# [cells] of a facet that is entered; a wider one lies between pieces that have parted: nothing is there
-_MAX_CELLS = 20
+_MAX_CELLS = 20  # [cells] of a facet that is entered; a wider one joins pieces that have parted
 _MARGIN = 4  # [gaps] about a facet, in which what it may meet is searched
 
 

@@ -113,10 +113,8 @@ def rear_surface(rear, rc, form, A, B):
 @kernel(_nrt=False, forceinline=True)
 def contact_normal(rc, pair, q, off, tangents, changed):
     """Normal n towards the rear ply, area of the tangents, depth [m], |cos| to the normal of the step before where that
-    decided, and whether n is the direction of the point: in a fold, on a rim, of fabric drawn to a line.
-
-    changed : whether yarns have failed in this step, or the surface has changed from spline to facets or back
-    """
+    decided, and whether n is the direction of the point: in a fold, on a rim, of fabric drawn to a line. changed :
+    whether yarns have failed in this step, or the surface has changed from spline to facets or back."""
     (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     size = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
@@ -202,12 +200,9 @@ def closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n):
 
 @kernel(_nrt=False, forceinline=True)
 def update_spring(pair, q, depth, made, jump, before, touches, lost, sure):
-    """Offset of the spring of a point that touches, from how far its depth has changed beside the motion; and the rate
-    of its closest point, which was at `before`.
-
-    jump : change of the depth beside the motion, over the thickness; infinite where a tear has changed the surfaces,
-        since the compression of a spring that motion has not made would be energy from nowhere
-    """
+    """Offset of the spring of a point that touches, from the `jump` of its depth beside the motion, over the thickness;
+    and the rate of its closest point, which was at `before`. The jump is infinite where a tear has changed the
+    surfaces: compression of the spring that motion has not made would be energy from nowhere."""
     if pair.surface_form == SMOOTH and (lost or abs(jump) > MAX_DEPTH_JUMP):
         kept = max(pair.last_depth[q] - pair.depth_offset[q] + (0.0 if lost else made), 0.0)
         pair.depth_offset[q] = max(depth - kept, 0.0)
