@@ -219,6 +219,18 @@ def test_nothing_holds_a_yarn_that_is_alone_at_a_node(sliding, cohesion):
     assert slip.q[1][node] == pytest.approx(0.6 * const.dt * slip.mobility[1][node], rel=1e-9)
 
 
+@pytest.mark.parametrize("pressed", [0.0, 10.0])
+def test_the_force_of_the_projectile_on_a_crossover_holds_its_yarns(sliding, pressed):
+    """0.6 N on the weft is above the cohesion of 0.1 N, and below the friction 0.2 of 10 N on the crossover."""
+    panel = sliding(0.2, 0.1, symmetry="whole")
+    const, state = panel.constants(), panel.state(10.0)
+    slip, node = panel.slip(state), 5 * const.row_stride + 5
+    state.active_rows[:] = 0, const.ni
+    slip.config[1][node], state.f_contact[2][node] = 0.6, pressed
+    slip_kernels.slip_nodes(state, const, slip)
+    assert (slip.q[1][node] > 0.0) == (pressed == 0.0)
+
+
 @pytest.mark.parametrize(("cohesion", "share"), [(1e6, 0.5), (0.0, 1.0)])
 def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(straight, cohesion, share):
     """The crossing yarns, as heavy, move with a stuck yarn."""

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import trapezoid
 from test_impact import datasets, interrupt_at, names
 
+from fabrics import catalogue
 from tests.scene_text import every, impact_scene
 from weavecell.report.shot import view
 from weavecell.results import progress
@@ -106,7 +107,9 @@ def test_a_hybrid_pack_says_what_it_is_made_of(command, scene, tmp_path):
     assert told["ply_fabrics"] == ["S-728", "S-728", "S-726"]
     assert told["ply_angles_deg"] == [0.0, 0.0, 90.0]
     record = ImpactRecord.read(tmp_path / "results" / "histories.h5")
-    assert record.strength[0, 0] != record.strength[2, 0]
+    cloths = [catalogue.load(name).with_effective_density() for name in ("S-728", "S-728", "S-726")]
+    strengths = [[yarn.strength for yarn in cloth.weave.yarns] for cloth in cloths]
+    assert record.strength == pytest.approx(np.array(strengths), rel=1e-12)
     page = (tmp_path / "results" / "report.html").read_text()
     assert "3 plies: 2 x S-728 + 1 x S-726 at 90 deg" in page
     assert "Data of the fabric S-726" in page
