@@ -83,7 +83,7 @@ def _constants(panel, out_of_plane):
     mass = weave.areal_density * dx * dy
     (x0, y0), shot = panel.origin, panel.shot
     rim_node, rim_axis, rim = panel.rim()
-    strengths, potential, ceilings = _strengths(panel), packed_table.potential(table), packed_table.ceilings(table)
+    strengths = _strengths(panel)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
@@ -99,9 +99,9 @@ def _constants(panel, out_of_plane):
         x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, n_per_crossover=panel.lines_per_crossover, yarn_rows=yarns[0],
         yarn_columns=yarns[1], **slots,
         tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
-        tension_bound_table1=ceilings[0][0], tension_bound_step1=ceilings[0][1],
-        tension_bound_table2=ceilings[1][0], tension_bound_step2=ceilings[1][1],
-        potential_coefficients=potential[0], potential_constant=potential[1],
+        tension_bound_table1=panel.ceilings[0][0], tension_bound_step1=panel.ceilings[0][1],
+        tension_bound_table2=panel.ceilings[1][0], tension_bound_step2=panel.ceilings[1][1],
+        potential_coefficients=panel.potential[0], potential_constant=panel.potential[1],
         table_start1=table.stretch1[0], table_scale1=rx, table_last1=table.stretch1.size - 2,
         table_start2=table.stretch2[0], table_scale2=ry, table_last2=table.stretch2.size - 2,
         table_grid=(

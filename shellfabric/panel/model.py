@@ -24,6 +24,7 @@ from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from shellfabric.backing import coupling
 from shellfabric.backing.block import Backing
+from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
 from shellfabric.panel import arrays, boundary, grading, time_step
 from shellfabric.panel.grading import YarnLines
@@ -334,6 +335,16 @@ class Panel:
     def rim(self) -> tuple[IntArray, IntArray, FloatArray]:
         """See `boundary.rim`."""
         return boundary.rim(self)
+
+    @cached_property
+    def potential(self) -> tuple[FloatArray, FloatArray]:
+        """See `packed_table.potential`."""
+        return packed_table.potential(self.table)
+
+    @cached_property
+    def ceilings(self) -> list[tuple[FloatArray, float]]:
+        """See `packed_table.ceilings`."""
+        return packed_table.ceilings(self.table)
 
     def constants(self, out_of_plane: bool = False) -> arrays.Constants:
         """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
