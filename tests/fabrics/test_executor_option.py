@@ -11,7 +11,7 @@ import pytest
 
 from fabrics.executors import one_thread_each
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 WORDS = ("v50", "S-720", "--shots", "4", "--batch", "4", "--opening", "30.6 mm", "--seed", "2")
 
 
@@ -48,6 +48,7 @@ def test_the_table_is_the_same_to_the_bit(executor, here, command, tmp_path, mon
 
 
 def test_the_table_of_ranks_of_mpi_is_the_same_to_the_bit(here, tmp_path):
+    """In the test program without dolfinx: beside its processes mpiexec has ended with code 1 and no message."""
     pytest.importorskip("mpi4py.futures")
     if shutil.which("mpiexec") is None:
         pytest.skip("no mpiexec")
