@@ -8,8 +8,11 @@ N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-# two programs, with and without dolfinx: memory that compiled code takes is given back between them
-SOLID = tests/unitcell3d tests/meshing tests/refusals tests/weavecell tests/installed
+# programs of their own for what loads dolfinx, gmsh, VTK or a new environment: beside each other in one process these
+# have crashed, and memory that compiled code takes is given back between programs
+SOLID = tests/unitcell3d tests/meshing
+COMMANDS = $(addprefix tests/weavecell/,analysis api commands limits)
+APART = $(SOLID) tests/installed tests/refusals tests/weavecell
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
 .PHONY: demo test test-slow printed validate fuzz lint figures charts docs docs-again setup clean
@@ -19,7 +22,10 @@ demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report
 
 test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(SOLID)
-	$(QUICK) tests $(SOLID:%=--ignore=%)
+	$(QUICK) $(COMMANDS)
+	$(QUICK) tests/refusals tests/weavecell $(COMMANDS:%=--ignore=%)
+	$(QUICK) --dist loadfile tests/installed
+	$(QUICK) tests $(APART:%=--ignore=%)
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m "slow and not printed"
