@@ -162,6 +162,6 @@ def as_done(executor: Executor, function: Callable, arguments: Sequence[tuple]) 
 
 
 def cancel(future: Future) -> None:
-    """Cancel a task that has not begun, where the executor can; that of Parsl cannot."""
+    """Cancel a task that has not begun, where the executor can."""
     with suppress(NotImplementedError):
         future.cancel()
