@@ -2,10 +2,11 @@
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
 from weavecell.api.exports import export, fit
+from weavecell.api.limit_result import CriticalVelocityResult
 from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
-from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
+from weavecell.api.results import DrawsResult, ShotResult, SweepResult, V50Result
 from weavecell.api.runs import (
     backings,
     critical_velocity,

@@ -9,7 +9,8 @@ it against the schema.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
@@ -40,6 +41,8 @@ DEFAULTS: dict[str, Any] = {  # of keys that the input file requires
     "opening": "203 mm",
 }
 _OBJECTS = {"fabric": ("law", "surface"), "panel": ("ply_contact",)}  # may be objects, which no file can hold
+
+_OBJECT = " of Python"  # of names that stand for objects
 
 Quantity = float | str  # in SI units, or a text with a unit
 Number = float
@@ -94,8 +97,8 @@ def tables() -> dict[str, str]:
     return flat | dict.fromkeys(GROUPS, "")
 
 
-def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> Scene:
-    """The checked scene of a call.
+def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> tuple[Scene, dict[str, Any]]:
+    """The checked scene of a call, and its table as it would stand in a file.
 
     Parameters
     ----------
@@ -137,16 +140,46 @@ def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> S
         written["fabric"] |= {"name": fabric}
     rejected = dict(IMPACT.rejected) | {"history.report_positions": "left out: `weavecell.setup` does not support it"}
     try:
-        return scenes_impact.check(written, None, replace(IMPACT, rejected=rejected))
+        return scenes_impact.check(written, None, replace(IMPACT, rejected=rejected)), written
     except InputError as problem:
         raise named(problem) from None
+
+
+def text(table: Mapping[str, Any], fabric: object) -> str:
+    """The input file of a table of `scene`; "" where it has objects in it, or `fabric` is one, which no file can hold.
+
+    Parameters
+    ----------
+    fabric : its name or the path of its file
+    """
+    import tomlkit
+
+    if any(str(table[name].get(key)).endswith(f"{_OBJECT}.json") for name, keys in _OBJECTS.items() for key in keys):
+        return ""
+    if not isinstance(fabric, (str, Path)):
+        return ""
+    named = {"file": str(Path(fabric).resolve())} if str(fabric).endswith(".toml") else {"name": str(fabric)}
+    rest = {key: value for key, value in table["fabric"].items() if key != "name"}
+    return tomlkit.dumps({key: value for key, value in {**table, "fabric": named | rest}.items() if value})
+
+
+@contextmanager
+def of_group(group: str, values: Mapping[str, object]) -> Iterator[None]:
+    """An InputError inside this block of a key of `values` names the keyword GROUP_KEY and the value as given."""
+    try:
+        yield
+    except InputError as problem:
+        key = problem.key or ""
+        if key not in values:
+            raise
+        raise InputError(key=f"{group}_{key}", value=values[key], allowed=problem.allowed) from None
 
 
 def _stand_in(value):
     """A text for the schema: paths and tables as they are, of an object the name of its type."""
     if isinstance(value, (str, Path, Mapping)):
         return value
-    return f"{type(value).__name__}.json"
+    return f"{type(value).__name__}{_OBJECT}.json"
 
 
 def _written(values, model):

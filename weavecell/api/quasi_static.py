@@ -16,7 +16,7 @@ from fabrics.executors import InProcess
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult, PullOutResult
-from weavecell.api.runs import as_fabric
+from weavecell.api.targets import as_fabric
 
 if TYPE_CHECKING:
     from weavecell.api.keywords import Law

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fabrics.fabric import Fabric
-    from shellfabric.impact.ballistic_limit import Limit
-    from shellfabric.impact.lambert_jonas import LambertJonas
-    from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.panel.quality import Indicator
     from weavecell.analysis.assumed_range import AssumedRange
     from weavecell.analysis.uncertainty.draws import Draws
@@ -24,15 +21,9 @@ if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Shape
 
-__all__ = ["CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult", "V50Result"]
+__all__ = ["DrawsResult", "ShotResult", "SweepResult", "V50Result"]
 
 Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
-
-
-def _what_is_assumed(result):
-    """Entries of a summary: what is assumed, and the range over it."""
-    found = {"assumed": "; ".join(result.assumed)} if result.assumed else {}
-    return found if result.range is None else found | {"assumed_range": result.range.words()}
 
 
 @dataclass(frozen=True, repr=False)
@@ -105,7 +96,7 @@ class ShotResult(Result):
         found = self.record.summary() | {"checks": self.checks_text}
         if self.fabric is not None:
             found["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
-        return found | _what_is_assumed(self)
+        return found | self._what_is_assumed()
 
     def __repr__(self) -> str:
         more = f", assumed: {len(self.assumed)} laws" if self.assumed else ""
@@ -266,102 +257,6 @@ class DrawsResult(Result):
         units |= {"peak_tension_warp": "N", "peak_tension_weft": "N"}
         columns = self.study.columns()
         return {f"{name}_{units[name]}" if name in units else name: values for name, values in columns.items()}
-
-
-@dataclass(frozen=True, repr=False)
-class CriticalVelocityResult(Result):
-    """The critical velocity of a panel (ballistic limit).
-
-    Parameters
-    ----------
-    fabric : Fabric
-    limit : `shellfabric.impact.ballistic_limit.Limit`
-    fit : Lambert-Jonas fit to the perforations, or None where they are too few
-    assumed : lines that name the laws that are assumed
-    range : AssumedRange of the critical velocity over the assumed laws, or None
-    setup : `shellfabric.impact.simulation.ImpactSetup` of what was shot at; None of one ply of the fabric
-
-    Examples
-    --------
-    >>> found = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
-    >>> low, high = found.bracket
-    >>> low < found.velocity < high
-    True
-    """
-
-    fabric: Fabric
-    limit: Limit
-    fit: LambertJonas | None = None
-    assumed: tuple[str, ...] = ()
-    range: AssumedRange | None = None
-    setup: ImpactSetup | None = None
-
-    @property
-    def velocity(self) -> float | None:
-        """[m/s] middle of the bracket; None where stops and perforations are mixed (see `mixed_zone`)."""
-        return float(self.limit.velocity) if self.limit.single else None
-
-    @property
-    def bracket(self) -> tuple[float, float]:
-        """[m/s] the stop and the perforation that enclose it."""
-        return float(self.limit.low), float(self.limit.high)
-
-    @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Each quality check of the shot in which it is worst."""
-        from shellfabric.panel import quality
-
-        return quality.worst(shot.checks for shot in self.limit.shots)
-
-    @property
-    def bracket_checks(self) -> str:
-        """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot, and why."""
-        from weavecell.report import checks
-
-        return checks.of_bracket(self.limit)
-
-    def _what(self):
-        bracket = self.bracket_checks
-        found = f"{self._title()}, critical velocity"
-        return found if bracket == "ok" else f"{found}: the limit rests on a {bracket}; of all shots"
-
-    def _title(self):
-        return self.fabric.name if self.setup is None else self.setup.title
-
-    @property
-    def mixed_zone(self) -> tuple[float, float] | None:
-        """(lowest perforation, highest stop) [m/s] where the outcomes are mixed, or None."""
-        return self.limit.mixed_zone
-
-    def summary(self) -> dict[str, Any]:
-        """Velocity, bracket, number of shots; doubtful shots that the limit rests on, and the worst checks of all."""
-        low, high = self.bracket
-        found: dict[str, Any] = {"fabric": self.fabric.name, "plies": 1}
-        if self.setup is not None:
-            found |= {"fabric": self.setup.name, "plies": self.setup.plies}
-        found |= {"critical_velocity_m_s": self.velocity, "stop_m_s": low}
-        found |= {"perforation_m_s": high, "shots": len(self.limit.shots)}
-        found |= {"bracket_checks": self.bracket_checks, "checks": self.checks_text}
-        if self.mixed_zone is not None:
-            found |= dict(zip(("lowest_perforation_m_s", "highest_stop_m_s"), self.mixed_zone))
-        return found | _what_is_assumed(self)
-
-    def _columns(self):
-        from weavecell.report import checks
-
-        shots = sorted(self.limit.shots, key=lambda shot: shot.strike_velocity)
-        units = {"strike_velocity": "m_s", "residual_velocity": "m_s", "time": "s"}
-        columns = {f"{name}_{unit}": [getattr(shot, name) for shot in shots] for name, unit in units.items()}
-        return columns | {
-            "outcome": [shot.outcome for shot in shots],
-            "checks": [checks.words(shot.checks) for shot in shots],
-        }
-
-    def plot(self) -> Figure:
-        """A matplotlib figure: residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
-        from weavecell.report import pictures
-
-        return figure(pictures.residual_velocity, self._title(), self.limit, self.fit, self.limit.shots)
 
 
 @dataclass(frozen=True, repr=False)

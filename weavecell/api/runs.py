@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import inspect
-import warnings
+import time
 from collections.abc import Iterable
 from concurrent.futures import Executor
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Literal, Unpack
 
 from fabrics import assumed, catalogue
 from fabrics import backings as backing_data
 from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
-from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
-from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
-from weavecell.api import keywords, quantities
+from weavecell.api import keywords, limit_result, quantities, targets
 from weavecell.api.keywords import Keywords
-from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
-from weavecell.scenes.schema import InlineLaw
-from weavecell.scenes.target import NO_HISTORY
+from weavecell.api.limit_result import CriticalVelocityResult
+from weavecell.api.results import DrawsResult, ShotResult, SweepResult, V50Result
+from weavecell.results import progress
+from weavecell.scenes import of_commands
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
@@ -152,37 +151,7 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
     >>> wc.setup("S-720", "92.5 m/s", opening="50 mm").opening
     0.05
     """
-    from weavecell.scenes import build
-
-    own = None if fabric is None else as_fabric(fabric)
-    scene = keywords.scene(None if own is None else own.name, velocity, options)
-    surface = options.get("surface")
-
-    def made(table, _):
-        """Fabric, surface and laws of a table [fabric], with the objects among the keywords in place of their names."""
-        named = table.file or (table.name if own is None or table.name != own.name else None)
-        law = options.get("law") if table.law == scene.fabric.law and named is None else table.law
-        if isinstance(law, InlineLaw) or isinstance(table.law, InlineLaw):
-            law = CompressionLaw(table.law.a, table.law.b, table.law.form)
-        cloth = build.damaged(assumed.with_shear(as_fabric(named or own)), table)
-        cell = build.surface_of(table, cloth, None, surface if isinstance(surface, ResponseSurface) else None)
-        laws = quantities.laws(cloth, law) if cell is None and table.cell_model == "compressible" else None
-        if scene.panel.plies > 1:
-            cloth = build.with_ply_contact(cloth, options.get("ply_contact"), law)
-        return cloth, cell, laws, ""
-
-    try:
-        cloths, plies = build.lay_up(scene, made)
-        cloth, cell, laws, _ = cloths[0]
-        ply = build.setup(build.Case("", cloth, laws, "", scene, cell, plies), None)
-    except InputError as problem:
-        raise keywords.named(problem) from None
-    if options.get("snapshot_interval") is None:
-        ply = replace(ply, snapshot_interval=None)
-    line_of_the_user = next(level for level, frame in enumerate(inspect.stack(0)) if frame.filename != __file__)
-    for note in ply.notes:
-        warnings.warn(note, stacklevel=line_of_the_user + 1)
-    return ply
+    return targets.made(fabric, velocity, options).setup
 
 
 def shoot(
@@ -326,26 +295,41 @@ def _assumed(given):
 
 
 def critical_velocity(
-    target: Fabric | FilePath | ImpactSetup | None, *, tolerance: float | str = 1.0, residual_shots: int = 8,
-    scan: bool = True, assumed_range: bool = False, jobs: int = 1, executor: str | Executor = "local",
-    **options: Unpack[Keywords],
+    target: Fabric | FilePath | ImpactSetup | None, *, tolerance: float | str = "1 m/s", residual_shots: int = 8,
+    scan: bool = True, scan_above: float | str = "25 %", scan_below: float | str = "10 %",
+    scan_step: float | str = "2 %", assumed_range: bool = False, jobs: int = 1, executor: str | Executor = "local",
+    out: FilePath | None = None, **options: Unpack[Keywords],
 ) -> CriticalVelocityResult:  # fmt: skip
-    """Bisect for the strike velocity between stop and perforation of a ply or pack.
+    """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual velocities.
 
-    A shot with a quality check beyond its limit counts with its outcome, but a limit with such a shot at an end of
-    its bracket or mixed zone is not sound: the result says so (`bracket_checks`), and warns with `DoubtfulResult`.
+    Further shots scan the velocities about the bracket. If one stops that is faster than one that perforates, no single
+    critical velocity exists: the zone of mixed outcomes is reported, and the result is doubtful. A shot with a quality
+    check beyond its limit counts with its outcome, but a limit with such a shot at an end of its bracket or mixed zone
+    is not sound: the result says so (`bracket_checks`).
 
-    With jobs = 1 and the local executor, no process is started; more jobs are threads of this process.
+    A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5
+    mm. A shot ends with its outcome, so that these keys of an input file are ignored: title,
+    projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
+    run.outputs. [history] and [accuracy] are rejected.
+
+    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an unstable
+    shot only the scene and the shots before it.
 
     Parameters
     ----------
-    target, options : a set-up of `setup`; or a fabric with options, both as of `setup`, without velocity and history.
-        A shot ends with its outcome: end_time and snapshot_interval are not used
-    tolerance : [m/s] at most between a stop and a perforation
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    tolerance : highest stop and lowest perforation differ by this at most [m/s]
     residual_shots : shots above the limit, for the Lambert-Jonas fit
-    scan : whether the velocities about the bracket are scanned for mixed outcomes (`limit_scan`)
-    assumed_range : whether the range over assumed laws is computed, up to eight more searches; not of a lay-up
-    jobs, executor : as of `shellfabric.impact.ballistic_limit.critical_velocity`
+    scan : whether the velocities about the bracket are scanned for mixed outcomes
+    scan_above : range above the highest stop that is scanned for further stops
+    scan_below : range below the lowest perforation that is scanned for others
+    scan_step : interval between shots of the scan
+    assumed_range : where a law of the fabric is assumed, repeat the search with both ends of its range; not of a lay-up
+    jobs : shots that run at the same time, as threads of this process
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
+        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    out : folder of the results; in Python None writes nothing
+    options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------
@@ -365,13 +349,37 @@ def critical_velocity(
     """
     from shellfabric.impact.limit_scan import ScanRange
     from weavecell.analysis import limit_search
+    from weavecell.report import checks
 
-    given = _panel(target, options)
-    found = limit_search.search(
-        given, tolerance=_above_zero(tolerance, "m/s", "tolerance"), residual_shots=residual_shots,
-        scan=ScanRange() if scan else None, with_range=assumed_range, jobs=jobs, executor=executor,
-    )  # fmt: skip
-    result = CriticalVelocityResult(given.fabric, found.limit, found.fit, _assumed(given), found.range, setup=given)
+    width, began = _above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
+    shares = {"above": scan_above, "below": scan_below, "step": scan_step}
+    with keywords.of_group("scan", shares):
+        around = ScanRange(**{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()})
+    panel = targets.of(target, options, of_commands.LIMITS)
+
+    @contextmanager
+    def stage(title):
+        with progress.bar(title) as advance:
+            yield lambda share, shot: advance(share, shot and checks.of_shot(shot))
+
+    with targets.folder_of(out) as folder:
+        try:
+            found = limit_search.search(
+                panel.setup, tolerance=width, residual_shots=residual_shots, scan=around if scan else None,
+                with_range=assumed_range, jobs=jobs, executor=executor, stage=stage,
+            )  # fmt: skip
+        except InputError as problem:
+            raise panel.in_file(problem) from None
+        except (UndecidedError, UnstableError) as problem:
+            if folder is not None:
+                limit_result.write_shots(folder, panel, sorted(problem.shots, key=lambda shot: shot.strike_velocity))
+            raise
+        result = CriticalVelocityResult(
+            panel, found.limit, found.fit, _assumed(panel.setup), found.range, around if scan else None,
+            time.perf_counter() - began,
+        )  # fmt: skip
+        if folder is not None:
+            result.save(folder)
     result.warn()
     return result
 
@@ -418,31 +426,13 @@ def v50(
 
     own = {"shape": shape, "modulus": modulus_cov, "crimp": crimp_cov}
     scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
-    given = _panel(target, options)
+    given = targets.of(target, options, of_commands.LIMITS).setup
     with TemporaryDirectory() as spare:
         kept = spare if folder is None else folder
         found = analysis.study(
             given, scatter, shots=shots, batch=batch, seed=seed, folder=kept, jobs=jobs, executor=executor
         )
     return V50Result(found)
-
-
-def _panel(target: Any, options: Any) -> ImpactSetup:
-    """The set-up of a target of shots that end with their outcome."""
-    from shellfabric.impact.simulation import ImpactSetup
-
-    if isinstance(target, ImpactSetup):
-        for key in options:
-            raise InputError(key=key, allowed="left out beside a set-up, which has it")
-        return target
-    if options.get("history") is not None:
-        raise InputError(key="history", allowed=NO_HISTORY["history"])
-    return setup(target, 100.0, **options)
-
-
-def as_fabric(given: Fabric | FilePath) -> Fabric:
-    """A Fabric as it is, or that of a name or file."""
-    return given if isinstance(given, Fabric) else fabric(given)
 
 
 def _above_zero(value, unit, key):

@@ -69,11 +69,11 @@ def export(
     out_folder.claim(out)
     try:
         made = deck_folder.made_of(
-            this.setup, to.value, units.value, match.value, title=_title(this), source=this.case.law_name
+            this.setup, to.value, units.value, match.value, title=_title(this), source=this.law_name
         )
     except InputError as problem:
         raise this.in_file(problem) from None
-    deck_folder.write(made, out, to.value, Path(name).stem, match.value, this.text, this.case.fabric)
+    deck_folder.write(made, out, to.value, Path(name).stem, match.value, this.text, this.setup.fabric)
     for card in made.cards:
         numbers = card.mismatch.numbers().items()
         print(f"{card.name}: " + ", ".join(f"{deck_folder.ROWS[k]} {deck_folder.percent(v)}" for k, v in numbers))

@@ -28,7 +28,6 @@ with lazy.imports():
     from weavecell.analysis.uncertainty import draws as draws_of
     from weavecell.analysis.uncertainty import inputs, protocol, sobol
     from weavecell.analysis.uncertainty import v50 as v50_of
-    from weavecell.commands import critical_velocity
     from weavecell.report import marked_page, pictures_uncertainty
     from weavecell.results import json_file, out_folder, progress, provenance
     from weavecell.scenes import build, of_commands, schema, target
@@ -234,7 +233,7 @@ def _v50_remarks(study, scatter, batch, seed, zones):
     if study.doubtful:
         remarks.append(_doubts(study.shots))
     if study.fit is not None:
-        remarks.append(f"Residual velocities, Lambert-Jonas: {critical_velocity.parameters(study.fit)}.")
+        remarks.append(f"Residual velocities, Lambert-Jonas: {study.fit.words()}.")
     if zones is not None:
         text = grading_text(zones)
         remarks.append(f"Sides of the elements, (until, side) in crossovers from the impact point: {text}.")

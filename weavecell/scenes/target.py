@@ -33,14 +33,14 @@ class Target:
 
     Parameters
     ----------
-    case : build.Case
+    case : build.Case; None of a set-up that was made in Python
     setup : ImpactSetup
-    text : of the input file; that of a fabric is the standard one
+    text : of the input file; that of a fabric is the standard one, "" where no file can say what is shot at
     name : as it was given
     from_file : whether it is an input file
     """
 
-    case: build.Case
+    case: build.Case | None
     setup: Any
     text: str
     name: str
@@ -52,9 +52,14 @@ class Target:
         return self.setup.title
 
     @property
-    def projectile(self) -> str:
-        """The projectile in words."""
-        return words.shot_in_words(self.case.scene.projectile)
+    def law_name(self) -> str:
+        """Where the compression laws come from, in words."""
+        return self.setup.cell_model if self.case is None else self.case.law_name
+
+    @property
+    def projectile(self) -> str | None:
+        """The projectile in words; None of a set-up."""
+        return None if self.case is None else words.shot_in_words(self.case.scene.projectile)
 
     def in_file(self, problem: InputError) -> InputError:
         """An InputError of what an input file asks, with the file and its key in it; any other as it is."""
@@ -112,6 +117,16 @@ def read(
     return _target(scenes.check(changed(table, changes), out / "scene.toml", check), name, stem, text)
 
 
+def is_input_file(name: str) -> bool:
+    """Whether a name is the path of an input file, and not of a fabric file or a fabric.
+
+    Raises
+    ------
+    InputError : no such file, or not TOML
+    """
+    return name.endswith(".toml") and bool(_OF_A_SCENE & set(scenes.read_toml(name, what="scene or fabric")[1]))
+
+
 def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[str, Any]:
     """The table of a scene with the values of dotted keys in place of its own.
 
@@ -133,5 +148,5 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
 def _target(scene, name, stem, text, from_file=False):
     case = build.build(scene, name, stem)  # which prints the projectile where it has a name or a file
     if scene.projectile.name is None and scene.projectile.stl is None:
-        print(f"projectile: {words.shot_in_words(scene.projectile)}")
+        build.LOG.info(f"projectile: {words.shot_in_words(scene.projectile)}")
     return Target(case, build.setup(case, name), text, name, from_file)

@@ -24,6 +24,7 @@ from shellfabric.panel.quality import Indicator
 from weavecell.api import keywords, quantities, quasi_static, runs
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.schema import tables_in
+from weavecell.scenes.target import Target
 
 MINE = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
 SMALL = {"opening": "30 mm", "end_time": "15 us", "elements_per_crossover": 1}
@@ -330,7 +331,9 @@ def test_a_bracket_on_a_doubtful_shot_says_so():
     good, bad = (Indicator("viscous energy", value, 0.25, "", "share", 0.1) for value in (0.05, 0.31))
     shots = [Shot(v, 0.0, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (one,)) for v, outcome, one in
              ((90.0, "stopped", bad), (110.0, "perforated", good), (100.0, "stopped", bad))]  # fmt: skip
-    found = wc.CriticalVelocityResult(wc.fabric("S-720"), Limit(100.0, 110.0, tuple(shots)))
+    found = wc.CriticalVelocityResult(
+        Target(None, wc.setup("S-720", 100.0), "", "S-720", False), Limit(100.0, 110.0, tuple(shots))
+    )
     assert found.doubtful
     assert found.bracket_checks == "doubtful stopped shot at 100 m/s (viscous energy 0.310 (limit 0.25))"
     assert found.bracket_checks in repr(found)

@@ -1,0 +1,106 @@
+"""Commands of the command line made from functions of the Python interface.
+
+A positional parameter of the function becomes an argument, a keyword-only one an option with its default; the help is
+the text of the docstring, that of an option what the section Parameters says. The result is printed, and a doubtful one
+is exit code 3 where --strict is given. Two defaults differ: a command uses all cores, and computes the range over
+assumed laws.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from fabrics.errors import DoubtfulResult, InputError
+from weavecell.commands.options import CORES, RESULTS
+from weavecell.report import checks
+
+DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
+METAVARS = {"target": "FILE|FABRIC", "executor": "local|mpi|dask", "out": "FOLDER"}
+SHORT = {"out": "-o"}
+LEAST = {"jobs": 1, "seed": 0}
+_SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
+_ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
+
+
+def command(function: Callable[..., Any], name: str, example: str) -> Callable[..., None]:
+    """The function that typer makes the command `name` of.
+
+    Parameters
+    ----------
+    function : returns a `weavecell.api.result.Result`; one with a parameter `out` writes the result there
+    example : arguments that its help ends with
+    """
+    text, meanings = documented(function)
+    parameters = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
+    positional = [p.name for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD]
+
+    def call(strict: bool, **values: Any) -> None:
+        if values.get("out", "") is None:
+            values["out"] = RESULTS / f"{name}-{Path(values[positional[0]]).stem}"
+        chosen = {key: value for key, value in values.items() if value is not None}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
+            try:
+                result = function(*[chosen.pop(key) for key in positional], **chosen)
+            except InputError as problem:
+                raise _of_option(problem, values) from None
+        print(result)
+        if "out" in values:
+            print(f"written to {values['out']}", flush=True)
+        checks.report(result.checks, strict)
+
+    strict = Annotated[bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit.")]
+    signature = [_parameter(p, meanings.get(p.name, "")) for p in parameters]
+    signature.append(inspect.Parameter("strict", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=strict))
+    made: Any = call
+    made.__signature__ = inspect.Signature(signature)
+    made.__annotations__ = {p.name: p.annotation for p in signature}
+    made.__doc__, made.epilog = text, f"Example: [bold]weavecell {name} {example}[/bold]"
+    return made
+
+
+def documented(function: Callable) -> tuple[str, dict[str, str]]:
+    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets written for rich."""
+    text, *sections = _SECTION.split(inspect.getdoc(function) or "")
+    meanings: dict[str, str] = {}
+    for names, meaning in _ENTRY.findall(sections[0] if sections else ""):
+        meanings |= dict.fromkeys(names.split(", "), _escaped(" ".join(meaning.split())))
+    return "\n\n".join(_escaped(" ".join(part.split())) for part in text.split("\n\n")), meanings
+
+
+def _escaped(text):
+    return text.replace("[", "\\[")
+
+
+def _parameter(parameter, meaning):
+    """A parameter as typer takes it; one that is left out has the function's own default."""
+    name, default = parameter.name, DEFAULTS.get(parameter.name, parameter.default)
+    kinds = parameter.annotation.split(" | ")
+    kind = next((kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds), str)
+    kind = str if "str" in kinds or "FilePath" in kinds else kind
+    settings: dict[str, Any] = {"help": meaning, "metavar": METAVARS.get(name), "min": LEAST.get(name)}
+    if parameter.kind is parameter.POSITIONAL_OR_KEYWORD:
+        annotation: Any = Annotated[kind, typer.Argument(**settings)]
+        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation)
+    word = "--" + name.replace("_", "-")
+    words = [f"{word}/--no-{word[2:]}" if default is True else word, *(SHORT[key] for key in SHORT if key == name)]
+    annotation = Annotated[kind if default is not None else kind | None, typer.Option(*words, **settings)]
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+
+
+def _of_option(problem, names):
+    """An InputError of a parameter, with the option that has its value."""
+    if problem.key not in names or problem.file is not None:
+        return problem
+    key = "--" + problem.key.replace("_", "-")
+    message = str(problem).removeprefix(f"{problem.key} = {problem.value!r}: ").removeprefix(f"{problem.key}: ")
+    renamed = InputError(f"{key} = {problem.value!r}: {message}" if problem.value is not None else f"{key}: {message}")
+    renamed.key, renamed.value, renamed.allowed = key, problem.value, problem.allowed
+    return renamed
