@@ -6,7 +6,7 @@ from weavecell.api.limit_result import CriticalVelocityResult
 from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
-from weavecell.api.results import DrawsResult, ShotResult, SweepResult, V50Result
+from weavecell.api.results import ShotResult, SweepResult
 from weavecell.api.runs import (
     backings,
     critical_velocity,
@@ -15,11 +15,13 @@ from weavecell.api.runs import (
     fabrics,
     projectile,
     projectiles,
+    sensitivity,
     setup,
     shoot,
     sweep,
     v50,
 )
+from weavecell.api.scatter_results import DrawsResult, SensitivityResult, V50Result
 
 __all__ = [
     "CalibrationResult",
@@ -29,6 +31,7 @@ __all__ = [
     "DrawsResult",
     "InputError",
     "Result",
+    "SensitivityResult",
     "ShotResult",
     "SweepResult",
     "UndecidedError",
@@ -46,6 +49,7 @@ __all__ = [
     "fit",
     "projectile",
     "projectiles",
+    "sensitivity",
     "setup",
     "shoot",
     "sweep",

@@ -16,12 +16,10 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.panel.quality import Indicator
     from weavecell.analysis.assumed_range import AssumedRange
-    from weavecell.analysis.uncertainty.draws import Draws
-    from weavecell.analysis.uncertainty.v50 import Study
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Shape
 
-__all__ = ["DrawsResult", "ShotResult", "SweepResult", "V50Result"]
+__all__ = ["ShotResult", "SweepResult"]
 
 Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
@@ -229,77 +227,3 @@ class SweepResult(Result, Sequence):
             return figure
 
         return figure(draw)
-
-
-@dataclass(frozen=True, repr=False)
-class DrawsResult(Result):
-    """Shots at panels or packs whose yarns differ in strength; the table has a row a draw.
-
-    Parameters
-    ----------
-    study : `weavecell.analysis.uncertainty.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
-
-    Examples
-    --------
-    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2)
-    >>> found.study.outcomes["in flight"]
-    2
-    """
-
-    study: Draws
-
-    def summary(self) -> dict[str, Any]:
-        """Mean, standard deviation and standard error of each quantity, and the probability of perforation."""
-        return self.study.summary()
-
-    def _columns(self):
-        units = {"residual_velocity": "m_s", "absorbed_energy": "J", "time": "s"}
-        units |= {"peak_tension_warp": "N", "peak_tension_weft": "N"}
-        columns = self.study.columns()
-        return {f"{name}_{units[name]}" if name in units else name: values for name, values in columns.items()}
-
-
-@dataclass(frozen=True, repr=False)
-class V50Result(Result):
-    """The probability of perforation of panels or packs whose yarns differ in strength; the table has a row a shot.
-
-    Parameters
-    ----------
-    study : `weavecell.analysis.uncertainty.v50.Study`, with shots, fitted curves and the limit without scatter
-
-    Examples
-    --------
-    >>> found = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
-    >>> low, high = found.interval
-    >>> low < found.v50 < high
-    True
-    """
-
-    study: Study
-
-    @property
-    def v50(self) -> float:
-        """[m/s] that half of the panels stop, of the probit."""
-        return float(self.study.curves["probit"].V50)
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """[m/s] of V50, at the level of the curve's confidence."""
-        low, high = self.study.curves["probit"].intervals["V50"]
-        return float(low), float(high)
-
-    def summary(self) -> dict[str, Any]:
-        """V50 with its interval, the curve's standard deviation, the limit without scatter, and V50 of test series."""
-        return self.study.summary()
-
-    def _columns(self):
-        shots = self.study.shots
-        units = {"velocity": "strike_velocity_m_s", "residual": "residual_velocity_m_s"}
-        names = ("number", "velocity", "residual", "perforated", "modulus", "crimp_warp", "crimp_weft", "balance")
-        return {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
-
-    def plot(self) -> Figure:
-        """A matplotlib figure: probability of perforation and residual velocity against strike velocity [m/s]."""
-        from weavecell.report import pictures_uncertainty
-
-        return figure(pictures_uncertainty.perforation, self.study, "")

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import assumed, catalogue
 from fabrics import backings as backing_data
@@ -20,7 +20,8 @@ from fabrics.variants import with_linear_density
 from weavecell.api import keywords, limit_result, quantities, targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.limit_result import CriticalVelocityResult
-from weavecell.api.results import DrawsResult, ShotResult, SweepResult, V50Result
+from weavecell.api.results import ShotResult, SweepResult
+from weavecell.api.scatter_results import DrawsResult, SensitivityResult, V50Result
 from weavecell.results import progress
 from weavecell.scenes import of_commands
 
@@ -35,6 +36,7 @@ __all__ = [
     "fabrics",
     "projectile",
     "projectiles",
+    "sensitivity",
     "setup",
     "shoot",
     "sweep",
@@ -364,12 +366,11 @@ def critical_velocity(
 
     with targets.folder_of(out) as folder:
         try:
-            found = limit_search.search(
-                panel.setup, tolerance=width, residual_shots=residual_shots, scan=around if scan else None,
-                with_range=assumed_range, jobs=jobs, executor=executor, stage=stage,
-            )  # fmt: skip
-        except InputError as problem:
-            raise panel.in_file(problem) from None
+            with panel.named():
+                found = limit_search.search(
+                    panel.setup, tolerance=width, residual_shots=residual_shots, scan=around if scan else None,
+                    with_range=assumed_range, jobs=jobs, executor=executor, stage=stage,
+                )  # fmt: skip
         except (UndecidedError, UnstableError) as problem:
             if folder is not None:
                 limit_result.write_shots(folder, panel, sorted(problem.shots, key=lambda shot: shot.strike_velocity))
@@ -386,23 +387,37 @@ def critical_velocity(
 
 def v50(
     target: Fabric | FilePath | ImpactSetup | None, *, shots: int = 100, batch: int = 10,
-    shape: float | None = None, modulus_cov: float | None = None, crimp_cov: float | None = None, seed: int = 1,
-    folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local", **options: Unpack[Keywords],
+    weibull_shape: float | None = None, modulus_cov: float | str | None = None, crimp_cov: float | str | None = None,
+    seed: int = 1, jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None,
+    resume: bool = False, **options: Unpack[Keywords],
 ) -> V50Result:  # fmt: skip
-    """Fire at plies or packs whose yarns differ in strength, and fit the probability of perforation.
+    """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with intervals.
 
-    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the set-up models.
+    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input file models. Without
+    scatter V50 is the critical velocity. A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped,
+    and a flat cylinder of 3 g and 5.5 mm. Where no mesh is named, elements are one crossover long near the impact point
+    and up to four far off. Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and [accuracy] are
+    rejected.
+
+    The folder then holds v50.html, .csv, .json, .png, shots.csv, scene.toml, and runs/, a file for each shot.
 
     Parameters
     ----------
-    target, options : as of `critical_velocity`
-    shots, batch : how many, and how many at once: each batch is placed by the outcomes before
-    shape : Weibull shape of the strengths; None, here and below, takes that of
-        weavecell/analysis/uncertainty/inputs.toml; inf for yarns that are all alike
-    modulus_cov, crimp_cov : [-] standard deviation over mean from panel to panel
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    shots : number of shots, at least 4
+    batch : shots of a round, at least 4; each round is placed by the outcomes before
+    weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and below that of
+        weavecell/analysis/uncertainty/inputs.toml where it is not given
+    modulus_cov : coefficient of variation of the modulus from panel to panel
+    crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : of all that is drawn
-    folder : where finished shots are kept and taken from; None keeps none
-    jobs, executor : as of `sweep`
+    jobs : number of runs in parallel, each in a process of its own
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
+        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    out : folder of the results; in Python None keeps nothing
+    resume : whether to take finished shots from the folder; those of another version of the code are computed again
+    options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------
@@ -419,20 +434,81 @@ def v50(
     >>> round(found.v50, -1)  # [m/s]
     80.0
     """
-    from tempfile import TemporaryDirectory
-
     from weavecell.analysis.uncertainty import inputs
     from weavecell.analysis.uncertainty import v50 as analysis
 
-    own = {"shape": shape, "modulus": modulus_cov, "crimp": crimp_cov}
+    began = time.perf_counter()
+    own: dict[str, Any] = {"shape": weibull_shape}
+    for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
+        own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
     scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
-    given = targets.of(target, options, of_commands.LIMITS).setup
-    with TemporaryDirectory() as spare:
-        kept = spare if folder is None else folder
-        found = analysis.study(
-            given, scatter, shots=shots, batch=batch, seed=seed, folder=kept, jobs=jobs, executor=executor
-        )
-    return V50Result(found)
+    panel = targets.of(target, options, of_commands.LIMITS)
+    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
+        with panel.named(), progress.bar(f"{panel.title}, repeated shots") as advance:
+            study = analysis.study(
+                panel.setup, scatter, shots=shots, batch=batch, seed=seed, folder=runs, jobs=jobs, executor=executor,
+                report=advance,
+            )  # fmt: skip
+        result = V50Result(study, panel, seed, batch, time.perf_counter() - began)
+        if folder is not None:
+            result.save(folder)
+    return result
+
+
+def sensitivity(
+    target: Fabric | FilePath | ImpactSetup | None, *, velocity: list[float | str] | None = None, samples: int = 64,
+    seed: int = 1, jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None,
+    resume: bool = False, **options: Unpack[Keywords],
+) -> SensitivityResult:  # fmt: skip
+    """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
+
+    A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g and 5.5 mm. Of an input file
+    these keys are ignored: title, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
+    [accuracy] are rejected.
+
+    The folder then holds sobol.html, .csv, .json, .png, scene.toml, and runs/, a file for each row.
+
+    Parameters
+    ----------
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    velocity : strike velocity [m/s], may be given again; in Python a list. That of the input file where it is left out,
+        or 92.5 and 170 m/s at a fabric
+    samples : N, a power of 2; N (inputs + 2) rows are run
+    seed : of the sample and of the intervals
+    jobs, executor, out, resume : as of `v50`
+    options : beside a fabric, keywords of `setup` but history
+
+    Returns
+    -------
+    SensitivityResult
+
+    Raises
+    ------
+    InputError : as `critical_velocity`, or samples that are no power of 2
+    UnstableError : a shot became unphysical
+
+    Examples
+    --------
+    >>> found = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, opening="20 mm", end_time="10 us")
+    >>> [of.quantity for of in found.indices]
+    ['velocity', 'peak tension']
+    """
+    from weavecell.analysis.uncertainty import sobol
+
+    began = time.perf_counter()
+    velocities = [_above_zero(text, "m/s", "velocity") for text in velocity or ()]
+    panel = targets.of(target, options, of_commands.SENSITIVITY)
+    own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
+    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
+        with panel.named(), progress.bar(f"{panel.title}, sensitivities") as advance:
+            indices = sobol.study(
+                panel.setup, velocities or own, samples=samples, seed=seed, folder=runs, jobs=jobs, executor=executor,
+                report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
+            )  # fmt: skip
+        result = SensitivityResult(indices, panel, samples, seed, time.perf_counter() - began)
+        if folder is not None:
+            result.save(folder)
+    return result
 
 
 def _above_zero(value, unit, key):

@@ -5,13 +5,14 @@ from __future__ import annotations
 import inspect
 import os
 import warnings
-from collections.abc import Mapping
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from fabrics import assumed, catalogue
+from fabrics import assumed, catalogue, run_cache
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.scenes.supported import Support
 
+STRIKES = 92.5, 170.0  # [m/s] of the sensitivities of a fabric
+RUNS = "runs"  # folder of finished runs
 ANY_VELOCITY = 100.0  # [m/s] of a set-up whose strike velocity is not used
 
 
@@ -57,7 +60,10 @@ def of(target: Fabric | FilePath | ImpactSetup | None, options: Mapping[str, Any
         raise InputError(key="TARGET", value=target, allowed=targets.ALLOWED + ", ".join(catalogue.list_names()))
     if "history" in chosen:
         raise InputError(key="history", allowed=targets.NO_HISTORY["history"])
-    return made(target, ANY_VELOCITY, chosen)
+    panel = made(target, ANY_VELOCITY, chosen)
+    for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
+        targets.build.LOG.info(line)
+    return panel
 
 
 def made(fabric: Fabric | FilePath | None, velocity: float | str, options: Mapping[str, Any]) -> Target:
@@ -114,6 +120,16 @@ def as_fabric(given: Fabric | FilePath) -> Fabric:
 def _refuse(options, beside):
     for key in options:
         raise InputError(key=key, allowed=f"left out beside {beside}, which has it")
+
+
+@contextmanager
+def kept_runs(folder: Path | None, resume: bool) -> Iterator[Path]:
+    """The folder of finished runs, emptied but to `resume`; one that goes with the block where nothing is written."""
+    with TemporaryDirectory() as spare:
+        runs = Path(spare) if folder is None else folder / RUNS
+        if not resume:
+            run_cache.RunCache(runs).clear()
+        yield runs
 
 
 def folder_of(out: FilePath | None, resume: bool = False) -> AbstractContextManager[Path | None]:

@@ -45,15 +45,20 @@ COMMANDS = {
     "cost-accuracy": "validation.cost_accuracy",
     "stability": "validation.stability",
     "crossover": "crossover.crossover",
-    "sensitivity": "uncertainty.sensitivity",
-    "v50": "uncertainty.v50",
+    "sensitivity": "api.runs.sensitivity",
+    "v50": "api.runs.v50",
     "sweep": "sweep.sweep",
     "export": "export.export",
     "fit": "fit.fit",
     "view": "view.view",
 }
-# of commands that are functions of the Python interface: the arguments that their help ends with
-EXAMPLES = {"critical-velocity": "S-720 --tolerance '1 m/s'"}
+# of commands that are functions of the Python interface: the arguments that their help ends with, and which keywords
+# of `weavecell.setup` are options
+EXAMPLES: dict[str, tuple[str, ...]] = {
+    "critical-velocity": ("S-720 --tolerance '1 m/s'",),
+    "sensitivity": ("S-720 --samples 64", "opening"),
+    "v50": ("S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
+}
 GROUPS = {
     "fabrics": (
         "The fabrics of the catalogue.",
@@ -99,7 +104,7 @@ def _fill(group, commands, listed=False):
         if name in EXAMPLES:
             from weavecell.cli import from_signature
 
-            command = from_signature.command(command, name, EXAMPLES[name])
+            command = from_signature.command(command, name, *EXAMPLES[name])
         group.command(name, epilog=command.epilog)(command)
 
 
@@ -139,7 +144,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     log = logging.getLogger("weavecell")
     log.propagate = False  # plain lines, whatever an imported library sets up for all loggers (ffcx does)
     log.setLevel(logging.INFO)
-    log.handlers = [_Lines()]
+    log.addHandler(lines := _Lines())
     # click's own class, wherever this typer keeps its click
     usage_error: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
@@ -158,6 +163,8 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
         code = INTERRUPTED
     finally:
         out_folder.release()
+        progress.shown = False
+        log.removeHandler(lines)
     if code == INTERRUPTED:
         _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import tomllib
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -29,13 +30,14 @@ _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
 _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
 
-def command(function: Callable[..., Any], name: str, example: str) -> Callable[..., None]:
+def command(function: Callable[..., Any], name: str, example: str, *keywords: str) -> Callable[..., None]:
     """The function that typer makes the command `name` of.
 
     Parameters
     ----------
     function : returns a `weavecell.api.result.Result`; one with a parameter `out` writes the result there
     example : arguments that its help ends with
+    keywords : of `weavecell.setup` that are options beside the function's own; lists are written as in a file
     """
     text, meanings = documented(function)
     parameters = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
@@ -44,10 +46,11 @@ def command(function: Callable[..., Any], name: str, example: str) -> Callable[.
     def call(strict: bool, **values: Any) -> None:
         if values.get("out", "") is None:
             values["out"] = RESULTS / f"{name}-{Path(values[positional[0]]).stem}"
-        chosen = {key: value for key, value in values.items() if value is not None}
+        chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
             try:
+                chosen |= {key: _listed(chosen[key], key) for key in keywords if key in chosen}
                 result = function(*[chosen.pop(key) for key in positional], **chosen)
             except InputError as problem:
                 raise _of_option(problem, values) from None
@@ -58,6 +61,7 @@ def command(function: Callable[..., Any], name: str, example: str) -> Callable[.
 
     strict = Annotated[bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit.")]
     signature = [_parameter(p, meanings.get(p.name, "")) for p in parameters]
+    signature += [_parameter(_keyword(key), _escaped(_meaning(key))) for key in keywords]
     signature.append(inspect.Parameter("strict", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=strict))
     made: Any = call
     made.__signature__ = inspect.Signature(signature)
@@ -66,12 +70,39 @@ def command(function: Callable[..., Any], name: str, example: str) -> Callable[.
     return made
 
 
+def _keyword(key):
+    return inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation="str | None")
+
+
+def _meaning(key):
+    """What a keyword of `weavecell.setup` means: the title of its field in the schema."""
+    from weavecell.api import keywords
+    from weavecell.scenes import impact, supported
+
+    return supported.entries(impact.Scene)[f"{keywords.tables()[key]}.{key}"].title
+
+
+def _listed(text, key):
+    """A list as it stands in a file; any other text as it is."""
+    if not text.lstrip().startswith("["):
+        return text
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        raise InputError(key=key, value=text, allowed="a list as in an input file") from None
+
+
 def documented(function: Callable) -> tuple[str, dict[str, str]]:
-    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets written for rich."""
+    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets written for rich.
+
+    "as of `other`" is what the docstring of that function of the same module says.
+    """
     text, *sections = _SECTION.split(inspect.getdoc(function) or "")
     meanings: dict[str, str] = {}
     for names, meaning in _ENTRY.findall(sections[0] if sections else ""):
-        meanings |= dict.fromkeys(names.split(", "), _escaped(" ".join(meaning.split())))
+        other = re.fullmatch(r"as of `(\w+)`", meaning)
+        known = documented(inspect.unwrap(function).__globals__[other[1]])[1] if other else {}
+        meanings |= {name: known.get(name, _escaped(" ".join(meaning.split()))) for name in names.split(", ")}
     return "\n\n".join(_escaped(" ".join(part.split())) for part in text.split("\n\n")), meanings
 
 
@@ -85,6 +116,7 @@ def _parameter(parameter, meaning):
     kinds = parameter.annotation.split(" | ")
     kind = next((kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds), str)
     kind = str if "str" in kinds or "FilePath" in kinds else kind
+    kind = list[str] if kinds[0].startswith("list[") else kind
     settings: dict[str, Any] = {"help": meaning, "metavar": METAVARS.get(name), "min": LEAST.get(name)}
     if parameter.kind is parameter.POSITIONAL_OR_KEYWORD:
         annotation: Any = Annotated[kind, typer.Argument(**settings)]

@@ -7,7 +7,8 @@ A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and cl
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -60,6 +61,14 @@ class Target:
     def projectile(self) -> str | None:
         """The projectile in words; None of a set-up."""
         return None if self.case is None else words.shot_in_words(self.case.scene.projectile)
+
+    @contextmanager
+    def named(self) -> Iterator[None]:
+        """An InputError inside this block names the input file and its key."""
+        try:
+            yield
+        except InputError as problem:
+            raise self.in_file(problem) from None
 
     def in_file(self, problem: InputError) -> InputError:
         """An InputError of what an input file asks, with the file and its key in it; any other as it is."""

@@ -396,19 +396,19 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     assert found.bracket == again.bracket
     assert found.summary()["plies"] == 2
     assert found.plot().axes[0].get_title(loc="left") == "2 x S-720"
-    alike = {"shots": 12, "batch": 6, "shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0, "folder": tmp_path}
+    alike = {"shots": 12, "batch": 6, "weibull_shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0, "out": tmp_path}
     curve = wc.v50("S-720", **alike, **panel)
     assert curve.v50 == pytest.approx(found.velocity, abs=10.0)
     assert curve.interval[0] <= curve.v50 <= curve.interval[1]
     assert curve.summary()["shots"] == 12 == len(curve.to_dataframe())
     assert curve.plot().axes[1].get_ylabel() == "residual velocity [m/s]"
-    before = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
-    assert wc.v50("S-720", **alike, **panel).study == curve.study
-    assert {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()} == before
+    before = {file: file.stat().st_mtime_ns for file in (tmp_path / "runs").iterdir()}
+    assert wc.v50("S-720", **alike, **panel, resume=True).study == curve.study
+    assert {file: file.stat().st_mtime_ns for file in (tmp_path / "runs").iterdir()} == before
     with pytest.raises(InputError, match="history: must be left out"):
         wc.v50("S-720", history={"warp": [0.0]})
     with pytest.raises(InputError, match="the yarns do not fail"):
-        wc.v50("S-720", yarn_failure=False, folder=tmp_path)
+        wc.v50("S-720", yarn_failure=False, out=tmp_path)
 
 
 def test_kept_results_do_not_depend_on_the_interface():
