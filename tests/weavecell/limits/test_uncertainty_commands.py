@@ -7,12 +7,12 @@ from typer.testing import CliRunner
 from weavecell.cli.app import program
 
 
-def test_v50_writes_its_folder(tmp_path):
+def test_v50_writes_its_folder(command, tmp_path):
     out = tmp_path / "out"
     words = ["v50", "S-720", "--shots", "8", "--batch", "4", "--opening", "30.6 mm", "--seed", "2", "--jobs", "1"]
-    run = CliRunner().invoke(program(), [*words, "--out", str(out)])
-    assert run.exit_code == 0, run.output
-    assert run.output.count(" with 95 % confidence") == 2
+    code, printed, _ = command(*words, "--out", str(out))
+    assert code == 0
+    assert printed.count(" with 95 % confidence") == 2
     assert {path.name for path in out.iterdir()} - {".lock"} == {
         "runs", "scene.toml", "shots.csv", "v50.csv", "v50.html", "v50.json", "v50.png",
     }  # fmt: skip
@@ -20,7 +20,7 @@ def test_v50_writes_its_folder(tmp_path):
     assert content["scatter"]["shape"] == 14.3
     assert content["provenance"]["commit"]
     assert content["projectile"] == "a cylinder of 3 g and 5.5 mm"
-    assert "projectile: a cylinder of 3 g and 5.5 mm" in run.output
+    assert "projectile: a cylinder of 3 g and 5.5 mm" in printed
     assert content["v50_m_s"] == content["curves"]["probit"]["V50"]
     assert "A series of tests up and down" in (out / "v50.html").read_text()
     assert len((out / "shots.csv").read_text().splitlines()) == 9
