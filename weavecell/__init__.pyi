@@ -1,7 +1,7 @@
 # Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
-from weavecell.api.exports import export, fit
+from weavecell.api.exports import DeckResult, export, fit
 from weavecell.api.limit_result import CriticalVelocityResult
 from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
@@ -27,6 +27,7 @@ __all__ = [
     "CalibrationResult",
     "CouponResult",
     "CriticalVelocityResult",
+    "DeckResult",
     "DoubtfulResult",
     "DrawsResult",
     "InputError",

@@ -48,7 +48,7 @@ COMMANDS = {
     "sensitivity": "api.runs.sensitivity",
     "v50": "api.runs.v50",
     "sweep": "sweep.sweep",
-    "export": "export.export",
+    "export": "api.exports.export",
     "fit": "fit.fit",
     "view": "view.view",
 }
@@ -56,6 +56,7 @@ COMMANDS = {
 # of `weavecell.setup` are options
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "critical-velocity": ("S-720 --tolerance '1 m/s'",),
+    "export": ("examples/S-720-stops.toml --to lsdyna --units g-mm-ms",),
     "sensitivity": ("S-720 --samples 64", "opening"),
     "v50": ("S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
 }

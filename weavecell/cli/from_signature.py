@@ -1,6 +1,6 @@
 """Commands of the command line made from functions of the Python interface.
 
-A positional parameter of the function becomes an argument, a keyword-only one an option with its default; the help is
+Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their default; the help is
 the text of the docstring, that of an option what the section Parameters says. The result is printed, and a doubtful one
 is exit code 3 where --strict is given. Two defaults differ: a command uses all cores, and computes the range over
 assumed laws.
@@ -23,6 +23,7 @@ from weavecell.commands.options import CORES, RESULTS
 from weavecell.report import checks
 
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
+ARGUMENTS = ("target",)
 METAVARS = {"target": "FILE|FABRIC", "executor": "local|mpi|dask", "out": "FOLDER"}
 SHORT = {"out": "-o"}
 LEAST = {"jobs": 1, "seed": 0}
@@ -41,17 +42,17 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
     """
     text, meanings = documented(function)
     parameters = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
-    positional = [p.name for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD]
+    required = [p.name for p in parameters if p.default is p.empty and p.name != "out"]
 
     def call(strict: bool, **values: Any) -> None:
         if values.get("out", "") is None:
-            values["out"] = RESULTS / f"{name}-{Path(values[positional[0]]).stem}"
+            values["out"] = RESULTS / "-".join((name, *(Path(values[key]).stem for key in required)))
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
             try:
                 chosen |= {key: _listed(chosen[key], key) for key in keywords if key in chosen}
-                result = function(*[chosen.pop(key) for key in positional], **chosen)
+                result = function(**chosen)
             except InputError as problem:
                 raise _of_option(problem, values) from None
         print(result)
@@ -118,12 +119,15 @@ def _parameter(parameter, meaning):
     kind = str if "str" in kinds or "FilePath" in kinds else kind
     kind = list[str] if kinds[0].startswith("list[") else kind
     settings: dict[str, Any] = {"help": meaning, "metavar": METAVARS.get(name), "min": LEAST.get(name)}
-    if parameter.kind is parameter.POSITIONAL_OR_KEYWORD:
+    if name in ARGUMENTS:
         annotation: Any = Annotated[kind, typer.Argument(**settings)]
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation)
+    if default is parameter.empty:
+        default = None if name == "out" else ...
     word = "--" + name.replace("_", "-")
     words = [f"{word}/--no-{word[2:]}" if default is True else word, *(SHORT[key] for key in SHORT if key == name)]
     annotation = Annotated[kind if default is not None else kind | None, typer.Option(*words, **settings)]
+    default = parameter.empty if default is ... else default
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 

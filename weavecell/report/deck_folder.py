@@ -55,7 +55,7 @@ SUPPORT = target.support(
 
 def made_of(setup: ImpactSetup, to: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
     """The deck of a set-up for a code of CODES; other parameters and exceptions as `deck.build`, `match` of MATCHES."""
-    for key, value, names in (("--to", to, CODES), ("--match", match, MATCHES)):
+    for key, value, names in (("to", to, CODES), ("match", match, MATCHES)):
         if value not in names:
             raise InputError(key=key, value=value, allowed=" or ".join(names))
     code = CODES[to]

@@ -53,6 +53,12 @@ class Target:
         return self.setup.title
 
     @property
+    def shot_title(self) -> str:
+        """The title of the input file, or fabric, plies and strike velocity."""
+        own = None if self.case is None else self.case.scene.title
+        return own or f"{self.title}, {self.setup.strike_velocity:g} m/s"
+
+    @property
     def law_name(self) -> str:
         """Where the compression laws come from, in words."""
         return self.setup.cell_model if self.case is None else self.case.law_name

@@ -211,7 +211,7 @@ def test_what_no_deck_holds_is_refused(options, key, tmp_path):
 
 def test_the_python_interface_writes_the_folder(tmp_path):
     given = wc.setup("S-728", "100 m/s", opening="40 mm", plies=2, stacking="alternating")
-    errors = wc.export(given, "radioss", tmp_path / "out", units="g-mm-ms")
+    errors = wc.export(given, "radioss", tmp_path / "out", units="g-mm-ms").summary()
     assert set(errors) == set(deck_folder.ROWS)
     assert 0 < errors["rms"] < errors["largest"] < 0.2
     written = {path.name for path in (tmp_path / "out").iterdir()}
@@ -220,7 +220,7 @@ def test_the_python_interface_writes_the_folder(tmp_path):
 
 
 @pytest.mark.parametrize(("given", "key"), [
-    ({"to": "nastran"}, "--to"), ({"units": "t-mm-s"}, "--units"), ({"match": "best"}, "--match"),
+    ({"to": "nastran"}, "to"), ({"units": "t-mm-s"}, "units"), ({"match": "best"}, "match"),
 ])  # fmt: skip
 def test_unknown_choices_are_refused(given, key, tmp_path):
     options = {"to": "lsdyna", "out": tmp_path / "out", **given}
