@@ -14,12 +14,13 @@ from tempfile import TemporaryDirectory
 import hero
 from PIL import Image
 
+import weavecell as wc
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write
 from validation.program import save
 from validation.published.biaxial_glass import model_comparison, options
-from weavecell.commands import biaxial, calibrate_all, coupon
+from weavecell.commands import biaxial, calibrate_all
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 REPORTS = Path(__file__).parents[1] / "docs" / "reports" / "figures"
@@ -69,7 +70,7 @@ def coupons(_):
     with TemporaryDirectory() as folder:
         for name, pictures in FROM_COUPONS.items():
             with suppress(UnstableError):
-                coupon.coupon(COUPONS / f"{name}.toml", out=Path(folder) / name)
+                wc.coupon(COUPONS / f"{name}.toml", out=Path(folder) / name)
             for picture in pictures:
                 keep(Path(folder) / name / "pictures" / picture, f"coupon-{name}-{picture}")
         biaxial.biaxial("S-731", out=Path(folder) / "biaxial")

@@ -1,10 +1,11 @@
 # Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
+from weavecell.api.coupons import CouponResult, coupon
 from weavecell.api.exports import DeckResult, export, fit
 from weavecell.api.limit_result import CriticalVelocityResult
-from weavecell.api.quasi_static import calibrate, coupon
-from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
+from weavecell.api.quasi_static import calibrate
+from weavecell.api.quasi_static_results import CalibrationResult
 from weavecell.api.result import Result
 from weavecell.api.results import ShotResult, SweepResult
 from weavecell.api.runs import (

@@ -9,7 +9,7 @@ it against the schema.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -135,12 +135,12 @@ def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> t
         )
     struck = {} if velocity is None else {"strike_velocity": velocity}
     table["projectile"] = {**table["projectile"], **struck}
-    written = _written(table, scenes_impact.Scene)
+    as_written = written(table, scenes_impact.Scene)
     if fabric is not None:
-        written["fabric"] |= {"name": fabric}
+        as_written["fabric"] |= {"name": fabric}
     rejected = dict(IMPACT.rejected) | {"history.report_positions": "left out: `weavecell.setup` does not support it"}
     try:
-        return scenes_impact.check(written, None, replace(IMPACT, rejected=rejected)), written
+        return scenes_impact.check(as_written, None, replace(IMPACT, rejected=rejected)), as_written
     except InputError as problem:
         raise named(problem) from None
 
@@ -182,9 +182,20 @@ def _stand_in(value):
     return f"{type(value).__name__}{_OBJECT}.json"
 
 
-def _written(values, model):
+def written(values: Mapping[str, Any], model: Any) -> dict[str, Any]:
     """A table as it stands in a file: numbers that are quantities become texts with the unit of their key."""
     return {key: _text(value, model.model_fields.get(key)) for key, value in values.items()}
+
+
+def fields_of(model: Any, name: str) -> dict[str, Any]:
+    """{key: field} of the table `name` of an input file."""
+    from weavecell.scenes.schema import tables_in
+
+    return {
+        key: field
+        for kind in tables_in(model.model_fields[name].annotation)
+        for key, field in kind.model_fields.items()
+    }
 
 
 def _text(value, entry):
@@ -220,13 +231,13 @@ def _unknown(key, value, known):
     return InputError(f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value)
 
 
-def named(problem: InputError) -> InputError:
-    """The InputErrors of a scene with keywords in place of the dotted keys of the file."""
+def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
+    """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the tables `flat`."""
     if isinstance(problem, InputErrors):
-        return together([named(one) for one in problem.problems])
+        return together([named(one, flat) for one in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
-    short = "velocity" if key == "projectile.strike_velocity" else rest if table in FLAT else ""
+    short = "velocity" if key == "projectile.strike_velocity" else rest if table in flat else ""
     if not short or not str(problem).startswith(key):
         return problem
     found = InputError(short + str(problem)[len(key) :])

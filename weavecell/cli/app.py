@@ -38,7 +38,7 @@ COMMANDS = {
     "surface": "response_surface.surface",
     "impact": "impact.impact",
     "biaxial": "biaxial.biaxial",
-    "coupon": "coupon.coupon",
+    "coupon": "api.coupons.coupon",
     "compare": "compare.compare",
     "critical-velocity": "api.runs.critical_velocity",
     "validate": "validation.validate",
@@ -56,6 +56,7 @@ COMMANDS = {
 # of `weavecell.setup` are options
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "critical-velocity": ("S-720 --tolerance '1 m/s'",),
+    "coupon": ("examples/coupons/S-728-bias.toml",),
     "export": ("examples/S-720-stops.toml --to lsdyna --units g-mm-ms",),
     "sensitivity": ("S-720 --samples 64", "opening"),
     "v50": ("S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),

@@ -18,7 +18,8 @@ from typing import Annotated, Any
 
 import typer
 
-from fabrics.errors import DoubtfulResult, InputError
+from fabrics.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
+from weavecell.api.result import Result
 from weavecell.commands.options import CORES, RESULTS
 from weavecell.report import checks
 
@@ -26,6 +27,7 @@ DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
 ARGUMENTS = ("target",)
 METAVARS = {"target": "FILE|FABRIC", "executor": "local|mpi|dask", "out": "FOLDER"}
 SHORT = {"out": "-o"}
+OF_PYTHON = ("test",)  # which an input file says
 LEAST = {"jobs": 1, "seed": 0}
 _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
 _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
@@ -41,7 +43,10 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
     keywords : of `weavecell.setup` that are options beside the function's own; lists are written as in a file
     """
     text, meanings = documented(function)
-    parameters = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
+    parameters = [
+        p for p in inspect.signature(function).parameters.values()
+        if p.kind is not p.VAR_KEYWORD and p.name not in OF_PYTHON
+    ]  # fmt: skip
     required = [p.name for p in parameters if p.default is p.empty and p.name != "out"]
 
     def call(strict: bool, **values: Any) -> None:
@@ -53,12 +58,19 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
             try:
                 chosen |= {key: _listed(chosen[key], key) for key in keywords if key in chosen}
                 result = function(**chosen)
+            except UnstableError as problem:
+                if problem.result is not None and "out" in values:
+                    print(problem.result, f"written to {values['out']}", sep="\n", flush=True)
+                raise
             except InputError as problem:
                 raise _of_option(problem, values) from None
         print(result)
-        if "out" in values:
-            print(f"written to {values['out']}", flush=True)
-        checks.report(result.checks, strict)
+        if isinstance(result, Result):
+            if "out" in values:
+                print(f"written to {values['out']}", flush=True)
+            checks.report(result.checks, strict)
+        elif strict and result.doubtful:  # done before
+            raise DoubtfulError("the result is doubtful")
 
     strict = Annotated[bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit.")]
     signature = [_parameter(p, meanings.get(p.name, "")) for p in parameters]

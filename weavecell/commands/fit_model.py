@@ -21,7 +21,7 @@ from weavecell.analysis import fired_tests
 from weavecell.analysis import fit as analysis
 from weavecell.analysis.fit import Fit, Parameter
 from weavecell.analysis.uncertainty import inputs
-from weavecell.commands import coupon
+from weavecell.results import coupon_measures
 from weavecell.scenes import build, of_commands, supported, target
 from weavecell.scenes import coupon as scenes_coupon
 from weavecell.scenes import impact as scenes
@@ -130,11 +130,11 @@ def _pulled(test, fabric, laws, cell, inputs, run, bending):
     from weavecell.results import pull_out
     from weavecell.results.coupon_measures import measures
 
-    table = CellModel(fabric, laws, *cell).table(coupon.TABLE_SIZE)
+    table = CellModel(fabric, laws, *cell).table(coupon_measures.TABLE_SIZE)
     if test == "pull_out":
         curve = pull_out.run(table, SimpleNamespace(**inputs), bending=bending)
         return curve.displacement, {"load": curve.load}
-    result = coupon.relaxed(table, test, inputs, **run)
+    result = coupon_measures.relaxed(table, test, inputs, **run)
     return result.prescribed, {key: y for key, (_, y) in measures(test, SimpleNamespace(**inputs), result).items()}
 
 
@@ -233,7 +233,7 @@ class Model:
         scene, cloth = case.scene, case.scene.fabric
         fabric, laws = inputs.changed_with_laws(case.fabric, case.laws, **factors)
         return {
-            "fabric": fabric, "laws": laws, "cell": coupon.cell_of(cloth), "inputs": dict(scene.test_table),
+            "fabric": fabric, "laws": laws, "cell": build.cell_of(cloth), "inputs": dict(scene.test_table),
             "run": scene.run.model_dump(exclude={"outputs"}), "bending": cloth.bending,
         }  # fmt: skip
 

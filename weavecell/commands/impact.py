@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fabrics import lazy
-from fabrics.errors import DoubtfulError, InputError, UnstableError, WeavecellError
+from fabrics.errors import DoubtfulError, InputError, UnstableError
 from weavecell.commands import options
 
 with lazy.imports():
@@ -41,7 +41,7 @@ with lazy.imports():
     from weavecell.report import page as report_page
     from weavecell.report.shot import shot_page, tables_shot
     from weavecell.results import impact as results_impact
-    from weavecell.results import impact_shapes, json_file, out_folder, paraview, progress, provenance, run_folder
+    from weavecell.results import impact_shapes, out_folder, paraview, progress, provenance, run_folder
     from weavecell.scenes import build, of_commands, words
     from weavecell.scenes import impact as scenes_impact
 
@@ -54,12 +54,6 @@ if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
 
 _OF_DRAWS = ("draws", "shape", "seed", "jobs", "executor")
-
-
-class Interrupted(WeavecellError):
-    """The user stopped a run that can be gone on with."""
-
-    exit_code = 130
 
 
 @options.example("weavecell impact examples/S-720-stops.toml")
@@ -125,15 +119,18 @@ def run(
     InputError : the scene or what it names is wrong; nothing has been written
     UnstableError : the run became unstable; what it had computed has been written
     DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
-    Interrupted : by the user; the last checkpoint has been kept
+    run_folder.Interrupted : by the user; the last checkpoint has been kept
     """
     scene, text = scenes_impact.load(path, of_commands.impact)
     this = build.build(scene, path, path.stem)
     setup = build.setup(this, path)
     key = run_cache.key((text, setup, with_range, uncertainty), "shellfabric.impact.simulation")
-    if resume and finished(out, key, strict):
+    if resume and (before := run_folder.finished(out, key)):
+        print(before)
+        if strict and before.doubtful:
+            raise DoubtfulError("the result is doubtful")
         return
-    out_folder.claim(out, resume and bool(checkpoints(out)))
+    out_folder.claim(out, resume and bool(run_folder.checkpoints(out)))
     title = scene.title or f"{setup.title}, {scene.projectile.strike_velocity:g} m/s"
 
     def shoot(setup, table=None, model=""):
@@ -146,13 +143,13 @@ def run(
     except InputError as problem:
         raise build.in_file(problem, path) from None
     except KeyboardInterrupt:
-        hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
-        raise Interrupted(f"interrupted{hint}") from None
+        hint = "; --resume goes on from its last checkpoint" if run_folder.checkpoints(out) else ""
+        raise run_folder.Interrupted(f"interrupted{hint}") from None
     plain = with_range and choice is None and failure is None and setup.plies == 1
     around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
         write(out, this, setup, record, snapshots, text, advance, choice, around, pair, key)
-    for checkpoint in checkpoints(out):
+    for checkpoint in run_folder.checkpoints(out):
         checkpoint.unlink()
     _tell(record, out, around, choice, pair)
     if failure is not None:
@@ -169,28 +166,6 @@ def _range(setup, record):
             return over_assumed.residual_velocity(setup, record.outcome, record.residual_velocity, advance)
     except KeyboardInterrupt:
         return None
-
-
-def finished(out: Path, key: str, strict: bool) -> bool:
-    """Whether a folder holds the results of the run with a `run_cache.key`, which is then printed.
-
-    Raises
-    ------
-    DoubtfulError : they are doubtful, and `strict`
-    """
-    file = out / "summary.json"
-    found = json_file.read_summary(file) if file.exists() and not checkpoints(out) else {}
-    if found.get("run_key") != key or found["outcome"] == "unstable":
-        return False
-    print(f"{found['title']}: {found['outcome']}; done before with the same input and code, in {out}")
-    if strict and found["checks"]["status"] == checks.DOUBTFUL:
-        raise DoubtfulError("the result is doubtful")
-    return True
-
-
-def checkpoints(out: Path) -> list[Any]:
-    """The checkpoints in a folder: one, or one for each model that has been tried."""
-    return sorted(out.glob("checkpoint*.h5"))
 
 
 def fire(

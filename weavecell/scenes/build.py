@@ -412,3 +412,8 @@ def _laws(table, key, fabric, file):
 
 def _source(fabric):
     return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))
+
+
+def cell_of(table: FabricTable) -> tuple[Any, ...]:
+    """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
+    return table.crossover_gap, table.cell_model, table.cell_formulation, table.cell_profile, table.fibre_slack
