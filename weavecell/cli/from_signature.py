@@ -115,7 +115,8 @@ def documented(function: Callable) -> tuple[str, dict[str, str]]:
     for names, meaning in _ENTRY.findall(sections[0] if sections else ""):
         other = re.fullmatch(r"as of `(\w+)`", meaning)
         known = documented(inspect.unwrap(function).__globals__[other[1]])[1] if other else {}
-        meanings |= {name: known.get(name, _escaped(" ".join(meaning.split()))) for name in names.split(", ")}
+        words = _escaped(" ".join(meaning.split()).split("; in Python")[0])
+        meanings |= {name: known.get(name, words) for name in names.split(", ")}
     return "\n\n".join(_escaped(" ".join(part.split())) for part in text.split("\n\n")), meanings
 
 

@@ -355,7 +355,7 @@ def test_a_coupon(tmp_path):
     assert "load" in found.plot().axes[0].get_ylabel()
     with pytest.raises(InputError, match="test = 'shear': must be one of bias_extension"):
         wc.coupon("S-720", "shear")
-    with pytest.raises(InputError, match="breadth = 1: must be one of .*shear_angle"):
+    with pytest.raises(InputError, match=r"breadth = 1: must be one of .*shear_angle"):
         wc.coupon("S-720", "picture_frame", breadth=1)
 
 
@@ -366,7 +366,7 @@ def test_a_pulled_yarn():
     assert found.plateau == pytest.approx(5.0, rel=0.03)
     assert found.summary()["peak_load_N"] == found.peak == found.to_dataframe()["load_N"].max()
     assert "load" in found.plot().axes[0].get_ylabel()
-    with pytest.raises(InputError, match="length = 1: must be one of .*crossings"):
+    with pytest.raises(InputError, match=r"length = 1: must be one of .*crossings"):
         wc.coupon("S-726", "pull_out", length=1)
     with pytest.raises(InputError, match="displacement: is missing"):
         wc.coupon("S-726", "pull_out")
