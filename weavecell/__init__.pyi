@@ -7,22 +7,19 @@ from weavecell.api.limit_result import CriticalVelocityResult
 from weavecell.api.quasi_static import calibrate
 from weavecell.api.quasi_static_results import CalibrationResult
 from weavecell.api.result import Result
-from weavecell.api.results import ShotResult, SweepResult
 from weavecell.api.runs import (
     backings,
     critical_velocity,
-    draws,
     fabric,
     fabrics,
     projectile,
     projectiles,
     sensitivity,
     setup,
-    shoot,
-    sweep,
     v50,
 )
 from weavecell.api.scatter_results import DrawsResult, SensitivityResult, V50Result
+from weavecell.api.shots import ShotResult, SweepResult, draws, shoot, sweep
 
 __all__ = [
     "CalibrationResult",

@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
-from fabrics import assumed, catalogue
 from fabrics import backings as backing_data
+from fabrics import catalogue
 from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UndecidedError, UnstableError
-from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import keywords, limit_result, quantities, targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.limit_result import CriticalVelocityResult
-from weavecell.api.results import ShotResult, SweepResult
-from weavecell.api.scatter_results import DrawsResult, SensitivityResult, V50Result
+from weavecell.api.scatter_results import SensitivityResult, V50Result
 from weavecell.results import progress
 from weavecell.scenes import of_commands
 
@@ -31,15 +28,12 @@ if TYPE_CHECKING:
 __all__ = [
     "backings",
     "critical_velocity",
-    "draws",
     "fabric",
     "fabrics",
     "projectile",
     "projectiles",
     "sensitivity",
     "setup",
-    "shoot",
-    "sweep",
     "v50",
 ]
 
@@ -156,146 +150,6 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
     return targets.made(fabric, velocity, options).setup
 
 
-def shoot(
-    fabric: Fabric | FilePath | None, velocity: float | str, *, assumed_range: bool = False, **options: Unpack[Keywords]
-) -> ShotResult:
-    """Fire a projectile at a panel, in this process.
-
-    A shot that is still in flight at `end_time` is a result with the outcome "in flight". A shot with a quality check
-    beyond its limit (docs/reports/checks.md) is `doubtful`, and warns with the category `DoubtfulResult`.
-
-    Parameters
-    ----------
-    fabric, velocity, options : as of `setup`
-    assumed_range : whether the residual velocity's range over assumed laws is computed: up to eight more shots, for one
-        ply
-
-    Returns
-    -------
-    ShotResult
-
-    Raises
-    ------
-    InputError : as `setup`
-    UnstableError : the run became unphysical; its attribute `result` is the ShotResult up to then
-
-    Examples
-    --------
-    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
-    >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
-    ('in flight', 148)
-    """
-    given = setup(fabric, velocity, **options)
-    shot, problem = _fire(given)
-    if problem:
-        error = UnstableError(problem)
-        error.result = shot
-        raise error
-    shot.warn()
-    if assumed_range and given.plies == 1:
-        from weavecell.analysis import assumed_range as analysis
-
-        shot = replace(shot, range=analysis.residual_velocity(given, shot.outcome, shot.residual_velocity))
-    return shot
-
-
-def sweep(setups: Iterable[ImpactSetup], *, jobs: int = 1, executor: str | Executor = "local") -> SweepResult:
-    """Fire several shots.
-
-    With jobs = 1 they run in this process one after the other; else in `jobs` processes with one thread each, and the
-    script that calls needs the guard `if __name__ == "__main__":`.
-
-    Parameters
-    ----------
-    setups : of `setup`
-    jobs : processes
-    executor : as of `fabrics.executors.open_executor`
-
-    Returns
-    -------
-    SweepResult, in the order of `setups`; an unstable shot has the outcome "unstable". Doubtful shots warn, all in one
-    `DoubtfulResult`
-
-    Raises
-    ------
-    InputError : a set-up that cannot be run, jobs below 1, or no such executor
-
-    Examples
-    --------
-    >>> setups = [wc.setup("S-720", velocity, opening="20 mm", end_time="10 us") for velocity in (100, 150)]
-    >>> [round(shot.residual_velocity) for shot in wc.sweep(setups)]
-    [99, 148]
-    """
-    given = [(each,) for each in setups]
-    found: dict[int, ShotResult] = {}
-    with open_executor(executor, jobs) as pool:
-        for index, (shot, _) in as_done(pool, _fire, given):
-            found[index] = shot
-    result = SweepResult(tuple(found[index] for index in range(len(given))))
-    result.warn()
-    return result
-
-
-def draws(
-    setup: ImpactSetup, count: int, *, shape: float | None = None, seed: int = 1,
-    folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local",
-) -> DrawsResult:  # fmt: skip
-    """Fire at `count` whole panels or packs, each yarn with a strength of its own.
-
-    Parameters
-    ----------
-    setup : of `setup`; its symmetry and what it records are not used
-    count : number of draws, at least 2
-    shape : Weibull shape of the strengths; None takes that of weavecell/analysis/uncertainty/inputs.toml
-    seed : of all that is drawn
-    folder : where finished draws are kept and taken from; None keeps none
-    jobs, executor : as of `sweep`
-
-    Returns
-    -------
-    DrawsResult; unstable draws count in no estimate
-
-    Raises
-    ------
-    InputError : a set-up that cannot be run, fewer than two draws, or yarns that do not fail
-
-    Examples
-    --------
-    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2, seed=7)
-    >>> found.summary()["in_flight"]
-    2
-    """
-    from tempfile import TemporaryDirectory
-
-    from weavecell.analysis.uncertainty import draws as analysis
-    from weavecell.analysis.uncertainty import inputs
-
-    scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
-    with TemporaryDirectory() as spare:
-        kept = spare if folder is None else folder
-        found = analysis.study(setup, scatter, count, folder=kept, seed=seed, jobs=jobs, executor=executor)
-    return DrawsResult(found)
-
-
-def _fire(given):
-    """(ShotResult, why it became unstable or "") of a set-up."""
-    from shellfabric.impact import simulation
-    from weavecell.results.impact import ImpactRecord
-    from weavecell.results.impact_shapes import Shape
-
-    result, problem = simulation.fired(given)
-    title = f"{given.name}, {given.strike_velocity:g} m/s"
-    laws = given.laws[0].provenance if given.laws else given.cell_model
-    record = ImpactRecord.of(result, title, "3D response surface" if given.surface is not None else laws, problem)
-    shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
-    return ShotResult(record, shapes, given.fabric, _assumed(given)), problem
-
-
-def _assumed(given):
-    """Lines that name what is assumed of the fabrics of a set-up."""
-    return tuple(line for fabric in given.fabrics for line in assumed.lines(fabric))
-
-
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None, *, tolerance: float | str = "1 m/s", residual_shots: int = 8,
     scan: bool = True, scan_above: float | str = "25 %", scan_below: float | str = "10 %",
@@ -376,7 +230,7 @@ def critical_velocity(
                 limit_result.write_shots(folder, panel, sorted(problem.shots, key=lambda shot: shot.strike_velocity))
             raise
         result = CriticalVelocityResult(
-            panel, found.limit, found.fit, _assumed(panel.setup), found.range, around if scan else None,
+            panel, found.limit, found.fit, targets.assumed_of(panel.setup), found.range, around if scan else None,
             time.perf_counter() - began,
         )  # fmt: skip
         if folder is not None:

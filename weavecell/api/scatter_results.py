@@ -2,6 +2,7 @@
 
 The folders that `save` writes, beside runs/ with a file for each run
     of a V50        v50.csv (curves), shots.csv, v50.json, v50.png, v50.html, scene.toml
+    of draws        draws.csv, summary.csv (means), summary.json, summary.png, summary.html, scene.toml
     of Sobol indices    sobol.csv, sobol.json, sobol.png, sobol.html, scene.toml
 """
 
@@ -26,34 +27,6 @@ if TYPE_CHECKING:
     from weavecell.scenes.target import Target
 
 __all__ = ["DrawsResult", "SensitivityResult", "V50Result"]
-
-
-@dataclass(frozen=True, repr=False)
-class DrawsResult(Result):
-    """Shots at panels or packs whose yarns differ in strength; the table has a row a draw.
-
-    Parameters
-    ----------
-    study : `weavecell.analysis.uncertainty.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
-
-    Examples
-    --------
-    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2)
-    >>> found.study.outcomes["in flight"]
-    2
-    """
-
-    study: Draws
-
-    def summary(self) -> dict[str, Any]:
-        """Mean, standard deviation and standard error of each quantity, and the probability of perforation."""
-        return self.study.summary()
-
-    def _columns(self):
-        units = {"residual_velocity": "m_s", "absorbed_energy": "J", "time": "s"}
-        units |= {"peak_tension_warp": "N", "peak_tension_weft": "N"}
-        columns = self.study.columns()
-        return {f"{name}_{units[name]}" if name in units else name: values for name, values in columns.items()}
 
 
 class _Study(Result):
@@ -245,6 +218,87 @@ class V50Result(_Study):
         shots = self.to_dataframe()
         shots.insert(2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")])
         files.write(Path(out) / "shots.csv", shots.to_csv(index=False, float_format="%.8g"))
+
+
+@dataclass(frozen=True, repr=False)
+class DrawsResult(_Study):
+    """Shots at panels or packs whose yarns differ in strength; `to_dataframe` has a row a draw.
+
+    Parameters
+    ----------
+    study : `weavecell.analysis.uncertainty.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
+    target : `weavecell.scenes.target.Target` that was shot at
+    wall_time : [s]
+
+    Examples
+    --------
+    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2)
+    >>> found.study.outcomes["in flight"]
+    2
+    """
+
+    study: Draws
+    target: Target
+    wall_time: float
+    name: ClassVar[str] = "summary"
+
+    def summary(self) -> dict[str, Any]:
+        """Mean, standard deviation and standard error of each quantity, and the probability of perforation."""
+        return self.study.summary()
+
+    def _columns(self):
+        units = {"residual_velocity": "m_s", "absorbed_energy": "J", "time": "s"}
+        units |= {"peak_tension_warp": "N", "peak_tension_weft": "N"}
+        columns = self.study.columns()
+        return {f"{name}_{units[name]}" if name in units else name: values for name, values in columns.items()}
+
+    def title(self) -> str:
+        return f"{self.target.shot_title}: {len(self.study.draws)} draws of yarn strength"
+
+    def table(self) -> DataFrame:
+        """Mean, standard error and standard deviation of each quantity."""
+        from pandas import DataFrame
+
+        from weavecell.analysis.uncertainty.draws import QUANTITIES
+
+        rows = []
+        for name, (unit, words) in QUANTITIES.items():
+            of = self.study.estimate(name)
+            rows.append((words, unit, of.mean, of.error, of.deviation))
+        return DataFrame(rows, columns=["quantity", "unit", "mean", "standard error", "standard deviation"])
+
+    def remarks(self) -> list[str]:
+        from weavecell.analysis.uncertainty.draws import CONFIDENCE
+
+        study, scatter = self.study, self.study.scatter
+        remarks = [
+            f"{words}: {mean:.4g} ± {error:.4g} {unit} (mean and standard error), scatter {deviation:.4g}"
+            for words, unit, mean, error, deviation in self.table().itertuples(index=False)
+        ]
+        share, low, high = study.probability()
+        outcomes = ", ".join(f"{count} {outcome}" for outcome, count in study.outcomes.items() if count)
+        remarks += [
+            f"probability of perforation {share:.2f}, {low:.2f} to {high:.2f} with {100 * CONFIDENCE:g} % confidence "
+            f"(Wilson); {outcomes}",
+            f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm, seed {study.seed}; every yarn of "
+            f"every ply is drawn and the whole panel computed; worst energy balance "
+            f"{100 * max(draw.balance for draw in study.draws):.2g} %",
+        ]
+        return remarks + [f"Note: {note}." for note in self.target.setup.notes]
+
+    def content(self) -> dict[str, Any]:
+        return self.study.summary()
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Residual velocities of the draws, and how their mean settles."""
+        from weavecell.report import pictures_uncertainty
+
+        return pictures_uncertainty.draws(pyplot, self.study, self.title())
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder."""
+        super().save(out)
+        files.write(Path(out) / "draws.csv", self.to_dataframe().to_csv(index=False, float_format="%.9g"))
 
 
 @dataclass(frozen=True, repr=False)

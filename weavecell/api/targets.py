@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import os
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -34,7 +34,10 @@ RUNS = "runs"  # folder of finished runs
 ANY_VELOCITY = 100.0  # [m/s] of a set-up whose strike velocity is not used
 
 
-def of(target: Fabric | FilePath | ImpactSetup | None, options: Mapping[str, Any], support: Support) -> Target:
+def of(
+    target: Fabric | FilePath | ImpactSetup | None, options: Mapping[str, Any],
+    support: Support | Callable[..., Support], velocity: float | str | None = None, *, history: bool = False,
+) -> Target:  # fmt: skip
     """The target of a study.
 
     Parameters
@@ -42,25 +45,28 @@ def of(target: Fabric | FilePath | ImpactSetup | None, options: Mapping[str, Any
     target : a set-up, the path of an input file, or a fabric as of `weavecell.setup`
     options : keywords of `weavecell.setup` beside a fabric; none beside the others
     support : what the study does with the keys of an input file
+    velocity : [m/s] at which a fabric is struck; of a study that chooses it None
+    history : whether [history] means something to the study
 
     Raises
     ------
-    InputError : as `weavecell.setup`; keywords beside a set-up or an input file
+    InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file
     """
     from shellfabric.impact.simulation import ImpactSetup
 
     chosen = {key: value for key, value in options.items() if value is not None}
+    beside = chosen if velocity is None else chosen | {"velocity": velocity}
     if isinstance(target, ImpactSetup):
-        _refuse(chosen, "a set-up")
+        _refuse(beside, "a set-up")
         return Target(None, target, "", target.title, from_file=False)
     if isinstance(target, (str, os.PathLike)) and targets.is_input_file(str(target)):
-        _refuse(chosen, "an input file")
+        _refuse(beside, "an input file")
         return targets.read(str(target), Path.cwd(), support)
     if isinstance(target, str) and not target.endswith(".toml") and target not in catalogue.list_names():
         raise InputError(key="TARGET", value=target, allowed=targets.ALLOWED + ", ".join(catalogue.list_names()))
-    if "history" in chosen:
+    if "history" in chosen and not history:
         raise InputError(key="history", allowed=targets.NO_HISTORY["history"])
-    panel = made(target, ANY_VELOCITY, chosen)
+    panel = made(target, ANY_VELOCITY if velocity is None else velocity, chosen)
     for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
         targets.build.LOG.info(line)
     return panel
@@ -94,7 +100,8 @@ def made(fabric: Fabric | FilePath | None, velocity: float | str, options: Mappi
         laws = quantities.laws(fabric, law) if cell is None and table.cell_model == "compressible" else None
         if scene.panel.plies > 1:
             fabric = build.with_ply_contact(fabric, options.get("ply_contact"), law)
-        return fabric, cell, laws, laws[0].provenance if laws else table.cell_model
+        name = "3D response surface" if cell is not None else laws[0].provenance if laws else table.cell_model
+        return fabric, cell, laws, name
 
     try:
         fabrics, plies = build.lay_up(scene, of_table)
@@ -110,6 +117,11 @@ def made(fabric: Fabric | FilePath | None, velocity: float | str, options: Mappi
     for note in ply.notes:
         warnings.warn(note, stacklevel=line_of_the_user + 1)
     return Target(case, ply, keywords.text(written, fabric), ply.title, from_file=False)
+
+
+def assumed_of(setup: ImpactSetup) -> tuple[str, ...]:
+    """Lines that name what is assumed of the fabrics of a set-up."""
+    return tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric))
 
 
 def as_fabric(given: Fabric | FilePath) -> Fabric:

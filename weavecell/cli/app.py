@@ -36,7 +36,8 @@ COMMANDS = {
     "mesh": "mesh.mesh",
     "calibrate": "calibrate.calibrate",
     "surface": "response_surface.surface",
-    "impact": "impact.impact",
+    "impact": "api.shots.shoot",
+    "draws": "api.shots.draws",
     "biaxial": "biaxial.biaxial",
     "coupon": "api.coupons.coupon",
     "compare": "compare.compare",
@@ -57,7 +58,9 @@ COMMANDS = {
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "critical-velocity": ("S-720 --tolerance '1 m/s'",),
     "coupon": ("examples/coupons/S-728-bias.toml",),
+    "draws": ("examples/S-720-perforates.toml --count 20",),
     "export": ("examples/S-720-stops.toml --to lsdyna --units g-mm-ms",),
+    "impact": ("examples/S-720-stops.toml",),
     "sensitivity": ("S-720 --samples 64", "opening"),
     "v50": ("S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
 }

@@ -25,9 +25,10 @@ from weavecell.report import checks
 
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
 ARGUMENTS = ("target",)
-METAVARS = {"target": "FILE|FABRIC", "executor": "local|mpi|dask", "out": "FOLDER"}
+METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER"}
 SHORT = {"out": "-o"}
-OF_PYTHON = ("test",)  # which an input file says
+OF_PYTHON = ("test", "velocity")  # which an input file says
+OF_ONE_RUN = ("impact", "coupon")  # whose folder is named after the input file alone
 LEAST = {"jobs": 1, "seed": 0}
 _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
 _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
@@ -51,7 +52,8 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
 
     def call(strict: bool, **values: Any) -> None:
         if values.get("out", "") is None:
-            values["out"] = RESULTS / "-".join((name, *(Path(values[key]).stem for key in required)))
+            stems = [Path(values[key]).stem for key in required]
+            values["out"] = RESULTS / "-".join(stems if name in OF_ONE_RUN else [name, *stems])
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
@@ -126,13 +128,15 @@ def _escaped(text):
 
 def _parameter(parameter, meaning):
     """A parameter as typer takes it; one that is left out has the function's own default."""
-    name, default = parameter.name, DEFAULTS.get(parameter.name, parameter.default)
+    name, default = parameter.name, parameter.default
+    default = default if default is None else DEFAULTS.get(name, default)
     kinds = parameter.annotation.split(" | ")
     kind = next((kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds), str)
     kind = str if "str" in kinds or "FilePath" in kinds else kind
     kind = list[str] if kinds[0].startswith("list[") else kind
     settings: dict[str, Any] = {"help": meaning, "metavar": METAVARS.get(name), "min": LEAST.get(name)}
     if name in ARGUMENTS:
+        settings["metavar"] = "FILE|FABRIC" if "fabric" in meaning else "FILE"
         annotation: Any = Annotated[kind, typer.Argument(**settings)]
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation)
     if default is parameter.empty:

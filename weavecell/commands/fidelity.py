@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError, UnstableError
 from weavecell.report.page import Section, Table
-from weavecell.scenes import build, of_commands
-from weavecell.scenes import impact as scenes_impact
+from weavecell.scenes import build
 from weavecell.scenes.impact import Scene
 
 if TYPE_CHECKING:
@@ -54,7 +52,7 @@ def run(scene: Scene, setup: Any, shoot: Callable[..., Any], uncertainty: bool) 
 
         if scene.accuracy is not None:
             allowed = "left out for a scene with [accuracy], which chooses its meshes and compares them"
-            raise InputError(key="--uncertainty", value="given", allowed=allowed)
+            raise InputError(key="uncertainty", allowed=allowed)
         shot, pair = discretisation.run_pair(setup, shoot)
         return shot, None, pair
     if scene.accuracy is None:
@@ -92,68 +90,12 @@ def answer(scene: Scene, setup: ImpactSetup, shoot: Callable[..., Any]) -> tuple
 
     try:
         targets = scene.accuracy.targets  # type: ignore[union-attr]
-        choice = select.answer(setup, targets, fixed=by_hand(scene), fire=fire, on_progress=print)
+        choice = select.answer(setup, targets, fixed=by_hand(scene), fire=fire, on_progress=build.LOG.info)
     except UnstableError:
         if last is None:
             raise
         choice = None
     return last, choice
-
-
-def explain(path: Path) -> None:
-    """Print what the scene at `path` could be answered with, what each is expected to be off by, and what is chosen.
-
-    Raises
-    ------
-    InputError : the scene or what it names is wrong, or it has no accuracy targets
-    """
-    import rich
-    from rich import box, table
-
-    from weavecell.analysis.fidelity import error_database, select
-
-    scene, _ = scenes_impact.load(path, of_commands.EXPLAIN)
-    if scene.accuracy is None:
-        raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
-    this = build.build(scene, path, path.stem)
-    setup = build.setup(this, path)
-    options = select.options(setup, scene.accuracy.targets, fixed=by_hand(scene))
-    chosen = select.pick(options)
-    targets = scene.accuracy.targets if setup.plies == 1 else {}  # errors of a pack are not known before its runs
-    title = f"Models, the cheapest first{'; likely errors' if targets else ''}"
-    shown = table.Table(box=box.SIMPLE_HEAD, title=title, title_justify="left")
-    for column in ("", "model", "part", "elements", "cost", *targets):
-        shown.add_column(column.replace("_", " "))
-    for option in options:
-        shown.add_row("->" if option is chosen else "", *_row(option, targets))
-    wanted = ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in scene.accuracy.targets.items())
-    if setup.plies > 1:
-        rich.print(shown)
-        print(f"targets: {wanted}")
-        print("errors of a pack are the differences of both meshes, which are known when both have been run")
-        return
-    known_errors = error_database.load()
-    for name, known in known_errors.others.items():
-        errors = (_percent(known["expected"][quantity]) for quantity in scene.accuracy.targets)
-        shown.add_row("", name, "-", "-", f"{known['cost']:.3f}", *errors)
-    rich.print(shown)
-    print(f"targets: {wanted}")
-    print("cost: process time over that of the full model, as the survey found it (docs/reports/fidelity.md)")
-    print(
-        "errors: four scenes in five of the survey stay below. A run looks at its own scene first, by two scouts, and"
-    )
-    print("may choose a cheaper or a dearer model; the cable net is there to compare with, and never chosen")
-    known = ", ".join(f"{_plain(name)} {_percent(known_errors.own(name))}" for name in scene.accuracy.targets)
-    print(f"the full model itself is only known to about: {known}")
-    print(f"projectile: {_projectile(scene)}")
-
-
-def _projectile(scene):
-    if "body" in scene.projectile.model_fields_set:
-        return f"{scene.projectile.body}, as the scene says"
-    if scene.projectile.shape != "flat":
-        return "rigid; only a flat cylinder of steel could be elastic"
-    return "rigid if a scout's contact lasts long enough against its period, and an elastic bar if not"
 
 
 def _row(option, targets):
@@ -193,18 +135,20 @@ def summary(choice: Answer | None) -> dict[str, Any]:
     }
 
 
-def tell(choice: Answer) -> None:
-    """Print whether the promise holds, and what the target quantities are."""
+def words(choice: Answer) -> str:
+    """Whether the promise holds, and what the target quantities are, a line each."""
     final = choice.final
-    found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
+    errors = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
     model = f"{final.option.model.name}, {final.option.setup.symmetry} panel"
-    print(f"accuracy {_verdict(choice)}: {model}; errors {found}")
+    lines = [f"accuracy {_verdict(choice)}: {model}; errors {errors}"]
     if "peak_tension" in choice.targets and choice.regime == "held" and final.partner:
         warp, weft = final.values["peak_tension"]
-        print(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
+        lines.append(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
     for name, share in choice.targets.items():
         if choice.own[name] > share:
-            print(f"{_plain(name)}: the full model itself is only known to about {_percent(choice.own[name])}")
+            known = _percent(choice.own[name])
+            lines.append(f"{_plain(name)}: the full model itself is only known to about {known}")
+    return "\n".join(lines)
 
 
 def _verdict(choice):

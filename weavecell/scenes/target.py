@@ -61,7 +61,11 @@ class Target:
     @property
     def law_name(self) -> str:
         """Where the compression laws come from, in words."""
-        return self.setup.cell_model if self.case is None else self.case.law_name
+        if self.case is not None:
+            return self.case.law_name
+        if self.setup.surface is not None:
+            return "3D response surface"
+        return self.setup.laws[0].provenance if self.setup.laws else self.setup.cell_model
 
     @property
     def projectile(self) -> str | None:
