@@ -7,6 +7,7 @@ from weavecell.api.limit_result import CriticalVelocityResult
 from weavecell.api.quasi_static import calibrate
 from weavecell.api.quasi_static_results import CalibrationResult
 from weavecell.api.result import Result
+from weavecell.api.run_size import RunSize
 from weavecell.api.runs import (
     backings,
     critical_velocity,
@@ -30,6 +31,7 @@ __all__ = [
     "DrawsResult",
     "InputError",
     "Result",
+    "RunSize",
     "SensitivityResult",
     "ShotResult",
     "SweepResult",

@@ -34,6 +34,7 @@ from fabrics.fabric import Fabric
 from weavecell.api import targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result, figure, plain
+from weavecell.api.run_size import RunSize
 from weavecell.api.scatter_results import DrawsResult
 from weavecell.results import progress, run_folder
 from weavecell.scenes import of_commands
@@ -56,8 +57,8 @@ Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
 def shoot(
     target: Fabric | FilePath | ImpactSetup | None, velocity: float | str | None = None, *,
-    assumed_range: bool = False, uncertainty: bool = False, out: FilePath | None = None, resume: bool = False,
-    **options: Unpack[Keywords],
+    assumed_range: bool = False, uncertainty: bool = False, check: bool = False, out: FilePath | None = None,
+    resume: bool = False, **options: Unpack[Keywords],
 ) -> ShotResult:  # fmt: skip
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
 
@@ -74,6 +75,7 @@ def shoot(
     velocity : of a fabric, [m/s] of the strike
     assumed_range : of one ply where a law of the fabric is assumed, repeat the shot with both ends of its range
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result
+    check : run nothing and write nothing: tell elements, steps, memory, CPU time, and what is assumed
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run of another version
         of the code is refused
@@ -81,8 +83,8 @@ def shoot(
 
     Returns
     -------
-    ShotResult; where the folder holds the results of this very run, `run_folder.Finished`. One with a quality check
-    beyond its limit (docs/reports/checks.md) is `doubtful`, and warns with `DoubtfulResult`
+    ShotResult, one with a quality check beyond its limit (docs/reports/checks.md) is `doubtful` and warns with
+    `DoubtfulResult`; of `check` RunSize; where the folder holds the results of this very run `run_folder.Finished`
 
     Raises
     ------
@@ -96,6 +98,10 @@ def shoot(
     ('in flight', 148)
     """
     panel = targets.of(target, options, of_commands.impact, velocity, history=True)
+    if check:
+        with panel.named():
+            size = RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))
+        return size  # type: ignore[return-value]
     key = run_cache.key((panel.text, panel.setup, assumed_range, uncertainty), "shellfabric.impact.simulation")
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]

@@ -68,7 +68,7 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
                 raise _of_option(problem, values) from None
         print(result)
         if isinstance(result, Result):
-            if "out" in values:
+            if "out" in values and not values.get("check"):
                 print(f"written to {values['out']}", flush=True)
             checks.report(result.checks, strict)
         elif strict and result.doubtful:  # done before
