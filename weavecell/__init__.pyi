@@ -20,7 +20,8 @@ from weavecell.api.runs import (
     v50,
 )
 from weavecell.api.scatter_results import DrawsResult, SensitivityResult, V50Result
-from weavecell.api.shots import ShotResult, SweepResult, draws, shoot, sweep
+from weavecell.api.shots import ShotResult, draws, shoot
+from weavecell.api.sweeps import SweepResult, SweepTable, sweep
 
 __all__ = [
     "CalibrationResult",
@@ -35,6 +36,7 @@ __all__ = [
     "SensitivityResult",
     "ShotResult",
     "SweepResult",
+    "SweepTable",
     "UndecidedError",
     "UnstableError",
     "V50Result",

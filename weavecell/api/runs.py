@@ -207,7 +207,7 @@ def critical_velocity(
     from weavecell.analysis import limit_search
     from weavecell.report import checks
 
-    width, began = _above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
+    width, began = quantities.above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
     with keywords.of_group("scan", shares):
         around = ScanRange(**{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()})
@@ -350,7 +350,7 @@ def sensitivity(
     from weavecell.analysis.uncertainty import sobol
 
     began = time.perf_counter()
-    velocities = [_above_zero(text, "m/s", "velocity") for text in velocity or ()]
+    velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
     panel = targets.of(target, options, of_commands.SENSITIVITY)
     own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
     with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
@@ -363,10 +363,3 @@ def sensitivity(
         if folder is not None:
             result.save(folder)
     return result
-
-
-def _above_zero(value, unit, key):
-    found = quantities.number(value, unit, key)
-    if not found > 0:
-        raise InputError(key=key, value=value, allowed="above 0")
-    return found

@@ -1,4 +1,4 @@
-"""One impact on one ply or several, from its input file or keywords to its folder of results; and several of them.
+"""One impact on one ply or several, from its input file or keywords to its folder of results.
 
 The folder of an impact
     scene.toml      the input file as it was given
@@ -20,20 +20,18 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack, cast, overload
+from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
 from fabrics import run_cache
 from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError, UnstableError
-from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
 from weavecell.api import targets
 from weavecell.api.keywords import Keywords
-from weavecell.api.result import Result, figure, plain
+from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
 from weavecell.api.scatter_results import DrawsResult
 from weavecell.results import progress, run_folder
@@ -50,7 +48,7 @@ if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape
     from weavecell.scenes.target import Target
 
-__all__ = ["ShotResult", "SweepResult", "draws", "shoot", "sweep"]
+__all__ = ["ShotResult", "draws", "shoot"]
 
 Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
@@ -145,11 +143,12 @@ def _answer(panel, key, folder, resume, uncertainty):
         kept = folder is not None and run_folder.checkpoints(folder)
         hint = "; --resume goes on from its last checkpoint" if kept else ""
         raise run_folder.Interrupted(f"interrupted{hint}") from None
-    shapes = _shapes(snapshots)
+    shapes = shapes_of(snapshots)
     return ShotResult(record, shapes, setup.fabric, targets.assumed_of(setup), None, panel, choice, pair, key), failure
 
 
-def _shapes(snapshots):
+def shapes_of(snapshots: Any) -> tuple[tuple[Shape, ...], ...]:
+    """The Shapes of a run's snapshots, of each instant those of all plies."""
     from weavecell.results.impact_shapes import Shape
 
     return tuple(tuple(map(Shape.of, plies)) for plies in snapshots)
@@ -246,54 +245,6 @@ def draws(
         problem.result = result
         raise problem
     return result
-
-
-def sweep(setups: Iterable[ImpactSetup], *, jobs: int = 1, executor: str | Executor = "local") -> SweepResult:
-    """Fire several shots.
-
-    With jobs = 1 they run in this process one after the other; else in `jobs` processes with one thread each, and the
-    script that calls needs the guard `if __name__ == "__main__":`.
-
-    Parameters
-    ----------
-    setups : of `setup`
-    jobs : processes
-    executor : as of `fabrics.executors.open_executor`
-
-    Returns
-    -------
-    SweepResult, in the order of `setups`; an unstable shot has the outcome "unstable". Doubtful shots warn, all in one
-    `DoubtfulResult`
-
-    Raises
-    ------
-    InputError : a set-up that cannot be run, jobs below 1, or no such executor
-
-    Examples
-    --------
-    >>> setups = [wc.setup("S-720", velocity, opening="20 mm", end_time="10 us") for velocity in (100, 150)]
-    >>> [round(shot.residual_velocity) for shot in wc.sweep(setups)]
-    [99, 148]
-    """
-    given = [(each,) for each in setups]
-    found: dict[int, ShotResult] = {}
-    with open_executor(executor, jobs) as pool:
-        for index, (shot, _) in as_done(pool, _fire, given):
-            found[index] = shot
-    result = SweepResult(tuple(found[index] for index in range(len(given))))
-    result.warn()
-    return result
-
-
-def _fire(setup):
-    """(ShotResult, why it became unstable or "") of a set-up, in a process of a sweep."""
-    from shellfabric.impact import simulation
-    from weavecell.results.impact import ImpactRecord
-
-    result, problem = simulation.fired(setup)
-    panel = targets.of(setup, {}, of_commands.IMPACT)
-    record = ImpactRecord.of(result, panel.shot_title, panel.law_name, problem)
-    return ShotResult(record, _shapes(result.snapshots), setup.fabric, targets.assumed_of(setup)), problem
 
 
 @dataclass(frozen=True, repr=False)
@@ -494,78 +445,3 @@ class ShotResult(Result):
         if self.pair is not None:
             lines.append(chapters_discretisation.words(self.pair))
         return "\n".join(lines)
-
-
-@dataclass(frozen=True, repr=False)
-class SweepResult(Result, Sequence):
-    """Results of several shots, in their order; an unstable one has the outcome "unstable".
-
-    Parameters
-    ----------
-    shots : tuple of ShotResult
-
-    Examples
-    --------
-    >>> shots = wc.sweep([wc.setup("S-720", 150, opening="20 mm", end_time="10 us")])
-    >>> len(shots), shots[0].outcome
-    (1, 'in flight')
-    """
-
-    shots: tuple[ShotResult, ...]
-
-    def __len__(self) -> int:
-        return len(self.shots)
-
-    @overload
-    def __getitem__(self, index: int) -> ShotResult: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> tuple[ShotResult, ...]: ...
-
-    def __getitem__(self, index: int | slice) -> ShotResult | tuple[ShotResult, ...]:
-        return self.shots[index]
-
-    def __iter__(self) -> Iterator[ShotResult]:
-        return iter(self.shots)
-
-    @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Each quality check of the shot in which it is worst, without unstable shots."""
-        from shellfabric.panel import quality
-
-        return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
-
-    def _what(self):
-        some = [f"{shot.strike_velocity:g} m/s" for shot in self.shots if shot.doubtful and shot.outcome != "unstable"]
-        return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(some)}; worst"
-
-    def summary(self) -> dict[str, Any]:
-        """Number of shots of each outcome and of doubtful ones, and the worst checks in words."""
-        outcomes: list[str] = [shot.outcome for shot in self.shots]
-        found: dict[str, Any] = {"shots": len(self.shots)}
-        found |= {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
-        return found | {"doubtful": sum(shot.doubtful for shot in self.shots), "checks": self.checks_text}
-
-    def _columns(self):
-        rows = [{key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots]
-        names = dict.fromkeys(name for row in rows for name in row)
-        return {name: [row.get(name) for row in rows] for name in names}
-
-    def plot(self) -> Figure:
-        """A matplotlib figure: residual against strike velocity [m/s]."""
-
-        def draw(pyplot):
-            figure, axes = pyplot.subplots(figsize=(7.2, 4.4))
-            for outcome in dict.fromkeys(shot.outcome for shot in self.shots):
-                some = [shot for shot in self.shots if shot.outcome == outcome]
-                axes.plot(
-                    [shot.strike_velocity for shot in some],
-                    [shot.residual_velocity for shot in some],
-                    "o",
-                    label=outcome,
-                )
-            axes.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
-            axes.legend()
-            return figure
-
-        return figure(draw)

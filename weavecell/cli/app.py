@@ -48,7 +48,7 @@ COMMANDS = {
     "crossover": "crossover.crossover",
     "sensitivity": "api.runs.sensitivity",
     "v50": "api.runs.v50",
-    "sweep": "sweep.sweep",
+    "sweep": "api.sweeps.sweep",
     "export": "api.exports.export",
     "fit": "fit.fit",
     "view": "view.view",
@@ -62,6 +62,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "export": ("examples/S-720-stops.toml --to lsdyna --units g-mm-ms",),
     "impact": ("examples/S-720-stops.toml",),
     "sensitivity": ("S-720 --samples 64", "opening"),
+    "sweep": ("pack.toml --over panel.plies=2,4,8 --quantity critical-velocity",),
     "v50": ("S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
 }
 GROUPS = {
