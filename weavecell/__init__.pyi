@@ -1,6 +1,7 @@
 # Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
+from weavecell.api.comparison import ComparisonResult, compare
 from weavecell.api.coupons import CouponResult, coupon
 from weavecell.api.exports import DeckResult, export, fit
 from weavecell.api.limit_result import CriticalVelocityResult
@@ -25,6 +26,7 @@ from weavecell.api.sweeps import SweepResult, SweepTable, sweep
 
 __all__ = [
     "CalibrationResult",
+    "ComparisonResult",
     "CouponResult",
     "CriticalVelocityResult",
     "DeckResult",
@@ -43,6 +45,7 @@ __all__ = [
     "__version__",
     "backings",
     "calibrate",
+    "compare",
     "coupon",
     "critical_velocity",
     "draws",

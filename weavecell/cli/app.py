@@ -40,7 +40,7 @@ COMMANDS = {
     "draws": "api.shots.draws",
     "biaxial": "biaxial.biaxial",
     "coupon": "api.coupons.coupon",
-    "compare": "compare.compare",
+    "compare": "api.comparison.compare",
     "critical-velocity": "api.runs.critical_velocity",
     "validate": "validation.validate",
     "cost-accuracy": "validation.cost_accuracy",
@@ -57,6 +57,7 @@ COMMANDS = {
 # of `weavecell.setup` are options
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "critical-velocity": ("S-720 --tolerance '1 m/s'",),
+    "compare": ("tests.csv examples/S-728-pack.toml",),
     "coupon": ("examples/coupons/S-728-bias.toml",),
     "draws": ("examples/S-720-perforates.toml --count 20",),
     "export": ("examples/S-720-stops.toml --to lsdyna --units g-mm-ms",),

@@ -24,7 +24,7 @@ from weavecell.commands.options import CORES, RESULTS
 from weavecell.report import checks
 
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
-ARGUMENTS = ("target",)
+ARGUMENTS = ("target", "tests")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER"}
 SHORT = {"out": "-o"}
 OF_PYTHON = ("test", "velocity")  # which an input file says
@@ -48,7 +48,7 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
         p for p in inspect.signature(function).parameters.values()
         if p.kind is not p.VAR_KEYWORD and p.name not in OF_PYTHON
     ]  # fmt: skip
-    required = [p.name for p in parameters if p.default is p.empty and p.name != "out"]
+    required = [p.name for p in parameters if p.default is p.empty and p.name not in ("out", "tests")]
 
     def call(strict: bool, **values: Any) -> None:
         if values.get("out", "") is None:
@@ -136,7 +136,7 @@ def _parameter(parameter, meaning):
     kind = list[str] if kinds[0].startswith("list[") else kind
     settings: dict[str, Any] = {"help": meaning, "metavar": METAVARS.get(name), "min": LEAST.get(name)}
     if name in ARGUMENTS:
-        settings["metavar"] = "FILE|FABRIC" if "fabric" in meaning else "FILE"
+        settings["metavar"] = name.upper() if name != "target" else "FILE|FABRIC" if "fabric" in meaning else "FILE"
         annotation: Any = Annotated[kind, typer.Argument(**settings)]
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation)
     if default is parameter.empty:

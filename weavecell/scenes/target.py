@@ -1,7 +1,7 @@
 """What a command shoots at: an input file, a fabric of the catalogue, or a fabric file.
 
 A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and clamped, struck by the flat cylinder of
-3 g and 5.5 mm (`demo.toml`).
+3 g and 5.5 mm (`STANDARD`).
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,11 @@ from weavecell.scenes.supported import Support, of
 ALLOWED = "an input file or fabric file (*.toml), or one of "
 UNWRITTEN = of("run", "snapshot_interval checkpoint_interval outputs")  # by commands that shoot many times
 NO_HISTORY = {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
+STANDARD = {
+    "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "strike_velocity": "92.5 m/s"},
+    "panel": {"opening": "203 mm"},
+    "run": {"end_time": "600 us"},
+}
 _OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
 
 
@@ -94,9 +98,7 @@ def support(*, ignored: tuple[str, ...] = ("title", *UNWRITTEN), rejected: Mappi
     return Support(scenes.Scene, ignored, refused, build.SHOT_RULES)
 
 
-def read(
-    name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None = None, own_mesh: bool = False, **panel: Any
-) -> Target:
+def read(name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None = None) -> Target:
     """The target of a name.
 
     Parameters
@@ -105,33 +107,23 @@ def read(
     out : folder of the results, from which the standard scene of a fabric file is named
     check : Support, or a function that gives it from the scene
     changes : {dotted key: value as it is written} in place of what the scene says
-    own_mesh : whether the command chooses the mesh of the standard scene
-    panel : keys of [panel] of the standard scene, as they are written; those that are None are left out
 
     Raises
     ------
-    InputError : no such file or fabric, a wrong one, a key that the command does not honour, or keys of a panel beside
-        an input file, which has its own
+    InputError : no such file or fabric, a wrong one, or a key that the command does not honour
     """
-    stem, given = Path(name).stem, {key: value for key, value in panel.items() if value is not None}
+    stem = Path(name).stem
     if name in catalogue.list_names():
         fabric = {"name": name}
     elif name.endswith(".toml"):
-        text, found = scenes.read_toml(name, what="scene or fabric")
-        if _OF_A_SCENE & set(found):
-            for key, value in given.items():
-                raise InputError(key=f"--{key}", value=value, allowed=f"left out: panel.{key} of {name} has it")
-            return _target(scenes.check(changed(found, changes), name, check), name, stem, text, from_file=True)
+        text, table = scenes.read_toml(name, what="scene or fabric")
+        if _OF_A_SCENE & set(table):
+            return _target(scenes.check(changed(table, changes), name, check), name, stem, text, from_file=True)
         catalogue.read(name)
         fabric = {"file": os.path.relpath(name, out)}
     else:
         raise InputError(key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names()))
-    demo: Any = resources.files("weavecell") / "scenes" / "demo.toml"
-    standard = scenes.read_toml(demo, what="demonstration")[1]["scene"]
-    own = {key: value for key, value in (standard["fabric"] | {"name": None} | fabric).items() if value is not None}
-    table = {**standard, "fabric": own, "panel": standard["panel"] | given}
-    if own_mesh or "grading" in given:
-        table["run"] = {key: value for key, value in standard["run"].items() if key != "elements_per_crossover"}
+    table = {"fabric": fabric, **{key: dict(value) for key, value in STANDARD.items()}}
     text = tomlkit.dumps(table)
     return _target(scenes.check(changed(table, changes), out / "scene.toml", check), name, stem, text)
 
