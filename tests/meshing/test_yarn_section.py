@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, trapezoid
 
-from fabrics.errors import InputError
 from meshing.section import KINDS, Section
 
 WIDTH, AREA = 1.27e-3, 1.6e-7
@@ -40,20 +39,3 @@ def test_meshed_area_converges_with_order_two(kind):
     assert np.all(np.array(errors) > 0)
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
     assert np.log2(errors[1] / errors[2]) == pytest.approx(2, abs=0.05)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"kind": "round"}, "section = 'round': must be sine or ellipse"),
-        ({"width": 0.0}, "width = 0.0: must be a positive number"),
-        ({"thickness": -1e-4}, "thickness = -0.0001: must be a positive number"),
-        ({"tip_thickness_ratio": 0.6}, "tip_thickness_ratio = 0.6: must be from 0.01 to 0.5"),
-        ({"tip_thickness_ratio": 0.0}, "tip_thickness_ratio = 0.0: must be a positive number"),
-    ],
-)
-def test_bad_sections_are_refused_in_one_line(change, message):
-    good = {"kind": "sine", "width": WIDTH, "thickness": 2e-4, "tip_thickness_ratio": 0.1}
-    with pytest.raises(InputError) as caught:
-        Section(**good | change)
-    assert str(caught.value) == message
