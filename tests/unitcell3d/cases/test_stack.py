@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
 from meshing import crossover as mesher
 from meshing import patch
 from unitcell3d.cases import biaxial_and_platens, stack
@@ -84,14 +83,3 @@ def test_packs_up_to_the_sources_pressure(s720, plies):
     assert record.failed == ""
     _, law, closure = stack.law_closure(s720, record)
     assert 0.2 < closure[-1] / law[-1] < 2
-
-
-def test_bad_input_is_one_line(tiny, s720):
-    for choices, line in (
-        ({"plies": 0}, "plies = 0: must be a whole number from 1"),
-        ({"pressure": -1.0}, "pressure = -1.0: must be positive"),
-        ({"min_plate_gap": 2.0}, "min_plate_gap = 2.0: must be between 0 and 1"),
-        ({"shift": (0.5, 0.0)}, "shifted plies need a patch of 2 x 2"),
-    ):
-        with pytest.raises(InputError, match=line):
-            stack.stack_compression(tiny, s720, **choices)
