@@ -3,7 +3,8 @@
 import numpy as np
 from scipy import sparse
 
-from unitcell3d.model.crossover import Load
+from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
+from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
 
@@ -36,3 +37,20 @@ def loaded(model, load, steps=10):
         state = solver.solve(q, Load().towards(load, share))
         q = state.q
     return solver, state
+
+
+def end_forces(mesh, fabric, route, friction=0.0, step=2e-6):
+    """T1, T2, F_c [N] after the corners `route` : (c, 2) [m], in steps [m] after each of which friction sticks anew."""
+    model = CrossoverModel(mesh, fabric, Numerics(friction=friction))
+    solver = Newton(model)
+    q, at = rest_state(model, solver, Load()).q, Load()
+    model.commit(q, at)
+    for corner in route:
+        goal = Load(tuple(corner))
+        steps = round(np.abs(np.subtract(goal.d, at.d)).max() / step)
+        for share, state in continue_to(model, solver, q, at, goal, np.linspace(0, 1, steps + 1)[1:]):
+            q = state.q
+            model.commit(q, at.towards(goal, share))
+        at = goal
+    solver.close()
+    return np.array([*model.tensions(state.forces), model.copies[1] * state.contact])
