@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
@@ -111,11 +110,6 @@ def test_a_fit_is_written_as_json(closed_form, tmp_path):
     assert written["rms_m"] == found.rms
     assert written["rms_checked_m"] == pytest.approx(found.rms, abs=1e-9)
     assert len(written["limits_95_on_directions"]) == 3
-
-
-def test_a_measure_that_there_is_not(s720, closed_form):
-    with pytest.raises(InputError, match="measure"):
-        closed_form(measure="stress")
 
 
 @pytest.mark.slow(50)
