@@ -1,15 +1,11 @@
 """The assembled crossover: constraints, tangent, symmetry, balance."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from equations import assert_tangent, matrix
 
-from fabrics.variants import with_yarns
 from unitcell3d.assembly import constraints
 from unitcell3d.model.crossover import CrossoverModel, Load
-from unitcell3d.solver.newton import Newton
 
 
 @pytest.fixture(scope="module")
@@ -80,29 +76,6 @@ def test_contact_forces_of_the_two_passes_balance(s720, whole):
     assert np.abs(forces.sum(axis=0)).max() < 1e-12 * contact
     assert np.abs(np.cross(x, forces).sum(axis=0)).max() < 1e-12 * contact * np.abs(x).max()
     assert forces[whole.grids[0].ravel(), 2].sum() == pytest.approx(-contact, rel=1e-12)
-
-
-def test_a_taut_straight_yarn_has_the_stiffness_of_its_fibres(s720, tiny):
-    """T = E A_s strain within 0.1 % (the solid adds E_a V_f A), for yarns without crimp, flattened and far apart."""
-    straight = with_yarns(s720, crimp=1e-7)
-    points = tiny.points.copy()
-    for level, grid in zip((1e-3, -1e-3), tiny.grids):
-        points[grid, 2] += level - points[grid[:, :, 1], 2][:, :, None]
-    model = CrossoverModel(replace(tiny, points=points), straight)
-    solver, fixed = Newton(model), model.constraints
-    free = fixed.unknown >= 0
-    for strain in (0.01, 0.03):
-        load = Load(tuple(strain * w for w in tiny.w))
-        stretched = strain * points * [1, 1, 0]
-        for grid, width in zip(tiny.grids, constraints.WIDTH):
-            stretched[grid, width] = 0
-        q = np.zeros(model.size)
-        q[fixed.unknown[free]] = fixed.sign[free] * (stretched.ravel() - fixed.drive @ load.d)[free]
-        found = solver.solve(q, load)
-        assert found.contact == 0
-        expected = [yarn.EA * strain for yarn in straight.weave.yarns]
-        assert model.tensions(found.forces) == pytest.approx(expected, rel=1e-3)
-    solver.close()
 
 
 def test_pattern_grows_only_where_contact_moves_far(s720, coarse):

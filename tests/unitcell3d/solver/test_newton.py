@@ -1,12 +1,9 @@
-"""Newton's method with updates between factorisations: the same states, fewer tangents, no cycles, MPI."""
-
-from types import SimpleNamespace
+"""Newton's method with updates between factorisations: the same states, fewer tangents, no cycles."""
 
 import numpy as np
 import pytest
 from equations import loaded
 
-from fabrics.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver import newton
@@ -113,22 +110,6 @@ def test_linear_guess_follows_the_load(tiny, s720):
     solver.close()
     assert left[0] < 0.05 * held
     assert left[0] / left[1] == pytest.approx(4, rel=0.3)
-
-
-def test_the_yarn_that_gives_way_is_named():
-    """By its own name, wherever there are more than one warp and one weft."""
-
-    class Model:
-        crossover = SimpleNamespace(yarn=np.array([0, 1, 2]), names=("warp_1", "warp_2", "weft_1"))
-
-        def positions(self, q, load):
-            return q
-
-        def worst_element(self, x):
-            return 1, 0.5
-
-    with pytest.raises(UnstableError, match="warp_2 element 1"):
-        newton.Newton(Model())._refuse("no way", None, Load())
 
 
 def test_compression_is_measured_by_the_plates(tiny, s720):
