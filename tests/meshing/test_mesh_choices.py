@@ -47,9 +47,13 @@ def test_automatic_size_keeps_the_proportions_of_an_element():
 
 
 def test_the_width_of_the_yarns_is_that_of_the_sections():
-    """Without gap and width a mesh has the fabric's widths; a gap replaces them."""
+    """Without gap and width a mesh has the fabric's widths; a gap or widths replace them."""
     fabric = replace(catalogue.load("S-728"), yarn_width=(1.3e-3, None), section="sine")
-    sections = [crossover.build(fabric, size="coarse", **gap).section_fit.requested for gap in ({}, {"gap": 1e-4})]
-    spacing = [2 * w for w in fabric.weave.w][::-1]
-    assert [section.width for section in sections[0]] == pytest.approx([1.3e-3, spacing[1]])
-    assert [section.width for section in sections[1]] == pytest.approx([s - 1e-4 for s in spacing])
+    s1, s2 = [2 * w for w in fabric.weave.w][::-1]
+    for choices, widths in (
+        ({}, [1.3e-3, s2]),
+        ({"gap": 1e-4}, [s1 - 1e-4, s2 - 1e-4]),
+        ({"width": (1.25e-3, 1.2e-3)}, [1.25e-3, 1.2e-3]),
+    ):
+        requested = crossover.build(fabric, size="coarse", **choices).section_fit.requested
+        assert [section.width for section in requested] == pytest.approx(widths)

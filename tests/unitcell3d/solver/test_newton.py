@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from equations import loaded
 
+from fabrics.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver import newton
-from unitcell3d.solver.load_stepping import continue_to, rest_state
+from unitcell3d.solver.load_stepping import Steps, continue_to, rest_state
 
 
 @pytest.fixture
@@ -125,3 +126,23 @@ def test_compression_is_measured_by_the_plates(tiny, s720):
     assert max(ends) < 0.2 * found.plates.max()
     assert state.scale == pytest.approx(max(*found.plates, found.contact))
     assert state.norm <= 1e-8 * state.scale
+
+
+def test_where_there_is_no_equilibrium_the_least_step_says_so(tiny, s720):
+    """Loads beyond a third of the way are refused: steps are halved down to the least, and end there."""
+
+    class Refusing(newton.Newton):
+        def solve(self, q, load, tolerance=newton.TOLERANCE):
+            asked.append(load.d[0] / 3e-6)
+            if load.d[0] > 1e-6:
+                self._refuse("no way", q, load)
+            return super().solve(q, load, tolerance)
+
+    model, asked = CrossoverModel(tiny, s720), []
+    solver = Refusing(model)
+    with pytest.raises(UnstableError, match=r"no way, at .* element .*, d1 = "):
+        list(continue_to(model, solver, np.zeros(model.size), Load(), Load((3e-6, 0.0)), [1.0]))
+    assert min(share for share in asked if share > 1 / 3) - 1 / 3 < 2 * Steps().least
+    with pytest.raises(UnstableError, match="the first guess"):
+        solver.solve(np.full(model.size, np.nan), Load())
+    solver.close()
