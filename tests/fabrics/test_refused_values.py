@@ -34,6 +34,8 @@ def surface(**changes):
 
 
 REFUSED = [
+    (lambda: catalogue.load("S-999"), "fabric = 'S-999': must be one of S-720"),
+    (lambda: catalogue.load("none.toml"), "none.toml: cannot be read"),
     (lambda: height_from_length(1e-3, 1.9e-3), ".*at least the cell length"),
     (lambda: touching_angle(1.27e-3, 1.27e-3), ".*below the spacing"),
     (lambda: variants.with_yarns(S720, crimp=1.5), "crimp"),

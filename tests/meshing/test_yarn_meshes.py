@@ -1,5 +1,7 @@
 """Meshes of a crossover and of woven patches: volumes, orientation, fibres and bars, symmetry, surfaces, node grids."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hexahedra import volumes
@@ -287,3 +289,43 @@ def test_contact_faces_look_at_the_crossing_yarn_and_plates_away():
             cell = [np.floor(middle[:, axis] / (2 * weave.w[axis])).astype(int) + 1 for axis in (0, 1)]
             over = (cell[0] + cell[1]) % 2 == family
             assert np.array_equal(normal < 0, over if sign == 1 else ~over)
+
+
+# --- what the facets overlap by ------------------------------------------------------------------------------------
+
+
+def thrown(face, points, places):
+    """Heights of bilinear facets (q, 4) above places (n, 2), by search: NaN off them."""
+    z = np.full(len(places), np.nan)
+    for corners in points[face]:
+        low, high = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+        inside = np.all((places >= low) & (places < high), axis=1)
+        s, t = ((places[inside] - low) / (high - low)).T
+        for corner in corners:
+            right, far = corner[:2] > (low + high) / 2
+            z_part = (s if right else 1 - s) * (t if far else 1 - t) * corner[2]
+            z[inside] = np.where(np.isnan(z[inside]), 0, z[inside]) + z_part
+    return z
+
+
+@pytest.mark.parametrize("domain", ["quarter", "whole"])
+def test_least_gap_is_that_of_points_thrown_on_the_facets(domain):
+    made = mesh("S-745", (5, 4, 2), domain=domain)
+    corners = np.meshgrid(*(np.unique(made.points[:, axis].round(12)) for axis in (0, 1)))
+    inside = 0.999999 * np.stack(corners, axis=-1).reshape(-1, 2)
+    places = np.concatenate([np.random.default_rng(3).uniform(-1, 1, (2000, 2)) * made.w, inside])
+    warp, weft = (thrown(made.groups[f"{name}_contact"], made.points, places) for name in ("warp", "weft"))
+    gap = np.nanmin(warp - weft)
+    assert made.least_gap == pytest.approx(gap, rel=1e-3)
+
+
+def test_facets_overlap_by_their_sag_alone():
+    """Conforming smooth sections touch everywhere: what is left is the facets' sag, a quarter at half the size."""
+    gaps = [mesh("S-728", (4 * n, 3 * n, n)).least_gap for n in (2, 4, 8)]
+    assert -1e-6 < gaps[0] < 0
+    assert [a / b for a, b in pairwise(gaps)] == pytest.approx([4, 4], rel=0.2)
+
+
+def test_a_patch_has_the_gap_of_its_crossing():
+    one = mesh("S-728", (4, 3, 1)).least_gap
+    assert woven("S-728", (2, 3), (4, 3, 1)).least_gap == pytest.approx(one, rel=1e-6)

@@ -5,14 +5,7 @@ import pytest
 from equations import assert_tangent, dense, slope
 from scipy.optimize import minimize
 
-from unitcell3d.contact.kernel_arguments import (
-    Blocks,
-    ContactLaw,
-    Face,
-    PassState,
-    PlateFace,
-    SlavePoints,
-)
+from unitcell3d.contact.kernel_arguments import Blocks, ContactLaw, Face, PassState, PlateFace, SlavePoints
 from unitcell3d.contact.plate_contact_kernels import plate_pass, update_plate_anchors
 from unitcell3d.contact.surface_contact_kernels import contact_pass, overlap_weight, pressure
 from unitcell3d.contact.surface_kernels import evaluate, nodes_of, project, surround, weights_of
@@ -100,12 +93,8 @@ def test_projection_finds_the_closest_point(wavy):
         point = surface_at(wavy, rng.uniform(0.2, [4.8, 3.8]), MIRROR)[0] + [0, 0, rng.uniform(-0.2, 0.2)]
         xi = np.array([2.5, 2.0])
         assert project(point, ringed(wavy, MIRROR), xi, *scratch)
-        plain = minimize(
-            lambda s, point=point: np.sum((plain_surface(wavy, s, MIRROR) - point) ** 2),
-            xi + 0.01,
-            method="Nelder-Mead",
-            options={"xatol": 1e-9, "fatol": 1e-18},
-        )
+        squared = lambda s, point=point: np.sum((plain_surface(wavy, s, MIRROR) - point) ** 2)  # noqa: E731
+        plain = minimize(squared, xi + 0.01, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-18})
         assert np.allclose(xi, plain.x, atol=1e-6)
 
 

@@ -18,17 +18,14 @@ def plain_law(e):
     return R * e * (1 - t) ** 2 + e * t * (2 - t)
 
 
-def test_law_and_slope():
+def test_law_and_its_continuous_slope():
     for e in (-0.01, -1e-6, 0.2 * D, 0.7 * D, D, 2 * D, 0.03):
         value, slope = fibre_law(e, R, D)
         assert value == pytest.approx(plain_law(e), rel=1e-14)
         step = 1e-5 * D
         assert slope == pytest.approx((plain_law(e + step) - plain_law(e - step)) / (2 * step), rel=1e-5)
     assert fibre_law(0.0, R, D) == (0.0, R)
-
-
-def test_slope_is_continuous_where_the_kink_was():
-    for join in (0.0, D):
+    for join in (0.0, D):  # where the kink was
         below, above = fibre_law(join - 1e-12, R, D)[1], fibre_law(join + 1e-12, R, D)[1]
         assert above == pytest.approx(below, abs=1e-6)
 
