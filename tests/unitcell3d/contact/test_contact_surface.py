@@ -93,7 +93,10 @@ def test_projection_finds_the_closest_point(wavy):
         point = surface_at(wavy, rng.uniform(0.2, [4.8, 3.8]), MIRROR)[0] + [0, 0, rng.uniform(-0.2, 0.2)]
         xi = np.array([2.5, 2.0])
         assert project(point, ringed(wavy, MIRROR), xi, *scratch)
-        squared = lambda s, point=point: np.sum((plain_surface(wavy, s, MIRROR) - point) ** 2)  # noqa: E731
+
+        def squared(s, point=point):
+            return np.sum((plain_surface(wavy, s, MIRROR) - point) ** 2)
+
         plain = minimize(squared, xi + 0.01, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-18})
         assert np.allclose(xi, plain.x, atol=1e-6)
 
@@ -225,9 +228,7 @@ def test_friction_is_coulombs(pressed):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_plate_pushes_back_and_rubs(side):
     """Coulomb's friction, its tangent, and anchors that follow what has slid to within the regularisation slip."""
-    x = np.array(
-        [[0.003, 0.004, side * 0.1003], [0.3, 0.4, side * 0.11], [0.3, 0.4, side * 0.08], [0, 0, side * 0.0995]]
-    )
+    x = np.array([[0.003, 0.004, 0.1003], [0.3, 0.4, 0.11], [0.3, 0.4, 0.08], [0, 0, 0.0995]]) * [1, 1, side]
     areas, nodes, anchors = np.array([1.0, 2.0, 3.0, 4.0]), np.arange(4), np.zeros((4, 2))
     face = PlateFace(nodes, areas, side, anchors)
 
