@@ -39,6 +39,12 @@ def rest(panel):
     return np.stack([X, Y, np.zeros_like(X)], axis=-1)
 
 
+def set_nodal(components, vectors):
+    """Write vectors (ni+1, nj+1, 3) of nodes into the flat arrays of a state."""
+    for part, component in zip(components, np.moveaxis(vectors, -1, 0)):
+        part[: component.size] = component.ravel()
+
+
 def plain_potential(table, stretch1, stretch2):
     """[J] of crossovers by the table's spline; above the table as `table_kernels` has it, below it as at its edge."""
 

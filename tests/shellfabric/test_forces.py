@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from panels import COARSER, FINER, make_panel, plain_energies, rest, table
+from panels import COARSER, FINER, make_panel, plain_energies, rest, set_nodal, table
 from scipy.spatial.transform import Rotation
 
 from fabrics.materials import load
@@ -73,11 +73,6 @@ def unfold(vectors, x, mirrors):
 def nodal(components, like):
     """Flat components of nodes as vectors (..., 3)."""
     return np.array([part[: like[..., 0].size] for part in components]).T.reshape(like.shape)
-
-
-def set_nodal(components, vectors):
-    for part, component in zip(components, np.moveaxis(vectors, -1, 0)):
-        part[: component.size] = component.ravel()
 
 
 def at_rest(x):
