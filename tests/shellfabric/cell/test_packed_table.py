@@ -51,38 +51,6 @@ def test_values_and_slopes_are_continuous_from_cell_to_cell(tables, form):
                 np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
 
 
-def test_each_row_is_a_cache_line(tables):
-    rows, constant = packed_table.potential(tables["variational"])
-    assert rows.strides == (64, 8)
-    assert rows.ctypes.data % 64 == 0
-    assert len(rows) == len(constant) == tables["variational"].spline[..., 0].size
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_no_tension_is_above_its_bound(tables, form):
-    """At all places of all cells, also at their corners: T <= max(steps[m, 0], N + steps[m, 1]), m = N / unit."""
-    table = tables[form]
-    n1, n2 = table.spline.shape[:2]
-    i, j = (part.ravel() for part in np.indices((n1, n2)))
-    for family, (steps, unit) in enumerate(packed_table.ceilings(table)):
-        c = (table.tension1, table.tension2)[family].reshape(-1, 4)
-        for p in (0.0, 0.3, 0.8, 1.0):
-            for q in (0.0, 0.5, 0.9, 1.0):
-                slope = packed_potential(table, i * n2 + j, p, q)[1 + family]
-                N = slope / (2 * table.model.fabric.weave.w[family] * table.steps[family])
-                T = c[:, 0] + c[:, 1] * p + c[:, 2] * q + c[:, 3] * p * q
-                m = np.clip((N / unit).astype(int), 0, len(steps) - 1)
-                assert np.all(T <= np.maximum(steps[m, 0], N + steps[m, 1]))
-
-
-def test_bounds_are_no_wider_than_the_table(tables):
-    table = tables["variational"]
-    for (steps, unit), T in zip(packed_table.ceilings(table), (table.values["T1"], table.values["T2"])):
-        assert np.all(np.diff(steps[:, 0]) >= 0)  # of more cells, the more force there is
-        assert steps[:, 0].max() <= T.max() + 2e-9 * unit * len(steps)
-        assert steps.shape == (257, 2)
-
-
 def test_bound_of_a_single_cell_of_constant_tension():
     """Below its force nothing is known of it; at its force the tension is what it is above that; beyond, its own."""
     N, T = 3.0, 4.0
@@ -95,10 +63,3 @@ def test_bound_of_a_single_cell_of_constant_tension():
     np.testing.assert_array_equal(steps[: first - 1], 0.0)
     np.testing.assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
     np.testing.assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)
-
-
-def test_bernstein_coefficients_of_a_quadratic():
-    """Those of (1 - x)^2, 2 x (1 - x) and x^2 are unit vectors."""
-    basis = np.array([[1.0, -2.0, 1.0], [0.0, 2.0, -2.0], [0.0, 0.0, 1.0]])
-    found = packed_table._bernstein(np.stack([basis.T, 2 * basis.T]))
-    np.testing.assert_allclose(found, [np.eye(3), 2 * np.eye(3)], rtol=0, atol=1e-15)

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
 from fabrics.surface import ResponseSurface
 from shellfabric.cell.model import CellModel
 from shellfabric.cell.surface_cell import SurfaceCell, potential
@@ -102,19 +101,6 @@ def test_an_impact_hardly_feels_which(fabric):
     # the forces are a gradient: nothing is lost but what a step loses where yarns stiffen
     assert np.abs(cell.energies["formulation_residual"]).max() < 1e-4 * cell.energies["kinetic_projectile"][0]
     assert np.abs(direct.energies["formulation_residual"]).max() > 3e-4 * cell.energies["kinetic_projectile"][0]
-
-
-def test_bad_surfaces(fabric):
-    good = sampled(fabric, axis(-12, 24, 5), axis(-12, 24, 5))
-    for bad, key in (
-        (replace(good, fabric="S-728"), "surface"),
-        (sampled(fabric, axis(3, 24, 5), axis(0, 24, 5)), "surface.d1"),
-    ):
-        with pytest.raises(InputError) as caught:
-            SurfaceCell(fabric, bad)
-        assert caught.value.key == key
-    with pytest.raises(InputError, match="direct"):
-        SurfaceCell(fabric, good, "equilibrium")
 
 
 def test_surface_of_the_3d_crossover(fabric):

@@ -5,6 +5,7 @@ import sys
 from collections import namedtuple
 
 import numpy as np
+import pytest
 from numba import typeof
 
 from shellfabric.jit.borrowed_list import Items, borrowed_item
@@ -58,5 +59,6 @@ def test_members_are_read_and_arrays_written_through_the_pointer():
     assert ITEM.pair[0].tolist() == [2.0, 2.0]
 
 
+@pytest.mark.slow
 def test_an_unknown_numba_takes_tuples_by_value_and_keeps_its_libraries():
     subprocess.run([sys.executable, "-c", UNKNOWN], check=True)

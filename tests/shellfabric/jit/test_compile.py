@@ -1,16 +1,13 @@
 """How kernels are compiled: what other kernels call has no way in from Python until it is asked for one."""
 
 import math
-from collections import namedtuple
 
 import numpy as np
 import pytest
 from numba import config, typeof, types
 
 from fabrics import kernel_cache
-from shellfabric.cell import yarn_kernels
 from shellfabric.jit import compile_in_child
-from shellfabric.jit.borrowed_list import ItemsType
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.panel import quality_kernels
 
@@ -44,18 +41,6 @@ def test_a_kernel_that_python_calls_makes_itself_one():
     # its defaults, its globals and the compiler's options are those of the kernel: no error at 1 / 0
     assert halved(1.0, 0.0) == np.inf
     assert quartered(2.0) == 0.5
-
-
-def test_a_kernel_is_itself_for_other_kernels_after_python_has_called_it():
-    energy = yarn_kernels.energy.py_func(1.1, 1.0, 50.0, 0.0, 5.0)
-    assert yarn_kernels.energy(1.1, 1.0, 50.0, 0.0, 5.0) == energy
-
-
-def test_what_python_calls_is_kept_with_the_kernels():
-    """Anywhere else it would be found again after a change of what it calls."""
-    called, inner = yarn_kernels.energy._entry(), yarn_kernels.energy
-    assert called._cache.cache_path == inner._cache.cache_path
-    assert "kernels-" in called._cache.cache_path
 
 
 @pytest.fixture
@@ -121,8 +106,3 @@ def test_a_constant_argument_makes_no_variant():
 
     assert both(0.5, 3) == 7.5
     assert shifted.signatures == [(types.float64, types.int64)]
-
-
-def test_members_are_counted_in_tuples_and_lists():
-    panel = types.NamedTuple([types.float64, types.UniTuple(types.float64[:], 3)], namedtuple("Two", "a b"))
-    assert compile_in_child.members((panel, ItemsType(panel), types.int64)) == 4 + 4 + 1
