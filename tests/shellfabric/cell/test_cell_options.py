@@ -7,8 +7,6 @@ from scipy.optimize import brentq
 
 from fabrics import catalogue
 from fabrics.weave import arc_length
-from shellfabric.cell import crossover_kernels as kernels
-from shellfabric.cell import yarn_kernels
 from shellfabric.cell.model import CellModel
 from validation.models.variants import with_law_form
 
@@ -130,21 +128,6 @@ def test_kawabata_free_edge():
     assert lost["h1"] == 0.0
     assert float(lost["T1"]) == pytest.approx(0.005 * weave.warp.EA, rel=1e-9)
     assert 0.0 < kept["F"] < 1.0
-
-
-@pytest.mark.parametrize("profile", ["cosine", "straight"])
-def test_length_slope_curvature_and_free_height(profile):
-    kind, w = {"cosine": kernels.COSINE, "straight": kernels.STRAIGHT}[profile], 2.3e-3
-    for h in (1e-5, 2e-4, 1e-3):
-        step = 1e-3 * h
-        S, slope = yarn_kernels.arc(w, h, kind)
-        assert S == pytest.approx(length(profile, w, h), rel=1e-14)
-        below, above = (length(profile, w, h + sign * step) for sign in (-1, 1))
-        assert slope == pytest.approx((above - below) / (2 * step), rel=1e-5)
-        ahead, behind = (yarn_kernels.arc(w, h + sign * step, kind)[1] for sign in (1, -1))
-        assert yarn_kernels.arc_curvature(w, h, kind) == pytest.approx((ahead - behind) / (2 * step), rel=1e-5)
-        assert yarn_kernels.free_height(w, S, kind) == pytest.approx(h, rel=1e-9)
-    assert yarn_kernels.free_height(w, 1.99 * w, kind) == 0.0
 
 
 def test_strength_lies_beyond_the_toe():

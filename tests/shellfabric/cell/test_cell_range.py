@@ -79,19 +79,6 @@ def test_a_folded_yarn_stays_in_contact(name, profile, number):
         assert found["T1"] == pytest.approx(weave.warp.EA * (length / S0 - 1), rel=1e-9)
 
 
-def test_forces_are_continuous_where_the_folded_yarn_begins():
-    """From fabrics whose free warp just fills the cell to those whose warp cannot, the range does not jump."""
-    ranges = []
-    for crimp in np.linspace(0.02, 0.15, 60):
-        base = fabric("uneven")
-        weave = replace(base.weave, weft=replace(base.weave.weft, crimp=crimp))
-        ranges.append(CellModel(replace(base, weave=weave), model="incompressible").range()[0][0])
-    assert np.all(np.diff(ranges) <= 0)
-    assert np.max(-np.diff(ranges)) < 0.1
-    assert ranges[0] > 0.6
-    assert ranges[-1] == pytest.approx(np.sqrt(4 * base.weave.weft.A_s / np.pi) / (2 * base.weave.w1))
-
-
 def test_range_where_heights_vanish_in_rounding():
     """A gap that leaves the yarns a height of a rounding error: contact begins where the yarn is straight."""
     for crimp in np.linspace(0.0005, 0.15, 40):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.compression import CompressionLaw
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import table_kernels
@@ -43,17 +42,6 @@ def test_rest_and_limits(fabric):
     assert loose["T2"] == 0.0
     middle = CellModel(fabric).solve(1.02, 1.01)
     assert CellModel(fabric, model="decoupled").solve(1.02, 1.01)["T1"] < middle["T1"] < stiff["T1"]
-
-
-def test_laws_differ_per_yarn(fabric):
-    """Only the sum of the compressions counts: swapping the laws changes nothing, mixing them lies in between."""
-    soft, hard = fabric.laws[0], CompressionLaw.incompressible()
-    T = {
-        pair: float(CellModel(fabric, pair).solve(1.02, 1.02)["T1"])
-        for pair in [(soft, soft), (soft, hard), (hard, soft), (hard, hard)]
-    }
-    assert T[soft, hard] == pytest.approx(T[hard, soft], rel=1e-12)
-    assert T[soft, soft] < T[soft, hard] < T[hard, hard]
 
 
 def spline(table):

@@ -160,22 +160,6 @@ def test_kernel_is_its_plain_twin(cuts, shape, firm):
     assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
 
 
-def test_slope_is_continuous():
-    """Over the middle of an element and over a node, where that of the elements themselves jumps."""
-    y = np.random.default_rng(1).normal(size=6)
-
-    def height(z, bent=True):
-        k = int(np.floor(z + 0.5))
-        return np.dot(spline_kernels.node_weights(z - k, bent), y[k - 1 : k + 2])
-
-    def jump(z, bent, h=1e-7):
-        return (height(z + 2 * h, bent) - height(z + h, bent) - height(z - h, bent) + height(z - 2 * h, bent)) / h
-
-    for z in (1.5, 2.0, 2.5, 3.0):
-        assert abs(jump(z, True)) < 1e-5
-    assert abs(jump(2.0, False)) > 0.1  # a yarn's end
-
-
 def test_an_element_that_is_apart_touches_nothing():
     rng = np.random.default_rng(2)
     found, low, high = 0, np.empty((3, 6)), np.empty((3, 6))

@@ -176,24 +176,6 @@ def test_a_plastic_wave_in_closed_form():
     assert motion.shortening() == pytest.approx(11e6 / H * slow * time, rel=3e-2)
 
 
-def test_a_squeezed_wall_spreads_its_flow():
-    """Perfectly plastic, a wall loaded past its yield force squeezes at the same place, over the same length and by the
-    same strain, with elements of any length."""
-    strains = []
-    for elements in (84, 168, 336):
-        bar = Bar.cylinder(elements=elements)
-        motion, dt = Motion(bar, 150.0), 1e-7
-        for _ in range(600):
-            motion.push(-2600.0, dt)
-        strains.append((motion.plastic.min(), motion.shortening()))
-        assert motion.energies()["error"] == pytest.approx(0.0, abs=2e-3 * motion.energies()["plastic"])
-    (_, first), (middle, second), (fine, third) = strains
-    assert -0.6 < fine < -0.05
-    assert middle == pytest.approx(fine, rel=0.1)
-    assert second == pytest.approx(third, rel=0.01)
-    assert first == pytest.approx(third, rel=0.03)
-
-
 def test_kernel_equals_its_plain_twin():
     bar = Bar.cylinder(elements=12)
     motion, steps, force = Motion(bar, 10.0), 37, -3500.0
@@ -306,14 +288,6 @@ def test_an_oblique_bar_moves_rigidly_across_its_axis(fabric):
     assert bar.projectile_position == pytest.approx(rigid.projectile_position, abs=2e-6)
     assert bar.velocity == pytest.approx(rigid.velocity, abs=0.3)
     assert bar.energy_error_max < 5e-3
-
-
-def test_says_when_rigid_is_enough(struck):
-    """The contact, not the run, is held against the period of the first mode, 19.2 us of the bored cylinder."""
-    told = struck.rigidity
-    assert told.period == pytest.approx(19.2e-6, abs=0.1e-6)
-    assert told.enough == (told.contact_time >= 3 * told.period)
-    assert told.yield_force == pytest.approx(220e6 * np.pi / 4 * (5.5e-3**2 - 4.5e-3**2))
 
 
 def test_says_that_a_wall_yields(fabric):
