@@ -29,8 +29,8 @@ def table(form="variational", size=121):
 
 def make_panel(side=0.0306, *, form="variational", **changes):
     """A small panel, of 24 x 24 crossovers as a whole."""
-    chosen = {"table": changes["table"] if "table" in changes else table(form), "opening": (side, side)}
-    return Panel(**chosen | changes)
+    defaults = {"table": changes["table"] if "table" in changes else table(form), "opening": (side, side)}
+    return Panel(**defaults | changes)
 
 
 def rest(panel):
@@ -59,11 +59,16 @@ def plain_potential(table, stretch1, stretch2):
     inside, over = np.minimum(places - cell, 1), np.maximum(places - cell - 1, 0)
     cells, corner = np.moveaxis(table.spline[tuple(cell)], -1, 0), table.spline[-1, -1]
     far = over / (1 + over * np.reshape(table.steps, (2, 1, 1)) / packed_table.REACH)
-    found = derivative(cells, inside, (0, 0)) + far.prod(axis=0) * derivative(cells, inside, (1, 1))
+    W = derivative(cells, inside, (0, 0)) + far.prod(axis=0) * derivative(cells, inside, (1, 1))
     for k, orders in enumerate(((1, 0), (0, 1))):
         slope, curvature = (derivative(corner, (1.0, 1.0), n * np.array(orders)) for n in (1, 2))
-        found += far[k] * (derivative(cells, inside, orders) - slope) + slope * over[k] + 0.5 * curvature * over[k] ** 2
-    return found
+        W += far[k] * (derivative(cells, inside, orders) - slope) + slope * over[k] + 0.5 * curvature * over[k] ** 2
+    return W
+
+
+def beside(values):
+    """Sums of what is on either side of each line, of values between the lines."""
+    return np.pad(values, ((0, 1), (0, 0))) + np.pad(values, ((1, 0), (0, 0)))
 
 
 def plain_energies(panel, x):
@@ -86,12 +91,8 @@ def plain_energies(panel, x):
         sums.append(edge[:, 1:] + edge[:, :-1])
         stretches.append(stretch)
         lengths.append(length)
-        # of a line that edges cross: the mean of those on either side, each for its length
-        both, beside = (
-            0.5 * (stretch[:, 1:] + stretch[:, :-1]),
-            lambda part: np.pad(part, ((0, 1), (0, 0))) + np.pad(part, ((1, 0), (0, 0))),
-        )
-        crossing.append((beside(both * own) / beside(own)).T)
+        # the mean of the edges that cross a line, each for its length
+        crossing.append((beside(0.5 * (stretch[:, 1:] + stretch[:, :-1]) * own) / beside(own)).T)
     W = plain_potential(panel.table, stretches[0], crossing[1]), plain_potential(panel.table, crossing[0], stretches[1])
     yarns = sum(0.25 * np.sum(length * each) / w for length, each, w in zip(lengths, W, panel.weave.w))
     return yarns, plain_trellis(panel, sides, stretches, sums), bending, jamming
@@ -102,11 +103,10 @@ def plain_trellis(panel, sides, stretches, sums):
     to G2 at gamma2. Drawn together, mean edges count as longer than they are."""
     if not panel.trellis:
         return 0.0
-    shear = panel.fabric.shear
-    one, other = (stretch[:, 1:] + stretch[:, :-1] for stretch in stretches)
-    one, other = (s + np.maximum(2 * FADE_STRETCH - s, 0) ** 2 / (4 * FADE_STRETCH) for s in (one, other.T))
-    angle = np.arcsin(np.abs(np.sum(sums[0] * sums[1].swapaxes(0, 1), axis=-1)) / (one * other))
-    beyond = [np.maximum(angle - kink, 0) for kink in (shear.gamma1, shear.gamma2)]
+    shear, lengths = panel.fabric.shear, [stretch[:, 1:] + stretch[:, :-1] for stretch in stretches]
+    lengths = [s + np.maximum(2 * FADE_STRETCH - s, 0) ** 2 / (4 * FADE_STRETCH) for s in (lengths[0], lengths[1].T)]
+    angle = np.arcsin(np.abs(np.sum(sums[0] * sums[1].swapaxes(0, 1), axis=-1)) / np.prod(lengths, axis=0))
+    beyond1, beyond2 = (np.maximum(angle - kink, 0) for kink in (shear.gamma1, shear.gamma2))
     rise = (shear.G2 - shear.G1) / (shear.gamma2 - shear.gamma1)
-    U = 0.5 * shear.G1 * angle**2 + rise / 6 * (beyond[0] ** 3 - beyond[1] ** 3)
+    U = 0.5 * shear.G1 * angle**2 + rise / 6 * (beyond1**3 - beyond2**3)
     return panel.weave.thickness * float(np.sum(np.multiply.outer(*sides) * U))

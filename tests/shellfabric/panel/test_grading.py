@@ -10,12 +10,11 @@ import pytest
 from conftest_tools import advance, grid, solver_at_rest
 from panels import COARSER, FINER, INF, SERIAL, make_panel, rest, set_nodal
 
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import UnstableError
 from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.panel import grading, motion_kernels
-from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Numerics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver import ply_audit, ply_kernels
@@ -34,12 +33,6 @@ def shoot(strike_velocity, end_time, side=0.06, **changes):
 ])  # fmt: skip
 def test_sides_are_whole_numbers_or_parts_of_one(given, side):
     assert grading.exact(given) == side
-
-
-@pytest.mark.parametrize("bad", [0.0, -1, 0.4, 1.5, 65, 0.1, INF])
-def test_other_sides_are_refused(bad):
-    with pytest.raises(InputError):
-        grading.exact(bad)
 
 
 @pytest.mark.parametrize("length", [16, 23, 31, 79, 80])
@@ -176,17 +169,6 @@ def test_a_yarn_breaks_with_its_share_of_all_its_lines():
     failure_kernels.detect_failures(const, state, 0, 0, const.ni)
     assert np.all(intact == 0.0)
     assert np.all(grid(const, state.yarn_length[0]) == 0.0)
-
-
-@pytest.mark.parametrize("changes", [
-    {"bending": (1e-6, 1e-6)}, {"edge": PullIn(0.3e-3, 5e-6, 35e-6, 20e-3)}, {"jam": (50.0, 0.95)},
-    {"edge": "free"}, {"weave_angle": 0.5, "symmetry": "whole"},
-])  # fmt: skip
-def test_energy_is_kept(changes):
-    """To 0.1 % of the strike energy, of shots that break yarns, with all that a plain panel may have."""
-    solver = shoot(250.0, 30e-6, grading=HALVES, **changes)
-    assert (solver.state.counter[motion_kernels.FAILURES] > 0) == (changes.get("edge") != "free")  # drawn in there
-    assert np.abs(solver.sample("error")).max() < 1e-3 * solver.strike_energy
 
 
 @pytest.mark.parametrize("changes", [
