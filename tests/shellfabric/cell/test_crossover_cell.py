@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.polynomial.polynomial import polyval2d
+from panels import table
 
 from fabrics import catalogue
 from shellfabric.cell import packed_table
@@ -44,16 +46,11 @@ def test_rest_and_limits(fabric):
     assert CellModel(fabric, model="decoupled").solve(1.02, 1.01)["T1"] < middle["T1"] < stiff["T1"]
 
 
-def spline(table):
-    """The table's potential as the march reads it: all but the constants, and these."""
-    return Panel(table).potential
-
-
 def table_potential(table, x, y):
     """[J] the potential as the march reads it, at one pair of stretches."""
     (rx, ry), (top1, top2) = (1 / np.array(table.steps)), (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
     grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
-    rows, level = spline(table)
+    rows, level = Panel(table).potential
     return table_kernels.potential(x, y, grid, rows, packed_table.beyond(table), level)
 
 
@@ -67,7 +64,7 @@ def table_forces(table, x, y):
     if table.model.form == "variational":
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
-            *at, spline(table)[0], packed_table.beyond(table), per, np.zeros(16, np.int32), N1, N2
+            *at, Panel(table).potential[0], packed_table.beyond(table), per, np.zeros(16, np.int32), N1, N2
         )
         assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
     else:
@@ -185,3 +182,27 @@ def test_out_of_range(tables, fabric):
     T1, _ = table_forces(table, top, np.ones(3))
     assert np.all(T1 > fabric.weave.warp.strength)
     assert T1[2] - T1[1] == pytest.approx(T1[1] - T1[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("form", ["equilibrium", "variational"])
+def test_values_and_slopes_are_continuous_from_cell_to_cell(form):
+    c = table(form).spline.reshape(*table(form).spline.shape[:2], 3, 3)
+    for coefficients in (c, np.moveaxis(c, (0, 2), (1, 3))):  # along the warp, along the weft
+        value = np.moveaxis(coefficients, (2, 3), (0, 1))
+        for part in (value, np.arange(1, 3)[:, None, None, None] * value[1:]):  # and its slope
+            for across in np.linspace(0, 1, 5):
+                ends = polyval2d(1.0, across, part[:, :, :-1]), polyval2d(0.0, across, part[:, :, 1:])
+                np.testing.assert_allclose(*ends, rtol=0, atol=1e-12 * np.abs(ends).max())
+
+
+def test_bound_of_a_single_cell_of_constant_tension():
+    """Below its force nothing is known of it; at its force the tension is what it is above that; beyond, its own."""
+    N, T = 3.0, 4.0
+    force, tension = np.zeros((2, 2, 3, 1))
+    force[:, 0], tension[:, 0] = N, T
+    steps, unit = packed_table._ceiling(*packed_table._bounds(force, tension))
+    assert unit == pytest.approx(T / 256, rel=1e-12)
+    first = round(N / unit)  # N lies where two steps meet, so that rounding puts it into both
+    np.testing.assert_array_equal(steps[: first - 1], 0.0)
+    np.testing.assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
+    np.testing.assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)

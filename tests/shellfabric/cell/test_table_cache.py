@@ -31,16 +31,13 @@ def assert_equal(one, two):
 
 
 def test_a_kept_table_is_the_filled_one_and_that_of_no_other_cell(fills):
-    first = table_cache.table(MODEL, 21)
-    second = table_cache.table(MODEL, 21)
+    filled = table_cache.table(MODEL, 21)
+    assert_equal(table_cache.table(MODEL, 21), filled)
     assert len(fills) == 1
-    assert_equal(first, second)
-    assert_equal(second, MODEL.table(21))
-    fills.clear()
-    table_cache.table(MODEL, 23)
-    table_cache.table(replace(MODEL, gap=1e-6), 21)
-    table_cache.table(replace(MODEL, form="equilibrium"), 21)
-    assert len(fills) == 3
+    assert_equal(MODEL.table(21), filled)
+    for model, size in ((MODEL, 23), (replace(MODEL, gap=1e-6), 21), (replace(MODEL, form="equilibrium"), 21)):
+        table_cache.table(model, size)
+    assert len(fills) == 5
 
 
 @pytest.mark.parametrize("content", [b"", b"broken", None])

@@ -1,15 +1,10 @@
-"""Bending of yarns: closed forms of beams and of circles, the time step, what a run tells of it and what fails."""
-
-from dataclasses import replace
+"""Bending of yarns: closed forms of beams and of circles."""
 
 import numpy as np
 import pytest
-from conftest_tools import advance, solver_at_rest
 from panels import FINER, make_panel, rest, set_nodal
 
-from shellfabric.cell.model import CellModel
 from shellfabric.cloth import bending_kernels
-from shellfabric.panel.model import Numerics, Panel
 
 EI = 2e-6
 
@@ -45,19 +40,3 @@ def test_pure_bending_is_a_circle(grading):
     x = np.stack([radius * np.sin(X / radius), Y, radius * (1 - np.cos(X / radius))], axis=-1)
     length = (sides[0].sum() - 0.5 * sides[0][[0, -1]].sum()) * panel.weave.warp_count * sides[1].sum()
     assert turns(panel, x)[0] == pytest.approx(0.5 * EI / radius**2 * length, rel=2e-3)
-
-
-@pytest.mark.parametrize(("factor", "holds"), [(1.0, True), (1.6, False)])
-def test_the_time_step_knows_of_bending(straight, monkeypatch, factor, holds):
-    """Yarns a thousand times as stiff as solid ones do not blow up."""
-    table, numerics = CellModel(straight(1.0), model="decoupled").table(51), Numerics(cfl=0.99, stretch_viscosity=0.0)
-    panel = make_panel(table=table, edge="free", failure=False, symmetry="whole", numerics=numerics, bending=(0.1, 0.1))
-    assert panel.critical_step < 0.5 * replace(panel, bending=(0.0, 0.0)).critical_step
-    monkeypatch.setattr(Panel, "time_step", factor * panel.time_step)
-    solver = solver_at_rest(panel, 1.0)
-    state, nodes = solver.state, rest(panel)[..., 0].size
-    state.projectile_position[2] = -1.0
-    state.v[2][:nodes] = np.random.default_rng(0).normal(scale=1e-6, size=nodes)
-    state.active_rows[:] = 0, solver.const.ni
-    advance(solver, 300)
-    assert (np.nanmax(np.abs(state.v[2])) < 1e-4) == holds

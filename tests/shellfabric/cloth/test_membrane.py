@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 from conftest_tools import advance, bring, grid, node_forces, solver_at_rest
 from numba import njit
-from panels import COARSER, FINER, INF, UNDAMPED, make_panel
+from panels import COARSER, FINER, INF, UNDAMPED, make_panel, rest, set_nodal
 from scipy.integrate import quad
 
+from fabrics.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import membrane_kernels, trellis_kernels
 from shellfabric.jit.simd import load, store
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.solver import ply_kernels
+from shellfabric.solver.pack_solver import PackSolver
 
 
 @njit
@@ -175,29 +177,80 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     assert speed == pytest.approx(share * (fabric.weave.warp.E / fabric.weave.warp.fibre_density) ** 0.5, rel=0.01)
 
 
-@pytest.mark.parametrize(("factor", "holds"), [(0.99, True), (1.02, False)])
-def test_time_step_bound(straight, monkeypatch, factor, holds):
-    """Straight yarns are as stiff as the bound supposes: above it a taut panel blows up, below it does not.
+BENT = {"form": "variational", "bending": (0.1, 0.1), "strain": 0.0, "cfl": 0.99}  # a thousand times as stiff as solid
+
+
+@pytest.mark.parametrize(
+    ("changes", "factor", "holds"), [({}, 0.99, True), ({}, 1.02, False), (BENT, 1.0, True), (BENT, 1.6, False)]
+)
+def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
+    """Straight yarns are as stiff as the bound supposes: above it a taut panel, and one of stiff yarns, blows up.
 
     In the equilibrium form; in the variational one half of a yarn's force follows from means, which are softer.
     """
-    table = CellModel(straight(1.0), model="decoupled", form="equilibrium").table(51)
-    knobs = Numerics(cfl=1.0, stretch_viscosity=0.0)
-    panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
-    monkeypatch.setattr(Panel, "time_step", factor * panel.critical_step)
+    settings = {"form": "equilibrium", "bending": (0.0, 0.0), "strain": 0.02, "cfl": 1.0} | changes
+    table = CellModel(straight(1.0), model="decoupled", form=settings["form"]).table(51)
+    numerics = Numerics(cfl=settings["cfl"], stretch_viscosity=0.0)
+    panel = make_panel(
+        table=table, edge="free", failure=False, symmetry="whole", numerics=numerics, bending=settings["bending"]
+    )
+    monkeypatch.setattr(Panel, "time_step", factor * (panel.time_step if changes else panel.critical_step))
     solver = solver_at_rest(panel, 1.0)
     state, const = solver.state, solver.const
     state.projectile_position[2] = -1.0
-    rng, ni = np.random.default_rng(0), panel.counts[0]
-    X, Y = panel.coordinates()
-    inside = np.zeros(X.shape, bool)
-    inside[1:-1, 1:-1] = True
-    state.dt_over_mass[: X.size] = const.dt * (state.inverse_mass[: X.size] * inside.ravel())
-    for c, taut in enumerate((0.02 * X, 0.02 * Y, 0 * X)):
-        state.u[c][: X.size] = taut.ravel()
-        state.v[c][: X.size] = rng.normal(scale=1e-3, size=X.size) * inside.ravel()
-    state.active_rows[:] = 0, ni
+    inside = np.zeros(rest(panel).shape[:2])
+    inside[1:-1, 1:-1] = 1.0
+    state.dt_over_mass[: inside.size] = const.dt * state.inverse_mass[: inside.size] * inside.ravel()
+    set_nodal(state.u, settings["strain"] * rest(panel))
+    set_nodal(state.v, np.random.default_rng(0).normal(scale=1e-3, size=(*inside.shape, 3)) * inside[..., None])
+    state.active_rows[:] = 0, const.ni
     ply_kernels.initial_forces(state, const, None, panel.work())
     advance(solver, 400)
     # what is no number any more is at rest
     assert (0.0 < max(np.abs(v).max() for v in state.v) < 0.02) == holds
+
+
+def highest_frequency(panel, x):
+    """[1/s] of the cloth at x, by power iteration on the change of its forces."""
+    state, mass, rng = panel.state(1.0), panel.masses()[..., None], np.random.default_rng(1)
+
+    def forces(x):
+        """At rest: brought there twice, so that no stretch changes and nothing is damped."""
+        return node_forces(panel, bring(panel, bring(panel, state, x), x))
+
+    at_rest, mode, found, size = forces(x), rng.normal(size=x.shape), 0.0, 1e-4 * min(panel.spacing)
+    for _ in range(60):
+        mode *= size / np.abs(mode).max()
+        mode, last = (at_rest - forces(x + mode)) / mass, mode
+        found = np.sqrt(np.linalg.norm(mode) / np.linalg.norm(last))
+    return found
+
+
+@pytest.mark.parametrize("stretches", [(1.0, 1.0), (0.7, 0.7), (0.3, 0.3), (0.1, 0.1), (0.02, 0.02), (0.02, 0.9)])
+def test_cloth_that_is_drawn_together_stays_within_the_time_step(stretches):
+    """The trellis alone, sheared beyond the angle at which it locks: along unit vectors its stiffness grows as the
+    inverse square of the stretch, and the step of cloth at rest is ten times too long at a stretch of 0.1."""
+    panel = make_panel(edge="free", symmetry="whole")
+    (X, Y), directions = panel.coordinates(), ((np.cos(0.4), np.sin(0.4)), (np.sin(0.4), np.cos(0.4)))
+    x = np.stack([stretches[0] * X * a + stretches[1] * Y * b for a, b in zip(*directions)] + [0 * X], axis=-1)
+    assert highest_frequency(panel, x) * panel.time_step < 2.0
+
+
+@pytest.mark.parametrize(("edge", "whole"), [("clamped", 0), (("free", "clamped"), 1), ("free", 2)])
+def test_reach_is_bounded_along_yarns_that_are_held_at_both_ends(edge, whole):
+    panel = make_panel(edge=edge)
+    assert sum(reach > x[-1] - x[0] for reach, x in zip(panel.reach(), panel.lines())) == whole
+
+
+@pytest.mark.parametrize("velocity", [10.0, 400.0])
+def test_nodes_may_be_ten_times_as_fast_as_what_sets_them_in_motion(velocity):
+    """The projectile, or in a slow strike a yarn that breaks at the strain e: e c."""
+    panel = make_panel()
+    march = PackSolver(panel, velocity, 5e-6).run()
+    speed = 10 * max(velocity, *(yarn.failure_strain * yarn.wave_speed for yarn in panel.weave.yarns))
+    assert (speed == 4000.0) == (velocity == 400.0)
+    march.state.v[2][30] = 0.9 * speed
+    march._guard()
+    march.state.v[2][30] = 1.1 * speed
+    with pytest.raises(UnstableError, match="a node moves at"):
+        march._guard()

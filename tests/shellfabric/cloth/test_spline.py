@@ -84,11 +84,8 @@ def plain_contact(panel, state, const):
     firm = const.point_law.implicit_factor
     due, pushed = (np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if firm else 0 * v
                    for name in (state.dv_other, state.dv_contact))  # fmt: skip
-    hard, i_near, columns = (
-        const.point_law.implicit_factor or 1.0,
-        const.window_limits[0],
-        const.window_limits[3] - const.window_limits[2],
-    )
+    hard, i_near, columns = firm or 1.0, const.window_limits[0], const.window_limits[3] - const.window_limits[2]
+    nose = const.projectile_radius, const.edge_radius, const.projectile_length, const.nose_parameters
     i0, i1, j0, j1 = state.contact_window
     for i in range(i0, i1):
         for j in range(j0, j1):
@@ -100,14 +97,7 @@ def plain_contact(panel, state, const):
                     assert sum(shares.values()) == pytest.approx(1.0)
                     p = sum(w * x[k] for k, w in shares.items())
                     moving = sum(w * v[k] for k, w in shares.items())
-                    depth, *normal = sdf_kernels.distance(
-                        const.nose_shape,
-                        *(const.frame @ p),
-                        const.projectile_radius,
-                        const.edge_radius,
-                        const.projectile_length,
-                        const.nose_parameters,
-                    )
+                    depth, *normal = sdf_kernels.distance(const.nose_shape, *(const.frame @ p), *nose)
                     if depth >= 0 or p[2] >= 0:
                         continue
                     near = [
@@ -116,7 +106,7 @@ def plain_contact(panel, state, const):
                     ]
                     part, normal = np.mean(near), np.array(normal) @ const.frame
                     k, c = part * hard * const.point_law.stiffness, part * hard**0.5 * const.point_law.damping
-                    if const.point_law.implicit_factor:
+                    if firm:
                         c += k * const.dt
                         e = (i - i_near) * columns + j - const.window_limits[2]
                         before = state.last_contact_force[e, a * const.points_per_side + b] + state.force_scale[0]
@@ -126,7 +116,7 @@ def plain_contact(panel, state, const):
                         f = max(-c * normal @ moving_on - k * depth, 0.0) / (1.0 + c * speeding / before)
                     else:
                         f = max(-c * normal @ moving - k * depth, 0.0)
-                    spring += 0.5 * -depth * (min(f, -k * depth) if const.point_law.implicit_factor else -k * depth)
+                    spring += 0.5 * -depth * (min(f, -k * depth) if firm else -k * depth)
                     f = f * normal
                     work -= 0.5 * const.dt * f @ moving
                     for k, w in shares.items():
@@ -182,16 +172,12 @@ def test_an_element_that_is_apart_touches_nothing():
 @pytest.mark.parametrize("p", [2, 3, 4, 8, 16])
 def test_shares_are_the_weights_of_the_points(p):
     """Of points in eights, those beyond the last having none."""
-    room = -(-(p * p) // 8) * 8
-    found = spline_kernels.shape_functions(p, room)
+    found, along = spline_kernels.shape_functions(p, -(-(p * p) // 8) * 8), np.zeros((2, 4, p))
     for bent in range(2):
-        for a in range(p):
-            for b in range(p):
-                for row, z in ((0, (a + 0.5) / p), (4, (b + 0.5) / p)):
-                    q = int(z > 0.5)
-                    expected = np.zeros(4)
-                    expected[q : q + 3] = spline_kernels.node_weights(z - q, bent == 1)
-                    np.testing.assert_allclose(found[bent, row : row + 4, a * p + b], expected, atol=1e-15)
+        for a, z in enumerate((np.arange(p) + 0.5) / p):
+            along[bent, int(z > 0.5) :, a][:3] = spline_kernels.node_weights(z - int(z > 0.5), bent == 1)
+    expected = np.concatenate([np.repeat(along, p, axis=2), np.tile(along, p)], axis=1)
+    np.testing.assert_allclose(found[:, :, : p * p], expected, atol=1e-15)
     assert not found[:, :, p * p :].any()
 
 

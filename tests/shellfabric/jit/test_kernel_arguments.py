@@ -72,12 +72,3 @@ def test_swapped_fields_reach_the_machine_code(tmp_path):
     for (module, name), pair in ALIKE.items():
         swap(tmp_path.joinpath(*module.split(".")).with_suffix(".py"), name, pair)
     assert read() == before
-
-
-def test_the_package_imports_no_kernel():
-    """Nor numba: a command that needs neither starts without them."""
-    code = (
-        "import shellfabric, sys; print(*(name for name in sys.modules if name.startswith(('numba', 'shellfabric'))))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True, text=True)
-    assert done.stdout.split() == ["shellfabric"]

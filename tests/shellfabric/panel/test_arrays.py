@@ -5,8 +5,6 @@ import pytest
 from conftest_tools import grid
 from panels import make_panel
 
-from shellfabric.panel.model import Numerics
-
 SYMMETRIES = ("quarter", "half", "whole")
 
 
@@ -54,14 +52,3 @@ def test_strength_of_each_yarn():
         np.testing.assert_allclose(each, factor * yarn.strength, rtol=1e-15)
         assert least == each.min()
     assert np.isposinf(make_panel(failure=False).constants().yarn_strengths1).all()
-
-
-@pytest.mark.parametrize("block", [1, 150, 300, 2000])
-@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
-def test_blocks_cover_all_rows_once(symmetry, block):
-    panel = make_panel(symmetry=symmetry, numerics=Numerics(block=block))
-    const, state = panel.constants(), panel.state(50.0)
-    blocks, rows = state.block_damage.size, const.rows_per_block
-    assert 1 <= const.ni - (blocks - 1) * rows <= rows  # all are of one size but the last, which is not empty
-    assert rows >= min(6, const.ni)
-    assert panel.work().A[0].size == (rows + 4) * const.row_stride + 16  # and two rows at either side of it

@@ -8,33 +8,11 @@ from panels import make_panel
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Numerics
-from shellfabric.projectile import contact, contact_kernels
+from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.contact_kernels import FRICTION
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.projectile.sdf_kernels import flat
 
 R, RHO = 2.75e-3, 0.3e-3
-
-
-def test_a_sharp_edge_lifts_at_once():
-    """Sliding inwards past a sharp edge, a point 0.1 mm deep is taken from side to nose within a micrometre."""
-    path = np.linspace(R + 0.05e-3, R - 0.5e-3, 551)  # a micrometre a step
-
-    def largest_turn(rho):
-        normals = [flat(r, -0.02e-3, R, rho)[1:] for r in path]
-        return np.max(np.linalg.norm(np.diff(normals, axis=0), axis=1))
-
-    assert largest_turn(1e-9) > 1.0
-    assert largest_turn(RHO) < 0.02
-
-
-@pytest.mark.parametrize("points", [1, 2, 3, 8])
-def test_an_element_is_as_stiff_and_heavy_whatever_its_points(points):
-    mass, dt, penalty, damping = 3e-8, 4e-7, 0.6, 0.5
-    law = contact.constants(points, mass, dt, penalty, damping)["point_law"]
-    assert points**2 * law.mass == pytest.approx(mass, rel=1e-14)
-    assert points**2 * law.stiffness == pytest.approx(penalty * mass / dt**2, rel=1e-14)
-    assert law.damping / (2 * np.sqrt(law.stiffness * law.mass)) == pytest.approx(damping, rel=1e-14)  # of critical
 
 
 def march(panel, strike_velocity, steps):
@@ -82,28 +60,6 @@ def test_the_default_points_resolve_a_sharp_edge():
     converged = peak(32, 0.1e-3)
     np.testing.assert_allclose(peak(None, 0.1e-3), converged, rtol=0.04)
     assert np.abs(peak(8, 0.1e-3) / converged - 1).max() > 0.07
-
-
-def test_contact_energy_is_found_again():
-    """What the contact takes in is its springs' energy and a loss in the dampers that is not negative."""
-    taken, spring = march(make_panel(failure=False), 100.0, 250)[0].contact_energy[:2]
-    assert 0.0 < spring < taken
-    state, const = march(make_panel(numerics=Numerics(contact_damping=0.0), failure=False), 100.0, 250)
-    taken, spring = state.contact_energy[:2]
-    # without dampers only what points lose that come and go within a step
-    assert taken == pytest.approx(spring, abs=2e-3 * 0.5 * const.projectile_mass * 100.0**2)
-
-
-def test_eroded_cloth_is_out_of_contact():
-    """Elements that are gone push nothing: the projectile flies on through them."""
-    solver = solver_at_rest(make_panel(), 100.0)
-    state = solver.state
-    for intact, y in zip(state.intact_fraction, state.yarn_length):
-        intact[:] = y[:] = 0.0
-    state.element_flag[:] = 3
-    state.block_damage[:] = element_kernels.DAMAGED
-    advance(solver, 50)
-    assert state.projectile_velocity[2] == 100.0
 
 
 @pytest.mark.parametrize("flag", [element_kernels.DAMAGED | 2, ERODED])
