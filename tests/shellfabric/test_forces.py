@@ -8,6 +8,7 @@ from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from fabrics.materials import load
 from fabrics.ply_law import PlyLaw
 from shellfabric.backing import block_kernels
 from shellfabric.backing.block import Backing
-from shellfabric.cloth import boundary_kernels
+from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.element_kernels import DAMAGED, INTACT
 from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
@@ -77,19 +78,36 @@ def at_rest(x):
 # the forces
 
 
-def brought(panel, *places, damage=INTACT):
-    """State of a panel whose nodes were at these places, one after the other. Scratch may hold anything."""
+def brought(panel, *places, damage=INTACT, torn=()):
+    """State of a panel whose nodes were at these places, one after the other. Scratch may hold anything.
+
+    torn : segments (family, row, column) that have failed, as all their images, in crossovers from the impact point
+    """
     state, const, work, random = panel.state(1.0), panel.constants(), panel.work(), np.random.default_rng(0)
     for part in (part for parts in work for part in (parts if isinstance(parts, tuple) else (parts,))):
         part[...] = random.uniform(0.5, 2.0, part.shape)
-    state.block_damage[:] = damage
+    for family, *place in torn:
+        lines, n = [], panel.lines_per_crossover
+        for axis, at in enumerate(place):
+            middle = 0 if panel.mirrors[axis] else panel.counts[axis] // 2
+            lines.append([middle + n * at, middle - n * at - n * (axis == family)][: 2 - panel.mirrors[axis]])
+        for i, j in product(*lines):
+            failure_kernels.break_segment(const, state, family, i, j)
+    state.block_damage[:] = DAMAGED if torn else damage
     for x in places:
         set_nodal(state.u, x - rest(panel))
         ply_kernels.initial_forces(state, const, None, work)
     return state
 
 
-def elements(stretch=(1.015, 1.012), shear=0.005, noise=0.004, side=0.0306, damage=INTACT, **changes):
+def audited(state, panel):
+    """[J] energies of yarns, trellis, bending and jamming that the audit finds."""
+    energies = np.empty(5)
+    ply_kernels.energies(state, panel.constants(), None, energies)
+    return energies[1:]
+
+
+def elements(stretch=(1.015, 1.012), shear=0.005, noise=0.004, side=0.0306, damage=INTACT, torn=(), **changes):
     """The elements of a ply, unevenly stretched, sheared and crumpled, in several blocks."""
     changes = {"edge": "free", "numerics": Numerics(block=150, threads=1), "failure": False} | changes
 
@@ -101,11 +119,13 @@ def elements(stretch=(1.015, 1.012), shear=0.005, noise=0.004, side=0.0306, dama
         x += at_random(rest(panel), panel.mirrors, (1 + 2 * seed) * noise * min(panel.spacing), seed)
 
         def forces(x, v):
-            state = brought(panel, x[0] - dt * v[0], x[0], damage=damage)
+            state = brought(panel, x[0] - dt * v[0], x[0], damage=damage, torn=torn)
             return [nodal(np.add(state.f_int, state.f_int_above), x[0])]
 
-        axes = np.eye(3)[: 3 * (changes["edge"] == "free")]
-        return Case([x], forces, lambda x: sum(plain_energies(panel, x[0])), axes, panel.mirrors, panel)
+        def energy(x):
+            return sum(audited(brought(panel, x[0], torn=torn), panel) if torn else plain_energies(panel, x[0]))
+
+        return Case([x], forces, energy, np.eye(3)[: 3 * (changes["edge"] == "free")], panel.mirrors, panel)
 
     return make
 
@@ -230,6 +250,7 @@ def block(kind):
 SLACK = {"stretch": (0.9, 0.88), "shear": 0.0, "noise": 0.005, "trellis": False}
 BENDING, JAMMING = SLACK | {"bending": (2e-6, 4e-6)}, SLACK | {"jam": (100.0, 0.9)}
 SHEARED = {"stretch": (0.7, 0.7), "shear": 0.25, "noise": 0.01}
+TORN = ((0, 2, 3), (1, 2, 3), (1, 3, 3), (0, 5, 1))
 GRADED = {"side": 0.06, "grading": FINER}
 FORCES = {
     "membrane": elements(trellis=False),
@@ -241,6 +262,9 @@ FORCES = {
     "trellis, drawn together": elements((0.05, 0.08), 0.03, 0.001),
     "trellis, finer": elements(**SHEARED, **GRADED),
     "trellis, one by one": elements(**SHEARED, damage=DAMAGED),
+    "torn": elements(torn=TORN),
+    "torn, finer": elements(torn=TORN, **GRADED),
+    "torn, out of plane": elements(torn=TORN, **BENDING | JAMMING, **GRADED),
     "bending": elements(**BENDING),
     "bending, clamped": elements(**BENDING, edge="clamped"),
     "bending, finer": elements(**BENDING, **GRADED),
@@ -371,8 +395,6 @@ def test_motion_is_damped(name, seed):
 def test_the_audit_has_the_energies_of_the_definitions(name, seed):
     """Found eight at once, and one by one as where yarns have failed."""
     panel, x = case_of(name, seed).panel, case_of(name, seed).x[0]
-    state, energies = brought(panel, x), np.empty(5)
     for damage in (INTACT, DAMAGED):
-        state.block_damage[:] = damage
-        ply_kernels.energies(state, panel.constants(), None, energies)
-        np.testing.assert_allclose(energies[1:], plain_energies(panel, x), rtol=1e-10, atol=1e-15)
+        energies = audited(brought(panel, x, damage=damage), panel)
+        np.testing.assert_allclose(energies, plain_energies(panel, x), rtol=1e-10, atol=1e-15)
