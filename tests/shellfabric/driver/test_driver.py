@@ -30,14 +30,13 @@ class Oscillator(ExplicitSolver):
     sample_names = ("t", "v", "z", *energy_names)
     history_columns = 2
 
-    def __init__(self, end_time=0.1, *, interval=1e-3, disturb=None, ends=True, error_limit=0.05, stiffness=STIFFNESS):
+    def __init__(self, end_time=0.1, *, interval=1e-3, disturb=None, ends=True):
         shot = SimpleNamespace(energy=lambda v: 0.5 * MASS * v**2)
-        super().__init__(shot, V0, end_time, interval=interval, energy_error_limit=error_limit)
+        super().__init__(shot, V0, end_time, interval=interval, energy_error_limit=0.05)
         self.const, self.ends, self.disturb = SimpleNamespace(dt=DT), ends, disturb or (lambda solver: None)
         self.x, self.v, self.counter = np.zeros(1), np.array([V0]), np.zeros(1, np.int64)
-        self.contact, self.stiffness = np.zeros(1), stiffness
+        self.contact, self.node_limit = np.zeros(1), np.inf
         self.state = SimpleNamespace(projectile_velocity=np.zeros(3))
-        self.node_limit = np.inf
         self._begin(DT)
 
     steps = property(lambda self: int(self.counter[0]))
@@ -48,7 +47,7 @@ class Oscillator(ExplicitSolver):
         for made, row in enumerate(history, 1):
             self.disturb(self)
             before = self.spring
-            self.v -= DT * self.stiffness / MASS * self.x
+            self.v -= DT * STIFFNESS / MASS * self.x
             self.x += DT * self.v
             self.counter += 1
             row[:] = self.x[0], self.v[0]
@@ -61,10 +60,10 @@ class Oscillator(ExplicitSolver):
 
     @property
     def spring(self):
-        return 0.5 * self.stiffness * self.x[0] ** 2
+        return 0.5 * STIFFNESS * self.x[0] ** 2
 
     def observe(self):
-        after = self.v[0] - DT * self.stiffness / MASS * self.x[0]
+        after = self.v[0] - DT * STIFFNESS / MASS * self.x[0]
         energies = [0.5 * MASS * self.v[0] * after, self.spring, self.contact[0]]
         return [0.5 * (self.v[0] + after), self.x[0]], energies
 
@@ -75,7 +74,7 @@ class Oscillator(ExplicitSolver):
         return f"mass {node} of part {part}"
 
     def checkpoint_identity(self):
-        return (self.strike_velocity, self.steps_per_sample, self.stiffness), "shellfabric.driver.solver"
+        return (self.strike_velocity, self.steps_per_sample), "shellfabric.driver.solver"
 
     def checkpoint_arrays(self):
         return {"x": self.x, "v": self.v, "counter": self.counter, "contact": self.contact}
@@ -88,12 +87,7 @@ def position(step):
 
 def at(step, change):
     """A disturbance before one step."""
-
-    def disturb(solver):
-        if solver.steps == step:
-            change(solver)
-
-    return disturb
+    return lambda solver: change(solver) if solver.steps == step else None
 
 
 # the loop
