@@ -78,7 +78,7 @@ def at_rest(x):
 # the forces
 
 
-def brought(panel, *places, damage=INTACT, torn=()):
+def state_at(panel, *places, damage=INTACT, torn=()):
     """State of a panel whose nodes were at these places, one after the other. Scratch may hold anything.
 
     torn : segments (family, row, column) that have failed, as all their images, in crossovers from the impact point
@@ -119,11 +119,11 @@ def elements(stretch=(1.015, 1.012), shear=0.005, noise=0.004, side=0.0306, dama
         x += at_random(rest(panel), panel.mirrors, (1 + 2 * seed) * noise * min(panel.spacing), seed)
 
         def forces(x, v):
-            state = brought(panel, x[0] - dt * v[0], x[0], damage=damage, torn=torn)
+            state = state_at(panel, x[0] - dt * v[0], x[0], damage=damage, torn=torn)
             return [nodal(np.add(state.f_int, state.f_int_above), x[0])]
 
         def energy(x):
-            return sum(audited(brought(panel, x[0], torn=torn), panel) if torn else plain_energies(panel, x[0]))
+            return sum(audited(state_at(panel, x[0], torn=torn), panel) if torn else plain_energies(panel, x[0]))
 
         return Case([x], forces, energy, np.eye(3)[: 3 * (changes["edge"] == "free")], panel.mirrors, panel)
 
@@ -136,7 +136,7 @@ def grips(seed, symmetry):
     const = panel.constants()
 
     def forces(x, v):
-        state = brought(panel, x[0])
+        state = state_at(panel, x[0])
         set_nodal(state.v, 0.01 * v[0])
         boundary_kernels.update_slip_nodes(state, const, 0.0)
         held = np.zeros((3, state.u[0].size))
@@ -391,5 +391,5 @@ def test_the_audit_has_the_energies_of_the_definitions(name, seed):
     """Found eight at once, and one by one as where yarns have failed."""
     panel, x = case_of(name, seed).panel, case_of(name, seed).x[0]
     for damage in (INTACT, DAMAGED):
-        energies = audited(brought(panel, x, damage=damage), panel)
+        energies = audited(state_at(panel, x, damage=damage), panel)
         np.testing.assert_allclose(energies, plain_energies(panel, x), rtol=1e-10, atol=1e-15)

@@ -40,13 +40,13 @@ def operations(a, b, c, count, out):
 @pytest.mark.parametrize("count", [0, 1, 5, 8, 11])
 def test_operations(count):
     out, (a, b) = np.empty((16, N)), (A[:N], B[:N])
-    total, *found = operations(A, B, C, count, out)
+    total, *others = operations(A, B, C, count, out)
     exact = [a + b, 2 - a, a * b, a / b, np.minimum(a, b), np.maximum(a, 0.5), np.where(a > b, a, 1.0), np.abs(a)]
     exact += [np.copysign(a, b), np.floor(a), np.sqrt(np.abs(a)), A[N - 1 : -1], A[1 : N + 1]]
     exact += [np.where(np.arange(N) < count, a, -1.0), out[14], (a > b) ^ np.isin(np.arange(N), (0, 3))]
     np.testing.assert_array_equal(out, exact)
     np.testing.assert_allclose(out[14], a * b + C[:N], rtol=1e-14, atol=1e-15)
-    assert found == [a.max(), (a > 2.0).any(), False, (1 << np.arange(N))[a > b].sum()]
+    assert others == [a.max(), (a > 2.0).any(), False, (1 << np.arange(N))[a > b].sum()]
     assert total == pytest.approx(a.sum(), rel=1e-14)
 
 
@@ -91,6 +91,6 @@ def test_memory():
     np.testing.assert_array_equal(out, TABLE[ROW].T[[*range(8), *range(8), *range(4), 0]])
     np.testing.assert_array_equal(noted, [-1] * 3 + list(ROW) + [-1] * 5)
     np.testing.assert_array_equal(small[20:28], (small[2:10].astype(float) + 1e-3).astype(np.float32))
-    for count, found in enumerate(masked):
-        np.testing.assert_array_equal(found, np.pad(row[:count], (3, 13 - min(count, N))))
+    for count, stored in enumerate(masked):
+        np.testing.assert_array_equal(stored, np.pad(row[:count], (3, 13 - min(count, N))))
     assert bits == ((1 << np.arange(N))[FLAGS[1:] == 2].sum(), 0b111)
