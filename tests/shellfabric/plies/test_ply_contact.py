@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from fabrics import catalogue
 from fabrics.ply_law import PlyLaw
-from shellfabric.cell.model import CellModel
 from shellfabric.jit.borrowed_list import Items
-from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import contact_kernels as kernels
 from shellfabric.plies import contact_simd_kernels as lanes
@@ -21,13 +18,6 @@ from shellfabric.plies.squeeze_kernels import stop_deep_points
 
 # soft, stiffer, then solid fibre; the second sample is on a line of the kernels' table
 LAW = PlyLaw([0.0, 20e-6, 40e-6], [0.0, 1e6, 19e6], 1.4e13)
-
-
-@pytest.fixture(scope="module")
-def ply():
-    """S-726, whose warp and weft are far from alike, on 20 mm."""
-    fabric = catalogue.load("S-726").with_effective_density()
-    return Panel(CellModel(fabric).table(41), (0.02, 0.02), numerics=Numerics(threads=1))
 
 
 def lines(const):
