@@ -6,23 +6,10 @@ import numpy as np
 import pytest
 
 from shellfabric.panel.boundary import Grip
-from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import window_kernels
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
+from shellfabric.sliding.model import CrossoverFriction, grid
 from shellfabric.solver.pack_solver import PackSolver
-
-ONE = Numerics(threads=1)
-
-
-@pytest.fixture(scope="module")
-def sliding(tables):
-    def make(mu=0.2, **changes):
-        return SlidingPanel(
-            tables["variational"], (0.0306, 0.0306), friction=CrossoverFriction(mu), numerics=ONE, **changes
-        )
-
-    return make
 
 
 def test_a_clamp_that_holds_more_than_the_strength_is_a_clamp_to_the_bit(sliding):
