@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue, variants
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import UnstableError
 from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import dynamic_relaxation, quasistatic
@@ -199,14 +199,3 @@ def test_yarns_that_pass_one_another_are_named():
     turned = coupon.points @ np.array([[1, 0], [-1.2, -0.3]])
     with pytest.raises(UnstableError, match=r"an element has folded: its yarns have passed one another, at element"):
         hook(replace(state, x=turned))
-
-
-def test_bad_tests(table):
-    with pytest.raises(InputError, match="above the width"):
-        quasistatic.bias_extension(table, length=0.05, width=0.06)
-    with pytest.raises(InputError, match="warp or weft"):
-        quasistatic.uniaxial(table, direction="bias")
-    with pytest.raises(InputError, match="below pi/2"):
-        quasistatic.picture_frame(table, shear_angle=2.0)
-    with pytest.raises(InputError, match="aligned yarns"):
-        quasistatic.inextensible_shear(0.1, 0.05, 0.03)

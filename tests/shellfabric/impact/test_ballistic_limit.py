@@ -106,14 +106,6 @@ def test_no_limit(pretend):
         ballistic_limit.critical_velocity(None, guess=100.0)
 
 
-@pytest.mark.parametrize("bad", [{"tolerance": 0.0}, {"guess": -1.0}, {"highest": inf}, {"jobs": 0}, {"step": 1.0}])
-def test_bad_input(pretend, bad):
-    begun = pretend(100.0)
-    with pytest.raises(InputError, match=next(iter(bad))):
-        ballistic_limit.critical_velocity(None, **{"guess": 100.0, **bad})
-    assert begun == []
-
-
 def test_a_good_guess_with_a_small_step_saves_shots(pretend):
     """From a good guess a small first step leaves little to halve: fewer shots, none of them far off."""
     begun = pretend(102.3)
@@ -156,11 +148,10 @@ def test_a_panel(small):
     assert again[1].failed > 0
 
 
-@pytest.mark.parametrize("stacking", ["aligned", "alternating"])
-def test_a_pack(small, stacking):
+def test_a_pack(small):
     """Two plies stop more than one; a shot is that of the pack's own solver, whatever the workers."""
     panel = small()
-    pack = Pack.stacked(panel, 2, stacking=stacking, gap=1e-4)
+    pack = Pack.stacked(panel, 2, stacking="alternating", gap=1e-4)
     found = ballistic_limit.critical_velocity(pack, tolerance=8.0, jobs=2)
     alone = ballistic_limit.critical_velocity(panel, tolerance=8.0)
     assert found.low > alone.high

@@ -4,7 +4,6 @@ from bisect import bisect_right
 
 import pytest
 
-from fabrics.errors import InputError
 from shellfabric.impact import ballistic_limit, limit_scan
 from shellfabric.impact.ballistic_limit import Shot
 from shellfabric.impact.limit_scan import ScanRange, scan
@@ -100,21 +99,3 @@ def test_no_range_fires_nothing(outcomes):
     before = len(fired)
     assert scan(None, bracket, ScanRange(above=0.0, below=0.0)) == bracket
     assert len(fired) == before
-
-
-def test_number_of_workers_does_not_matter(outcomes, small):
-    panel, results = small(), []
-    for jobs in (1, 2, 5):
-        outcomes(*MIXED)
-        bracket = ballistic_limit.critical_velocity(panel, guess=200.0, jobs=jobs)
-        results.append(scan(panel, bracket, jobs=jobs))
-    assert results[0] == results[1] == results[2]
-
-
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [("above", -0.1), ("above", float("inf")), ("below", 1.0), ("below", -0.1), ("step", 0.0), ("step", 1e-6)],
-)
-def test_bad_range(key, value):
-    with pytest.raises(InputError, match=f"{key} = "):
-        ScanRange(**{key: value})
