@@ -47,6 +47,11 @@ def torn(run):
 LOST = {"viscous", "friction", "failure_dissipation", "clamp_friction", "ply_friction", "crossover_friction"}
 APART = {"kinetic_projectile", "elastic_projectile", "plastic_projectile", *BETWEEN_PLIES, *SLIP_WORK}  # from the plies
 
+
+def pulled_out(run):
+    return all(summary.pulled_out_segments > 0 for summary in run.slip_summaries())
+
+
 # kind: (set-up, whether the mechanism has acted)
 RUNS = {
     "one ply": (PANEL, torn),
@@ -102,8 +107,14 @@ RUNS = {
         lambda run: spent(run, "backing_plastic") > 1e-2 and run.sample("jamming").max() > 0.0,
     ),
     "sliding": (
-        PANEL | {"crossovers": CrossoverFriction(0.1), "impact_point": (0.0, 0.0)},
-        lambda run: torn(run) and run.ply_sample("slip")[-1] > 0 and spent(run, "crossover_friction") > 1e-3,
+        PANEL | {"crossovers": CrossoverFriction(0.3), "opening": 0.05, "end_time": 40e-6, "impact_point": (0.0, 0.0)},
+        lambda run: torn(run) and pulled_out(run) and spent(run, "crossover_friction") > 1e-3,
+    ),
+    "sliding out": (
+        PANEL
+        | {"crossovers": CrossoverFriction(0.0), "impact_point": (0.0, 0.0), "edge": "free"}
+        | {"strike_velocity": 80.0, "end_time": 150e-6},
+        lambda run: not torn(run) and pulled_out(run) and np.abs(run.sample("slip_residual")).max() > 0.0,
     ),
     "sliding pack": (
         PACK | {"crossovers": CrossoverFriction(0.1)},
@@ -186,18 +197,21 @@ def energy(kind):
     E = run.strike_energy
     assert np.abs(run.sample("error")).max() < 1e-3 * E
     for name in LOST.intersection(run.energy_names):
-        assert np.diff(run.sample(name)).min() > -1e-6 * E, name
+        # ends of yarn that leave a crossover give or take what they fail with
+        assert np.diff(run.sample(name)).min() > (-1e-3 if run.slips and name == "failure_dissipation" else -1e-6) * E
     apart = APART.intersection(run.energy_names) | {name for name in run.energy_names if name.startswith("backing")}
     whole = run.ply_sample("energy").sum(axis=1) + sum(run.sample(name) for name in apart)
     np.testing.assert_allclose(whole - run.sample("error"), E, rtol=1e-12)
 
 
 def impulse(kind):
-    """The contact force, summed over the steps from one sample to the next, is the momentum lost."""
-    run = ended(kind)
-    lost, scale = -run.projectile.mass * np.diff(run.sample("v")), run.projectile.mass * run.strike_velocity
+    """The contact force, summed over the steps, is the momentum lost; at the end alone where it is told a step late."""
+    run, late = ended(kind), {"bar": 1e-2, "backing": 2e-3}.get(kind)  # of an elastic tip, of a block
+    lost = -run.projectile.mass * (run.sample("v") - run.sample("v")[0])[1:]
+    given = np.cumsum(run.contact_force[1:] * np.diff(run.sample("t")))
     assert run.contact_force.max() > 100.0
-    np.testing.assert_allclose(run.contact_force[1:] * np.diff(run.sample("t")), lost, rtol=0, atol=1e-11 * scale)
+    np.testing.assert_allclose(given[-1], lost[-1], rtol=late or 1e-9)
+    np.testing.assert_allclose(given, lost, rtol=0, atol=np.inf if late else 1e-9 * lost[-1])
 
 
 def momentum(kind):
@@ -298,28 +312,28 @@ def fields_of_snapshots(kind):
         assert total[:, 0] == pytest.approx(run.ply_sample("push")[sample], **near)
         failed = [one.failed_segments.sum() / run.share for one in plies]
         assert failed == pytest.approx(run.ply_sample("failed_yarns")[sample], rel=1e-6)
-        if len(plies) > 1:
-            front, rear, torn = total[:, 1:].T
-            assert front[0] == rear[-1] == 0.0
-            assert rear[:-1] == pytest.approx(front[1:], **near)
-            assert torn.sum() == pytest.approx(0.0, abs=1e-6 * peak)
+        front, rear, torn = np.pad(total[:, 1:], ((0, 0), (0, 4 - total.shape[1]))).T
+        assert front[0] == 0.0
+        assert (rear[-1] > 0) == (run.backing is not None)
+        assert rear[:-1] == pytest.approx(front[1:], **near)
+        assert torn.sum() == pytest.approx(0.0, abs=1e-6 * peak)
 
 
 INVARIANTS = (
     energy, impulse, momentum, resume, threads, symmetry, window, constants, finite, memory, fields_of_snapshots,
 )  # fmt: skip
 EXCEPTIONS = {
-    impulse: {"bar": "its centre of mass takes a force a step late", "backing": "the block's force is a step late"},
     momentum: {
         "weave at an angle": "must be clamped", "turned pack": "must be clamped", "grip": "holds the panel",
         "pull-in": "holds the panel", "bar": "that of its masses, in projectile/test_bar.py",
         "backing": "that of the block, in backing/test_coupling.py", "sliding pack": "as of sliding",
-        "sliding": "that of slipping yarn, in sliding/test_sliding_panel.py",
+        "sliding": "that of slipping yarn, in sliding/test_sliding_panel.py", "sliding out": "as of sliding",
     },
-    threads: {"sliding": "a thread has one ply at least"},
+    threads: {"sliding": "a thread has one ply at least", "sliding out": "the same"},
     symmetry: {"oblique": "has none", "weave at an angle": "has none", "turned pack": "has none"},
     window: {
-        "free": "all of it may come under the nose", "pull-in": "its edges move first", "backing": "touches all of it",
+        "free": "all of it may come under the nose", "sliding out": "the same", "pull-in": "its edges move first",
+        "backing": "touches all of it",
     },
 }  # fmt: skip
 SCALE = "force_scale, the nose's force that softens its spring in packs, is that of the modelled part, not of the whole"

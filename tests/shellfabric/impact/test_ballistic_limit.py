@@ -1,6 +1,7 @@
-"""Critical velocity: the bisection on made-up outcomes and on a panel, the same with any number of workers."""
+"""Critical velocity: bisection and scan on made-up outcomes and on a panel, the same with any number of workers."""
 
 import threading
+from bisect import bisect_left
 from dataclasses import replace
 from math import inf
 
@@ -9,12 +10,16 @@ import pytest
 
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
-from shellfabric.impact import ballistic_limit
+from shellfabric.impact import ballistic_limit, limit_scan
 from shellfabric.impact.ballistic_limit import Bracket, Limit, Shot
+from shellfabric.impact.limit_scan import ScanRange, scan
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
 from validation.models.cable.smith import smith
+
+# stops below 208.5 m/s, then perforates and stops by turns; like S-745 on a coarse mesh
+MIXED = (208.5, 222.0, 226.0, 258.0, 262.0)
 
 
 def made_up(velocity, outcome):
@@ -24,14 +29,14 @@ def made_up(velocity, outcome):
 
 @pytest.fixture
 def pretend(monkeypatch):
-    """Let shots perforate above a given velocity; returns the list of velocities that were begun."""
+    """Let the outcome change at each of the given velocities, from a stop at first; returns the velocities begun."""
 
-    def make(truth):
+    def make(*changes):
         begun = []
 
         def fire(_, velocity, __):
             begun.append(velocity)
-            return made_up(velocity, "perforated" if velocity > truth else "stopped")
+            return made_up(velocity, "perforated" if bisect_left(changes, velocity) % 2 == 1 else "stopped")
 
         monkeypatch.setattr(ballistic_limit, "_fire", fire)
         return begun
@@ -57,8 +62,8 @@ def test_bisection_finds_the_limit(pretend, truth, tolerance):
 def test_number_of_workers_does_not_matter(pretend, small):
     results, panel = [], small()
     for workers in (1, 2, 3, 7):
-        begun = pretend(131.0)
-        results.append(ballistic_limit.critical_velocity(panel, guess=100.0, jobs=workers))
+        begun = pretend(*MIXED)
+        results.append(scan(panel, ballistic_limit.critical_velocity(panel, guess=200.0, jobs=workers), jobs=workers))
         assert len(begun) >= len(results[-1].shots)
     assert all(result == results[0] for result in results)
 
@@ -104,15 +109,6 @@ def test_no_limit(pretend):
     pretend(0.0)
     with pytest.raises(InputError, match="lets the projectile through at any"):
         ballistic_limit.critical_velocity(None, guess=100.0)
-
-
-def test_a_good_guess_with_a_small_step_saves_shots(pretend):
-    """From a good guess a small first step leaves little to halve: fewer shots, none of them far off."""
-    begun = pretend(102.3)
-    found = ballistic_limit.critical_velocity(None, guess=101.0, step=1.02, tolerance=0.5)
-    assert abs(found.velocity - 102.3) <= 0.25
-    assert max(begun) < 1.0201 * 101.0
-    assert len(found.shots) < len(ballistic_limit.critical_velocity(None, guess=101.0, tolerance=0.5).shots)
 
 
 def test_first_guess_is_a_share_of_smiths_and_rises_with_the_plies(small):
@@ -188,3 +184,76 @@ def test_a_shot_gone_wrong(small):
         ballistic_limit.critical_velocity(panel, guess=100.0)
     assert caught.value.shots == ()
     assert threading.active_count() < 20
+
+
+# scan about a limit
+
+
+def test_mixed_zone_is_found(pretend):
+    pretend(*MIXED)
+    bracket = ballistic_limit.critical_velocity(None, guess=205.0)
+    assert bracket.single, "a bisection alone cannot see it"
+    found = scan(None, bracket, ScanRange(step=0.01))
+    assert not found.single
+    low, high = found.mixed_zone
+    assert low == found.lowest_perforation == pytest.approx(208.5, abs=0.01 * bracket.high)
+    assert high == found.highest_stop == pytest.approx(262.0, abs=0.01 * bracket.high)
+    assert (found.low, found.high) == (bracket.low, bracket.high)
+    assert limit_scan.indicator(found).value == high - low
+    assert not limit_scan.indicator(found).ok
+
+
+@pytest.mark.parametrize("guess", [180.0, 224.0, 250.0, 260.0, 300.0])
+def test_zone_does_not_depend_on_the_bracket(pretend, guess):
+    """Bisections from other guesses end at other changes of the outcome; the zone that the scan encloses is the same,
+    within its step."""
+    pretend(*MIXED)
+    bracket = ballistic_limit.critical_velocity(None, guess=guess)
+    step = 0.01 * bracket.high
+    found = scan(None, bracket, ScanRange(above=0.3, below=0.2, step=0.01))
+    assert found.mixed_zone == pytest.approx((208.5, 262.0), abs=step)
+
+
+def test_stop_far_above_extends_the_scan(pretend):
+    """Shots go on until the whole range above the highest stop perforates."""
+    fired = pretend(100.0, 120.0, 121.5, 145.0, 147.0)
+    bracket = ballistic_limit.critical_velocity(None, guess=100.0)
+    found = scan(None, bracket, ScanRange(above=0.22, below=0.0, step=0.01))
+    assert found.highest_stop == pytest.approx(146.0, abs=1.0)  # beyond 1.22 times the bracket, within 1.22 x 121
+    assert max(fired) == pytest.approx(1.22 * found.highest_stop, abs=0.01 * bracket.high)
+    assert len(fired) == len(set(fired)) == len(found.shots)
+
+
+def test_perforation_below_the_bracket(pretend):
+    pretend(90.0, 92.0, 100.0)
+    bracket = ballistic_limit.critical_velocity(None, guess=99.0, step=1.02)
+    found = scan(None, bracket, ScanRange(above=0.0, below=0.12, step=0.01))
+    assert bracket.low > 99.0
+    assert found.mixed_zone == (found.lowest_perforation, bracket.low)
+    assert found.lowest_perforation == pytest.approx(91.0, abs=1.0)
+    assert min(shot.strike_velocity for shot in found.shots) < 0.9 * 91.0
+
+
+def test_single_limit(pretend):
+    fired = pretend(100.0)
+    bracket = ballistic_limit.critical_velocity(None, guess=100.0, tolerance=0.5)
+    before = len(fired)
+    found = scan(None, bracket)
+    assert found.single
+    assert found.mixed_zone is None
+    assert limit_scan.indicator(found).ok
+    assert found.shots[: len(bracket.shots)] == bracket.shots
+    above = sorted(v for v in fired[before:] if v > 100.0)
+    below = sorted(v for v in fired[before:] if v < 100.0)
+    assert len(above) + len(below) == len(fired) - before == pytest.approx(17, abs=1)  # 25 and 10 % in steps of 2 %
+    assert above[0] - bracket.high == pytest.approx(0.02 * bracket.high)
+    assert above[-1] == pytest.approx(1.25 * bracket.low, abs=2.1)
+    assert below[0] == pytest.approx(0.9 * bracket.high, abs=2.1)
+
+
+def test_no_range_fires_nothing(pretend):
+    fired = pretend(*MIXED)
+    bracket = ballistic_limit.critical_velocity(None, guess=200.0)
+    before = len(fired)
+    assert scan(None, bracket, ScanRange(above=0.0, below=0.0)) == bracket
+    assert len(fired) == before

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from conftest_tools import advance, solver_at_rest
 
-from fabrics.errors import InputError
 from shellfabric.panel import motion_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.projectile import friction_kernels
@@ -89,17 +88,6 @@ def test_half_a_panel_does_for_an_oblique_shot_across_it(small):
     )
     np.testing.assert_allclose(half.step_history[:, :2], whole.step_history[:, :2], rtol=1e-7)
     np.testing.assert_allclose(half.state.projectile_velocity[1:], whole.state.projectile_velocity[1:], rtol=1e-7)
-
-
-def test_symmetry_that_a_shot_has_not_is_refused(small):
-    for bad in (
-        {"symmetry": "half", "projectile": shot(obliquity=0.3)},
-        {"symmetry": "quarter", "projectile": shot("sphere", obliquity=0.3, azimuth=np.pi / 2)},
-        {"symmetry": "quarter", "projectile": shot("chisel", roll=0.3)},
-    ):
-        with pytest.raises(InputError, match="symmetry"):
-            small(**bad)
-    small(symmetry="quarter", projectile=shot("chisel", roll=np.pi / 2))
 
 
 @pytest.mark.parametrize(("velocity", "torn"), [(75.0, False), (150.0, True)])

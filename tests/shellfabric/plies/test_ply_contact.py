@@ -224,22 +224,6 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width)
     assert max(seen) > 16
 
 
-def test_eight_at_once_are_asked_for(ply):
-    """Of whole cloth none but rims and planes of symmetry are left to be looked at one at a time."""
-    states, consts, pair = flat(replace(ply, symmetry="quarter"))
-    (front, rear), (fc, rc) = states, consts
-    pair.energy[kernels.MAX_DEPTH] = 0.0
-    left = np.zeros((fc.ni * 4, fc.nj), int)
-    for row in range(fc.ni * 4):
-        for j in range(0, fc.nj, 8):
-            count = min(8, fc.nj - j)
-            bits, _ = lanes.contact_points8(
-                front, fc, rear, rc, pair, row * fc.nj + j, count, 1e-6, 1.0, (1 << count) - 1
-            )  # fmt: skip
-            left[row, j : j + count] = [(bits >> m) & 1 for m in range(count)]
-    assert not left[6:-4, 1:-1].any()  # the first nodes of the two rows before lie on the plane of symmetry
-
-
 def test_a_point_that_touches_does_not_wait(ply):
     """Not even one that was thought to be far away, next to one that was not."""
     states, consts, pair = flat(ply)
@@ -252,31 +236,6 @@ def test_a_point_that_touches_does_not_wait(ply):
     assert placed(states, consts, pair, 0.2 * pair.thickness, 2) == pytest.approx(force, rel=1e-9)
     assert placed(states, consts, pair, 0.2 * pair.thickness, 3) == pytest.approx(force, rel=1e-9)
     assert wait.max() <= 3
-
-
-@pytest.mark.parametrize("points", [1, 2])
-def test_forces_add_up_to_nothing(ply, points):
-    pack = Pack.stacked(
-        replace(ply, symmetry="whole"), 2, stacking="alternating", gap=50e-6, contact=PlyContact(points=points)
-    )
-    states, consts, pair = bulging(pack, np.random.default_rng(2), 0.2e-3)
-    settled(states, consts, pair)
-    moment, size = np.zeros(3), 0.0
-    for c in range(3):
-        total = pair.f_front[c].sum() + pair.f_rear[c].sum()
-        size = max(size, np.abs(pair.f_front[c]).sum())
-        assert abs(total) < 1e-12 * size
-    for forces, state, const, z in (
-        (pair.f_front, states[0], consts[0], 0.0),
-        (pair.f_rear, states[1], consts[1], 1),
-    ):
-        count = (const.ni + 1) * const.row_stride
-        i, j = np.divmod(np.arange(count), const.row_stride)
-        x, y = lines(const)
-        place = np.array([x[i], y[j], 0.0 * i + z * pair.rest_distance])
-        place += np.array([u[:count] for u in state.u])
-        moment += np.cross(place, np.array([f[:count] for f in forces]), axis=0).sum(axis=1)
-    assert np.abs(moment).max() < 1e-9 * size * 0.01  # forces act along the line from foot to point
 
 
 @pytest.mark.parametrize("points", [1, 2])

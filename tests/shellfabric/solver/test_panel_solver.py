@@ -71,34 +71,6 @@ def test_cloth_at_rest_stays_at_rest():
             assert max(np.abs(v).max() for v in state.v) < 1e-9
 
 
-@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
-def test_audit_of_eight_at_once(fabric, symmetry):
-    """The energies of whole cloth are those found one by one, as where yarns have failed."""
-    panel = ImpactSetup(fabric, 120.0, symmetry=symmetry, opening=0.0407, table_size=101).panel()
-    march = PackSolver(panel, 120.0, 15e-6).run()
-    state, const = march.state, march.const
-    assert not state.block_damage.any()
-    fast = failure_kernels.stored_energy(const, state, 0, const.ni)
-    part = failure_kernels.stored_energy(const, state, 2, 5)
-    state.block_damage[:] = 1
-    assert fast == pytest.approx(failure_kernels.stored_energy(const, state, 0, const.ni), rel=1e-12)
-    assert part == pytest.approx(failure_kernels.stored_energy(const, state, 2, 5), rel=1e-12)
-    assert fast[1] > 0.01 * fast[0] > 0
-    out = np.empty(5)
-    ply_kernels.energies(state, const, None, out)
-    v, f, inverse, mass = (
-        np.array(part)[..., : (const.ni + 1) * const.row_stride]
-        for part in (
-            state.v,
-            np.array(state.f_int) + state.f_int_above + state.f_contact,
-            state.inverse_mass,
-            state.mass,
-        )
-    )
-    plain = 0.5 * np.sum(np.where(inverse > 0, mass, 0.0) * v * (v + const.dt * inverse * f))
-    assert out[ply_kernels.KINETIC] == pytest.approx(plain, rel=1e-12)
-
-
 def test_parts_of_the_panel_agree(shoot):
     """A quarter, a half and the whole panel are one run."""
     quarter, half, whole = (shoot(200.0, symmetry=part) for part in ("quarter", "half", "whole"))
@@ -287,33 +259,6 @@ def test_measures(shoot):
     assert 0.003 < reach[0] < 0.0254
     assert result.last[0].nodes[..., 0].size == snapshots.quads(result.panel).max() + 1
     assert result.last[0].tension[..., 0].size == result.panel.elements
-
-
-def test_tensions_follow_from_the_shape_of_the_panel(shoot, fabric):
-    """The cell, solved at the stretches read off the nodes, carries the tensions; the peak is that of all steps."""
-    audits = []
-    result = shoot(100.0, hooks=[lambda march: audits.append([T.max() for T in march.state.T])])
-    nodes, c = result.last[0].nodes, result.panel.constants()
-    warp = np.linalg.norm(np.diff(nodes, axis=0), axis=2) / c.dx
-    weft = np.linalg.norm(np.diff(nodes, axis=1), axis=2) / c.dy
-    cell = CellModel(fabric).solve(0.5 * (warp[:, :-1] + warp[:, 1:]), 0.5 * (weft[:-1] + weft[1:]))
-    for family, name in enumerate(("T1", "T2")):
-        tension = result.last[0].tension[..., family]
-        assert tension.max() > 20.0
-        np.testing.assert_allclose(tension, cell[name], atol=0.03 * tension.max())
-        most = max(row[family] for row in audits)
-        assert most <= result.peak_tension[family] < 1.3 * most
-
-
-BAD = {"strike_velocity": -1.0, "end_time": 0.0, "symmetry": "third", "edge": "glued", "opening": 1e-3,
-       "elements_per_crossover": 0, "cell_model": "soft", "table_size": 2, "audit_interval": 0.0,
-       "snapshot_interval": 0.0}  # fmt: skip
-
-
-@pytest.mark.parametrize("bad", BAD)
-def test_bad_setups(shoot, bad):
-    with pytest.raises(InputError):
-        shoot(**{bad: BAD[bad]})
 
 
 def test_meshed_size_follows_the_source(tables, fabric):
