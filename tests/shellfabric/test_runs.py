@@ -358,6 +358,6 @@ def test_the_mechanism_acts(kind):
     assert RUNS[kind][1](ended(kind))
 
 
-@pytest.mark.parametrize(("kind", "invariant"), table())
+@pytest.mark.parametrize(("kind", "invariant"), list(table()))
 def test_it_holds(kind, invariant, tmp_path):
     invariant(kind, tmp_path) if invariant is resume else invariant(kind)

@@ -100,14 +100,6 @@ def hourglass(x, bricks, control):
     return energy, force + bricks.gradient[0] @ D.T
 
 
-def test_mean_gradients_reproduce_linear_fields_and_volumes():
-    corners, bricks, _ = one_brick()
-    frame = corners.T @ bricks.gradient[0]
-    assert frame.T @ frame == pytest.approx(np.eye(3), abs=1e-12)  # F = 1 gives the frame itself
-    assert bricks.gradient[0].sum(axis=0) == pytest.approx(0, abs=1e-9)
-    assert one_brick(0.0)[1].volume[0] == pytest.approx(BOX.prod(), rel=1e-12)
-
-
 def test_hourglass_forces_are_the_slope_of_the_energy_of_its_definition():
     """They have no resultant and no moment."""
     corners, bricks, control = one_brick()

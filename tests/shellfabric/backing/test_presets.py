@@ -50,21 +50,6 @@ def test_compression_at_constant_volume(name, rate):
     assert work == pytest.approx(flow * alpha, rel=0.01)
 
 
-@pytest.mark.parametrize("rate", RATES)
-def test_simple_shear_of_clay(rate):
-    """Shear stress = flow stress / 3^(1/2) while elastic strains are small; the rate is that of the shear / 3^(1/2)."""
-
-    def shear(e):
-        F = np.eye(3)
-        F[0, 1] = np.sqrt(3) * e
-        return F
-
-    stiff = replace(CLAY, modulus=1000 * CLAY.modulus)
-    tau, alpha, _ = strained(stiff, shear, rate, 0.3, steps=2000)
-    assert tau[0, 1] == pytest.approx(flow_stress(CLAY, rate) / np.sqrt(3), rel=2e-3)
-    assert alpha == pytest.approx(0.3, rel=1e-2)
-
-
 def test_hardening_and_rate_together():
     """The equation of the return, by bisection."""
     material = replace(CLAY, hardening=3e5)

@@ -14,9 +14,8 @@ from shellfabric.jit.borrowed_list import Items, borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.plies import contact_simd_kernels
 from shellfabric.plies.contact_simd_kernels import MAX_SQUEEZE
-from shellfabric.plies.model import Pack, PlyContact, turned
+from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
-from shellfabric.solver.step_kernels import NOT_FINITE
 
 GAP = 0.1e-3
 
@@ -78,15 +77,6 @@ def test_no_ply_goes_through_another(ply, velocity):
     assert min(clearance(march, p) for p in range(3)) > 0.0
 
 
-def test_without_stiffness_they_are_stopped(ply):
-    march = PackSolver(Pack((ply, ply), (GAP,)), 158.0, 20e-6)
-    for pair in march.pairs:
-        pair.law[:] *= 1e-9
-    march.run()
-    assert 0.85 < march.deepest[0] < 1.0
-    assert clearance(march, 0) > 0.0
-
-
 def test_a_run_ends_where_a_ply_has_come_through(ply):
     march = PackSolver(Pack((ply, ply), (GAP,)), 158.0, 20e-6)
     march.pairs[0].energy[[contact_simd_kernels.PASSED_COUNT, contact_simd_kernels.PASSED_STEP]] = 1.0
@@ -120,18 +110,6 @@ def clearance(march, p):
     return least
 
 
-def test_a_turned_ply_is_the_panel_seen_from_its_other_side(ply):
-    other = turned(ply)
-    assert other.counts == ply.counts[::-1]
-    assert other.weave.warp == ply.weave.weft
-    one, two = (
-        [grid(m.const, u) for u in m.state.u] for m in (PackSolver(p, 120.0, 30e-6).run() for p in (ply, other))
-    )
-    size = np.abs(one[2]).max()
-    np.testing.assert_allclose(two[2], one[2].T, atol=1e-6 * size)
-    np.testing.assert_allclose(two[0], one[1].T, atol=1e-6 * size)
-
-
 LAWS = {"solid": None, "weave": PlyLaw([0.0, 20e-6, 35e-6, 45e-6], [0.0, 0.5e6, 4e6, 19e6], 1.4e13)}
 
 
@@ -158,23 +136,6 @@ def test_a_pack_between_platens_has_the_law(ply, plies, law):
         advance(march, 100)
         for pair in march.pairs[: plies - 1]:
             assert -sum(pair.f_front[2]) / area == pytest.approx(pressure, rel=0.02)
-
-
-def test_stacking_chooses_the_plies(ply):
-    aligned, alternating = (Pack.stacked(ply, 4, stacking=name, gap=GAP) for name in ("aligned", "alternating"))
-    assert {one.counts for one in aligned.plies} == {ply.counts}
-    assert [one.counts for one in alternating.plies] == [ply.counts, ply.counts[::-1]] * 2
-    assert len({const.dt for const in alternating.constants()}) == 1
-
-
-def test_an_unstable_pack_says_where(ply):
-    march = PackSolver(Pack.stacked(ply, 2, gap=GAP), 100.0, 1e-4, interval=1e-7)
-    march.states[1].v[2][5 * march.consts[1].row_stride + 5] = 1e4
-    march.states[1].active_rows[:] = 0, march.consts[1].ni
-    march.stack.awake[1] = True
-    with pytest.raises(UnstableError, match="ply 2"):
-        march.run()
-    assert march.reason == NOT_FINITE
 
 
 def test_bad_packs_are_reported(ply):

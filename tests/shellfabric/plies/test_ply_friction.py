@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import collide
+from test_ply_contact import Flat
 
 from fabrics.errors import InputError
 from shellfabric.panel.model import Numerics
-from shellfabric.plies import contact_kernels as kernels
 from shellfabric.plies import contact_simd_kernels as lanes
 from shellfabric.plies import friction
 from shellfabric.plies.model import Pack, PlyContact
@@ -16,37 +16,26 @@ from shellfabric.plies.model import Pack, PlyContact
 MU = 0.3
 
 
-class Sliding:
+class Sliding(Flat):
     """Two flat plies pressed together by a tenth of their thickness; the front one is moved along its plane.
 
     The rear ply is the larger, so that no point leaves it.
     """
 
     def __init__(self, ply, mu, **knobs):
-        self.pack = Pack.stacked(
-            replace(ply, symmetry="whole"), 2, gap=0.0, contact=PlyContact(damping=0.0, **knobs), friction=mu
-        )
-        self.states, _ = self.pack.states(1.0)
-        self.consts = self.pack.constants()
-        self.pair = self.pack.pairs(self.consts, self.states)[0]
-        const = self.consts[0]
-        self.pair.front_box[:] = 0, const.ni, 0, const.nj
-        self.nodes, self.steps = (const.ni + 1) * const.row_stride, 0
-        self.states[0].u[2][: self.nodes] = 0.1 * self.pair.thickness
+        super().__init__(replace(ply, symmetry="whole"), friction=mu, **knobs)
+        self.states[0].u[2][: self.nodes] = 0.1 * self.thickness
         self.move(0.0, 0.0, 40)
 
     def move(self, v_x, v_y, steps):
         """Move the front ply at a velocity [m/s]; returns the work of friction [J]."""
-        before, front = self.pair.energy[lanes.FRICTION_WORK], self.states[0]
+        before, front = self.energy(lanes.FRICTION_WORK), self.states[0]
         for _ in range(steps):
             for u, v, speed in zip(front.u, front.v, (v_x, v_y)):
                 u[: self.nodes] += self.consts[0].dt * speed
                 v[: self.nodes] = speed
-            kernels.contact_forces(
-                front, self.consts[0], self.states[1], self.consts[1], self.pair, self.pair, self.steps
-            )
-            self.steps += 1
-        return self.pair.energy[lanes.FRICTION_WORK] - before
+            self.press()
+        return self.energy(lanes.FRICTION_WORK) - before
 
     @property
     def forces(self):
