@@ -3,18 +3,22 @@
 import numpy as np
 import pytest
 
-from shellfabric.output import checkpoint
 from shellfabric.panel import grading
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
 
+def rest(panel):
+    """(ni+1, nj+1, 3) [m] places of the nodes at rest."""
+    X, Y = panel.coordinates()
+    return np.stack([X, Y, np.zeros_like(X)], axis=-1)
+
+
 def bring(panel, state, x):
     """Move the nodes to x (ni+1, nj+1, 3), all at once and at rest, and find the forces."""
-    X, Y = panel.coordinates()
-    rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
+    moved = x - rest(panel)
     for c in range(3):
-        state.u[c][: X.size] = (x - rest)[..., c].ravel()
+        state.u[c][: moved[..., c].size] = moved[..., c].ravel()
     ply_kernels.initial_forces(state, panel.constants(), None, panel.work())
     return state
 
@@ -98,19 +102,6 @@ def assert_balance(x, f):
 
 class Interrupted(Exception):
     """The user ends a run."""
-
-
-class Interrupting(checkpoint.Checkpoints):
-    """Checkpoints of a run that is interrupted at a time [s]."""
-
-    def __init__(self, path, interval, end):
-        super().__init__(path, interval)
-        self.end = end
-
-    def __call__(self, solver):
-        super().__call__(solver)
-        if solver.time > self.end:
-            raise Interrupted
 
 
 def crumple(panel, scale=5e-6):
