@@ -11,7 +11,7 @@ import pytest
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
 from shellfabric.impact import ballistic_limit, limit_scan
-from shellfabric.impact.ballistic_limit import Bracket, Limit, Shot
+from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.limit_scan import ScanRange, scan
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
@@ -66,15 +66,6 @@ def test_number_of_workers_does_not_matter(pretend, small):
         results.append(scan(panel, ballistic_limit.critical_velocity(panel, guess=200.0, jobs=workers), jobs=workers))
         assert len(begun) >= len(results[-1].shots)
     assert all(result == results[0] for result in results)
-
-
-def test_what_may_follow_is_begun_first(pretend):
-    """With three workers both next velocities are under way with the first: two halvings a round."""
-    bracket = Bracket(100.0, 1.0, 1000.0, 100.0, 116.0)
-    assert bracket.ahead(3, 1.0) == [108.0, 112.0, 104.0]
-    assert bracket.ahead(1, 1.0) == [108.0]
-    assert bracket.ahead(99, 8.0) == [108.0]
-    assert Bracket(100.0, 1.0, 1000.0, 100.0, 101.0).ahead(3, 1.0) == []
 
 
 def test_shots_in_vain_are_given_up(pretend, monkeypatch, small):
@@ -160,15 +151,6 @@ def test_a_pack(small):
     assert shot.failed == solver.sample("failed_yarns")[-1]
     # springs that a tear had compressed gave back up to 1.4 % of the strike energy more than the plies had put in
     assert solver.sample("ply_contact").min() >= -1e-9 * solver.strike_energy
-
-
-def test_plies_that_are_one_stay_one_on_one_thread(small):
-    pack = Pack.stacked(small(), 4, stacking="alternating", gap=1e-4)
-    alike = ballistic_limit._on_one_thread(pack)
-    assert [id(ply) == id(alike.plies[0]) for ply in alike.plies] == [True, False, True, False]
-    assert {ply.numerics.threads for ply in alike.plies} == {1}
-    (kept,) = ballistic_limit._on_one_thread(small(numerics=Numerics(threads=2))).plies
-    assert kept.numerics.threads == 2
 
 
 def test_cloth_that_nothing_holds_has_no_limit(small):

@@ -1,7 +1,5 @@
 """Packs: one ply is a single ply, nothing goes through, the law between platens, stacking, and what ends a run."""
 
-import sys
-from collections import namedtuple
 from dataclasses import replace
 
 import numpy as np
@@ -10,8 +8,6 @@ from conftest_tools import advance, collide, far_from_nose, grid, same
 
 from fabrics.errors import InputError, UnstableError
 from fabrics.ply_law import PlyLaw
-from shellfabric.jit.borrowed_list import Items, borrowed_item
-from shellfabric.jit.compile import entry, kernel
 from shellfabric.plies import contact_simd_kernels
 from shellfabric.plies.contact_simd_kernels import MAX_SQUEEZE
 from shellfabric.plies.model import Pack, PlyContact
@@ -149,36 +145,3 @@ def test_bad_packs_are_reported(ply):
     for bad in ({"courant": 0.0}, {"stiffness": -1.0}, {"damping": -1.0}, {"points": 0}, {"form": "soft"}):
         with pytest.raises(InputError, match=next(iter(bad))):
             PlyContact(**bad)
-
-
-Thing = namedtuple("Thing", "numbers factor")
-
-
-@kernel(_nrt=False)
-def weighed(things):
-    found = 0.0
-    for n in range(len(things)):
-        thing = borrowed_item(things, n)
-        found = 10.0 * found + thing.factor * thing.numbers[1]
-        thing.numbers[0] += 1.0
-    return found
-
-
-@entry()
-def weigh(things):
-    return weighed(things)
-
-
-def test_items_of_a_list_are_looked_at_where_they_lie():
-    arrays = [np.array([0.0, 2.0 + n]) for n in range(3)]
-    counts = [sys.getrefcount(array) for array in arrays]
-    things = Items([Thing(array, 1.0) for array in arrays])
-    held = [sys.getrefcount(array) for array in arrays]
-    assert weigh(things) == 234.0
-    assert weigh(things) == 234.0
-    assert [array[0] for array in arrays] == [2.0, 2.0, 2.0]
-    assert [sys.getrefcount(array) for array in arrays] == held
-    with pytest.raises(TypeError, match="2 types"):
-        Items([things.values[0], Thing(np.zeros(2, np.float32), 1.0)])
-    del things
-    assert [sys.getrefcount(array) for array in arrays] == counts

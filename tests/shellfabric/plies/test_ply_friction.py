@@ -7,8 +7,6 @@ import pytest
 from conftest_tools import collide
 from test_ply_contact import Flat
 
-from fabrics.errors import InputError
-from shellfabric.panel.model import Numerics
 from shellfabric.plies import contact_simd_kernels as lanes
 from shellfabric.plies import friction
 from shellfabric.plies.model import Pack, PlyContact
@@ -128,12 +126,3 @@ def test_the_constants_leave_the_plies_their_time_step():
         assert k * 9 / 2 + 2 * c * 3 / 2 == pytest.approx(1 - cfl**2)
     k, _ = friction.slip_constants(0.1, 2.0, 3.0, 0.04, 0.7)
     assert k == pytest.approx(0.04)  # no stiffer than the normal contact
-
-
-@pytest.mark.parametrize(
-    ("mu", "cfl", "key"), [(-0.1, 0.9, "ply_friction"), (np.inf, 0.9, "ply_friction"), (0.2, 1.0, "cfl")]
-)
-def test_what_is_refused(ply, mu, cfl, key):
-    with pytest.raises(InputError, match=key):
-        Pack.stacked(replace(ply, numerics=Numerics(cfl=cfl)), 2, gap=1e-4, friction=mu)
-    Pack.stacked(replace(ply, numerics=Numerics(cfl=1.0)), 2, gap=1e-4)

@@ -23,10 +23,12 @@ def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
     last, through = run.const.ni, grid(run.slips[0].passed[0], run.panel)
     assert through[last].min() < -1e-4  # [m] towards the middle
     assert np.all(through[last] <= 0)
-    sliding_now = grid(run.slips[0].q[0], run.panel)[last] < 0
-    pull = grid(run.slips[0].config[0], run.panel)[last - 1]
-    assert sliding_now.any()
-    assert pull[sliding_now].max() < 3 * force
+    slips = grid(run.slips[0].q[0], run.panel)[last] < 0
+    pull = grid(run.slips[0].config[0], run.panel)[last - 1] * np.where(
+        np.arange(slips.size) == 0, 2.0, 1.0
+    )  # a half yarn
+    assert slips.sum() > 5
+    assert pull[slips] == pytest.approx(np.full(slips.sum(), force), rel=0.03)
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
     free = PackSolver(sliding(0.1, failure=False), 80.0, 80e-6).run()
     assert run.sample("v")[-1] > free.sample("v")[-1]
