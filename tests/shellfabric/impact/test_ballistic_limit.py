@@ -112,45 +112,31 @@ def test_first_guess_is_a_share_of_smiths_and_rises_with_the_plies(small):
     assert one < eight < 4 * one
 
 
-def test_a_panel(small):
-    """The bracket's ends are what single shots at them come to, and residual velocities rise with the strike's."""
-    panel = small()
-    seen = []
-    found = ballistic_limit.critical_velocity(panel, report=lambda share, shot: seen.append((share, shot)))
-    assert found.high - found.low <= 1.0
+@pytest.mark.parametrize("plies", [1, 2])
+def test_the_ends_of_the_bracket_are_what_single_shots_come_to(small, plies):
+    """Whatever the workers; residual velocities rise with the strike's."""
+    target, seen = Pack.stacked(small(), plies, stacking="alternating", gap=1e-4), []
+    found = ballistic_limit.critical_velocity(
+        target, tolerance=4.0, jobs=plies, report=lambda share, shot: seen.append((share, shot))
+    )
+    assert found.high - found.low <= 4.0
+    assert plies == 1 or found.low > ballistic_limit.critical_velocity(small(), tolerance=4.0).high
     assert [shot for _, shot in seen] == list(found.shots)
     assert [share for share, _ in seen] == sorted(share for share, _ in seen)
     assert seen[-1][0] == 1.0
-    again = ballistic_limit.shoot(panel, [found.low, found.high, 1.5 * found.high, 2 * found.high], jobs=2)
+    again = ballistic_limit.shoot(target, [found.low, found.high, 1.5 * found.high, 2 * found.high], jobs=3 - plies)
     assert [shot.outcome for shot in again] == ["stopped", *["perforated"] * 3]
     assert again[0].residual_velocity == 0.0
-    assert 0 < again[1].residual_velocity < again[2].residual_velocity < again[3].residual_velocity
-    assert again[3].residual_velocity < 2 * found.high
-    known = {shot.strike_velocity: shot for shot in found.shots}
+    assert 0 < again[1].residual_velocity < again[2].residual_velocity < again[3].residual_velocity < 2 * found.high
+    known = {shot.strike_velocity: replace(shot, wall_time=0.0) for shot in found.shots}
     for shot in again[:2]:
-        same = known[shot.strike_velocity]
-        assert (shot.residual_velocity, shot.time, shot.peak_tension) == (
-            same.residual_velocity, same.time, same.peak_tension
-        )  # fmt: skip
-    assert again[1].failed > 0
-
-
-def test_a_pack(small):
-    """Two plies stop more than one; a shot is that of the pack's own solver, whatever the workers."""
-    panel = small()
-    pack = Pack.stacked(panel, 2, stacking="alternating", gap=1e-4)
-    found = ballistic_limit.critical_velocity(pack, tolerance=8.0, jobs=2)
-    alone = ballistic_limit.critical_velocity(panel, tolerance=8.0)
-    assert found.low > alone.high
-    shot = next(shot for shot in found.shots if shot.perforated)
-    (again,) = ballistic_limit.shoot(pack, [shot.strike_velocity])
-    assert replace(again, wall_time=0.0) == replace(shot, wall_time=0.0)
-    solver = PackSolver(pack, shot.strike_velocity, 5e-3, interval=10e-6).run()
-    assert shot.residual_velocity == solver.residual_velocity
-    assert shot.peak_tension == tuple(solver.peak_tensions[..., 0].max(axis=0))
-    assert shot.failed == solver.sample("failed_yarns")[-1]
+        assert replace(shot, wall_time=0.0) == known[shot.strike_velocity]
+    solver = PackSolver(target, found.high, 5e-3, interval=10e-6).run()
+    assert again[1].residual_velocity == solver.residual_velocity
+    assert again[1].peak_tension == tuple(solver.peak_tensions[..., 0].max(axis=0))
+    assert again[1].failed == solver.sample("failed_yarns")[-1] > 0
     # springs that a tear had compressed gave back up to 1.4 % of the strike energy more than the plies had put in
-    assert solver.sample("ply_contact").min() >= -1e-9 * solver.strike_energy
+    assert plies == 1 or solver.sample("ply_contact").min() >= -1e-9 * solver.strike_energy
 
 
 def test_cloth_that_nothing_holds_has_no_limit(small):
