@@ -94,14 +94,16 @@ GROUPS = {
 NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}
 # runs the lines of a file one after the other, as the program `weavecell` does, and stops at the first that fails
 DRIVER = """
-import sys, traceback
+import sys
 from weavecell.cli import app
-for line in open("commands.txt"):
-    try:
-        app.main(line.split())
-    except SystemExit as end:
-        if end.code:
-            sys.exit(f"{line} ended with {end.code}")
+
+if __name__ == "__main__":
+    for line in open("commands.txt"):
+        try:
+            app.main(line.split())
+        except SystemExit as end:
+            if end.code:
+                sys.exit(f"{line} ended with {end.code}")
 """
 
 

@@ -114,7 +114,7 @@ class Claim:
     untestable, unbuilt : why there is no check; or ""
     cause : of a miss, as far as it has been investigated
     verdict : recorded one of `judge.VERDICTS`, with which the check has to end
-    turned : "verdict: why" where the check ends with another one now, and the recorded one has not been given up
+    turned : "verdict: why" where the check ends with another one now, until the page of claims is computed again
     """
 
     id: str

@@ -8,7 +8,7 @@ from validation.verification.richardson import extrapolate, observed_order, unce
 @pytest.mark.parametrize("p", [0.6, 2.0])
 @pytest.mark.parametrize("sizes", [(1.0, 1 / 2, 1 / 3), (0.9, 0.4, 0.35)])
 def test_values_of_an_exact_order_give_the_limit(p, sizes):
-    """The uncertainty is the grid convergence index, 1.25 of the step to the limit, and what the values are known to."""
+    """The uncertainty is 1.25 of the step to the limit (grid convergence index), and what the values are known to."""
     values = [120.0 - 7.0 * h**p for h in sizes]
     found = extrapolate(sizes, values)
     assert observed_order(sizes, values) == pytest.approx(p, rel=1e-9)
