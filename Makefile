@@ -24,7 +24,7 @@ test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(SOLID)
 	$(QUICK) $(COMMANDS)
 	$(QUICK) tests/refusals tests/weavecell $(COMMANDS:%=--ignore=%)
-	$(QUICK) --dist loadfile tests/installed
+	$(QUICK) tests/installed
 	$(QUICK) tests $(APART:%=--ignore=%)
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free

@@ -10,7 +10,7 @@ import pytest
 
 from fabrics.errors import InputError, UnstableError
 from validation.claims import claims as data
-from validation.claims import judge, runner, runs, summary, variants
+from validation.claims import judge, runner, summary, variants
 from validation.claims.checks import CHECKS, Check
 from validation.claims.claims import Claim, Condition
 from validation.claims.registry import Run
@@ -196,45 +196,11 @@ def test_a_shared_run_is_computed_once_and_failures_are_outcomes(computed, tmp_p
     assert "ZeroDivisionError" in records[5].note
 
 
-def test_an_interrupted_ledger_goes_on(computed, tmp_path):
-    def interrupt(share, text):
-        if text.startswith("shot") and share > 0.3:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        runner.validate(squares(2, 3, 5), tmp_path, report=interrupt)
-    assert 0 < len(computed) < 3
-    records = runner.validate(squares(2, 3, 5), tmp_path, resume=True)
-    assert sorted(computed) == [2, 3, 5]  # none twice
-    assert runner.validate(squares(2, 3, 5), tmp_path, resume=True) == records
-    changed = [replace(entry, conditions=(Condition("number", "value", 5, within=0),)) for entry in squares(2)]
-    assert runner.validate(changed, tmp_path, resume=True)[0].verdict == judge.MISSED
-    assert len(computed) == 3
-    runner.validate(squares(2), tmp_path)  # without resuming it is done again
-    assert len(computed) == 4
-
-
 def test_variants_of_a_claim(computed, tmp_path):
     (record,) = runner.validate(squares(2), tmp_path, vary=True)
     assert (record.verdict, record.found) == (judge.REPRODUCED, {"number": 4.0})  # of the claim as it stands
     assert record.variants == {"two elements": judge.MISSED}
     assert variants.summary(record) == "holds in 1 of 2; missed with two elements"
-
-
-def test_variants_and_sliding_crossovers_change_one_choice_of_a_shot():
-    base = runs.setup("S-745", 100.0)
-    form, denier, elements, body = (runs.setup("S-745", 100.0, **{k: v}) for k, v in variants.VARIANTS.values())
-    assert (base.form, base.elements_per_crossover, base.projectile.bar) == ("variational", 1, None)
-    assert (form.form, elements.elements_per_crossover) == ("equilibrium", 2)
-    ratio = base.fabric.weave.warp.linear_density / denier.fabric.weave.warp.linear_density
-    assert ratio == pytest.approx(3081 / 3000, rel=1e-3)  # erratum E-07
-    assert body.projectile.bar.mass == pytest.approx(base.projectile.mass)
-    names = "form", "fabric", "elements_per_crossover", "projectile"
-    for name, varied in zip(names, (form, denier, elements, body)):
-        assert replace(varied, **{name: getattr(base, name)}) == base
-    (key, mu), *_ = variants.OPTIONS.values()
-    assert runs.setup("S-720", 100.0, **{key: mu}).crossovers.mu == 0.2
-    assert runs.setup("S-720", 100.0).crossovers is None
 
 
 # --- the command
