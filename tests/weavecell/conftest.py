@@ -1,4 +1,7 @@
-"""One run of each command a session."""
+"""One run of each command a session, and the key that interrupts a run."""
+
+from contextlib import contextmanager
+from unittest import mock
 
 import pytest
 
@@ -11,3 +14,26 @@ def results(tmp_path_factory, worker_id):
     base = tmp_path_factory.getbasetemp()
     shared = base if worker_id == "master" else base.parent
     return lambda name: made(name, shared / f"run-{name}")
+
+
+@contextmanager
+def interrupted_at(share, least_wall=0.0):
+    """The user presses Ctrl-C when `share` of a run is done; checkpoints may be `least_wall` [s] apart."""
+    from shellfabric.output import checkpoint
+    from weavecell.results import progress
+
+    def advance(done, _text=""):
+        if done >= share:
+            raise KeyboardInterrupt
+
+    @contextmanager
+    def bar(_title):
+        yield advance
+
+    with mock.patch.object(progress, "bar", bar), mock.patch.object(checkpoint, "LEAST_WALL", least_wall):
+        yield
+
+
+@pytest.fixture
+def interrupted():
+    return interrupted_at

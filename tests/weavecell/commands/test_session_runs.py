@@ -5,6 +5,7 @@ import html
 import json
 import re
 from dataclasses import asdict
+from importlib.util import find_spec
 from math import isclose, isnan
 
 import numpy as np
@@ -32,6 +33,7 @@ FOLDER = {
     "impact": f"{SHOT} panel panel.pvd pictures",
     "pack": f"{SHOT} panel panel.pvd pictures",
     "sliding": f"{SHOT} panel panel.pvd",
+    "accuracy": SHOT,
     "draws": "draws.csv runs scene.toml summary.csv summary.html summary.json summary.png",
     "critical-velocity": "critical-velocity.json residual-velocity.svg scene.toml shots.csv",
     "v50": "runs scene.toml shots.csv v50.csv v50.html v50.json v50.png",
@@ -65,13 +67,16 @@ def rows_of(file):
     return list(csv.DictReader(file.read_text("utf-8").splitlines()))
 
 
-@pytest.fixture(params=RUNS)
-def name(request):
-    if request.param in ("calibrate", "crossover", "surface"):
-        pytest.importorskip("dolfinx")
-    return request.param
+SOLID = pytest.mark.skipif(find_spec("dolfinx") is None, reason="without dolfinx")
 
 
+def named(runs):
+    """A case for each run."""
+    solid = ("calibrate", "crossover", "surface")
+    return pytest.mark.parametrize("name", [pytest.param(n, marks=SOLID if n in solid else ()) for n in runs])
+
+
+@named(RUNS)
 def test_a_command_ends_well_and_leaves_its_folder(results, name):
     run = results(name)
     assert run.code == 0, run.err
@@ -86,13 +91,13 @@ def test_a_command_ends_well_and_leaves_its_folder(results, name):
         assert {"commit", "packages", "processor"} <= set(summary_of(run, name)["provenance"])
 
 
-def test_no_picture_is_empty(results):
-    for name in RUNS:
-        for path in results(name).folder.rglob("*.png"):
-            with Image.open(path) as picture:
-                assert np.ptp(np.asarray(picture.convert("L"))) > 100, path
-        for path in results(name).folder.rglob("*.svg"):
-            assert path.read_text("utf-8").count("<path") > 20, path
+@named(RUNS)
+def test_no_picture_is_empty(results, name):
+    for path in results(name).folder.rglob("*.png"):
+        with Image.open(path) as picture:
+            assert np.ptp(np.asarray(picture.convert("L"))) > 100, path
+    for path in results(name).folder.rglob("*.svg"):
+        assert path.read_text("utf-8").count("<path") > 20, path
 
 
 def numbers(value, at=""):
@@ -178,6 +183,7 @@ IN_PYTHON = {
 LEAST = {"export": 4}  # numbers that both have; of the others 7
 
 
+@named(IN_PYTHON)
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult", "ignore:one sliding ply", "ignore:unique with")
 def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
     """To 12 digits, of the same input."""
@@ -227,8 +233,8 @@ def test_tables_of_drawn_shots_have_the_means_of_their_summaries(results):
     assert [float(row["first order"]) for row in rows] == pytest.approx(first, abs=6e-4)
 
 
+@SOLID
 def test_files_of_the_3d_crossover_are_read_back(results):
-    pytest.importorskip("dolfinx")
     told, folder = summary_of(results("calibrate"), "calibrate"), results("calibrate").folder
     law = CompressionLaw.from_json(folder / "law.json")
     assert (law.a, law.b) == pytest.approx((told["law"]["a_m"], told["law"]["b_m_N^(1/3)"]), rel=1e-12)
@@ -269,10 +275,8 @@ SAID = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", SAID)
+@named(SAID)
 def test_the_report_has_the_numbers_of_the_summary(results, name):
-    if name in ("calibrate", "surface"):
-        pytest.importorskip("dolfinx")
     (page,) = results(name).folder.glob("*.html")
     text = re.sub(r"<style.*?</style>|<[^>]+>", " ", page.read_text("utf-8"), flags=re.DOTALL)
     text = " ".join(html.unescape(text).split())
