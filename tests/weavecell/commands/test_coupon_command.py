@@ -141,7 +141,7 @@ def test_slack_fibres_take_no_load(run):
 
 def test_a_cross_carries_what_its_cell_does():
     """The record's closed form is that of the solver: the cell at the strains of the middle, within 1 %."""
-    made = wc.coupon("glass-balanced", "biaxial", strain=[0.01, 0.01], centre=6, arm=3, steps=4).record.measures
+    made = wc.coupon("glass-balanced", "biaxial", strain=["1 %", "1 %"], centre=6, arm=3, steps=4).record.measures
     for family in ("warp", "weft"):
         found, cell = (made[f"{name}"][1] for name in (f"load of a {family} yarn", f"cell at these strains, {family}"))
         assert found[-1] == pytest.approx(cell[-1], rel=0.01)
