@@ -65,6 +65,7 @@ PULL = {
     "fabric": {"name": "S-726"},
     "pull_out": {"crossings": 10, "displacement": "1.2 mm", "crossover_friction": 0, "crossover_cohesion": "0.5 N"},
 }
+SHORT = {"warp only": (1, 0), "equibiaxial": (1, 1)}  # paths of a calibration
 LAW = '{"format": "weavecell compression law 1", "a": "45 um", "b": "58 um * N**(1/3)"}'
 
 
@@ -73,10 +74,10 @@ def small_calibration():
     """Calibrations on the least of meshes, along two paths."""
     from unitcell3d.identify import calibrate as solver
 
-    run, small = solver.calibrate, {"plates_size": (2, 2, 2), "paths": {"warp only": (1, 0), "equibiaxial": (1, 1)}}
-    with mock.patch.object(
-        solver, "calibrate", lambda fabric, size, **more: run(fabric, size=(2, 2, 2), **small, **more)
-    ):
+    small = {"size": (2, 2, 2), "plates_size": (2, 2, 2), "paths": SHORT}
+    one = lambda fabric, *, run=solver.calibrate, **more: run(fabric, **more | small)  # noqa: E731
+    all_of = lambda fabrics, *, run=solver.calibrate_all, **more: run(fabrics, **more | small)  # noqa: E731
+    with mock.patch.multiple(solver, calibrate=one, calibrate_all=all_of):
         yield
 
 
@@ -95,7 +96,11 @@ RUNS = {
     "accuracy": Command("impact scene.toml", {"scene.toml": ACCURATE}),
     "draws": Command("impact scene.toml --draws 3 --seed 4 --jobs 1", {"scene.toml": DRAWN}),
     "critical-velocity": Command("critical-velocity scene.toml --residual-shots 4 --jobs 1", {"scene.toml": LIMIT}),
-    "v50": Command("v50 scene.toml --shots 8 --batch 4 --seed 2 --jobs 1", {"scene.toml": DRAWN}),
+    "v50": Command(
+        "v50 S-720 --shots 8 --batch 4 --seed 2 --jobs 1 --opening '30.6 mm' --grading '[[11, 1], [inf, 1]]'"
+        " --page page.md",
+        {"page.md": "before\n<!-- v50 -->\nold\n<!-- end of v50 -->\nafter\n"},
+    ),
     "sensitivity": Command("sensitivity scene.toml --samples 2 --jobs 1", {"scene.toml": PLIES}),
     "sweep": Command(
         "sweep scene.toml --over 'projectile.strike_velocity=90 m/s,150 m/s' --over 'projectile.mass=3 g,2 g' --jobs 1",
