@@ -49,27 +49,28 @@ def test_files_of_excel_are_read(tmp_path, values, encoding, separator):
     assert fabric_file.read_values(values) == plain
 
 
-def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
-    words = ["data sheet", "930 dtex", "", "1.44 g/cm^3", "", "95 GPa", "", "", "2350 mN/tex", "", "", "0.30 mm",
-             "11 / cm", ""]  # fmt: skip
-    done = CliRunner().invoke(
-        app.program(), ["fabrics", "new", str(tmp_path / "own.toml")], input="\n".join(words) + "\n"
-    )
+def prompted(tmp_path, *words):
+    """The fabric of what is typed at the prompts."""
+    words = ["fabrics", "new", str(tmp_path / "own.toml")], "\n".join(words) + "\n"
+    done = CliRunner().invoke(app.program(), words[0], input=words[1])
     assert done.exit_code == 0, done.output
-    fabric = catalogue.load(tmp_path / "own.toml")
+    return catalogue.load(tmp_path / "own.toml")
+
+
+def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
+    fabric = prompted(
+        tmp_path, "data sheet", "930 dtex", "", "1.44 g/cm^3", "", "95 GPa", "", "", "2350 mN/tex", "", "", "0.30 mm",
+        "11 / cm", "",
+    )  # fmt: skip
     assert fabric.assumed == ("crimp",)
     assert fabric.weave.warp.strength == pytest.approx(218.55)
 
 
-def test_from_prompts(tmp_path):
-    """A wrong unit is asked for again; an empty line takes the warp's value for the weft."""
-    words = ["data sheet", "1100 mm", "1100 dtex", "", "1.44 g/cm^3", "", "90 GPa", "", "0.033", "", "1.2 %", "0.8 %",
-             "8.5 / cm", ""]  # fmt: skip
-    done = CliRunner().invoke(
-        app.program(), ["fabrics", "new", str(tmp_path / "own.toml")], input="\n".join(words) + "\n"
-    )
-    assert done.exit_code == 0, done.output
-    fabric = catalogue.load(tmp_path / "own.toml")
+def test_a_wrong_unit_is_asked_for_again_and_an_empty_line_takes_the_value_of_the_warp(tmp_path):
+    fabric = prompted(
+        tmp_path, "data sheet", "1100 mm", "1100 dtex", "", "1.44 g/cm^3", "", "90 GPa", "", "0.033", "", "1.2 %",
+        "0.8 %", "8.5 / cm", "",
+    )  # fmt: skip
     assert fabric.weave.weft.failure_strain == pytest.approx(0.033)
     assert fabric.weave.weft.crimp == pytest.approx(0.008)
 
