@@ -34,7 +34,7 @@ def shot(velocity, opening, end_time, *, fabric="S-720", **more):
 
 
 PLY = shot(
-    "155 m/s", "80 mm", "60 us", title="a small panel",
+    "155 m/s", "80 mm", "60 us", title="a <small> & thin panel",
     history={"interval": "1 us", "warp": ["0 mm", "5 mm"], "report_positions": ["5 mm", "20 mm", "90 mm"]},
     run={"snapshot_interval": "20 us", "checkpoint_interval": "10 us", "outputs": ALL},
 )  # fmt: skip

@@ -259,7 +259,11 @@ def of_shot(s):
     yield f"largest back-face deflection [mm] {1e3 * s['max_deflection_m']:.2f} "
     yield f"{s['peak_tension_warp_N']:.1f} ({100 * s['peak_tension_warp_over_strength']:.0f} %)"
     yield f"energy error, of the strike energy [%] {100 * s['energy_error_max']:.3f} "
-    if s["plies"] == 3:
+    if "pulled_out_length_m" in s:
+        lengths = f"{1e3 * s['pulled_out_length_m']:.3g} {1e3 * s['largest_window_m']:.3g}"
+        yield f" 1 {s['pulled_out_segments']} {lengths} {s['crossover_friction_work_J']:.3g} "
+        yield f"{100 * s['crossover_friction_work_J'] / s['strike_energy_J']:.3g} % of the strike energy"
+    if "back_face_signature_mm" in s:
         yield f"Back-face signature: {s['back_face_signature_mm']:.1f} mm"
 
 
