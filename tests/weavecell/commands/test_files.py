@@ -41,7 +41,7 @@ def leaves(value, table, path=""):
             yield key
 
 
-@pytest.mark.parametrize("name", ["impact", "pack", "sliding", "accuracy", "coupon", "pull-out"])
+@pytest.mark.parametrize("name", ["impact", "pack", "sliding", "coupon", "pull-out"])
 def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(results, name):
     folder, impact = results(name).folder, name not in ("coupon", "pull-out")
     summary = json_file.read_summary(folder / "summary.json")

@@ -1,4 +1,4 @@
-"""Packs: the session's run of three plies at three angles before a block, meshes, accuracy, and the view of a cut."""
+"""Packs: the session's run of three plies at three angles before a block, and the view of its cut."""
 
 import json
 from types import SimpleNamespace
@@ -12,7 +12,6 @@ from scipy.integrate import trapezoid
 
 from fabrics import catalogue
 from shellfabric.projectile.dynamics import BarHistory
-from weavecell.api.runs import setup, sweep
 from weavecell.report.shot import view
 from weavecell.results.impact import ImpactRecord
 
@@ -91,33 +90,6 @@ def test_the_cut_of_a_pack_is_a_picture_and_a_movie(command, pack, tmp_path):
     refused = "error: --cut: must be given with --screenshot or --movie, of a folder with panel.pvd and histories.h5\n"
     assert command("view", pack.folder, "--cut")[::2] == (2, refused)
     assert command("view", view.find(pack.folder), "--cut")[::2] == (2, refused)
-
-
-def test_a_graded_pack_has_all_records():
-    """Cuts and histories of every ply, as without grading; fewer elements, and the shot is much the same."""
-    more = {"plies": 3, "ply_gap": "0.1 mm", "opening": "45 mm", "end_time": "24 us", "snapshot_interval": "8 us"}
-    more["history"] = {"interval": "2 us", "warp": ["0 mm", "5 mm"]}
-    grids = [[float("inf"), 1]], [[10, 1], [float("inf"), 2]]
-    plain, graded = (shot.record for shot in sweep([setup("S-728", 200, grading=grid, **more) for grid in grids]))
-    assert graded.elements < 0.8 * plain.elements
-    assert len(graded.measured) == len(plain.measured) == len(graded.cuts[-1].lines) == 3
-    assert set(graded.plies) == set(plain.plies)
-    np.testing.assert_allclose(graded.velocity[-1], plain.velocity[-1], rtol=0.01)
-    np.testing.assert_allclose(graded.plies["push"].max(axis=0)[0], plain.plies["push"].max(axis=0)[0], rtol=0.05)
-
-
-def test_a_pack_is_answered_as_well_as_its_scene_wants(command, results):
-    folder, code, out, _ = results("accuracy")
-    assert code == 0
-    told = json.loads((folder / "summary.json").read_text())["accuracy"]
-    assert (told["targets"], told["confirmed"]) == ({"residual_velocity": 0.1}, True)
-    assert told["compared_with"] == "default mesh of packs"
-    assert f"accuracy confirmed: {told['model']}, quarter panel" in out
-    assert "The model that was chosen" in (folder / "report.html").read_text()
-    code, out, _ = command("impact", folder / "scene.toml", "--explain")
-    assert code == 0
-    assert "->   finer mesh of packs, table 201" in out
-    assert "errors of a pack are the differences of both meshes" in out
 
 
 def test_the_period_of_a_swing_is_found():

@@ -33,7 +33,6 @@ FOLDER = {
     "impact": f"{SHOT} panel panel.pvd pictures",
     "pack": f"{SHOT} panel panel.pvd pictures",
     "sliding": f"{SHOT} panel panel.pvd",
-    "accuracy": SHOT,
     "draws": "draws.csv runs scene.toml summary.csv summary.html summary.json summary.png",
     "critical-velocity": "critical-velocity.json residual-velocity.svg scene.toml shots.csv",
     "v50": "runs scene.toml shots.csv v50.csv v50.html v50.json v50.png",
@@ -166,9 +165,7 @@ IN_PYTHON = {
     **{name: lambda _, name=name: fired(name).summary() for name in IMPACTS},
     "draws": lambda _: wc.draws(set_up(DRAWN), 3, seed=4).summary(),
     "critical-velocity": lambda _: of_limit(wc.critical_velocity(set_up(LIMIT), residual_shots=4)),
-    "v50": lambda _: wc.v50(
-        "S-720", shots=8, batch=4, seed=2, opening="30.6 mm", grading=[[11, 1], [float("inf"), 1]]
-    ).summary(),
+    "v50": lambda _: wc.v50(set_up(DRAWN), shots=8, batch=4, seed=2).summary(),
     "sensitivity": lambda folder: {
         "indices": list(map(asdict, sobol.study(set_up(PLIES), [90.0], samples=2, folder=folder)))
     },
