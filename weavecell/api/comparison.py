@@ -58,7 +58,7 @@ def compare(
     executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
         Dask scheduler at DASK_SCHEDULER_ADDRESS
     out : folder of the results; in Python None writes nothing
-    options : beside a fabric, keywords of `setup` but history
+    **options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------

@@ -104,7 +104,7 @@ def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> t
     ----------
     fabric : its name, for messages; None where every ply has its own
     velocity : [m/s] of the strike, or a text with a unit
-    options : of `Keywords`
+    **options : of `Keywords`
 
     Raises
     ------

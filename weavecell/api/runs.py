@@ -123,7 +123,7 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
     ----------
     fabric : Fabric, or what `weavecell.fabric` takes; None where every dict of `ply` has its name or file
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
-    options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
+    **options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
         [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time
         800 us where not given, without snapshot_interval only the shape at the end is kept, ply is a list of dicts, as
         [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]. The tables [projectile], [history],
@@ -185,7 +185,7 @@ def critical_velocity(
     executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
         Dask scheduler at DASK_SCHEDULER_ADDRESS
     out : folder of the results; in Python None writes nothing
-    options : beside a fabric, keywords of `setup` but history
+    **options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------
@@ -271,7 +271,7 @@ def v50(
         Dask scheduler at DASK_SCHEDULER_ADDRESS
     out : folder of the results; in Python None keeps nothing
     resume : whether to take finished shots from the folder; those of another version of the code are computed again
-    options : beside a fabric, keywords of `setup` but history
+    **options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------
@@ -330,7 +330,7 @@ def sensitivity(
     samples : N, a power of 2; N (inputs + 2) rows are run
     seed : of the sample and of the intervals
     jobs, executor, out, resume : as of `v50`
-    options : beside a fabric, keywords of `setup` but history
+    **options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------

@@ -77,7 +77,7 @@ def shoot(
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run of another version
         of the code is refused
-    options : of a fabric, as of `setup`
+    **options : of a fabric, as of `setup`
 
     Returns
     -------

@@ -43,7 +43,7 @@ def of(
     Parameters
     ----------
     target : a set-up, the path of an input file, or a fabric as of `weavecell.setup`
-    options : keywords of `weavecell.setup` beside a fabric; none beside the others
+    **options : keywords of `weavecell.setup` beside a fabric; none beside the others
     support : what the study does with the keys of an input file
     velocity : [m/s] at which a fabric is struck; of a study that chooses it None
     history : whether [history] means something to the study

@@ -15,11 +15,10 @@ ACCURACY = Support(
     rejected=build.NO_SLACK | build.PINNED
     | {"panel.grading": "left out in a scene with [accuracy], whose mesh is chosen"},
 )  # fmt: skip
-EXPLAIN = replace(ACCURACY, ignored=("title", *target.UNWRITTEN, "history"))
 DRAWS = replace(
     IMPACT,
     ignored=("panel.symmetry", *target.UNWRITTEN, "history"),
-    rejected=build.NO_SLACK | {"accuracy": "left out with --draws, which runs the mesh of the scene"},
+    rejected=build.NO_SLACK | {"accuracy": "left out of draws, which run the mesh of the scene"},
 )
 LIMITS = target.support(
     ignored=("title", *target.UNWRITTEN, "projectile.strike_velocity", "run.end_time", "backing.after_stop")

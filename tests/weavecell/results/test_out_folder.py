@@ -21,7 +21,7 @@ INPUTS = {
     "velocity.csv": "time [us], velocity [m/s]\n1, 92\n2, 91\n3, 90\n4, 89\n5, 88\n",
 }
 CALLS = (
-    "impact scene.toml", "draws scene.toml --count 2", "coupon coupon.toml", "biaxial S-720", "v50 S-720",
+    "impact scene.toml", "impact scene.toml --draws 2", "coupon coupon.toml", "biaxial S-720", "v50 S-720",
     "critical-velocity S-720", "sensitivity S-720", "sweep S-720 --over panel.plies=1,2", "compare shots.csv S-720",
     "export S-720 --to lsdyna", "fit S-720 velocity.csv --free compression",
 )  # fmt: skip
