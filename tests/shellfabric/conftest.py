@@ -6,7 +6,10 @@ import pytest
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.panel.model import Panel
+from shellfabric.impact.simulation import ImpactSetup, run
+from shellfabric.panel.model import Numerics, Panel
+
+SHOT = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
 
 
 @pytest.fixture(scope="session")
@@ -27,6 +30,24 @@ def small(tables):
     def make(**changes):
         table = changes.pop("table", tables["variational"])
         return Panel(table, (0.0306, 0.0306), **changes)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def ply():
+    """S-726, whose warp and weft are far from alike, on 20 mm."""
+    fabric = catalogue.load("S-726").with_effective_density()
+    return Panel(CellModel(fabric).table(81), (0.02, 0.02), numerics=Numerics(threads=1))
+
+
+@pytest.fixture(scope="session")
+def shoot(fabric):
+    """Run S-720, 40 x 40 crossovers as a whole, briefly."""
+
+    def make(strike_velocity=150.0, hooks=(), resume=None, **changes):
+        setup = ImpactSetup(**{"fabric": fabric, "strike_velocity": strike_velocity, **SHOT, **changes})
+        return run(setup, hooks=hooks, resume=resume)
 
     return make
 

@@ -3,25 +3,29 @@
 import numpy as np
 import pytest
 
-from shellfabric.output import checkpoint
 from shellfabric.panel import grading
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
 
+def rest(panel):
+    """(ni+1, nj+1, 3) [m] places of the nodes at rest."""
+    X, Y = panel.coordinates()
+    return np.stack([X, Y, np.zeros_like(X)], axis=-1)
+
+
 def bring(panel, state, x):
     """Move the nodes to x (ni+1, nj+1, 3), all at once and at rest, and find the forces."""
-    X, Y = panel.coordinates()
-    rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
+    moved = x - rest(panel)
     for c in range(3):
-        state.u[c][: X.size] = (x - rest)[..., c].ravel()
+        state.u[c][: moved[..., c].size] = moved[..., c].ravel()
     ply_kernels.initial_forces(state, panel.constants(), None, panel.work())
     return state
 
 
-def solver_at_rest(panel, strike_velocity):
+def solver_at_rest(target, strike_velocity):
     """PackSolver of one thread, for steps without samples and checks of the energy."""
-    solver = PackSolver(panel, strike_velocity, 1.0)
+    solver = PackSolver(target, strike_velocity, 1.0)
     solver.threads, solver.exchange = 1, np.inf
     return solver
 
@@ -31,6 +35,35 @@ def advance(solver, steps):
     history = np.empty((steps, 3))
     made, _ = solver.advance(history)
     return history[:made]
+
+
+def same(one, other):
+    """Whether two states are the same to the last bit."""
+    return all(np.array_equal(np.array(a), np.array(b)) for a, b in zip(one, other))
+
+
+def far_from_nose(pack):
+    """Solver of a pack whose plies are free to move by themselves, all of them looked at."""
+    solver = solver_at_rest(pack, 1e-3)
+    solver.stack.projectile_position[:, 2] -= 1.0
+    solver.stack.awake[:] = True
+    for state, const in zip(solver.states, solver.consts):
+        state.active_rows[:] = 0, const.ni
+    return solver
+
+
+def collide(pack, velocity, steps):
+    """Let the first of two plies fly at the other: (solver, momentum (3,) [N s] and energy [J] before)."""
+    solver = far_from_nose(pack)
+    front, velocity = solver.states[0], np.asarray(velocity)
+    for v, speed in zip(front.v, velocity):
+        v[:] = np.where(front.mass > 0, speed, 0.0)
+    solver.samples.clear()
+    solver.energy_at_start = None  # the plies have been set in motion
+    solver._sample()
+    advance(solver, steps)
+    solver._sample()
+    return solver, front.mass.sum() * velocity, 0.5 * front.mass.sum() * velocity @ velocity
 
 
 def node_forces(panel, state):
@@ -69,19 +102,6 @@ def assert_balance(x, f):
 
 class Interrupted(Exception):
     """The user ends a run."""
-
-
-class Interrupting(checkpoint.Checkpoints):
-    """Checkpoints of a run that is interrupted at a time [s]."""
-
-    def __init__(self, path, interval, end):
-        super().__init__(path, interval)
-        self.end = end
-
-    def __call__(self, solver):
-        super().__call__(solver)
-        if solver.time > self.end:
-            raise Interrupted
 
 
 def crumple(panel, scale=5e-6):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, Ply, run
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.gap import gap_between
@@ -30,16 +29,12 @@ def same(one, other):
     return all(np.array_equal(a, b, equal_nan=True) for a, b in arrays)
 
 
-def test_of_one_fabric_it_is_the_plain_pack():
+@pytest.mark.parametrize(("angle", "stacking"), [(0.0, "aligned"), (pi / 2, "alternating")])
+def test_of_one_fabric_it_is_the_plain_pack(angle, stacking):
     """Also where the fabric is given anew for each ply, as by two files."""
-    plain = run(SETUP)
+    plain = run(replace(SETUP, stacking=stacking))
     assert plain.failed_segments[-1] > 0
-    assert same(run(laid(*(Ply(catalogue.load("S-728")) for _ in range(3)))), plain)
-
-
-def test_by_right_angles_it_is_the_alternating_pack():
-    plies = [Ply(SETUP.fabric, angle=angle) for angle in (0.0, pi / 2, 0.0)]
-    assert same(run(laid(*plies)), run(replace(SETUP, stacking="alternating")))
+    assert same(run(laid(*(Ply(catalogue.load("S-728"), angle=each) for each in (0.0, angle, 0.0)))), plain)
 
 
 def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
@@ -49,12 +44,6 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     for result in results:
         assert result.energy_error_max < 2e-3
         assert result.failed_segments[-1] > 0
-        total = sum(result.energies[name][-1] for name in result.energies if name not in ("error", "ply_contact"))
-        assert total == pytest.approx(result.strike_energy - result.energies["ply_contact"][-1], rel=2e-3)
-        plies = result.plies["energy"].sum(axis=1) + result.energies["ply_contact"] + result.energies["ply_friction"]
-        np.testing.assert_allclose(
-            plies + result.energies["kinetic_projectile"] - result.energies["error"], result.strike_energy, rtol=1e-12
-        )
         assert result.plies["peak_warp"][-1].tolist() == result.ply_tensions[:, 0].tolist()
         assert np.all(np.diff(result.plies["peak_weft"], axis=0) >= 0)
     first, second = results
@@ -98,11 +87,6 @@ def test_a_pack_of_a_fabric_without_a_law_takes_the_law_of_the_shot():
     own = replace(SETUP, fabric=replace(SETUP.fabric, laws=None), laws=laws)
     assert replace(own, plies=3).meshed == replace(own, plies=3, grading=replace(SETUP, plies=3).meshed.grading)
     assert laid(Ply(own.fabric, laws=laws), Ply(SETUP.fabric), setup=own).meshed.grading is not None
-
-
-def test_a_lay_up_that_does_not_fit_is_refused():
-    with pytest.raises(InputError, match="plies = 2: must be 3"):
-        replace(SETUP, plies=2, lay_up=(Ply(SETUP.fabric),) * 3)
 
 
 def test_a_lay_up_is_reported_as_a_whole():
