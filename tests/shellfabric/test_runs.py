@@ -255,15 +255,17 @@ def threads(kind):
 
 
 def symmetry(kind):
-    """A quarter, a half and the whole are one run."""
+    """A quarter, a half and the whole are one run; packs until they tear: then the last digit decides what touches."""
     quarter, E = ended(kind), ended(kind).strike_energy
-    near = 1e-9 if len(quarter.parts) == 1 else 1e-4  # it matters to the last digit which of torn plies touch
+    same = slice(None if len(quarter.parts) == 1 else np.argmax(quarter.sample("failed_yarns") > 0))
+    assert len(quarter.samples[same]) > 1
     for part in ("half", "whole")[kind == "backing" :]:  # of which no half is modelled
         other = changed(kind, symmetry=part)
-        np.testing.assert_allclose(other.sample("v"), quarter.sample("v"), rtol=near)
-        np.testing.assert_allclose(other.sample("failed_yarns"), quarter.sample("failed_yarns"), rtol=near)
+        np.testing.assert_allclose(other.sample("v")[same], quarter.sample("v")[same], rtol=1e-9)
+        np.testing.assert_allclose(other.sample("failed_yarns")[same], quarter.sample("failed_yarns")[same], rtol=1e-9)
         for name in quarter.energy_names:
-            np.testing.assert_allclose(other.sample(name), quarter.sample(name), rtol=0, atol=near * E, err_msg=name)
+            mine, theirs = quarter.sample(name)[same], other.sample(name)[same]
+            np.testing.assert_allclose(theirs, mine, rtol=0, atol=1e-9 * E, err_msg=name)
 
 
 def window(kind):
