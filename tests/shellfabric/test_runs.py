@@ -8,7 +8,8 @@ from math import inf
 
 import numpy as np
 import pytest
-from conftest_tools import Interrupted, rest
+from conftest_tools import Interrupted
+from panels import rest
 
 from fabrics import catalogue
 from fabrics.families.strain_rate import RateLaw
