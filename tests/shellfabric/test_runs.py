@@ -4,7 +4,7 @@ import gc
 import weakref
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
-from math import inf
+from math import inf, pi
 
 import numpy as np
 import pytest
@@ -370,3 +370,38 @@ def test_the_mechanism_acts(kind):
 @pytest.mark.parametrize(("kind", "invariant"), list(table()))
 def test_it_holds(kind, invariant, tmp_path):
     invariant(kind, tmp_path) if invariant is resume else invariant(kind)
+
+
+PINNED, STUCK = {"crossovers": None}, {"crossovers": CrossoverFriction(inf)}
+THREE, IDLE = {"plies": 3}, RateLaw((1.0, 1000.0), (1.0, 1.0))
+SAME = {  # kind, and the changes that make one run of it in two ways
+    "a threshold that nothing reaches": ("sliding", PINNED, STUCK),
+    "the same, whole": ("sliding", {"symmetry": "whole"} | PINNED, {"symmetry": "whole"} | STUCK),
+    "the same, of a pack": ("sliding pack", PINNED, STUCK),
+    "a clamp that holds more than the strength": ("sliding", {}, {"edge": Grip(1e6)}),
+    "a strength that is the same at all rates": (
+        "one ply", {}, {"fabric": replace(S720, strain_rate=IDLE), "rate_dependence": True}
+    ),
+    "a lay-up of one fabric": (
+        "ply friction", THREE | {"stacking": "aligned"},
+        THREE | {"lay_up": tuple(Ply(replace(S726), gap=0.1e-3) for _ in range(3))},
+    ),
+    "a lay-up by right angles": (
+        "ply friction", THREE,
+        THREE | {"lay_up": tuple(Ply(S726, angle=angle, gap=0.1e-3) for angle in (0.0, pi / 2, 0.0))},
+    ),
+    "a grading of one zone": ("pack", {}, {"grading": ((inf, 1),)}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_it_is_one_run_in_two_ways(name):
+    kind, *changes = SAME[name]
+    one, other = (changed(kind, **each) for each in changes)
+    assert torn(one)
+    for each in one.sample_names:
+        scale = one.strike_energy if each in one.energy_names else 1.0
+        np.testing.assert_allclose(other.sample(each), one.sample(each), rtol=1e-12, atol=1e-12 * scale, err_msg=each)
+    for mine, theirs in zip(one.states, other.states):
+        for each in ("u", "v", "f_int", "stretch", "N", "failed", "intact_fraction", "f_contact"):
+            np.testing.assert_array_equal(getattr(mine, each), getattr(theirs, each), err_msg=each)
