@@ -128,12 +128,17 @@ def made(name, folder):
         return Run(folder / "r", *json.loads(printed.read_text()))
 
 
+def write(files):
+    """Write the files of a command to this folder."""
+    for name, content in files.items():
+        Path(name).write_text(content if isinstance(content, str) else toml(content))
+
+
 def _called(command):
     """(exit code, standard output, standard error) of a command in this folder and process."""
     from weavecell.cli import app
 
-    for name, content in command.files.items():
-        Path(name).write_text(content if isinstance(content, str) else toml(content))
+    write(command.files)
     out, err = io.StringIO(), io.StringIO()
     code = None
     with command.within(), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
