@@ -13,7 +13,7 @@ import weavecell as wc
 from fabrics.errors import InputError
 from shellfabric.output.histories import EDGES
 from shellfabric.output.wave_fronts import fronts
-from tests.weavecell.session_runs import PLY, fired, set_up
+from tests.weavecell.session_runs import SCENES, fired, set_up
 from weavecell.results import json_file, keys, paraview
 from weavecell.results.impact import ImpactRecord
 
@@ -128,7 +128,7 @@ def test_the_record_in_a_file_is_that_of_the_python_interface(results, name):
 
 
 def test_measuring_changes_nothing_else():
-    (one,) = wc.sweep([set_up({key: table for key, table in PLY.items() if key != "history"})])
+    (one,) = wc.sweep([set_up({key: table for key, table in SCENES["ply"].items() if key != "history"})])
     other = fired("impact")
     assert (one.record.outcome, one.record.steps, one.record.measured) == (other.outcome, other.record.steps, ())
     for name in ("nodes", "tension"):

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from fabrics.errors import InputError
-from tests.weavecell.session_runs import RUNS, write
+from tests.weavecell.session_runs import RUNS, write_inputs
 from weavecell.results import out_folder
 
 HOLD = (
@@ -29,13 +29,15 @@ def test_a_folder_that_cannot_be_made_is_refused_before_the_run(command, tmp_pat
     def computed(*_, **__):
         raise AssertionError("something is computed")
 
-    if name in ("calibrate", "crossover", "surface"):
+    if name in RUNS and RUNS[name].get("solid"):
         pytest.importorskip("dolfinx")
     monkeypatch.setattr("shellfabric.cell.model.CellTable.fill", computed)
     monkeypatch.setattr("meshing.crossover.build", computed)
-    write({"shots.csv": "velocity [m/s], outcome\n80, PP\n120, CP\n"} if name in OTHERS else RUNS[name].files)
+    (tmp_path / "shots.csv").write_text("velocity [m/s], outcome\n80, PP\n120, CP\n")
+    if name in RUNS:
+        write_inputs(name)
     (tmp_path / "file").write_text("")
-    words = OTHERS[name] if name in OTHERS else RUNS[name].words
+    words = OTHERS[name] if name in OTHERS else RUNS[name]["words"]
     code, _, err = command(*shlex.split(words), "--out", "file/out")
     assert err == "error: --out = 'file/out': must be a folder that can be written to (Not a directory)\n"
     assert code == 2

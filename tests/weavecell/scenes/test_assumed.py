@@ -13,7 +13,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.families import trellis
 from tests.scene_text import merged, toml
-from tests.weavecell.session_runs import DRAWN
+from tests.weavecell.session_runs import SCENES
 from weavecell.analysis.assumed_range import AssumedRange, Row
 from weavecell.scenes import build, impact
 
@@ -142,7 +142,9 @@ def test_a_coupon_of_yarns_of_no_family_says_that_it_has_no_shear_stiffness(comm
 
 @pytest.mark.parametrize("model", ["incompressible", "decoupled"])
 def test_yarns_that_are_not_compressed_need_no_law(model):
-    scene = impact.check(merged(DRAWN, {"fabric": {"name": None, "file": str(MINE), "cell_model": model}}), None)
+    scene = impact.check(
+        merged(SCENES["small"], {"fabric": {"name": None, "file": str(MINE), "cell_model": model}}), None
+    )
     assert build.build(scene, None, "s").law_name == f"none, {model} yarns"
 
 
