@@ -7,7 +7,7 @@ import pytest
 
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from tests.scene_text import toml
-from tests.weavecell.session_runs import PLIES
+from tests.weavecell.session_runs import SCENES
 from weavecell.analysis import limit_search
 from weavecell.analysis import sweep as analysis
 from weavecell.commands import sweep
@@ -65,7 +65,7 @@ def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp
 
 def test_the_limit_and_v50_against_the_number_of_plies(command, tmp_path):
     """Against areal density; two plies stop more than one, and V50 of eight shots is near the limit."""
-    (tmp_path / "scene.toml").write_text(toml(PLIES))
+    (tmp_path / "scene.toml").write_text(toml(SCENES["plies"]))
     words = ("sweep", "scene.toml", "--jobs", 1, "--over")
     limit = ("panel.plies=1,2", "--quantity", "critical-velocity", "--tolerance", "10 m/s", "--out", "limit")
     assert command(*words, *limit)[0] == 0
