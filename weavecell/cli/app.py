@@ -172,6 +172,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
         out_folder.release()
         progress.shown = False
         log.removeHandler(lines)
+        log.propagate = True
     if code == INTERRUPTED:
         _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)

@@ -58,7 +58,7 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
             try:
-                chosen |= {key: _listed(chosen[key], key) for key in keywords if key in chosen}
+                chosen |= {key: _listed(chosen[key]) for key in keywords if key in chosen}
                 result = function(**chosen)
             except UnstableError as problem:
                 if problem.result is not None and "out" in values:
@@ -97,14 +97,14 @@ def _meaning(key):
     return supported.entries(impact.Scene)[f"{keywords.tables()[key]}.{key}"].title
 
 
-def _listed(text, key):
+def _listed(text):
     """A list as it stands in a file; any other text as it is."""
     if not text.lstrip().startswith("["):
         return text
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        raise InputError(key=key, value=text, allowed="a list as in an input file") from None
+        return text
 
 
 def documented(function: Callable) -> tuple[str, dict[str, str]]:

@@ -67,17 +67,6 @@ def test_a_load_that_is_held_breaks_a_yarn_in_time(ready, panel_of):
     assert (steps + 1) * const.dt == pytest.approx(1 / rate, abs=1.01 * const.dt)
 
 
-def test_a_law_without_effect_changes_no_digit(fabric, shoot):
-    """A strength that is the same at all rates is as none."""
-    plain = shoot(200.0)
-    idle = shoot(200.0, fabric=replace(fabric, strain_rate=RateLaw((1.0, 1e3), (1.0, 1.0))), rate_dependence=True)
-    assert plain.failed_segments[-1] > 0
-    np.testing.assert_array_equal(idle.v, plain.v)
-    for name, energy in plain.energies.items():
-        np.testing.assert_array_equal(idle.energies[name], energy)
-    np.testing.assert_array_equal(idle.peaks, plain.peaks)
-
-
 @pytest.mark.parametrize("plies", [1, 2])
 def test_a_shot_knows_at_which_strengths_its_yarns_have_failed(ready, shoot, plies):
     shot = shoot(200.0, fabric=ready, plies=plies, elements_per_crossover=1, symmetry="whole", rate_dependence=True)

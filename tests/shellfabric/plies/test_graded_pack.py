@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest_tools import same
 from test_ply_contact import LAW, bulging, lines, plain, settled
 
 from shellfabric.jit.compile import entry
@@ -32,18 +31,16 @@ def forced(panel):
 
 @pytest.mark.parametrize("strike_velocity", [91.0, 250.0])
 def test_equal_elements_are_the_plain_pack(graded, strike_velocity):
-    """Also where yarns fail: to the last bit with a grading of one zone, to round-off with arrays of equal entries."""
+    """Also where yarns fail: to round-off, by way of the arrays that graded plies have."""
     # plies keep their own step, which contact leaves them
     ply = replace(graded, grading=None, numerics=Numerics(cfl=0.2, threads=1))
-    plies = ply, replace(ply, grading=((INF, 1),)), forced(replace(ply))
     assert Pack.stacked(ply, 3, gap=50e-6).time_step == ply.time_step
-    one, equal, other = (
-        PackSolver(Pack((panel,) * 3, (50e-6,) * 2), strike_velocity, 25e-6).run() for panel in plies
-    )  # fmt: skip
+    one, other = (
+        PackSolver(Pack((panel,) * 3, (50e-6,) * 2), strike_velocity, 25e-6).run()
+        for panel in (ply, forced(replace(ply)))
+    )
     assert other.consts[0].line_offset1.size > 0
     assert (one.sample("failed_yarns")[-1] > 0) == (strike_velocity > 200)
-    assert all(same(a, b) for a, b in zip(one.states, equal.states))
-    np.testing.assert_array_equal(one.samples, equal.samples)
     for a, b in zip(one.states, other.states):
         for name in ("u", "v", "f_int", "failed"):
             for x, y in zip(getattr(a, name), getattr(b, name)):

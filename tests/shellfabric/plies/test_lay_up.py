@@ -1,4 +1,4 @@
-"""Lay-ups: of plies that are all alike they are the plain pack, by right angles the alternating one; hybrid packs."""
+"""Lay-ups: what hybrid packs know of their plies, their gaps, their mesh."""
 
 from dataclasses import replace
 from math import pi
@@ -19,22 +19,6 @@ SETUP = ImpactSetup(
 def laid(*plies, setup=SETUP):
     """The set-up with a lay-up."""
     return replace(setup, fabric=plies[0].fabric, laws=plies[0].laws, plies=len(plies), lay_up=plies)
-
-
-def same(one, other):
-    """Whether two results are equal to the last bit."""
-    arrays = [(one.energies[name], other.energies[name]) for name in one.energies]
-    arrays += [(one.plies[name], other.plies[name]) for name in one.plies]
-    arrays += [(one.step_history, other.step_history), (one.last[-1].nodes, other.last[-1].nodes)]
-    return all(np.array_equal(a, b, equal_nan=True) for a, b in arrays)
-
-
-@pytest.mark.parametrize(("angle", "stacking"), [(0.0, "aligned"), (pi / 2, "alternating")])
-def test_of_one_fabric_it_is_the_plain_pack(angle, stacking):
-    """Also where the fabric is given anew for each ply, as by two files."""
-    plain = run(replace(SETUP, stacking=stacking))
-    assert plain.failed_segments[-1] > 0
-    assert same(run(laid(*(Ply(catalogue.load("S-728"), angle=each) for each in (0.0, angle, 0.0)))), plain)
 
 
 def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():

@@ -12,11 +12,6 @@ from shellfabric.sliding.model import CrossoverFriction, grid
 from shellfabric.solver.pack_solver import PackSolver
 
 
-def test_a_clamp_that_holds_more_than_the_strength_is_a_clamp_to_the_bit(sliding):
-    held, gripped = (PackSolver(sliding(0.1, edge=edge), 80.0, 60e-6).run() for edge in ("clamped", Grip(1e6)))
-    assert np.array_equal(held.samples, gripped.samples)
-
-
 def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
     force = 30.0
     run = PackSolver(sliding(0.1, edge=Grip(force), failure=False), 80.0, 80e-6).run()

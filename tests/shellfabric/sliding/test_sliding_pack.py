@@ -23,19 +23,13 @@ def pinned(ply):
     return replace(ply, opening=(0.04, 0.04))
 
 
-@pytest.mark.parametrize(
-    ("velocity", "friction"), [pytest.param(60.0, 0.2, marks=pytest.mark.slow(300)), (60.0, 0.0), (300.0, 0.0)]
-)
-def test_an_infinite_threshold_is_the_pinned_pack(ply, velocity, friction):
-    held = PackSolver(Pack.stacked(pinned(ply), 2, gap=GAP, friction=friction), velocity, 40e-6).run()
-    stuck = PackSolver(Pack.stacked(sliding(ply, mu=np.inf), 2, gap=GAP, friction=friction), velocity, 40e-6).run()
-    assert (held.sample("failed_yarns")[-1] > 0) == (velocity > 200)
-    assert stuck.stack.awake.all()
-    for p in range(2):
-        assert same(held.states[p], stuck.states[p])
+@pytest.mark.slow(300)
+def test_an_infinite_threshold_is_the_pinned_pack_that_rubs(ply):
+    held, stuck = (Pack.stacked(panel, 2, gap=GAP, friction=0.2) for panel in (pinned(ply), sliding(ply, mu=np.inf)))
+    held, stuck = (PackSolver(pack, 60.0, 40e-6).run() for pack in (held, stuck))
+    assert all(same(one, other) for one, other in zip(held.states, stuck.states))
     for name in held.sample_names:
         np.testing.assert_array_equal(held.sample(name), stuck.sample(name))
-    assert stuck.sample("crossover_friction")[-1] == 0.0
 
 
 def test_torn_plies_are_kept_apart_by_the_forces_that_act(ply):

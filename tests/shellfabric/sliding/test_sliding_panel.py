@@ -24,20 +24,6 @@ def pinned(panel):
     return Panel(**{each.name: getattr(panel, each.name) for each in fields(Panel)})
 
 
-@pytest.mark.parametrize(("velocity", "end"), [(60.0, 40e-6), (260.0, 20e-6)])  # without and with failed yarns
-@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
-def test_an_infinite_threshold_is_the_pinned_panel_to_the_bit(sliding, velocity, end, symmetry):
-    panel = sliding(mu=np.inf, symmetry=symmetry)
-    one, other = PackSolver(panel, velocity, end).run(), PackSolver(pinned(panel), velocity, end).run()
-    assert one.steps == other.steps
-    for name in ("u", "v", "f_int", "stretch", "N", "failed", "intact_fraction"):
-        for mine, its in zip(getattr(one.state, name), getattr(other.state, name)):
-            assert np.array_equal(mine, its), name
-    assert np.array_equal(one.sample("v"), other.sample("v"))
-    assert one.sample("error") == pytest.approx(other.sample("error"), abs=1e-12)
-    assert (one.sample("failed_yarns")[-1] > 0) == (velocity > 200)
-
-
 @pytest.mark.parametrize(("cohesion", "cfl"), [(0.05, 0.9), (0.5, 0.9), (0.5, 0.45), (5.0, 0.9), (1000.0, 0.9)])
 def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
     panel = sliding(0.0, cohesion, numerics=Numerics(cfl=cfl, threads=1))

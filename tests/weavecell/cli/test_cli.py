@@ -65,7 +65,7 @@ def test_as_module_and_without_heavy_imports():
         "for words in (['--help'], *([name, '--help'] for name in app.COMMANDS)):\n"
         "    try: app.main(words)\n"
         "    except SystemExit: pass\n"
-        "heavy = {'numpy', 'numba', 'pyvista', 'matplotlib', 'pint', 'tomlkit'}\n"
+        "heavy = {'dolfinx', 'numba', 'pyvista', 'matplotlib'}\n"
         "print(sorted(heavy & set(sys.modules)))"
     )
     assert done.stdout.strip().endswith("[]")
@@ -153,4 +153,4 @@ def test_an_interrupt_is_no_traceback(command, monkeypatch):
 
 def test_a_scene_that_is_not_text(command, tmp_path):
     (tmp_path / "scene.toml").write_bytes(b"\xff\xfe\x00")
-    assert command("impact", "scene.toml") == (2, "", "error: scene.toml: the scene file is not UTF-8 text\n")
+    assert command("impact", "scene.toml") == (2, "", "error: scene.toml: the scene or fabric file is not UTF-8 text\n")

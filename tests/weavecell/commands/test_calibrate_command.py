@@ -103,13 +103,11 @@ def test_the_chain_of_the_catalogue(command, tmp_path, monkeypatch, small, fitte
     header, rows = table(tmp_path / "c" / "solids.csv")
     assert float(rows[0][header.index("misfit before [µm]")]) > float(rows[0][header.index("fitted [µm]")])
     text = page.read_text()
-    assert text.startswith("before\n")
-    assert text.endswith("after\n")
-    assert "old" not in text
+    assert (text.startswith("before\n"), text.endswith("after\n"), "old" in text) == (True, True, False)
     assert text.count("| S-720 |") == 2
     assert (tmp_path / "figures" / "calibration-chain-laws.png").exists()
-    assert {"solid.json", "law-interval.json", "law.json"} <= {p.name for p in (tmp_path / "c" / "S-726").iterdir()}
-    assert (tmp_path / "c" / "S-726" / "solid-of-the-file" / "law.json").exists()
+    for file in ("solid.json", "law-interval.json", "law.json", "solid-of-the-file/law.json"):
+        assert (tmp_path / "c" / "S-726" / file).exists()
 
 
 def told(out):

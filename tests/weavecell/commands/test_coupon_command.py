@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.scene_text import datasets, merged, toml
-from tests.weavecell.session_runs import FRAME
+from tests.weavecell.session_runs import SCENES
 from weavecell.results import coupon as results_coupon
 from weavecell.scenes import coupon as scenes_coupon
 
@@ -32,8 +32,8 @@ def interrupted_after(states):
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit_and_from_no_other_checkpoint(command, results, tmp_path):
-    (tmp_path / "scene.toml").write_text(toml(FRAME))
-    (tmp_path / "other.toml").write_text(toml(merged(FRAME, {"picture_frame": {"shear_angle": "25 deg"}})))
+    (tmp_path / "scene.toml").write_text(toml(SCENES["frame"]))
+    (tmp_path / "other.toml").write_text(toml(merged(SCENES["frame"], {"picture_frame": {"shear_angle": "25 deg"}})))
     with interrupted_after(2):
         code, _, err = command("coupon", "scene.toml", "--out", "r")
     assert (code, err.splitlines()[-1]) == (130, "error: interrupted; --resume goes on from its last step")

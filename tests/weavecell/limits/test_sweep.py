@@ -7,7 +7,7 @@ import pytest
 
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from tests.scene_text import toml
-from tests.weavecell.session_runs import PLIES
+from tests.weavecell.session_runs import SCENES
 from weavecell.analysis import limit_search
 from weavecell.analysis import sweep as analysis
 from weavecell.api import sweeps
@@ -35,6 +35,7 @@ def test_progress_without_a_terminal(monkeypatch, capsys):
     """A batch job sees a line every half minute, and one at the end."""
     clock = iter((0.0, 10.0, 31.0, 31.0, 40.0, 50.0))
     monkeypatch.setattr(progress.time, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(progress, "shown", True)
     monkeypatch.setattr(progress, "shown", True)
     with progress.bar("3 x shot") as advance:
         for share in (0.1, 0.5, 0.9):
@@ -66,7 +67,7 @@ def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp
 
 def test_the_limit_and_v50_against_the_number_of_plies(command, tmp_path):
     """Against areal density; two plies stop more than one, and V50 of eight shots is near the limit."""
-    (tmp_path / "scene.toml").write_text(toml(PLIES))
+    (tmp_path / "scene.toml").write_text(toml(SCENES["plies"]))
     words = ("sweep", "scene.toml", "--jobs", 1, "--over")
     limit = ("panel.plies=1,2", "--quantity", "critical-velocity", "--tolerance", "10 m/s", "--out", "limit")
     assert command(*words, *limit)[0] == 0

@@ -12,7 +12,6 @@ from fabrics import backings, projectiles
 from fabrics.materials import load
 from fabrics.units import si
 from weavecell.scenes import build, impact, reference
-from weavecell.scenes.words import shot_in_words
 
 NAMES = projectiles.list_names()
 GRAIN = 64.79891e-6  # [kg]
@@ -75,12 +74,6 @@ def test_what_is_given_goes_before_the_data_of_the_name():
     )  # fmt: skip
     assert (ball.mass, ball.radius, ball.length) == (plain.mass, plain.radius, None)
     assert dome.flat_width is None is ball.flat_width
-
-
-def test_the_name_stands_in_words():
-    assert shot_in_words(scene(name="FSP 2.79 g").projectile) == (
-        "FSP 2.79 g, a chisel-nosed fragment simulator of 2.79 g and 7.49 mm"
-    )
 
 
 def test_editors_do_not_ask_for_what_the_name_says():

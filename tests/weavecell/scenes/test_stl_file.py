@@ -14,18 +14,20 @@ from fabrics.errors import InputError
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import volume
 from tests.scene_text import datasets, merged, toml
-from tests.weavecell.session_runs import shot
+from tests.weavecell.session_runs import SCENES
 from validation.verification.stl_noses import NOSES, errors, triangles, write
 from weavecell.scenes import impact, stl_file
 
 CUBE = Path(__file__).parents[3] / "examples" / "cube.stl"
 EDGE = 0.4e-3
-SHOT = shot(
-    "150 m/s", "50 mm", "40 us",
-    projectile={"shape": "stl", "stl": "body.stl", "stl_unit": "mm", "mass": "1.1 g", "edge_radius": "0.4 mm",
-                "diameter": None},
-    run={"checkpoint_interval": "10 us", "outputs": []},
-)  # fmt: skip
+SHOT = SCENES["small"] | {
+    "projectile": {
+        "shape": "stl", "stl": "body.stl", "stl_unit": "mm", "mass": "1.1 g", "edge_radius": "0.4 mm",
+        "strike_velocity": "150 m/s",
+    },
+    "panel": {"opening": "50 mm"},
+    "run": {"end_time": "40 us", "checkpoint_interval": "10 us", "outputs": []},
+}  # fmt: skip
 
 
 def facets():
