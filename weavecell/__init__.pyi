@@ -1,7 +1,8 @@
 # Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
-from weavecell.api.exports import export, fit
+from weavecell.analysis.fit import fit
+from weavecell.api.exports import export
 from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result

@@ -49,7 +49,6 @@ COMMANDS = {
     "v50": "uncertainty.v50",
     "sweep": "sweep.sweep",
     "export": "export.export",
-    "fit": "fit.fit",
     "view": "view.view",
 }
 GROUPS = {

@@ -28,9 +28,6 @@ SENSITIVITY = target.support()
 SWEEP = target.support(
     rejected={"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"},
 )
-FIT = target.support(
-    rejected={"history": "left out: the runs record nothing along yarns; `weavecell impact` does"},
-)
 COUPON = Support(
     CouponScene,
     rejected={"fabric.surface": "left out: the cell of a coupon is made from laws"},
@@ -46,7 +43,6 @@ COUPON = Support(
         ),
     ),
 )  # fmt: skip
-FIT_COUPON = replace(COUPON, ignored=("title", "run.outputs"))
 
 
 def impact(scene: Scene) -> Support:
