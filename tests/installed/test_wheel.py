@@ -190,7 +190,6 @@ COMMANDS = (
     "biaxial S-720 --out biaxial",
     "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
     "compare tests.csv ply.toml --tolerance 20m/s --jobs 1 --out compare",
-    "fit ply.toml radar.csv --free modulus --jobs 1 --out fit",
     "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
     "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
     "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",
@@ -205,7 +204,7 @@ VIEWED = {
     "view ply": "impact ply.toml --out ply",
     "view mesh": "mesh S-720 --mesh coarse --format vtu --out mesh",
 }
-NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}
+NEED_PETSC = {"calibrate", "surface", "crossover"}
 
 
 def test_every_command_is_run_here():

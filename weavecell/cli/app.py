@@ -32,7 +32,6 @@ COLLECT_EVERY = 10_000
 
 # name: module of weavecell.commands and function, in the order of the help
 COMMANDS = {
-    "demo": "demo.demo",
     "mesh": "mesh.mesh",
     "calibrate": "calibrate.calibrate",
     "surface": "response_surface.surface",
@@ -73,7 +72,7 @@ def program(word: str = "") -> typer.Typer:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
         help="Woven ballistic fabrics: unit cell, calibration, impact.",
-        epilog="Example: [bold]weavecell demo[/bold], then open results/demo/report.html",
+        epilog="Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]",
     )
     app.callback()(_root)
     _fill(app, {name: place for name, place in COMMANDS.items() if not known or name == word}, listed)

@@ -45,7 +45,6 @@ RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
     "summary.json of coupons": keys.COUPON,
-    "summary.json of the demonstration": keys.DEMO,
     "critical-velocity.json": keys.CRITICAL_VELOCITY,
     "Energies": keys.ENERGIES,
     "histories.h5 of impacts": keys.DATASETS,

@@ -191,10 +191,6 @@ CRITICAL_VELOCITY = keys(
     ("bracket_checks", "", '"ok", or which end of bracket or mixed zone is a doubtful shot, and why'),
     ("shots.checks", "", '"ok", "noted" or "doubtful"'),
 )
-DEMO = keys(
-    ("rows", "", "list of quantity, target, value, met"),
-    ("wall_times_s.*", "s", "wall time of each stage"),
-)
 SHAPE = keys(
     ("time", "s", "time"),
     ("nose_position", "m", "foremost point of the projectile, along z"),

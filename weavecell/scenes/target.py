@@ -1,7 +1,7 @@
 """What a command shoots at: an input file, a fabric of the catalogue, or a fabric file.
 
 A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and clamped, struck by the flat cylinder of
-3 g and 5.5 mm (`demo.toml`).
+3 g and 5.5 mm (`standard.toml`).
 """
 
 from __future__ import annotations
@@ -102,10 +102,9 @@ def read(
         fabric = {"file": os.path.relpath(name, out)}
     else:
         raise InputError(key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names()))
-    demo: Any = resources.files("weavecell") / "scenes" / "demo.toml"
-    standard = scenes.read_toml(demo, what="demonstration")[1]["scene"]
-    own = {key: value for key, value in (standard["fabric"] | {"name": None} | fabric).items() if value is not None}
-    table = {**standard, "fabric": own, "panel": standard["panel"] | given}
+    file: Any = resources.files("weavecell") / "scenes" / "standard.toml"
+    standard = scenes.read_toml(file, what="scene")[1]
+    table = {**standard, "fabric": fabric | standard["fabric"], "panel": standard["panel"] | given}
     if own_mesh or "grading" in given:
         table["run"] = {key: value for key, value in standard["run"].items() if key != "elements_per_crossover"}
     text = tomlkit.dumps(table)

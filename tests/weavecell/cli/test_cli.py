@@ -14,7 +14,6 @@ from weavecell.cli import app
 
 COMMANDS = (
     "",
-    "demo",
     "mesh",
     "calibrate",
     "surface",
