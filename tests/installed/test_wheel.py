@@ -171,7 +171,6 @@ SCENES = {
     "coupon.toml": '[fabric]\nname = "glass-balanced"\n\n[biaxial]\nstrain = ["0.4 %", "0.2 %"]\ncentre = 4\narm = 3\n'
     "\n[run]\nsteps = 2\n",
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
-    "radar.csv": "time [us], velocity [m/s]\n2, 60\n5, 59\n9, 57\n",
 }
 # every command that needs no PETSc, on the smallest scenes
 COMMANDS = (
