@@ -18,7 +18,7 @@ QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 .PHONY: demo test test-slow nightly ledger convergence printed validate fuzz pages lint figures charts docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
-	$(RUN) weavecell demo --out $(RESULTS)/demo
+	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
 
 test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(SOLID)

@@ -4,10 +4,9 @@
     mpi     mpi4py.futures: the ranks of `mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...`
     dask    the workers of the Dask scheduler at the address in the environment variable DASK_SCHEDULER_ADDRESS
 
-Workers have one thread each: another number of BLAS threads is another last bit. Tasks are functions of importable
-modules. Of the workers of these names, one process at a time compiles kernels on each node, and the others load what it
-has compiled (`kernel_cache.one_compiler_a_node`). Nothing here imports numpy: a worker sets its number of threads
-before it does.
+Workers have one thread each: another number of BLAS threads is another last bit. Of the workers of these names one
+process a node compiles kernels, and the others load them. Tasks are functions of importable modules. Nothing here
+imports numpy: a worker sets its number of threads before it does.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from multiprocessing import get_context
 from typing import Any
@@ -25,7 +24,6 @@ from fabrics.errors import InputError
 
 CONTEXT = get_context("spawn")  # MPI and PETSc do not survive a fork
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
-_OPTION = "--executor"
 
 
 class InProcess(Executor):
@@ -43,20 +41,18 @@ class InProcess(Executor):
 @contextmanager
 def one_thread_each() -> Iterator[None]:
     """Processes that are started meanwhile have one thread."""
-    before = {name: os.environ.get(name) for name in THREADS}
+    before = {name: os.environ[name] for name in THREADS if name in os.environ}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
         yield
     finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        for name in THREADS:
+            del os.environ[name]
+        os.environ.update(before)
 
 
 def start_worker(initializer: Callable | None = None, *arguments: Any) -> None:
-    """Prepare a process for tasks: one thread, one compiler a node, and what else its `initializer` does."""
+    """Prepare a process for tasks: one thread, one compiler a node, and what its `initializer` does."""
     os.environ.update(dict.fromkeys(THREADS, "1"))
     from fabrics.kernel_cache import one_compiler_a_node
 
@@ -71,16 +67,8 @@ def open_executor(
 ) -> Iterator[Executor]:
     """The executor of a name, closed at the end; one that is given as an object is used as it is, and left open.
 
-    Parameters
-    ----------
-    executor : Executor, or a name as above
-    jobs : processes of "local"; of mpi and dask there are as many workers as these have
-    fresh : whether a single local worker is a process too, rather than this one
-    first : (function, its arguments) that a local process calls first; not used by others
-
-    Raises
-    ------
-    InputError : no such executor, its library is not installed, or its workers cannot be reached
+    `jobs` is the number of local processes, where a single one is this process unless it is to be `fresh`; `first` is
+    (function, its arguments) that a local process calls first. InputError: no such executor, or no workers of it.
     """
     if jobs < 1:
         raise InputError(key="jobs", value=jobs, allowed="at least 1")
@@ -91,69 +79,44 @@ def open_executor(
     elif executor == "local":
         with one_thread_each(), ProcessPoolExecutor(jobs, CONTEXT, start_worker, first) as pool:
             yield pool
-    elif executor in _NAMED:
-        with ExitStack() as stack:
-            try:
-                pool = stack.enter_context(_NAMED[executor]())
-            except ModuleNotFoundError as problem:
-                message = f"needs the Python package {problem.name}, which is not installed"
-                raise InputError(message, key=_OPTION, value=executor) from None
-            yield pool
+    elif executor == "mpi":
+        yield _ranks()
+    elif executor == "dask":
+        with _client() as client:
+            client.run(start_worker)
+            yield client.get_executor(pure=False)
     else:
-        raise InputError(key=_OPTION, value=executor, allowed="local, mpi or dask")
-
-
-@contextmanager
-def _mpi():
-    from mpi4py import MPI
-
-    if MPI.COMM_WORLD.size < 2 or "mpi4py.run" not in sys.modules:  # which -m mpi4py.futures imports
-        raise InputError(
-            "goes with mpiexec -n RANKS python -m mpi4py.futures -m weavecell ..., 2 ranks or more",
-            key=_OPTION, value="mpi",
-        )  # fmt: skip
-    yield _ranks()
+        raise InputError(key="--executor", value=executor, allowed="local, mpi or dask")
 
 
 @cache
 def _ranks():
     """The one pool of a program: mpi4py initialises ranks once, and closes them when the program ends."""
-    from mpi4py.futures import MPIPoolExecutor
+    from mpi4py import MPI, futures
 
-    return MPIPoolExecutor(initializer=start_worker)
+    if MPI.COMM_WORLD.size < 2 or "mpi4py.run" not in sys.modules:  # which -m mpi4py.futures imports
+        message = "goes with mpiexec -n RANKS python -m mpi4py.futures -m weavecell ..., 2 ranks or more"
+        raise InputError(message, key="--executor", value="mpi")
+    return futures.MPIPoolExecutor(initializer=start_worker)
 
 
-@contextmanager
-def _dask():
+def _client():
     from distributed import Client
 
     address = os.environ.get("DASK_SCHEDULER_ADDRESS", "")
-    try:
-        if not address:
-            raise ValueError("it is not set")
-        client = Client(address)
-    except (OSError, ValueError) as problem:
-        message = f"DASK_SCHEDULER_ADDRESS = {address!r} is the address of no Dask scheduler ({problem})"
-        raise InputError(message, key=_OPTION, value="dask") from None
-    with client:
-        client.run(start_worker)
-        yield client.get_executor(pure=False)
-
-
-_NAMED = {"mpi": _mpi, "dask": _dask}
+    with suppress(OSError, ValueError):
+        if address:
+            return Client(address)
+    message = f"DASK_SCHEDULER_ADDRESS = {address!r} is the address of no Dask scheduler"
+    raise InputError(message, key="--executor", value="dask")
 
 
 def as_done(executor: Executor, function: Callable, arguments: Sequence[tuple]) -> Iterator[tuple[int, Any]]:
-    """(index, result) of function(*one) for each one of `arguments`, as they end; `function` is that of a module.
-
-    Raises
-    ------
-    The first exception of a run; what has not begun is cancelled.
-    """
+    """(index, result) of function(*row) for each row of `arguments`, as they end, until the first exception."""
     if isinstance(executor, InProcess):
-        yield from ((index, function(*one)) for index, one in enumerate(arguments))
+        yield from ((index, function(*row)) for index, row in enumerate(arguments))
         return
-    futures = {executor.submit(function, *one): index for index, one in enumerate(arguments)}
+    futures = {executor.submit(function, *row): index for index, row in enumerate(arguments)}
     try:
         yield from ((futures[future], future.result()) for future in as_completed(futures))
     finally:

@@ -45,6 +45,7 @@ def settings(source, target):
         "examples_dirs": source,
         "gallery_dirs": target,
         "filename_pattern": r"\.py$",
+        "ignore_pattern": r"demo\.py$",  # `make demo`, with processes of its own
         "image_scrapers": ("gallery.figures",),
         "reset_modules": ("gallery.forget",),
         "within_subsection_order": "FileNameSortKey",

@@ -1,9 +1,10 @@
 # Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
+from weavecell.analysis.fit import fit
 from weavecell.api.comparison import ComparisonResult, compare
 from weavecell.api.coupons import CouponResult, coupon
-from weavecell.api.exports import DeckResult, export, fit
+from weavecell.api.exports import DeckResult, export
 from weavecell.api.limit_result import CriticalVelocityResult
 from weavecell.api.quasi_static import calibrate
 from weavecell.api.quasi_static_results import CalibrationResult

@@ -58,7 +58,6 @@ SCENES = {
     "coupon.toml": '[fabric]\nname = "glass-balanced"\n\n[biaxial]\nstrain = ["0.4 %", "0.2 %"]\ncentre = 4\narm = 3\n'
     "\n[run]\nsteps = 2\n",
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
-    "radar.csv": "time [us], velocity [m/s]\n2, 60\n5, 59\n9, 57\n",
 }
 # every command that needs no PETSc, on the smallest scenes; each group is a process, for gmsh and VTK share none
 GROUPS = {
@@ -70,13 +69,12 @@ GROUPS = {
         "backings list",
         "impact ply.toml --out ply",
         "impact pack.toml --out pack",
-        "impact accuracy.toml --explain",
         "impact accuracy.toml --out accuracy",
         "coupon coupon.toml --out coupon",
         "biaxial S-720 --out biaxial",
         "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
+        "draws ply.toml --count 2 --jobs 1 --out draws",
         "compare tests.csv ply.toml --tolerance 20m/s --jobs 1 --out compare",
-        "fit ply.toml radar.csv --free modulus --jobs 1 --out fit",
         "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
         "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
         "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",
@@ -91,7 +89,7 @@ GROUPS = {
         "view ply --screenshot ply.png",
     ),
 }  # fmt: skip
-NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}
+NEED_PETSC = {"calibrate", "surface", "crossover"}
 # runs the lines of a file one after the other, as the program `weavecell` does, and stops at the first that fails
 DRIVER = """
 import sys

@@ -55,7 +55,7 @@ _CODE = "shellfabric.coupon.quasistatic", "shellfabric.coupon.pull_out"
 def coupon(
     target: Fabric | FilePath, test: str | None = None, *, out: FilePath | None = None, resume: bool = False,
     **options: Any,
-) -> CouponResult | PullOutResult | run_folder.Finished:  # fmt: skip
+) -> CouponResult | PullOutResult:  # fmt: skip
     """Test a piece of fabric: bias extension, picture frame, uniaxial or biaxial tension, or a yarn pull-out.
 
     All but the pull-out are quasi-static. The folder then holds report.html, summary.json, histories.h5, pictures/ and
@@ -74,7 +74,8 @@ def coupon(
 
     Returns
     -------
-    CouponResult; of a pull-out PullOutResult; where the folder holds the results of this very run, what it holds
+    CouponResult; of a pull-out PullOutResult; where the folder holds the results of this very run
+    `run_folder.Finished`
 
     Raises
     ------
@@ -97,7 +98,7 @@ def coupon(
         case, text, file = _case(target, test, options), "", None
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
-        return before
+        return before  # type: ignore[return-value]
     checkpoint = None if out is None else Path(out) / "checkpoint.h5"
     goes_on = resume and checkpoint is not None and checkpoint.exists()
     with targets.folder_of(out, goes_on) as folder, _in_file(case, file):

@@ -1,9 +1,7 @@
-"""Decks for other codes and fits to measured curves, of the Python interface."""
+"""Decks for other codes, of the Python interface."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,9 +13,8 @@ from weavecell.api.result import Result
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.impact.simulation import ImpactSetup
-    from weavecell.analysis.fit import Fit
 
-__all__ = ["DeckResult", "export", "fit"]
+__all__ = ["DeckResult", "export"]
 
 
 def export(
@@ -102,44 +99,3 @@ class DeckResult(Result):
             for name, numbers in self.errors.items()
         ]
         return "\n".join([*lines, f"of the strength; the deck has not been run in {self.code}"])
-
-
-def fit(
-    target: FilePath, data: FilePath, free: Sequence[str], out: FilePath, *, jobs: int = 1,
-    executor: str | Executor = "local", resume: bool = False,
-) -> Fit | None:  # fmt: skip
-    r"""Fit numbers of a fabric or an input file to a measured curve; the files of `weavecell fit` are written to `out`.
-
-    Parameters
-    ----------
-    target : input file of a shot or a coupon, or a fabric's name or file
-    data : CSV file with units in its heading, as of `weavecell fit`
-    free : texts NAME or NAME=LOW..HIGH: factors on the fabric, such as "modulus", or keys of the input file that hold a
-        number; none for a curve of platens
-    out : folder of the results
-    jobs, executor : as of `sweep`
-    resume : whether to take the runs that `out` holds
-
-    Returns
-    -------
-    Fit: parameters, values, intervals, determined, correlation; of a curve of platens None, and solid.json
-
-    Raises
-    ------
-    InputError : a wrong file, table or parameter; nothing has been written
-    UnstableError : the model cannot be computed where the fit begins
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> test = '[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2\n[run]\nsteps = 2\n'
-    >>> _ = Path("frame.toml").write_text('[fabric]\nname = "S-720"\n' + test)
-    >>> _ = Path("curve.csv").write_text("shear angle [deg], shear stress [MPa]\n3, 0.45\n4, 0.6\n5, 0.75\n")
-    >>> found = wc.fit("frame.toml", "curve.csv", ["trellis_stiffness"], "fit")  # doctest: +ELLIPSIS
-    trellis_stiffness           x 0.88...written to fit
-    >>> [round(float(factor), 2) for factor in found.values]
-    [0.89]
-    """
-    from weavecell.commands import fit as command
-
-    return command.run(str(target), Path(data), Path(out), list(free), jobs=jobs, executor=executor, resume=resume)

@@ -10,8 +10,8 @@ The folder of an impact
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `resume` goes on from it
 
-Where the input says how accurate its answer is to be, the model is chosen (`fidelity`): summary.json and the report
-then tell which, why, and whether the promise was confirmed.
+Where the input says how accurate its results are to be, finer and finer meshes are run (`analysis.discretisation`):
+summary.json and the report then tell which, and whether the targets were met.
 
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
 """
@@ -61,8 +61,8 @@ def shoot(
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
 
     A shot that is still in flight at the end time is a result with the outcome "in flight". An input file with a table
-    [accuracy] says how well it wants to know something: the cheapest model that will do is chosen and checked. A key of
-    the input file that cannot be honoured is rejected.
+    [accuracy] says how well it wants to know something: it is run on finer and finer meshes, until two of them agree so
+    far. A key of the input file that cannot be honoured is rejected.
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
     while the run goes on, checkpoint.h5.
@@ -107,7 +107,8 @@ def shoot(
     with targets.folder_of(out, goes_on) as folder:
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty)
-            if assumed_range and failure is None and result.choice is None and panel.setup.plies == 1:
+            climbed = panel.case is not None and panel.case.scene.accuracy is not None
+            if assumed_range and failure is None and not climbed and panel.setup.plies == 1:
                 result = replace(result, range=_range(panel.setup, result))
         if folder is not None:
             with progress.bar("Writing results"):
@@ -121,30 +122,38 @@ def shoot(
     return result
 
 
+# keys of an input file that [accuracy] would change; what is given there stays
+_BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projectile"}
+
+
 def _answer(panel, key, folder, resume, uncertainty):
-    """(ShotResult, the UnstableError that ended the run or None), of the model that [accuracy] chooses where there is
-    one, or of a pair of meshes."""
-    from weavecell.commands import fidelity
+    """(ShotResult, the UnstableError that ended the run or None), of the finest mesh that [accuracy] asks for where
+    there is one, or of a pair of meshes."""
+    from weavecell.analysis import discretisation
 
     scene, setup = None if panel.case is None else panel.case.scene, panel.setup
 
-    def shoot(setup, table=None, model=""):
+    def shoot(setup, table=None, mesh=""):
         if folder is None:
             return _run(panel, setup, table=table)
-        name = f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"
+        name = f"checkpoint{'-' + mesh.replace(' ', '-') if mesh else ''}.h5"
         return _run(panel, setup, folder / name, scene.run.checkpoint_interval, resume, table)
 
     try:
-        if scene is None:
-            (record, snapshots, failure, _), choice, pair = shoot(setup), None, None
+        if scene is None or scene.accuracy is None:
+            shot, pair = discretisation.run_pair(setup, shoot) if uncertainty else (shoot(setup)[:3], None)
+        elif uncertainty:
+            raise InputError(key="uncertainty", allowed="left out with [accuracy], which compares its meshes")
         else:
-            (record, snapshots, failure), choice, pair = fidelity.run(scene, setup, shoot, uncertainty)
+            fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
+            shot, pair = discretisation.climb(setup, scene.accuracy.targets, shoot, fixed=fixed)
     except KeyboardInterrupt:
         kept = folder is not None and run_folder.checkpoints(folder)
         hint = "; --resume goes on from its last checkpoint" if kept else ""
         raise run_folder.Interrupted(f"interrupted{hint}") from None
-    shapes = shapes_of(snapshots)
-    return ShotResult(record, shapes, setup.fabric, targets.assumed_of(setup), None, panel, choice, pair, key), failure
+    record, snapshots, failure = shot
+    shapes, lines = shapes_of(snapshots), targets.assumed_of(setup)
+    return ShotResult(record, shapes, setup.fabric, lines, None, panel, pair, key), failure
 
 
 def shapes_of(snapshots: Any) -> tuple[tuple[Shape, ...], ...]:
@@ -259,8 +268,7 @@ class ShotResult(Result):
     assumed : lines that name the laws that are assumed
     range : AssumedRange of the residual velocity over the assumed laws, or None
     target : `weavecell.scenes.target.Target` that was shot at; None of a shot of a sweep
-    choice : of the model by [accuracy], or None
-    pair : Discretisation of the pair of meshes, or None
+    pair : Discretisation of the meshes that were run, or None
     key : of the run, by which it is not repeated
 
     Examples
@@ -280,7 +288,6 @@ class ShotResult(Result):
     assumed: tuple[str, ...] = ()
     range: AssumedRange | None = None
     target: Target | None = None
-    choice: Any = None
     pair: Discretisation | None = None
     key: str = ""
 
@@ -387,7 +394,6 @@ class ShotResult(Result):
         ------
         InputError : a shot of a sweep, or of a set-up, whose panel no report can describe
         """
-        from weavecell.commands import fidelity
         from weavecell.report import chapters_assumed, chapters_discretisation, checks, page
         from weavecell.report.shot import shot_page
         from weavecell.results import provenance
@@ -398,7 +404,7 @@ class ShotResult(Result):
         out, case, record, setup = Path(out), self.target.case, self.record, self.target.setup
         outputs, shot = case.scene.run.outputs, case.scene.projectile
         stamp = provenance.stamp(self.target.text, setup=setup)
-        more = checks.summary(record.checks) | fidelity.summary(self.choice) | chapters_assumed.summary(self.range)
+        more = checks.summary(record.checks) | chapters_assumed.summary(self.range)
         more |= chapters_discretisation.summary(self.pair) | {"projectile": words.shot_in_words(shot)}
         run_folder.write(out, self.target.text, record, more | {"run_key": self.key}, stamp)
         if shot.stl is not None:
@@ -408,16 +414,14 @@ class ShotResult(Result):
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
             return
-        chosen = None if self.choice is None else fidelity.chapter(self.choice)
-        used = setup if self.choice is None else self.choice.final.option.setup
-        sections = shot_page.sections(case, used, record, chosen, self.range, self.pair)
+        used = setup if self.pair is None else self.pair.setup
+        sections = shot_page.sections(case, used, record, self.range, self.pair)
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
         if "report" in outputs:
             page.write(shot_page.page(case, used, record, sections, stamp), out / "report.html")
 
     def __str__(self) -> str:
-        from weavecell.commands import fidelity
         from weavecell.report import chapters_discretisation
         from weavecell.report.shot import tables_shot
 
@@ -440,8 +444,6 @@ class ShotResult(Result):
         lines.append(f"viscous energy {share:.1f} % of the {absorbed:.2f} J absorbed")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
-        if self.choice is not None:
-            lines.append(fidelity.words(self.choice))
         if self.pair is not None:
             lines.append(chapters_discretisation.words(self.pair))
         return "\n".join(lines)

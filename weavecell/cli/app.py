@@ -32,7 +32,6 @@ COLLECT_EVERY = 10_000
 
 # name: module and function, of weavecell.commands or of the Python interface (weavecell.api), in the order of the help
 COMMANDS = {
-    "demo": "demo.demo",
     "mesh": "mesh.mesh",
     "calibrate": "calibrate.calibrate",
     "surface": "response_surface.surface",
@@ -50,7 +49,6 @@ COMMANDS = {
     "v50": "api.runs.v50",
     "sweep": "api.sweeps.sweep",
     "export": "api.exports.export",
-    "fit": "fit.fit",
     "view": "view.view",
 }
 # of commands that are functions of the Python interface: the arguments that their help ends with, and which keywords
@@ -88,7 +86,7 @@ def program(word: str = "") -> typer.Typer:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
         help="Woven ballistic fabrics: unit cell, calibration, impact.",
-        epilog="Example: [bold]weavecell demo[/bold], then open results/demo/report.html",
+        epilog="Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]",
     )
     app.callback()(_root)
     _fill(app, {name: place for name, place in COMMANDS.items() if not known or name == word}, listed)

@@ -36,7 +36,7 @@ docs/generated.
 Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left
 out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *[accuracy]* the
 same with a table `[accuracy]`, *limits* are `weavecell critical-velocity` and `v50`, *sensitivity*, *export*
-and *coupon* are the commands of these names; `sweep`, `compare` and `fit` use keys as the command that they repeat."""
+and *coupon* are the commands of these names; `sweep` and `compare` use keys as the command that they repeat."""
 COMMANDS = {
     "impact": of_commands.IMPACT, "[accuracy]": of_commands.ACCURACY, "limits": of_commands.LIMITS,
     "sensitivity": of_commands.SENSITIVITY, "export": deck_folder.SUPPORT, "coupon": of_commands.COUPON,
@@ -45,7 +45,6 @@ RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
     "summary.json of coupons": keys.COUPON,
-    "summary.json of the demonstration": keys.DEMO,
     "critical-velocity.json": keys.CRITICAL_VELOCITY,
     "Energies": keys.ENERGIES,
     "histories.h5 of impacts": keys.DATASETS,

@@ -274,40 +274,6 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
     return figure
 
 
-def fitted(pyplot: Any, title: str, points: Any, found: Any) -> Any:
-    """Measured points and the computed ones beside them, before and after a fit, a plot for each column.
-
-    Parameters
-    ----------
-    points : weavecell.commands.fit.Data
-    found : weavecell.analysis.fit.Fit
-    """
-    count, (name, unit, at) = len(points.columns), points.x
-    figure, many = pyplot.subplots(1, count, figsize=(max(7.8, 5.2 * count), 4.4), squeeze=False)
-    (factor, shown), (times, of) = (_readable(each) for each in (unit, points.unit))
-    kinds = (
-        (found.measured, "o", STEEL, "measured"),
-        (found.before, "--", FAINT, "before"),
-        (found.computed, "-", BLUE, "fitted"),
-    )
-    order = np.argsort(at)
-    for k, (axes, column) in enumerate(zip(many[0], points.columns)):
-        part = slice(k * len(at), (k + 1) * len(at))
-        for values, style, color, label in kinds:
-            axes.plot(factor * at[order], times * values[part][order], style, color=color, label=label, ms=4)
-        axes.set(
-            xlabel=f"{name} [{shown}]".replace(" []", ""), ylabel=f"{column} [{of}]", title=title if k == 0 else ""
-        )
-    many[0][-1].legend(frameon=False)
-    return figure
-
-
-def _readable(unit):
-    """(factor, unit) of the axis of an SI quantity."""
-    scales = {"s": (1e6, "µs"), "m": (1e3, "mm"), "rad": (180 / np.pi, "deg"), "": (100.0, "%"), "Pa": (1e-6, "MPa")}
-    return scales.get(unit, (1.0, unit))
-
-
 def _with_interval(value, interval):
     return f"{value:.2f} ({interval[0]:.2f} to {interval[1]:.2f})" if interval else f"{value:.2f} (its bound)"
 

@@ -128,18 +128,17 @@ IMPACT = keys(
     ("torn_corrections", "1", "pack: impulses that kept torn fabric from passing through another ply"),
     ("torn_unresolved", "1", "pack: how often torn fabric came through another ply all the same"),
     ("accuracy.targets", "1", "targets of [accuracy]: {quantity: error at most}"),
-    ("accuracy.model", "", "the model that was chosen"),
+    ("accuracy.model", "", "the mesh of the results, in words"),
     ("accuracy.symmetry", "", "its part of the panel"),
-    ("accuracy.compared_with", "", "the model that it was compared with"),
-    ("accuracy.values", "", "velocities and energies over those of the strike; deflection [m], tensions [N]"),
-    ("accuracy.estimated_errors", "1", "estimated error of each value; null if not known"),
-    ("accuracy.reference_error", "1", "estimated error of the full model itself"),
-    ("accuracy.projectile", "", "choice between rigid and elastic projectile, in words"),
+    ("accuracy.compared_with", "", "the coarser mesh that it was compared with"),
+    ("accuracy.estimated_errors", "1", "uncertainty of each result with a target; null if not known"),
+    ("accuracy.projectile", "", '"rigid" or "elastic_bar"'),
     ("accuracy.confirmed", "", "whether the estimated errors meet the targets"),
-    ("accuracy.models_run", "", "models that were run, in order"),
-    ("discretisation.meshes", "", "with --uncertainty: the mesh of the input file and the finer one, in words"),
-    ("discretisation.outcomes", "", "outcome on both meshes"),
-    ("discretisation.results", "", "of each result its unit, its value on both meshes and its uncertainty"),
+    ("accuracy.models_run", "", "meshes that were run, in order"),
+    ("discretisation.meshes", "", "with --uncertainty: the mesh of the input file and the finer one, in words; with "
+     "[accuracy] all that were run"),
+    ("discretisation.outcomes", "", "outcome on each of these meshes"),
+    ("discretisation.results", "", "of each result its unit, its value on the last two meshes and its uncertainty"),
 )  # fmt: skip
 COUPON = keys(
     ("test", "", "name of the test"),
@@ -190,10 +189,6 @@ CRITICAL_VELOCITY = keys(
     ("shots.wall_time_s", "s", "wall time of the shot"),
     ("bracket_checks", "", '"ok", or which end of bracket or mixed zone is a doubtful shot, and why'),
     ("shots.checks", "", '"ok", "noted" or "doubtful"'),
-)
-DEMO = keys(
-    ("rows", "", "list of quantity, target, value, met"),
-    ("wall_times_s.*", "s", "wall time of each stage"),
 )
 SHAPE = keys(
     ("time", "s", "time"),

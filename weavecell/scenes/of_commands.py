@@ -10,11 +10,7 @@ from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Rule, Support, of
 
 IMPACT = Support(Scene, rejected=build.NO_SLACK, rules=build.SHOT_RULES)
-ACCURACY = Support(
-    Scene, rules=build.SHOT_RULES,
-    rejected=build.NO_SLACK | build.PINNED
-    | {"panel.grading": "left out in a scene with [accuracy], whose mesh is chosen"},
-)  # fmt: skip
+ACCURACY = replace(IMPACT, rejected=build.NO_SLACK | build.PINNED)
 DRAWS = replace(
     IMPACT,
     ignored=("panel.symmetry", *target.UNWRITTEN, "history"),
@@ -26,9 +22,6 @@ LIMITS = target.support(
 SENSITIVITY = target.support()
 SWEEP = target.support(
     rejected={"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"},
-)
-FIT = target.support(
-    rejected={"history": "left out: the runs record nothing along yarns; `weavecell impact` does"},
 )
 COUPON = Support(
     CouponScene,
@@ -45,7 +38,6 @@ COUPON = Support(
         ),
     ),
 )  # fmt: skip
-FIT_COUPON = replace(COUPON, ignored=("title", "run.outputs"))
 
 
 def impact(scene: Scene) -> Support:

@@ -4,80 +4,76 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
+import weavecell as wc
 from fabrics.errors import InputError, UnstableError
-from weavecell.analysis import fit
-from weavecell.analysis.fit import Parameter
+from fabrics.variants import scale_yarns
 
 X = np.linspace(0, 2, 40)
-A, B = Parameter("a", "m", 0.5, 4.0, 1.0), Parameter("b", "", 0.2, 3.0, 0.5)
+BOTH = {"a": (0.5, 1.0, 4.0), "b": (0.2, 0.5, 3.0)}
 
 
-def decay(values):
-    a, b = values
+def decay(a, b):
     return a * np.exp(-b * X)
-
-
-def solved(measured, model=decay, parameters=(A, B)):
-    return fit.solve(lambda many: [model(one) for one in many], parameters, measured, np.full(len(measured), 2.0))
 
 
 def test_known_values_are_found_and_their_intervals_hold_them_in_95_of_100():
     held, rng, trials = np.zeros(2), np.random.default_rng(5), 200
     for _ in range(trials):
-        found = solved(decay((2.0, 0.8)) + 0.04 * rng.standard_normal(len(X)))
-        held += np.abs(found.values - (2.0, 0.8)) <= found.half
-        assert found.met
-        assert found.determined == [True, True]
+        fit = wc.fit(decay, decay(2.0, 0.8) + 0.04 * rng.standard_normal(len(X)), BOTH)
+        held += [abs(fit.values[name] - known) <= fit.half[name] for name, known in (("a", 2.0), ("b", 0.8))]
+        assert fit.converged
+        assert fit.determined == {"a": True, "b": True}
     assert np.all(held >= binom.ppf(1e-3, trials, 0.95))
     assert np.all(held <= binom.ppf(1 - 1e-6, trials, 0.95))
-    exact = solved(decay((2.0, 0.8)))
-    assert exact.values == pytest.approx((2.0, 0.8), rel=1e-4)
-    assert exact.rms(exact.before) > 0.1 > exact.rms(exact.computed)
 
 
 def test_what_only_a_product_enters_is_known_only_together():
-    rng = np.random.default_rng(1)
-    found = solved(1.2 * X + 0.02 * rng.standard_normal(len(X)), lambda values: values[0] * values[1] * X)
-    assert found.determined == [False, False]
-    assert [pair[:2] for pair in found.together] == [("a", "b")]
-    assert found.intervals[0] == (A.low, A.high)
-    told = found.summary()
-    assert told["known_only_together"][0][2] == pytest.approx(-1, abs=1e-3)
-    assert told["parameters"]["a"]["determined"] is False
+    measured = 1.2 * X + 0.02 * np.random.default_rng(1).standard_normal(len(X))
+    fit = wc.fit(lambda a, b: a * b * X, measured, BOTH)
+    assert fit.determined == {"a": False, "b": False}
+    assert fit.correlation[0, 1] == pytest.approx(-1, abs=1e-3)
+    assert fit.half["a"] > 3.5
 
 
 def test_a_model_that_cannot_follow_the_curve_has_wider_intervals():
-    rng = np.random.default_rng(2)
-    right = solved(decay((2.0, 0.8)) + 0.04 * rng.standard_normal(len(X)))
-    wrong = solved(decay((2.0, 0.8)) + 0.08 * np.sin(6 * X))
+    noise = np.random.default_rng(2).standard_normal(len(X))
+    right, wrong = (wc.fit(decay, decay(2.0, 0.8) + off, BOTH) for off in (0.04 * noise, 0.08 * np.sin(6 * X)))
     assert right.likeness == 0
     assert wrong.likeness > 0.8
-    noise = wrong.rms(wrong.computed) / right.rms(right.computed)
-    assert np.all(wrong.half > 2.5 * noise * right.half)
+    assert all(wrong.half[name] > 2.5 * wrong.rms / right.rms * right.half[name] for name in BOTH)
 
 
 def test_a_solution_beyond_the_range_is_at_its_end():
-    found = solved(decay((5.0, 0.8)))
-    assert found.at_bound == [True, False]
-    assert found.values[0] == pytest.approx(4.0, rel=1e-3)
+    assert wc.fit(decay, decay(5.0, 0.8), BOTH).values["a"] == pytest.approx(4.0, rel=1e-3)
 
 
 def test_runs_that_fail_are_stepped_back_from():
-    fails = lambda values: decay(values) if values[0] < 2.05 else np.full(len(X), np.nan)  # noqa: E731
-    found = solved(decay((2.0, 0.8)), fails)
-    assert found.values == pytest.approx((2.0, 0.8), rel=1e-3)
+    def fails(a, b):
+        if a > 2.05:
+            raise UnstableError("a run")
+        return decay(a, b)
+
+    assert list(wc.fit(fails, decay(2.0, 0.8), BOTH).values.values()) == pytest.approx((2.0, 0.8), rel=1e-3)
     with pytest.raises(UnstableError, match="the values that the fit begins with"):
-        solved(decay((2.0, 0.8)), lambda values: np.full(len(X), np.nan))
+        wc.fit(lambda a, b: np.nan * X, decay(2.0, 0.8), BOTH)
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: Parameter("a", "m", 2.0, 1.0, 1.5), r"a = '2..1': must be a range LOW..HIGH that rises"),
-        (lambda: Parameter("a", "m", 1.0, 2.0, 0.5), r"a = '1..2': must be a range about 0.5"),
-        (lambda: solved(decay((2.0, 0.8))[:2]), r"points = 2: must be more than the 2 parameters"),
-    ],
+    ("unknowns", "count", "words"),
+    [({"a": (2, 1.5, 1)}, 40, "which rise"), ({"a": (1, 0.5, 2)}, 40, "which rise"), (BOTH, 2, "more than the 2")],
 )
-def test_refused(make, words):
+def test_refused(unknowns, count, words):
     with pytest.raises(InputError, match=words):
-        make()
+        wc.fit(decay, X[:count] + 1, unknowns)
+
+
+def test_the_modulus_that_made_the_curve_of_a_shot_is_found():
+    times = np.linspace(2e-6, 98e-6, 40)
+
+    def velocity(modulus):
+        shot = wc.shoot(scale_yarns(wc.fabric("S-720"), E=modulus), "90 m/s", opening="50 mm", end_time="100 us")
+        return np.interp(times, *shot.to_dataframe()[["time_s", "velocity_m_s"]].to_numpy().T)
+
+    fit = wc.fit(velocity, velocity(0.9), {"modulus": (0.5, 1.0, 2.0)})
+    assert fit.values["modulus"] == pytest.approx(0.9, rel=0.01)
+    assert fit.rms < 1e-3

@@ -1,0 +1,120 @@
+"""Results of the solvers that must not change, in tests/golden/: inputs of examples/, coupons, limits, a V50, a fit.
+
+    python tools/golden.py                    write them, half a minute of one core
+    python tools/golden.py --check [NAME...]  compute them again, and compare with those that are kept
+
+Each file holds the numbers of one result by their names in the solver: facts, of histories the mean and every tenth
+row, of fields the mean and mean square. Twelve digits agree on one kind of processor, not always on two.
+"""
+
+import argparse
+import json
+import tempfile
+from dataclasses import fields, is_dataclass
+from math import ceil, isclose
+from pathlib import Path
+
+import numpy as np
+
+from fabrics import catalogue
+from fabrics.executors import InProcess
+from shellfabric.cell.model import CellModel
+from shellfabric.coupon import quasistatic
+from shellfabric.impact import ballistic_limit, simulation
+from unitcell3d.identify.calibrate import calibrate
+from weavecell.analysis.uncertainty import inputs, v50
+from weavecell.results import pull_out
+from weavecell.scenes import build, coupon, impact, of_commands
+
+FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
+DIGITS, ROWS, MOST = 12, 6, 6
+SKIPPED = (  # inputs, words, clocks, and what is kept of every node at every instant
+    *("setup", "target", "coupon", "snapshots", "scatter", "wall_time", "ns_per_element_step", "seconds"),
+    *("meaning", "meanings", "unit", "limit", "note", "provenance", "quads", "area", "checks", "path_laws", "sizes"),
+)
+
+
+def setup(path):
+    scene, _ = impact.load(path, of_commands.impact)
+    return build.setup(build.build(scene, path, path.stem), path)
+
+
+def coupon_test(path):
+    scene, _ = coupon.load(path, of_commands.COUPON)
+    case = build.build(scene, path, path.stem)
+    table = CellModel(case.fabric, case.laws).table(201)
+    if scene.test == "pull_out":
+        return pull_out.run(table, scene.pull_out)
+    options = scene.test_table.model_dump(exclude_none=True) | scene.run.model_dump(exclude={"outputs"})
+    if "crossovers" in options:
+        options["cells"] = options.pop("crossovers")
+    return getattr(quasistatic, scene.test)(table, **options)
+
+
+def critical_velocity(path):
+    return ballistic_limit.critical_velocity(setup(path).target(), tolerance=2.0)
+
+
+def v50_of_eight_shots(path):
+    with tempfile.TemporaryDirectory() as folder:
+        return v50.study(setup(path), inputs.published(), shots=8, batch=4, seed=1, folder=folder)
+
+
+RUNS = {
+    "impact": (lambda path: simulation.run(setup(path)), [path.stem for path in sorted(EXAMPLES.glob("*.toml"))]),
+    "coupon": (coupon_test, ["coupons/S-720-frame", "coupons/S-720-warp", "coupons/S-726-pull-out"]),
+    "limit": (critical_velocity, ["S-720-stops", "S-728-incompressible"]),
+    "v50": (v50_of_eight_shots, ["S-720-stops"]),
+    "calibration": (lambda path: calibrate(catalogue.load(path.stem), size="coarse", executor=InProcess()), ["S-720"]),
+}
+CASES = {f"{kind}-{Path(name).name}": (run, name) for kind, (run, names) in RUNS.items() for name in names}
+
+
+def numbers(result, name=""):
+    """{name: number, text or list} of everything in a result."""
+    if is_dataclass(result):
+        result = {field.name: getattr(result, field.name) for field in fields(result)}
+    if isinstance(result, tuple | list) and any(is_dataclass(part) or isinstance(part, dict) for part in result):
+        result = dict(enumerate(result))
+    if isinstance(result, dict):
+        parts = (numbers(part, f"{name}.{key}".lstrip(".")) for key, part in result.items() if key not in SKIPPED)
+        return {key: value for part in parts for key, value in part.items()}
+    return {name: thinned(result)} if isinstance(result, int | float | str | np.ndarray | tuple) else {}
+
+
+def thinned(value):
+    """A number or text as it is; of a history its mean and every tenth row; of a field its mean and mean square."""
+    if isinstance(value, str) or np.ndim(value) == 0:
+        return value if isinstance(value, str) else float(f"{float(value):.{DIGITS}g}")
+    values = np.asarray(value)
+    if not values.any():
+        return 0.0
+    rows = values[:: max(10, ceil(len(values) / ROWS))] if len(values) > ROWS else values
+    rows = rows.ravel() if rows.size <= MOST else [(values.astype(float) ** 2).mean()]
+    return [thinned(number) for number in (values.mean(), *rows)]
+
+
+def same(kept, computed):
+    if isinstance(kept, list) and isinstance(computed, list):
+        return len(kept) == len(computed) and all(map(same, kept, computed))
+    numbers = isinstance(kept, float) and isinstance(computed, float)
+    return kept == computed or (numbers and isclose(kept, computed, rel_tol=10.0 ** (1 - DIGITS)))
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--check", action="store_true", help="compare with what is kept, and write nothing")
+    parser.add_argument("names", nargs="*", default=CASES, metavar="NAME")
+    arguments, changed = parser.parse_args(), 0
+    for case in arguments.names:
+        run, source = CASES[case]
+        computed, file = numbers(run(EXAMPLES / f"{source}.toml")), FOLDER / f"{case}.json"
+        if arguments.check:
+            kept = json.loads(file.read_text())
+            off = [key for key in kept | computed if not same(kept.get(key), computed.get(key))]
+            print(f"{case}: {len(kept)} entries; {'CHANGED: ' * bool(off)}{', '.join(off) or 'the same'}", flush=True)
+            changed += bool(off)
+        else:
+            lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(value)}" for key, value in computed.items())
+            file.write_text(f"{{\n{lines}\n}}\n")
+    raise SystemExit(changed > 0)
