@@ -15,7 +15,7 @@ COMMANDS = $(addprefix tests/weavecell/,analysis api commands limits)
 APART = $(SOLID) tests/installed tests/refusals tests/weavecell
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow printed validate fuzz lint figures charts docs docs-again setup clean
+.PHONY: demo test test-slow nightly ledger convergence printed validate fuzz pages lint figures charts docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
@@ -24,7 +24,7 @@ test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(SOLID)
 	$(QUICK) $(COMMANDS)
 	$(QUICK) tests/refusals tests/weavecell $(COMMANDS:%=--ignore=%)
-	$(QUICK) --dist loadfile tests/installed
+	$(QUICK) tests/installed
 	$(QUICK) tests $(APART:%=--ignore=%)
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
@@ -33,8 +33,16 @@ test-slow: setup  ## the long tests, the published outcomes among them; each pro
 printed: setup  ## every command that the guide prints, run as a reader would: twenty minutes of one core
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m printed
 
-validate: test-slow  ## the long tests, and the ledger of the thesis's claims
+nightly:  ## all that takes too long for a test, one after the other; goes on after one that fails, and names those
+	$(MAKE) --keep-going --jobs 1 fuzz ledger printed docs-again convergence
+
+validate: test-slow ledger  ## the long tests, and the ledger of the thesis's claims
+
+ledger: setup  ## all claims of the thesis, slow ones and variants too: fails where a verdict is not the recorded one
 	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
+
+convergence: setup  ## S-720 on four meshes: limits and observed orders, in results/convergence
+	$(RUN) validation.verification.mesh_convergence S-720 --out $(RESULTS)/convergence
 
 fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
 	HYPOTHESIS_PROFILE=fuzz $(RUN) pytest tests/fuzz/test_properties.py --hypothesis-seed $(SEED)
@@ -49,6 +57,9 @@ charts: setup  ## docs/reports/charts.md, stability.md and crossover.md with the
 	$(RUN) weavecell cost-accuracy --scene crossover --out $(RESULTS)/chart-crossover
 	cp $(RESULTS)/chart-crossover/crossover.md docs/reports/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/reports/figures/
+
+pages: setup  ## pages and numbers of the documentation that are made from code and from the data of studies
+	$(RUN:-m=) tools/pages.py
 
 docs:  ## the documentation site in results/site; runs the scripts of examples/ that have changed; warnings are errors
 	@VENV=$(DOCS_VENV) EXTRAS=app,docs tools/setup.sh

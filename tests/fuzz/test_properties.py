@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 
 from shellfabric.cell.model import CellModel
 from tests.fuzz import runs, scenes
+from tests.scene_text import toml
 
 SHARE = st.floats(0, 1)
 PLACE = st.tuples(SHARE, SHARE)
 
 
 def setup_of(scene):
-    note(scenes.toml(scene.scene) + scenes.toml(scene.fabric))
+    note(toml(scene.scene) + toml(scene.fabric))
     with tempfile.TemporaryDirectory() as folder:
         return runs.setup_of(scene.write(folder))[1]
 

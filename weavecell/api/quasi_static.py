@@ -40,7 +40,7 @@ def coupon(
     fabric, law : as of `setup`
     test : "bias_extension", "picture_frame", "uniaxial", "biaxial" or "pull_out"
     cell_model : "compressible", "incompressible" or "decoupled"
-    options : of the function of this name in `shellfabric.coupon.quasistatic`, in SI units or with units; such as
+    **options : of the function of this name in `shellfabric.coupon.quasistatic`, in SI units or with units; such as
         length, width, elongation [m], shear_angle [rad], strain, steps, crossovers (of a picture frame). Of a pull-out
         the keys of its table in a scene file: displacement [m], crossings, velocity [m/s], pre_tension [N],
         crossover_friction [-], crossover_cohesion [N], all_yarns, samples; and bending [N m2] of the yarns

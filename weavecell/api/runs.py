@@ -107,7 +107,7 @@ def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
     Parameters
     ----------
     name : of `projectiles`; the name alone will do as well: projectile="FSP 1.10 g"
-    changes : keys of [projectile] in the input file that are added to its data or replace them
+    **changes : keys of [projectile] in the input file that are added to its data or replace them
 
     Raises
     ------
@@ -128,7 +128,7 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
     ----------
     fabric : Fabric, or what `weavecell.fabric` takes; None where every dict of `ply` has its name or file
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
-    options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
+    **options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
         [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time
         800 us where not given, without snapshot_interval only the shape at the end is kept, ply is a list of dicts, as
         [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]. The tables [projectile], [history],
@@ -195,7 +195,7 @@ def shoot(
 
     Parameters
     ----------
-    fabric, velocity, options : as of `setup`
+    fabric, velocity, **options : as of `setup`
     assumed_range : whether the residual velocity's range over assumed laws is computed: up to eight more shots, for one
         ply
 
@@ -339,7 +339,7 @@ def critical_velocity(
 
     Parameters
     ----------
-    target, options : a set-up of `setup`; or a fabric with options, both as of `setup`, without velocity and history.
+    target, **options : a set-up of `setup`; or a fabric with options, both as of `setup`, without velocity and history.
         A shot ends with its outcome: end_time and snapshot_interval are not used
     tolerance : [m/s] at most between a stop and a perforation
     residual_shots : shots above the limit, for the Lambert-Jonas fit
@@ -387,7 +387,7 @@ def v50(
 
     Parameters
     ----------
-    target, options : as of `critical_velocity`
+    target, **options : as of `critical_velocity`
     shots, batch : how many, and how many at once: each batch is placed by the outcomes before
     shape : Weibull shape of the strengths; None, here and below, takes that of
         weavecell/analysis/uncertainty/inputs.toml; inf for yarns that are all alike

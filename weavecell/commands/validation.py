@@ -114,9 +114,9 @@ def validate(
 ) -> int:
     """Compare computed values with the statements of the thesis: value, result and, where missed, the cause.
 
-    A missed claim is a result, not an error. Claims that rest on shots at one ply are checked as computed and in four
-    variants: the thesis's cell formulation, nominal denier, 2 elements per crossover, and an elastic-plastic bored
-    projectile. The folder then holds ledger.html, ledger.csv and ledger.json.
+    A missed claim is a result, not an error; a result other than the recorded one ends with exit code 1. Claims that
+    rest on shots at one ply are checked as computed and in four variants: the cell formulation of the thesis, nominal
+    denier, 2 elements per crossover, elastic-plastic bored projectile. The folder has ledger.csv and ledger.json then.
 
     Topics: geom, compr, yarn, cell, shear, wave, impact1, impactN, gap, biaxial, bias, sens, slip, pencil, cost,
     failmode, future.

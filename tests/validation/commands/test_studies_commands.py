@@ -27,19 +27,11 @@ def test_one_study(command, tmp_path, name, option, study, record):
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("cost-accuracy", "--scene", "moon"), "error: --scene = 'moon': must be one of struck-yarn, "),
-        (("stability", "--map", "moon"), "error: --map = 'moon': must be one of time-step, "),
-        (("cost-accuracy",), "error: "),
-        (("stability",), "error: "),
-        (("cost-accuracy", "--scene", "crossover", "--scene", "struck-yarn"), "error: "),
-    ],
+    "words", [("cost-accuracy", "--scene", "moon"), ("stability", "--map", "moon"), ("stability",)]
 )
-def test_unknown_or_missing_studies_are_refused(command, tmp_path, words, message):
+def test_unknown_or_missing_studies_are_refused(command, tmp_path, words):
     code, _, err = command(*words, "--out", "s")
-    assert code == 2
-    assert message in err
+    assert (code, err.startswith("error: ")) == (2, True)
     assert not (tmp_path / "s").exists()
 
 
