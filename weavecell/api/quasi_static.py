@@ -111,8 +111,17 @@ def _to_si(options, test):
     from weavecell.scenes.supported import tables
 
     for key, entry in tables(CouponScene)[test].model_fields.items():
-        if key in options and unit_of(entry) not in (None, "1"):
-            options[key] = quantities.number(options[key], unit_of(entry), key)
+        if key in options and unit_of(entry) is not None:
+            options[key] = _si(options[key], unit_of(entry), key)
+
+
+def _si(value, unit, key):
+    """A value or a list of them in SI units; what has no unit may be a text such as "1 %"."""
+    if isinstance(value, (list, tuple)):
+        return [_si(each, unit, key) for each in value]
+    if unit == "1":
+        return quantities.number(value, "", key) if isinstance(value, str) else value
+    return quantities.number(value, unit, key)
 
 
 def _pull_out(cloth, law, cell_model, options):

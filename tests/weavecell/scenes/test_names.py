@@ -1,19 +1,21 @@
-"""Projectiles by name: data that agree with each other, and input files that name one."""
+"""Projectiles and backings by name: data that agree with each other, and stand for what is not given."""
 
+from dataclasses import fields
 from math import pi
 
 import numpy as np
 import pytest
 from test_keys_reach import SHOT
 
-from fabrics import projectiles
+import weavecell as wc
+from fabrics import backings, projectiles
+from fabrics.materials import load
 from fabrics.units import si
 from weavecell.scenes import build, impact, reference
-from weavecell.scenes.words import shot_in_words
 
 NAMES = projectiles.list_names()
-SIMULATORS = [name for name in NAMES if name.startswith("FSP")]
 GRAIN = 64.79891e-6  # [kg]
+SHAPES = {"FSP": "chisel", "RCC": "flat", "sphere": "sphere"}
 
 
 def scene(**keys):
@@ -32,27 +34,14 @@ def volume(projectile):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_mass_over_volume_is_the_density_of_the_steel(name):
-    """Within 1 %: facets have up to 0.3 % less volume, rounded edges up to 0.7 %; lengths have three digits."""
-    body = made(name=name)
+def test_a_projectile_is_what_its_name_says(name):
+    """Of steel within 1 %: facets have up to 0.3 % less volume, rounded edges up to 0.7 %, lengths three digits."""
+    body, (kind, _, size) = made(name=name), name.partition(" ")
+    shape, data = projectiles.entry(name)
+    assert shape == body.shape == SHAPES[kind]
+    assert all(entry["source"] and entry["status"] in projectiles.STATUSES for entry in data.values())
     assert body.mass / volume(body) == pytest.approx(projectiles.density(), rel=0.01)
     assert projectiles.density() == pytest.approx(7850)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_every_number_has_a_source_and_a_status(name):
-    shape, data = projectiles.entry(name)
-    assert shape == {"FSP": "chisel", "RCC": "flat", "sphere": "sphere"}[name.split()[0]]
-    for one in data.values():
-        assert set(one) == {"value", "source", "status"}
-        assert one["source"]
-        assert one["status"] in projectiles.STATUSES
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_the_name_says_what_it_is(name):
-    kind, _, size = name.partition(" ")
-    body = made(name=name)
     if kind == "FSP":
         assert body.mass == pytest.approx(si(size, "kg"))
     elif kind == "RCC":
@@ -63,7 +52,7 @@ def test_the_name_says_what_it_is(name):
         assert body.mass == pytest.approx(projectiles.density() * pi / 6 * si(size, "m") ** 3, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", SIMULATORS)
+@pytest.mark.parametrize("name", [name for name in NAMES if name.startswith("FSP")])
 def test_fragment_simulators_are_alike(name):
     """One shape in seven sizes: within 3 % in the diameter, the strip 0.47 diameters, 1.1 to 1.25 diameters long."""
     body, middle = made(name=name), made(name="FSP 1.10 g")
@@ -75,30 +64,34 @@ def test_fragment_simulators_are_alike(name):
 
 
 def test_what_is_given_goes_before_the_data_of_the_name():
+    """Another nose keeps what both have."""
     plain, other = made(name="FSP 1.10 g"), made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2)
     assert (plain.mass, other.mass, other.friction) == pytest.approx((1.10e-3, 1.13e-3, 0.2))
     assert (other.radius, other.length, other.flat_width) == (plain.radius, plain.length, plain.flat_width)
-
-
-@pytest.mark.parametrize(
-    ("shape", "kept"), [("hemisphere", ("radius", "length", "edge_radius")), ("sphere", ("radius",))]
-)
-def test_another_nose_keeps_what_both_have(shape, kept):
-    plain, other = made(name="FSP 1.10 g"), made(name="FSP 1.10 g", shape=shape)
-    assert other.mass == plain.mass
-    assert other.flat_width is None
-    assert [getattr(other, key) for key in kept] == [getattr(plain, key) for key in kept]
-    if shape == "sphere":
-        assert other.length is None
-
-
-def test_the_name_stands_in_words():
-    assert shot_in_words(scene(name="FSP 2.79 g").projectile) == (
-        "FSP 2.79 g, a chisel-nosed fragment simulator of 2.79 g and 7.49 mm"
-    )
+    dome, ball = (made(name="FSP 1.10 g", shape=shape) for shape in ("hemisphere", "sphere"))
+    assert (dome.mass, dome.radius, dome.length, dome.edge_radius) == (
+        plain.mass, plain.radius, plain.length, plain.edge_radius,
+    )  # fmt: skip
+    assert (ball.mass, ball.radius, ball.length) == (plain.mass, plain.radius, None)
+    assert dome.flat_width is None is ball.flat_width
 
 
 def test_editors_do_not_ask_for_what_the_name_says():
     table = reference.json_schema(impact.Scene)["$defs"]["ProjectileTable"]
     assert table["required"] == ["strike_velocity"]
     assert table["anyOf"] == [{"required": ["name"]}, {"required": ["mass", "diameter"]}, {"required": ["stl"]}]
+
+
+@pytest.mark.parametrize("name", backings.list_names())
+def test_a_backing_is_its_material(name):
+    """A key beside the name replaces its number."""
+    material = wc.setup("S-728", 100.0, backing=name).backing.material
+    other = wc.setup("S-728", 100.0, backing={"material": name, "yield_stress": "0.1 MPa"}).backing.material
+    for field in fields(material):
+        wanted = getattr(backings.load(name), field.name)
+        assert getattr(material, field.name) == pytest.approx(wanted, rel=1e-12)
+        assert getattr(other, field.name) == pytest.approx(1e5 if field.name == "yield_stress" else wanted, rel=1e-12)
+    assert material != load("backing")
+    assert name in wc.backings()
+    written = impact.check(SHOT | {"backing": {"material": name}}, None).backing
+    assert (written.rate_exponent, written.min_size) == (material.rate_exponent, None)
