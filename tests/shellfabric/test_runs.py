@@ -345,21 +345,12 @@ EXCEPTIONS = {
         "backing": "touches all of it",
     },
 }  # fmt: skip
-SCALE = "force_scale, the nose's force that softens its spring in packs, is that of the modelled part, not of the whole"
-DEFECTS = {
-    (symmetry, "pack"): SCALE, (symmetry, "ply friction"): SCALE, (symmetry, "sliding pack"): SCALE,
-    (window, "nose friction"): "motion within the plane runs ahead of the window by a row: 1e-19 m",
-}  # fmt: skip
-
-
-def table():
-    """(kind, invariant) of all pairs but the exceptions."""
-    for kind in RUNS:
-        for invariant in INVARIANTS:
-            reason = DEFECTS.get((invariant, kind))
-            if kind not in EXCEPTIONS.get(invariant, {}):
-                marks = [pytest.mark.xfail(strict=True, reason=reason)] if reason else []
-                yield pytest.param(kind, invariant, marks=marks, id=f"{kind}-{invariant.__name__}")
+TABLE = [
+    pytest.param(kind, invariant, id=f"{kind}-{invariant.__name__}")
+    for kind in RUNS
+    for invariant in INVARIANTS
+    if kind not in EXCEPTIONS.get(invariant, {})
+]
 
 
 @pytest.mark.parametrize("kind", RUNS)
@@ -367,7 +358,7 @@ def test_the_mechanism_acts(kind):
     assert RUNS[kind][1](ended(kind))
 
 
-@pytest.mark.parametrize(("kind", "invariant"), list(table()))
+@pytest.mark.parametrize(("kind", "invariant"), TABLE)
 def test_it_holds(kind, invariant, tmp_path):
     invariant(kind, tmp_path) if invariant is resume else invariant(kind)
 

@@ -177,4 +177,3 @@ def test_outcomes_that_differ_have_no_interval(setup):
     pair = discretisation.compare(result_of(setup, "stopped", 0.0), result_of(setup, "perforated", 12.0))
     assert (pair.same_outcome, pair.intervals) == (False, ())
     assert "the outcome depends on the mesh: stopped, and perforated on the finer one" in chapters.words(pair)
-    assert "depends on the mesh" in chapters.section(pair).lead

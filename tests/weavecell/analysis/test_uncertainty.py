@@ -211,23 +211,6 @@ def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path)
     assert told == [0.5, 1.0]  # nothing was run again: a report of each round as it is found on disk
 
 
-def test_a_small_study_and_what_it_resumes_from(fabric, tmp_path):
-    arguments, setup = (
-        {"samples": 2, "folder": tmp_path, "names": ("modulus", "failure_strain")},
-        setup_of(fabric, OPENING),
-    )
-    found = sobol.study(setup, (60.0, 170.0), **arguments)
-    assert [(one.velocity, one.quantity) for one in found] == [
-        (v, name) for v in (60.0, 170.0) for name in sobol.QUANTITIES
-    ]
-    assert found[2].perforated == 1.0
-    assert found[3].deviation > 0
-    counts = []
-    again = sobol.study(setup, (60.0, 170.0), report=lambda done, total: counts.append((done, total)), **arguments)
-    assert counts == [(8, 8)]
-    np.testing.assert_array_equal([one.total for one in again], [one.total for one in found])
-
-
 def test_short_series_of_tests_find_the_curve_they_are_fired_on():
     """Their mean is V50 and 95 % of them lie in the range; on a steep curve they differ by the steps alone, and where
     the zone of mixed outcomes is far wider than the span fewer have a result."""

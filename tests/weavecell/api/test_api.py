@@ -1,6 +1,8 @@
 """The Python interface: lazy, in SI or with units, one result object a run, and none of the pitfalls of the solvers."""
 
+import ast
 import doctest
+import importlib
 import math
 import subprocess
 import sys
@@ -39,6 +41,20 @@ def test_the_import_loads_nothing():
     code = "import sys, weavecell; print({'numpy', 'numba', 'pint'} & {m.split('.')[0] for m in sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("name", ["fabrics", "meshing", "shellfabric", "unitcell3d", "weavecell"])
+def test_every_public_name_is_documented_and_in_the_stub_for_type_checkers(name):
+    if name == "unitcell3d":
+        pytest.importorskip("dolfinx")
+    package = importlib.import_module(name)
+    stub = ast.parse(Path(package.__file__).with_suffix(".pyi").read_text("utf-8"))
+    (listed,) = (line.value for line in stub.body if ast.unparse(line).startswith("__all__"))
+    assert package.__all__ == sorted(ast.literal_eval(listed))
+    assert set(package.__all__) <= set(dir(package))
+    assert all(getattr(package, one).__doc__ for one in package.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        package.nothing  # noqa: B018
 
 
 @pytest.mark.parametrize("name", [name for name in wc.__all__ if name != "__version__"])

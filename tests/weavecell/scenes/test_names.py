@@ -44,23 +44,14 @@ def test_a_projectile_is_what_its_name_says(name):
     assert projectiles.density() == pytest.approx(7850)
     if kind == "FSP":
         assert body.mass == pytest.approx(si(size, "kg"))
+        assert body.flat_width / (2 * body.radius) == pytest.approx(0.47, abs=0.003)
+        assert si(data["mass_tolerance"]["value"], "kg") == pytest.approx(0.03 / 1.1 * body.mass, rel=0.03)
     elif kind == "RCC":
         assert body.mass == pytest.approx(float(size.split()[0]) * GRAIN, rel=1e-3)
         assert body.length == 2 * body.radius
     else:
         assert 2 * body.radius == pytest.approx(si(size, "m"))
         assert body.mass == pytest.approx(projectiles.density() * pi / 6 * si(size, "m") ** 3, rel=1e-3)
-
-
-@pytest.mark.parametrize("name", [name for name in NAMES if name.startswith("FSP")])
-def test_fragment_simulators_are_alike(name):
-    """One shape in seven sizes: within 3 % in the diameter, the strip 0.47 diameters, 1.1 to 1.25 diameters long."""
-    body, middle = made(name=name), made(name="FSP 1.10 g")
-    assert body.radius == pytest.approx(middle.radius * (body.mass / middle.mass) ** (1 / 3), rel=0.03)
-    assert body.flat_width / (2 * body.radius) == pytest.approx(0.47, abs=0.003)
-    assert 1.1 < body.length / (2 * body.radius) < 1.25
-    tolerance = si(projectiles.entry(name)[1]["mass_tolerance"]["value"], "kg")
-    assert tolerance == pytest.approx(0.03 / 1.1 * body.mass, rel=0.03)
 
 
 def test_what_is_given_goes_before_the_data_of_the_name():

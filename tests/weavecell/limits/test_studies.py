@@ -1,6 +1,7 @@
-"""`weavecell sweep`: combinations, table, resuming, and limits against the number of plies."""
+"""`weavecell sweep`, `v50`, `sensitivity` and `compare`: tables, resuming, and limits against the number of plies."""
 
 import csv
+import json
 import shutil
 
 import pytest
@@ -78,3 +79,36 @@ def test_the_limit_and_v50_against_the_number_of_plies(command, tmp_path):
     (row,) = rows(tmp_path / "v50")
     assert float(row["v50_m_s"]) == pytest.approx(float(one["lower_m_s"]), rel=0.25)
     assert row["shots"] == "8"
+
+
+def test_a_v50_study_says_what_it_found(results):
+    run = results("v50")
+    assert run.out.count(" with 95 % confidence") == 2
+    assert "projectile: a cylinder of 3 g and 5.5 mm" in run.out
+    assert "A series of tests up and down" in (run.folder / "v50.html").read_text()
+
+
+def test_sensitivities_of_an_input_file_are_those_of_its_pack(results):
+    folder = results("sensitivity").folder
+    assert {one["velocity"] for one in json.loads((folder / "sobol.json").read_text())["indices"]} == {90.0}
+    assert "2 x S-720: Sobol indices" in (folder / "sobol.html").read_text()
+
+
+def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
+    fired = "velocity [m/s], outcome, residual velocity [m/s]\n60, PP,\n140, CP, 100\n150, CP, 120\n"
+    (tmp_path / "tests.csv").write_text(fired)
+    (tmp_path / "scene.toml").write_text(toml(SCENES["limit"]))
+    words = ("compare", "tests.csv", "scene.toml", "--tolerance", "10 m/s", "--jobs", 1, "--out", "r")
+    code, out, err = command(*words)
+    assert code == 0, err
+    told = json.loads((tmp_path / "r" / "comparison.json").read_text())
+    assert told["tests"] == 3
+    assert 60 < told["tested_V50_m_s"] < 140
+    shots = list(csv.DictReader((tmp_path / "r" / "shots.csv").read_text().splitlines()))
+    assert [row["tested"] for row in shots] == ["stopped", "perforated", "perforated"]
+    assert told["outcomes_that_agree"] == sum(row["tested"] == row["computed"] for row in shots)
+    off = [float(row["computed residual velocity [m/s]"]) - v for row, v in zip(shots[1:], (100, 120))]
+    assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
+    assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
+    files = ["comparison.json", "comparison.svg", "scene.toml", "shots.csv"]
+    assert sorted(path.name for path in (tmp_path / "r").iterdir()) == files
