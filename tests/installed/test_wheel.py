@@ -182,7 +182,6 @@ COMMANDS = (
     "backings list",
     "impact ply.toml --out ply",
     "impact pack.toml --out pack",
-    "impact accuracy.toml --explain",
     "impact accuracy.toml --out accuracy",
     "view ply --screenshot ply.png",
     "coupon coupon.toml --out coupon",

@@ -61,7 +61,6 @@ CODE = {  # the code of a result: files that are among it
     "shellfabric.impact.simulation": SHELL,
     "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),
     "weavecell.analysis.uncertainty.v50": (*SHELL, "fabrics/catalogue/S-720.toml"),
-    "validation.verification.fidelity.trial": (*SHELL, "weavecell/analysis/fidelity/errors.json"),
     "validation.claims.runner": (*SHELL, *SOLID, "validation/claims/checks/impact.py"),
 }
 
@@ -74,7 +73,7 @@ def test_the_code_of_a_result_is_what_computes_it(module):
     packages = {name.split("/")[0] for name in found}
     # a report or a picture more, and nothing is computed again
     assert not any(name.startswith("weavecell/") and not name.startswith(ANALYSES) for name in found)
-    if module.startswith(("shellfabric", "weavecell.analysis.uncertainty", "weavecell.analysis.fidelity")):
+    if module.startswith(("shellfabric", "weavecell.analysis.uncertainty")):
         assert "unitcell3d" not in packages
 
 

@@ -21,9 +21,8 @@ from fabrics import run_cache
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from validation.program import program, publish
-from validation.verification.fidelity import scenes
+from validation.verification import drawn_shots
 from weavecell.analysis import discretisation
-from weavecell.analysis.fidelity.ladder import Tables, simplest
 from weavecell.report.marked_page import markdown
 
 COUNT, SEED = 40, 808
@@ -72,8 +71,8 @@ def reference(setup: ImpactSetup, finer: ImpactSetup) -> ImpactSetup:
 
 def row(number: int) -> Row:
     """The random scene of a number, on its three meshes."""
-    drawn = scenes.drawn(number, SEED)
-    setup: Any = simplest(replace(drawn, numerics=replace(drawn.numerics, threads=1)), Tables())
+    drawn = drawn_shots.drawn(number, SEED)
+    setup: Any = discretisation.smallest_part(replace(drawn, numerics=replace(drawn.numerics, threads=1)))
     table = setup.table()
     refined: Any = discretisation.finer(setup, table)
     results: list[Any] = []
@@ -83,7 +82,7 @@ def row(number: int) -> Row:
         results.append(simulation.run(this, table=table))
         seconds.append(time.process_time() - began)
     pair = discretisation.compare(*results[:2])
-    finest = {one.name: one.finer for one in discretisation.compare(results[0], results[2]).intervals}
+    finest = {one.name: one.other for one in discretisation.compare(results[0], results[2]).intervals}
     found = tuple(
         (one.name, one.unit, one.value, finest[one.name], one.uncertainty)
         for one in pair.intervals if one.name in finest

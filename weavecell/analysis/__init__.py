@@ -1,1 +1,1 @@
-"""Analyses of the product: model choice by accuracy, uncertainty, biaxial tests."""
+"""Analyses of the product: uncertainty of mesh and data, fits, fired tests, biaxial tests."""

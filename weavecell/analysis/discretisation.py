@@ -1,213 +1,250 @@
-"""Discretisation uncertainty of an impact from a pair of meshes: the grid convergence index of ASME V&V 20.
+"""Discretisation uncertainty of an impact from pairs of meshes: the grid convergence index of ASME V&V 20.
 
-The scene is run on its own mesh and on one whose elements near the impact point have half the side. With the
-difference d of a result between the two,
+The element side near the impact point of the finer mesh is half that of the other. With the difference d of a result
+between the two,
 
-    U = F_s d r^p / (r^p - 1),    r = 2,
+    U = F_s d r^p / (r^p - 1)  on the coarser mesh,    U = F_s d / (r^p - 1)  on the finer one,    r = 2.
 
-is the uncertainty of the result on the scene's own mesh. Two meshes show no order of convergence, so that p is the
-formal order of the elements, 2, and F_s = 3, the factor that goes with an order which is assumed (P. J. Roache,
-Verification and Validation in Computational Science and Engineering, 1998; ASME V&V 20-2009, section 2-4). The interval
-of a result phi is phi - U to phi + U.
+Two meshes show no order of convergence, so that p is the formal order of the elements, 2, and F_s = 3, the factor that
+goes with an order which is assumed (P. J. Roache, Verification and Validation in Computational Science and Engineering,
+1998; ASME V&V 20-2009, section 2-4): U is 4 d and d. The interval of a result phi is phi - U to phi + U.
 
 The difference of a single number can vanish by chance where two solutions cross. So d is a norm of the difference of
 the solutions: of the residual velocity, the absorbed energy and the deflection the largest difference of their
 histories, up to the end of the shorter run, and of peak tensions the larger of the relative differences of warp and
-weft. What a projectile that stops leaves (no velocity, and all its energy absorbed) has no error.
+weft. What a projectile that stops leaves (no velocity, and all its energy absorbed) has no error. Where the outcomes on
+the meshes differ, the outcome depends on the mesh, and no result has an uncertainty.
 
-A result that is not there on one of the meshes, or an outcome that is different on them, has no uncertainty: the
-outcome depends on the mesh.
+`run_pair` states the uncertainty on the scene's own mesh. `climb` takes finer and finer meshes, until the uncertainties
+on the last are within targets.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import inf, isnan
-from typing import Any
+from math import inf
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup
-from weavecell.analysis.fidelity import quantities
+from shellfabric.panel.model import SYMMETRIES
 
 RATIO, ORDER, SAFETY = 2, 2.0, 3.0
-REACH = 10.0  # [crossovers] from the impact point up to which elements are halved, at least
-MOST_ELEMENTS = 8  # a crossover, of the finer mesh
-_LATEST = 60.0  # [crossovers] of REACH that is tried before the whole panel is refined
+REACH, LATEST = 10.0, 60.0  # [crossovers] from the impact point up to which elements are halved: at least, at most
+MOST_ELEMENTS = 8  # a crossover, of the finest mesh
+
+# called as shoot(setup, table, name of the mesh); gives (record, snapshots, failure, result)
+Shoot: TypeAlias = Callable[..., tuple[Any, Any, Any, ImpactResult]]
+Shot: TypeAlias = tuple[Any, Any, Any]
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A result and its discretisation uncertainty.
-
-    Parameters
-    ----------
-    name, unit : of the result
-    value, finer : on the scene's mesh and on the finer one
-    uncertainty : U, in the same unit
-    """
+    """A result on the mesh that counts, on the other mesh, and its discretisation uncertainty, all in its unit."""
 
     name: str
     unit: str
     value: float
-    finer: float
+    other: float
     uncertainty: float
 
 
 @dataclass(frozen=True)
 class Discretisation:
-    """What the pair of meshes gives.
+    """What two meshes or more give.
 
     Parameters
     ----------
-    meshes : descriptions of the scene's mesh and the finer one
-    outcomes : on both
-    intervals : of the results that both meshes have; none where the outcomes differ
+    setup : of the run that counts
+    meshes, outcomes : of all runs, in their order
+    intervals : of the results; none where the outcomes of the last two differ
+    targets, errors : {quantity: [-] at most} and {quantity: [-] uncertainty} of `climb`
     """
 
-    meshes: tuple[str, str]
-    outcomes: tuple[str, str]
+    setup: ImpactSetup
+    meshes: tuple[str, ...]
+    outcomes: tuple[str, ...]
     intervals: tuple[Interval, ...]
+    targets: Mapping[str, float] = field(default_factory=dict)
+    errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def same_outcome(self) -> bool:
-        """Whether both meshes have the same outcome."""
-        return self.outcomes[0] == self.outcomes[1]
+        """Whether the last two meshes have the same outcome."""
+        return len(set(self.outcomes[-2:])) == 1
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether all uncertainties are within their targets."""
+        return all(self.errors.get(name, inf) <= share for name, share in self.targets.items())
 
 
-def index(difference: float) -> float:
-    """Uncertainty U of a result from its difference d on the two meshes, see the module."""
-    return SAFETY * difference * RATIO**ORDER / (RATIO**ORDER - 1)
+def index(difference: float, *, of_finer: bool = False) -> float:
+    """Uncertainty U of a result from its difference d on two meshes, see the module."""
+    return SAFETY * difference * (1.0 if of_finer else RATIO**ORDER) / (RATIO**ORDER - 1)
 
 
 def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
-    """The set-up with half the element side within REACH of the impact point, or further where the projectile needs it.
-
-    Where the panel cannot be graded (edges that are held by friction) all its elements are halved. No snapshots are
-    taken and no histories recorded.
-
-    Parameters
-    ----------
-    setup : of the scene
-    table : of its cell
+    """The set-up with half the element side within REACH of the impact point, or further where the projectile needs it;
+    of a graded mesh with half the side of the first zone, and all zones twice as far out. Where the panel cannot be
+    graded so (edges that are held by friction) all its elements are halved.
 
     Raises
     ------
-    InputError : the finer mesh would have more than MOST_ELEMENTS elements along a crossover
+    InputError : it would have more than MOST_ELEMENTS elements along a crossover
     """
-    setup = replace(setup, snapshot_interval=None, history=None)
-    ply = setup.meshed
-    if ply.grading is not None:
-        (until, side), *rest = ply.grading
-        side = Fraction(side).limit_denominator(MOST_ELEMENTS) / RATIO
-        _check(1 / side)
-        return replace(setup, grading=((float(until), float(side)), *rest))
-    count = ply.resolved_elements_per_crossover
-    _check(RATIO * count)
-    reach = REACH
-    while reach <= _LATEST:
-        zones = ((reach, 1 / (RATIO * count)), (inf, 1 / count))
-        graded = replace(ply, elements_per_crossover=None, grading=zones)
-        if _can_be_meshed(graded, table):
-            return replace(setup, elements_per_crossover=None, grading=graded.grading)
-        reach *= 1.5
-    return replace(setup, elements_per_crossover=RATIO * count)
-
-
-def _check(count: float | Fraction) -> None:
-    if count > MOST_ELEMENTS:
+    zones = _zones(setup)
+    count = RATIO / zones[0][1]
+    if count > MOST_ELEMENTS * (1 + 1e-9):
+        asked = f"a finer mesh of {count:g} elements per crossover"
         allowed = f"at most {MOST_ELEMENTS // RATIO} elements per crossover, which the finer mesh doubles"
-        raise InputError(key="--uncertainty", value=f"a finer mesh of {count} elements per crossover", allowed=allowed)
+        raise InputError(key="--uncertainty", value=asked, allowed=allowed)
+    reach = min(zones[0][0], REACH)
+    while reach <= LATEST:
+        graded = _with(setup, ((reach, 1 / count), *((2 * until, side) for until, side in zones)))
+        if _can_be_meshed(graded, table):
+            return graded
+        reach *= 1.5
+    return halved(setup)
 
 
-def _can_be_meshed(ply: ImpactSetup, table: CellTable) -> bool:
-    """Whether the panel can be graded so."""
+def halved(setup: ImpactSetup) -> ImpactSetup:
+    """The set-up with half the side of all elements."""
+    return _with(setup, tuple((until, side / RATIO) for until, side in _zones(setup)))
+
+
+def _zones(setup):
+    """((until, side), ...) [crossovers] of the mesh of a set-up, graded or not."""
+    ply = setup.meshed
+    return ply.grading or ((inf, 1 / ply.resolved_elements_per_crossover),)
+
+
+def _with(setup, zones):
+    """The set-up with these zones."""
+    zones = tuple((float(until), float(side)) for until, side in zones)
+    if len(zones) == 1 and zones[0][1] <= 1:
+        return replace(setup, elements_per_crossover=round(1 / zones[0][1]), grading=None)
+    return replace(setup, elements_per_crossover=None, grading=zones)
+
+
+def _can_be_meshed(setup, table):
     try:
-        ply.panel(table)
+        setup.panel(table)
     except InputError:
         return False
     return True
 
 
+def smallest_part(setup: ImpactSetup) -> ImpactSetup:
+    """The set-up with the smallest part of the panel that shot, edges and weave let stand for all of it."""
+    parts = (replace(setup, symmetry=symmetry) for symmetry in SYMMETRIES)
+    return next((part for part in parts if _can_be_meshed(part, part.plain_table())), setup)
+
+
 def in_words(setup: ImpactSetup) -> str:
     """The mesh of a set-up."""
-    ply = setup.meshed
-    if ply.grading is None:
-        count = ply.resolved_elements_per_crossover
+    zones = _zones(setup)
+    if len(zones) == 1 and zones[0][1] <= 1:
+        count = round(1 / zones[0][1])
         return f"{count} element{'s' * (count > 1)} per crossover"
-    return (
-        "sides of "
-        + ", ".join(
-            f"{Fraction(side).limit_denominator(MOST_ELEMENTS)}{'' if until == inf else f' to {until:g}'}"
-            for until, side in ply.grading
-        )
-        + " crossovers"
-    )
+    sides = [
+        f"{Fraction(side).limit_denominator(MOST_ELEMENTS)}{'' if until == inf else f' to {until:g}'}"
+        for until, side in zones
+    ]
+    return f"sides of {', '.join(sides)} crossovers"
 
 
-def run_pair(
-    setup: ImpactSetup, shoot: Callable[..., tuple[Any, Any, Any, Any]]
-) -> tuple[tuple[Any, Any, Any], Discretisation]:
-    """Run a scene on its mesh and on the finer one.
-
-    Parameters
-    ----------
-    setup : of the scene
-    shoot : called as shoot(setup, table, name of the mesh), gives (record, snapshots, failure, result)
-
-    Returns
-    -------
-    shot : (record, snapshots, failure) on the scene's mesh
-    pair : Discretisation; where the run on the scene's mesh became unstable, of it alone
+def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
+    """Run a scene on its mesh, which counts, and on the finer one; where its run became unstable, on its mesh alone.
 
     Raises
     ------
     InputError : as `finer`; nothing has been run
     """
     table = setup.table(kept=True)
-    refined = finer(setup, table)
+    refined = replace(finer(setup, table), snapshot_interval=None, history=None)
     record, snapshots, failure, result = shoot(setup, table)
     other = result if failure is not None else shoot(refined, table, "finer mesh")[3]
     return (record, snapshots, failure), compare(result, other)
 
 
-def compare(result: ImpactResult, refined: ImpactResult) -> Discretisation:
-    """The pair of results, ImpactResult, of the scene's mesh and the finer one."""
-    values, others = quantities.of(result), quantities.of(refined)
-    ply = result.setup.meshed
-    energy = result.strike_energy
-    rows = [("residual velocity", "m/s", ply.strike_velocity, "residual_velocity", None),
-            ("absorbed energy", "J", energy, "absorbed_energy", None),
-            ("peak deflection", "mm", 1e3, "deflection", None),
-            ("peak tension, warp", "N", 1.0, "peak_tension", 0),
-            ("peak tension, weft", "N", 1.0, "peak_tension", 1)]  # fmt: skip
-    apart = _apart(result, refined, values, others)
-    found = []
-    for name, unit, scale, key, part in rows:
-        a, b = (one[key] if part is None else one[key][part] for one in (values, others))
-        if not (isnan(a) or isnan(b)):
-            off = max(abs(b - a), apart[key] * (1.0 if part is None else abs(a)))
-            found.append(Interval(name, unit, scale * a, scale * b, index(scale * off)))
-    outcomes = values["outcome"], others["outcome"]
-    kept = tuple(found) if outcomes[0] == outcomes[1] else ()
-    return Discretisation((in_words(result.setup), in_words(refined.setup)), outcomes, kept)
+def climb(
+    setup: ImpactSetup, targets: Mapping[str, float], shoot: Shoot, *, fixed: Collection[str] = ()
+) -> tuple[Shot, Discretisation]:
+    """Run a scene on its mesh and on finer ones, until the uncertainty of each result with a target is within it.
+
+    The part of the panel is the smallest, and a flat steel projectile is an elastic bar where its contact is too short
+    for a rigid one, unless "symmetry" and "projectile" are `fixed`. The last run counts.
+    """
+    setup = setup if "symmetry" in fixed else smallest_part(setup)
+    table, shot = setup.table(kept=True), setup.projectile
+    found = Discretisation(setup, (), (), (), targets)
+    before: ImpactResult | None = None
+    while True:
+        record, snapshots, failure, result = shoot(setup, table, f"{shot.body} {len(found.meshes) + 1}")
+        if "projectile" not in fixed and shot.bar is None and result.rigidity and not result.rigidity.enough:
+            bar = replace(setup, projectile=replace(shot, body="elastic_bar"))
+            return climb(bar, targets, shoot, fixed={"symmetry", "projectile"})
+        pair = None if before is None or failure is not None else compare(before, result, of_finer=True)
+        found = Discretisation(
+            setup, (*found.meshes, in_words(setup)), (*found.outcomes, result.outcome),
+            pair.intervals if pair else (), targets, pair.errors if pair else {},
+        )  # fmt: skip
+        before = None if failure is not None else result
+        try:
+            finest, setup = found.confirmed, setup if found.confirmed else finer(setup, table)
+        except InputError:
+            finest = True
+        if finest:
+            return (record, snapshots, failure), found
 
 
-def _apart(result, refined, values, others):
-    """{name: norm of the difference of the solutions}, in the units of `quantities.of`; of tensions over themselves."""
-    (t, z, v), (tf, zf, vf) = (one.step_history[:, :3].T for one in (result, refined))
-    common = t <= tf[-1]
-    z, v = z[common], v[common] / result.setup.strike_velocity
-    zf, vf = (np.interp(t[common], tf, one) for one in (zf, vf / refined.setup.strike_velocity))
-    moving = values["outcome"] != "stopped"
-    tensions = [abs(b / a - 1) for a, b in zip(values["peak_tension"], others["peak_tension"]) if a > 0]
-    return {
-        "residual_velocity": float(np.max(np.abs(vf - v), initial=0.0)) if moving else 0.0,
-        "absorbed_energy": float(np.max(np.abs(vf**2 - v**2), initial=0.0)) if moving else 0.0,
-        "deflection": float(np.max(np.abs(zf - z), initial=0.0)),
-        "peak_tension": max(tensions, default=0.0),
+def compare(coarse: ImpactResult, fine: ImpactResult, *, of_finer: bool = False) -> Discretisation:
+    """The pair of results, of which the coarser mesh counts, or the finer."""
+    errors = {name: index(norm, of_finer=of_finer) for name, norm in differences(coarse, fine).items()}
+    counts, other = (fine, coarse) if of_finer else (coarse, fine)
+    rows = zip(_rows(counts), _rows(other)) if coarse.outcome == fine.outcome else ()
+    intervals = tuple(
+        Interval(name, unit, value, second, errors[quantity] * scale)
+        for (name, unit, quantity, scale, value), (*_, second) in rows
+    )
+    meshes, outcomes = zip(*((in_words(result.setup), result.outcome) for result in (coarse, fine)))
+    return Discretisation(counts.setup, meshes, outcomes, intervals, errors=errors)
+
+
+def _rows(result):
+    """(name, unit, quantity, what its uncertainty is a share of, value) of each result that there is."""
+    strike, energy, deepest = result.setup.strike_velocity, result.strike_energy, 1e3 * result.step_history[:, 1].max()
+    left, (warp, weft) = max(result.residual_velocity, 0.0), result.peak_tension
+    yield "residual velocity", "m/s", "residual_velocity", strike, left
+    yield "absorbed energy", "J", "absorbed_energy", energy, energy * (1 - (left / strike) ** 2)
+    if result.outcome != "perforated":
+        yield "peak deflection", "mm", "deflection", deepest, deepest
+        yield "peak tension, warp", "N", "peak_tension", warp, warp
+        yield "peak tension, weft", "N", "peak_tension", weft, weft
+
+
+def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
+    """{quantity: [-] norm of the difference of the solutions}, over velocity and energy of the strike, the largest
+    deflection and the peak tensions; infinite where the outcomes differ, 0 of what a projectile that has stopped or a
+    panel that is perforated does not have."""
+    (t, z, v), (tf, zf, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
+    common, strike = t <= tf[-1], coarse.setup.strike_velocity
+    depths = np.append(np.interp(t[common], tf, zf) - z[common], zf.max() - z.max())
+    ends = (max(result.residual_velocity, 0.0) for result in (coarse, fine))
+    speeds = zip((v[common], np.interp(t[common], tf, vf)), ends)
+    speed, other = (np.append(history, end) / strike for history, end in speeds)
+    tensions = [abs(b / a - 1) for a, b in zip(coarse.peak_tension, fine.peak_tension) if a > 0]
+    moves, holds = coarse.outcome != "stopped", coarse.outcome != "perforated"
+    norms = {
+        "residual_velocity": moves and np.abs(other - speed).max(),
+        "absorbed_energy": moves and np.abs(other**2 - speed**2).max(),
+        "deflection": holds and np.abs(depths).max() / z.max(),
+        "peak_tension": holds and max(tensions, default=0.0),
     }
+    return {name: float(norm) if coarse.outcome == fine.outcome else inf for name, norm in norms.items()}

@@ -10,8 +10,8 @@ The folder of `weavecell impact`
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
-Where the scene says how accurate its answer is to be, the model is chosen (`fidelity`): summary.json and the report
-then tell which, why, and whether the promise was confirmed.
+Where the scene says how accurate its results are to be, finer and finer meshes are run (`analysis.discretisation`):
+summary.json and the report then tell which, and whether the targets were met.
 
 Where a law of the fabric is assumed, the shot is repeated with both ends of its range, and the range of the residual
 velocity is stated (`analysis.assumed_range`); not for packs and not for scenes with [accuracy].
@@ -35,7 +35,7 @@ from weavecell.commands import options
 with lazy.imports():
     from fabrics import run_cache
     from weavecell.analysis import assumed_range as over_assumed
-    from weavecell.commands import fidelity
+    from weavecell.analysis import discretisation
     from weavecell.commands import uncertainty as scatter
     from weavecell.report import chapters_assumed, chapters_discretisation, checks
     from weavecell.report import page as report_page
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactResult, ImpactSetup
     from shellfabric.output.snapshots import Snapshot
     from weavecell.analysis.discretisation import Discretisation
-    from weavecell.analysis.fidelity.select import Answer
     from weavecell.results.impact import ImpactRecord
 
 _OF_DRAWS = ("draws", "shape", "seed", "jobs", "executor")
@@ -70,9 +69,6 @@ def impact(
     resume: options.ResumeOption = False,
     strict: options.StrictOption = False,
     assumed_range: options.AssumedRangeOption = True,
-    explain: Annotated[
-        bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
-    ] = False,
     uncertainty: Annotated[
         bool,
         typer.Option(
@@ -94,18 +90,16 @@ def impact(
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
     while the run goes on, checkpoint.h5. A scene with a table \\[accuracy] says how well it wants to know something:
-    the cheapest model that will do is chosen and checked. A key of the scene that cannot be honoured is rejected.
+    it is run on finer and finer meshes, until two of them agree so far. A key of the scene that cannot be honoured is
+    rejected.
 
     --draws N computes the whole panel N times, each yarn of each ply with a strength of its own, and writes mean,
     scatter and probability of perforation: summary.json, summary.html, draws.csv and runs/, from which --resume goes
     on, also to more draws. --weibull-shape, --seed, --jobs and --executor are of --draws alone. It ignores
-    panel.symmetry, --explain ignores title, and both ignore run.snapshot_interval, run.checkpoint_interval,
-    run.outputs, history.interval, history.warp, history.weft and history.report_positions.
+    panel.symmetry, run.snapshot_interval, run.checkpoint_interval, run.outputs, history.interval, history.warp,
+    history.weft and history.report_positions.
     """
-    if explain:
-        options.refuse_others(context, ("scene", "explain"), "with --explain, which runs and writes nothing")
-        fidelity.explain(scene)
-    elif draws is not None:
+    if draws is not None:
         options.refuse_others(context, ("scene", "out", "resume", *_OF_DRAWS), "with --draws")
         folder = out or options.RESULTS / f"{scene.stem}-draws"
         scatter.draws(scene, folder, count=draws, shape=shape, seed=seed, jobs=jobs, executor=executor, resume=resume)
@@ -142,22 +136,37 @@ def run(
         return fire(this, setup, title, checkpoint=checkpoint, every=every, resume=again, table=table)
 
     try:
-        (record, snapshots, failure), choice, pair = fidelity.run(scene, setup, shoot, uncertainty)
+        (record, snapshots, failure), pair = _shots(scene, setup, shoot, uncertainty)
     except InputError as problem:
         raise build.in_file(problem, path) from None
     except KeyboardInterrupt:
         hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
         raise Interrupted(f"interrupted{hint}") from None
-    plain = with_range and choice is None and failure is None and setup.plies == 1
+    plain = with_range and scene.accuracy is None and failure is None and setup.plies == 1
     around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
-        write(out, this, setup, record, snapshots, text, advance, choice, around, pair, key)
+        write(out, this, setup, record, snapshots, text, advance, around, pair, key)
     for checkpoint in checkpoints(out):
         checkpoint.unlink()
-    _tell(record, out, around, choice, pair)
+    _tell(record, out, around, pair)
     if failure is not None:
         raise failure
     checks.report(record.checks, strict)
+
+
+# keys of a scene that [accuracy] would change; what is given there stays
+_BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projectile"}
+
+
+def _shots(scene, setup, shoot, uncertainty):
+    """((record, snapshots, failure) of the run that counts, Discretisation or None)."""
+    if scene.accuracy is None:
+        return discretisation.run_pair(setup, shoot) if uncertainty else (shoot(setup)[:3], None)
+    if uncertainty:
+        allowed = "left out for a scene with [accuracy], which compares its meshes"
+        raise InputError(key="--uncertainty", value="given", allowed=allowed)
+    fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
+    return discretisation.climb(setup, scene.accuracy.targets, shoot, fixed=fixed)
 
 
 def _range(setup, record):
@@ -228,13 +237,12 @@ def fire(
 
 def write(
     out: Path, this: build.Case, setup: ImpactSetup, record: ImpactRecord, snapshots: Sequence[tuple[Snapshot, ...]],
-    text: str, advance: Callable[..., object], choice: Answer | None = None, around: Any = None,
-    pair: Discretisation | None = None, key: str = "",
+    text: str, advance: Callable[..., object], around: Any = None, pair: Discretisation | None = None, key: str = "",
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint; `key` is that of the run, for `finished`."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, setup=setup)
-    more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
+    more = checks.summary(record.checks) | chapters_assumed.summary(around)
     more |= chapters_discretisation.summary(pair) | {"projectile": words.shot_in_words(this.scene.projectile)}
     more |= {"run_key": key}
     run_folder.write(out, text, record, more, stamp)
@@ -248,9 +256,8 @@ def write(
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    chosen = None if choice is None else fidelity.chapter(choice)
-    used = setup if choice is None else choice.final.option.setup
-    sections = shot_page.sections(this, used, record, chosen, around, pair)
+    used = setup if pair is None else pair.setup
+    sections = shot_page.sections(this, used, record, around, pair)
     if "pictures" in outputs:
         report_page.write_pictures(sections, out / "pictures")
     advance(0.9)
@@ -258,7 +265,7 @@ def write(
         report_page.write(shot_page.page(this, used, record, sections, stamp), out / "report.html")
 
 
-def _tell(record, out, around, choice, pair):
+def _tell(record, out, around, pair):
     print(f"{record.title}: {record.outcome}, {tables_shot.residual(record)}")
     if record.pack:
         print(record.contact_words)
@@ -277,7 +284,5 @@ def _tell(record, out, around, choice, pair):
     print(f"written to {out}", flush=True)
     if around is not None:
         print(f"assumed laws: {around.words()}")
-    if choice is not None:
-        fidelity.tell(choice)
     if pair is not None:
         print(chapters_discretisation.words(pair))

@@ -1,7 +1,8 @@
-"""The discretisation uncertainty of a scene's results (`weavecell impact --uncertainty`): words, summary, section."""
+"""The discretisation uncertainty of a scene's results (`--uncertainty`, [accuracy]): words, summary, section."""
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from weavecell.report.page import Section, Table
@@ -9,42 +10,82 @@ from weavecell.report.page import Section, Table
 if TYPE_CHECKING:
     from weavecell.analysis.discretisation import Discretisation
 
+_INDEX = (
+    "Uncertainty of the results {} by the grid convergence index of ASME V&V 20, from two meshes with an assumed order "
+    "of 2 and a safety factor of 3, of the largest difference of their histories."
+)
+
 
 def summary(pair: Discretisation | None) -> dict[str, Any]:
     """For summary.json."""
     if pair is None:
         return {}
+    other = "coarser" if pair.targets else "finer"
     results = {
-        one.name: {"unit": one.unit, "value": one.value, "finer": one.finer, "uncertainty": one.uncertainty}
+        one.name: {"unit": one.unit, "value": one.value, other: one.other, "uncertainty": one.uncertainty}
         for one in pair.intervals
     }
     meshes, outcomes = list(pair.meshes), list(pair.outcomes)
-    return {"discretisation": {"meshes": meshes, "outcomes": outcomes, "results": results}}
+    found: dict[str, Any] = {"discretisation": {"meshes": meshes, "outcomes": outcomes, "results": results}}
+    if pair.targets:
+        errors = {name: pair.errors.get(name, inf) for name in pair.targets}
+        found["accuracy"] = {
+            "targets": dict(pair.targets), "model": meshes[-1], "symmetry": pair.setup.symmetry,
+            "projectile": pair.setup.projectile.body, "compared_with": "".join(meshes[-2:-1]), "models_run": meshes,
+            "confirmed": pair.confirmed,
+            "estimated_errors": {name: None if error == inf else error for name, error in errors.items()},
+        }  # fmt: skip
+    return found
 
 
 def words(pair: Discretisation) -> str:
-    """The uncertainties, one line a result."""
-    found = [f"discretisation uncertainty, from {pair.meshes[0]} and {pair.meshes[1]}:"]
-    if not pair.same_outcome:
-        found.append(f"  the outcome depends on the mesh: {pair.outcomes[0]}, and {pair.outcomes[1]} on the finer one")
+    """The uncertainties, one line a result; of targets whether they are met."""
+    found = [f"discretisation uncertainty, from {' and '.join(pair.meshes[-2:])}:"]
+    found += [f"  {line}" for line in _outcomes(pair)]
+    other = "coarser" if pair.targets else "finer"
     for one in pair.intervals:
         value = f"{one.name} {one.value:.4g} +- {one.uncertainty:.2g} {one.unit}"
-        found.append(f"  {value} ({one.finer:.4g} on the finer mesh)")
-    return "\n".join(found)
+        found.append(f"  {value} ({one.other:.4g} on the {other} mesh)")
+    return "\n".join([*found, *_verdict(pair)])
+
+
+def _outcomes(pair):
+    """A line where the outcome depends on the mesh."""
+    first, last = pair.outcomes[0], pair.outcomes[-1]
+    if pair.targets:
+        first = pair.outcomes[max(0, len(pair.outcomes) - 2)]
+    return [] if pair.same_outcome else [f"the outcome depends on the mesh: {first}, and {last} on the finer one"]
+
+
+def _verdict(pair):
+    """A line that says whether the targets are met."""
+    if not pair.targets:
+        return []
+    errors = ", ".join(
+        f"{name.replace('_', ' ')} {_percent(pair.errors.get(name, inf))} (target {_percent(share)})"
+        for name, share in pair.targets.items()
+    )
+    verdict = "confirmed" if pair.confirmed else "NOT confirmed, on the finest mesh that there is"
+    return [f"accuracy {verdict}: {pair.meshes[-1]}, {pair.setup.symmetry} panel; {errors}"]
+
+
+def _percent(share):
+    return "not known" if share == inf else f"{100 * share:.2g} %"
 
 
 def section(pair: Discretisation) -> Section:
     """For the report."""
     rows = tuple(
-        (f"{one.name} [{one.unit}]", f"{one.value:.4g}", f"{one.finer:.4g}", f"{one.uncertainty:.2g}")
+        (f"{one.name} [{one.unit}]", f"{one.value:.4g}", f"{one.other:.4g}", f"{one.uncertainty:.2g}")
         for one in pair.intervals
     )
-    lead = (
-        "Uncertainty of the results on the scene's mesh by the grid convergence index of ASME V&V 20, from two meshes "
-        "with an assumed order of 2 and a safety factor of 3, of the largest difference of their histories."
-    )
-    if not pair.same_outcome:
-        lead = f"The outcome depends on the mesh: {pair.outcomes[0]} on the scene's, {pair.outcomes[1]} on the finer."
-    columns = ("result", pair.meshes[0], pair.meshes[1], "uncertainty")
-    tables = (Table(columns, rows, numeric=columns[1:]),) if rows else ()
-    return Section("discretisation", "Discretisation uncertainty", lead, (), tables)
+    meshes = pair.meshes[-1:-3:-1] if pair.targets else pair.meshes
+    lead = " ".join(line[0].upper() + line[1:] + "." for line in (*_verdict(pair), *_outcomes(pair)))
+    if rows:
+        lead = f"{lead} {_INDEX.format('on the finer mesh' if pair.targets else 'on the mesh of the scene')}".strip()
+    columns = ("result", *meshes, "uncertainty")
+    tables = [Table(columns, rows, numeric=columns[1:])] if rows else []
+    if pair.targets:
+        runs = tuple(zip(pair.meshes, pair.outcomes))
+        tables.append(Table(("mesh", "outcome"), runs, "Meshes that were run"))
+    return Section("discretisation", "Discretisation uncertainty", lead, (), tuple(tables))

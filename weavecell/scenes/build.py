@@ -84,7 +84,6 @@ SHOT_RULES = (
         for key, allowed in (
             ("panel.boundary", "clamped"),
             ("panel.crossovers", "pinned"),
-            ("accuracy", "left out: no mesh was measured"),
         )
     ),
     *(Rule(key, lambda scene: scene.panel.plies == 1, "left out for a single ply") for key in _OF_A_PACK),

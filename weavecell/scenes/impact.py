@@ -396,7 +396,7 @@ def _share(meaning):
 
 
 class AccuracyTable(Table):
-    """Largest errors that the results may have; the command chooses the mesh by them.
+    """Largest errors that the results may have; the command refines the mesh until they are met.
 
     [accuracy]
     residual_velocity = "2 %"

@@ -10,12 +10,7 @@ from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Rule, Support, of
 
 IMPACT = Support(Scene, rejected=build.NO_SLACK, rules=build.SHOT_RULES)
-ACCURACY = Support(
-    Scene, rules=build.SHOT_RULES,
-    rejected=build.NO_SLACK | build.PINNED
-    | {"panel.grading": "left out in a scene with [accuracy], whose mesh is chosen"},
-)  # fmt: skip
-EXPLAIN = replace(ACCURACY, ignored=("title", *target.UNWRITTEN, "history"))
+ACCURACY = replace(IMPACT, rejected=build.NO_SLACK | build.PINNED)
 DRAWS = replace(
     IMPACT,
     ignored=("panel.symmetry", *target.UNWRITTEN, "history"),

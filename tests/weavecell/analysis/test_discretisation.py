@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from shellfabric.impact.simulation import ImpactSetup, run
-from shellfabric.panel.boundary import Grip
+from shellfabric.panel.boundary import Grip, PullIn
+from shellfabric.projectile.projectile import Projectile
 from validation.verification import discretisation as study
 from weavecell.analysis import discretisation
 from weavecell.report import chapters_discretisation as chapters
@@ -38,11 +39,12 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
     assert finer.grading == ((discretisation.REACH, 0.5), (inf, 1.0))
     assert finer.panel(table).spacing[0] == pytest.approx(0.5 * setup.panel(table).spacing[0])
     graded = replace(setup, grading=((8, 1), (inf, 2)))
-    assert discretisation.finer(graded, table).grading == ((8.0, 0.5), (inf, 2.0))
+    assert discretisation.finer(graded, table).grading == ((8.0, 0.5), (16.0, 1.0), (inf, 2.0))
     assert discretisation.finer(replace(setup, elements_per_crossover=2), table).grading[0][1] == 0.25
-    (near, side), *outside = replace(setup, plies=2).meshed.grading
+    zones = replace(setup, plies=2).meshed.grading
     pack = discretisation.finer(replace(setup, plies=2), table)
-    assert (pack.plies, pack.grading) == (2, ((near, side / 2), *outside))
+    (near, side), *_ = zones
+    assert (pack.plies, pack.grading) == (2, ((near, side / 2), *((2 * until, side) for until, side in zones)))
 
 
 def test_edges_that_no_graded_panel_has_are_refined_everywhere(setup, table):
@@ -69,9 +71,9 @@ def test_intervals_of_a_shot(setup, table):
     )
     assert found["peak tension, warp"].value == result.peak_tension[0]
     for one in pair.intervals:
-        assert one.uncertainty >= (4 - 1e-12) * abs(one.finer - one.value)
+        assert one.uncertainty >= (4 - 1e-12) * abs(one.other - one.value)
     tensions = [found[f"peak tension, {family}"] for family in ("warp", "weft")]
-    share = max(abs(one.finer / one.value - 1) for one in tensions)
+    share = max(abs(one.other / one.value - 1) for one in tensions)
     for one in tensions:
         assert one.uncertainty == pytest.approx(4 * share * one.value)
     text = chapters.summary(pair)["discretisation"]
@@ -82,8 +84,8 @@ def test_intervals_of_a_shot(setup, table):
 def result_of(setup, outcome, residual):
     panel = np.array([[0.0, 1e-3, residual, 0.0]])
     return SimpleNamespace(
-        setup=setup, outcome=outcome, residual_velocity=residual, step_history=panel, ply_tensions=[(10.0, 20.0)],
-        strike_energy=2.4,
+        setup=setup, outcome=outcome, residual_velocity=residual, step_history=panel, peak_tension=(10.0, 20.0),
+        strike_energy=2.4, rigidity=None,
     )  # fmt: skip
 
 
@@ -95,7 +97,7 @@ def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_
     for result, size in ((one, 0.0), (other, 3.0)):
         result.step_history = np.column_stack([t, 40 * t, 40 - 20 * t / t[-1] + size * bump, 0 * t])
     found = {each.name: each for each in discretisation.compare(one, other).intervals}
-    assert found["residual velocity"].value == found["residual velocity"].finer == pytest.approx(20.0)
+    assert found["residual velocity"].value == found["residual velocity"].other == pytest.approx(20.0)
     assert found["residual velocity"].uncertainty == pytest.approx(4 * 3.0, rel=1e-3)
     assert found["absorbed energy"].uncertainty == pytest.approx(4 * 2.4 * (33**2 - 30**2) / 40**2, rel=0.02)
 
@@ -106,6 +108,77 @@ def test_what_a_stopped_projectile_leaves_has_no_error(setup):
     found = {each.name: each for each in discretisation.compare(one, other).intervals}
     assert found["residual velocity"].uncertainty == found["absorbed energy"].uncertainty == 0.0
     assert found["peak deflection"].uncertainty == pytest.approx(4 * 1.0)
+
+
+def climbed(setup, results, monkeypatch, targets, **fixed):
+    """(number of the run that counts, Discretisation, projectiles of the runs) of made-up results, coarsest first."""
+    bodies = []
+
+    def shoot(this, table, name):
+        bodies.append(this.projectile.body)
+        result = results[min(len(bodies), len(results)) - 1]
+        failure = result if isinstance(result, Exception) else None
+        known = result_of(this, "unstable", 0.0) if failure else result
+        known.setup = this
+        return len(bodies), (), failure, known
+
+    monkeypatch.setattr(ImpactSetup, "table", lambda self, kept: None)
+    monkeypatch.setattr(discretisation, "_can_be_meshed", lambda *_: True)
+    (run, _, _), found = discretisation.climb(setup, targets, shoot, **fixed)
+    return run, found, bodies
+
+
+@pytest.mark.parametrize(
+    ("ends", "targets", "runs", "confirmed"),
+    [
+        ((20.0, 20.4, 20.5), {"residual_velocity": 0.02}, 2, True),  # 0.4 of 40 m/s are 1 %
+        ((20.0, 20.4, 20.5), {"residual_velocity": 0.005}, 3, True),
+        ((20.0, 20.4, 20.5), {"residual_velocity": 0.001}, 4, False),  # 8 elements a crossover are the finest
+        ((20.0, 20.0, 20.0), {"deflection": 0.001}, 2, True),  # of a panel that is perforated there is none
+        ((20.0, None, 20.0), {"residual_velocity": 0.02}, 4, True),  # an unstable mesh is compared with none
+        ((20.0, 0.0, 0.0), {"residual_velocity": 0.5}, 3, True),  # an outcome that changes is no agreement
+    ],
+)
+def test_finer_meshes_are_run_until_two_agree_within_the_targets(setup, monkeypatch, ends, targets, runs, confirmed):
+    results = [
+        UnstableError("it broke") if end is None else result_of(setup, "perforated" if end else "stopped", end)
+        for end in ends
+    ]
+    results += results[-1:] if confirmed else [result_of(setup, "perforated", 21.0)]
+    run, found, _ = climbed(setup, results, monkeypatch, targets)
+    assert (run, len(found.meshes), found.confirmed) == (runs, runs, confirmed)
+    assert found.meshes[:2] == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")
+    assert found.setup.grading[0][1] == 0.5 ** (runs - 1)
+    told = chapters.summary(found)["accuracy"]
+    assert (told["model"], told["confirmed"]) == (found.meshes[-1], confirmed)
+    assert chapters.words(found).count("NOT confirmed") == (not confirmed)
+
+
+@pytest.mark.parametrize(
+    ("enough", "fixed", "bodies"),
+    [
+        (True, (), ["rigid", "rigid"]),
+        (False, (), ["rigid", "elastic_bar", "elastic_bar"]),
+        (False, ("projectile",), ["rigid", "rigid"]),
+    ],
+)
+def test_a_projectile_is_as_elastic_as_it_needs_to_be(setup, monkeypatch, enough, fixed, bodies):
+    result = result_of(setup, "perforated", 20.0)
+    result.rigidity = SimpleNamespace(enough=enough)
+    assert climbed(setup, [result], monkeypatch, {"residual_velocity": 0.1}, fixed=fixed)[2] == bodies
+
+
+@pytest.mark.parametrize(
+    ("changes", "symmetry"),
+    [
+        ({}, "quarter"),
+        ({"projectile": Projectile(obliquity=0.3, azimuth=np.pi / 2)}, "half"),
+        ({"projectile": Projectile(obliquity=0.3, azimuth=0.7)}, "whole"),
+        ({"edge": ((PullIn(1e-3, 0.0, 1e-4), "clamped"), "clamped")}, "whole"),
+    ],
+)
+def test_the_smallest_part_of_a_panel(setup, changes, symmetry):
+    assert discretisation.smallest_part(replace(setup, symmetry="whole", **changes)).symmetry == symmetry
 
 
 def test_outcomes_that_differ_have_no_interval(setup):

@@ -256,6 +256,6 @@ def test_the_signature_in_a_block_is_printed(capsys):
         rigid_check="", backing=SimpleNamespace(back_face_signature=0.0114), energies={"backing_kinetic": [0.0, 5.4]},
         viscous_energy_fraction=0.02, absorbed_energy=4.0,
     )  # fmt: skip
-    commands_impact._tell(record, Path("out"), None, None, None)
+    commands_impact._tell(record, Path("out"), None, None)
     said = "back-face signature 11.4 mm; the block still moves with 54 % of the strike energy"
     assert said in capsys.readouterr().out

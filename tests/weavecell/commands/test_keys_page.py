@@ -33,7 +33,7 @@ def test_what_an_entry_says():
     assert "*Default:* 0.9. *Commands:* all." in found["numerics.cfl"]
     assert "*Unit:* m. *Default:* 0." in found["backing.standoff"]
     assert found["panel.ply_gap"].strip().endswith("*Commands:* all.")
-    assert "refused by [accuracy]" in found["panel.grading"]
+    assert "refused by [accuracy]" in found["panel.crossovers"]
     assert (
         "*Default:* 0.0008. *Commands:* impact, [accuracy], sensitivity, export; ignored by limits."
         in (found["run.end_time"])

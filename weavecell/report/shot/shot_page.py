@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 def sections(
-    this: Case, setup: ImpactSetup, record: ImpactRecord, chosen: Section | None = None,
-    around: AssumedRange | None = None, pair: Discretisation | None = None,
+    this: Case, setup: ImpactSetup, record: ImpactRecord, around: AssumedRange | None = None,
+    pair: Discretisation | None = None,
 ) -> list[Section]:  # fmt: skip
     """The chapters that have pictures or follow from options.
 
@@ -29,13 +29,10 @@ def sections(
     ----------
     this : of the scene
     setup : what was run
-    chosen : the chapter on the choice of the model by [accuracy]
     around, pair : the range over assumed laws, the discretisation uncertainty
     """
     used, places = setup.meshed, this.scene.history.report_positions if this.scene.history else ()
     found = [chapters_shot.chapter([record]), chapters_mesh.section(record, used)]
-    if chosen is not None:
-        found.append(chosen)
     if pair is not None:
         found.append(chapters_discretisation.section(pair))
     if around is not None:

@@ -1,21 +1,14 @@
-"""Scenes of the survey and of the trials.
-
-Standard ones: each Kevlar fabric of the catalogue, the projectile and panel of the thesis, at fixed shares of the
-fabric's own critical velocity on the simplest mesh. Drawn ones: another fabric, shot and panel each time; survey and
-trials have seeds of their own.
-"""
+"""Random shots at plies and packs, each of another fabric, projectile and panel: a number and a seed determine one."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import catalogue
 from fabrics.variants import with_linear_density
-from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.plies.model import STACKINGS
 from shellfabric.projectile.projectile import Projectile
@@ -24,7 +17,6 @@ from weavecell.analysis.uncertainty import inputs
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
-SHARES = (0.5, 0.85, 1.1, 1.5)  # of the critical velocity
 END = 600e-6
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 
@@ -42,14 +34,6 @@ PACK_END = 400e-6
 def base(name: str) -> Fabric:
     """A fabric of the catalogue with the linear densities that the thesis's runs used, where there are such."""
     return with_linear_density(catalogue.load(name))
-
-
-@cache
-def standard(name: str) -> list[ImpactSetup]:
-    """ImpactSetups of one fabric, at SHARES of its critical velocity."""
-    setup = ImpactSetup(base(name), 100.0, end_time=END)
-    critical = ballistic_limit.critical_velocity(setup.panel(), tolerance=2.0).velocity
-    return [replace(setup, strike_velocity=round(share * critical, 1)) for share in SHARES]
 
 
 def drawn(number: int, seed: int) -> ImpactSetup:

@@ -1,0 +1,50 @@
+"""An input file that says how well it wants to know something: what is told, kept and resumed."""
+
+import json
+
+import pytest
+from test_impact import datasets, small_scene
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(small_scene('["report"]', '\n[accuracy]\nresidual_velocity = "5 %"\n'))
+    return path
+
+
+def test_the_target_is_kept_against_a_mesh_that_is_finer_everywhere(command, scene, tmp_path):
+    code, out, err = command("impact", scene, "--out", "results")
+    assert code == 0, err
+    told = json.loads((tmp_path / "results/summary.json").read_text())
+    accuracy, residual = told["accuracy"], told["discretisation"]["results"]["residual velocity"]
+    assert accuracy["confirmed"] is True
+    assert f"accuracy confirmed: {accuracy['model']}, quarter panel" in out
+    assert "Meshes that were run" in (tmp_path / "results/report.html").read_text()
+    assert not list((tmp_path / "results").glob("checkpoint*"))
+    finest = "elements_per_crossover = 4\nend_time"
+    scene.write_text(scene.read_text().split("[accuracy]")[0].replace("end_time", finest))
+    assert command("impact", scene, "--out", "finest")[0] == 0
+    finest = json.loads((tmp_path / "finest/summary.json").read_text())
+    strike, velocity = finest["strike_velocity_m_s"], finest["residual_velocity_m_s"]
+    assert 0.5 < velocity / strike < 0.95  # it has been slowed
+    assert told["residual_velocity_m_s"] == residual["value"]
+    assert abs(residual["value"] - velocity) <= residual["uncertainty"] <= 0.05 * strike
+
+
+def test_a_resumed_run_is_the_uninterrupted_one(command, scene, tmp_path, monkeypatch):
+    assert command("impact", scene, "--out", "whole")[0] == 0
+    calls = []
+
+    def stop(march):
+        calls.append(march)
+        if len(calls) == 20:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("shellfabric.output.hooks.Progress.__call__", lambda self, march: stop(march))
+        patch.setattr("shellfabric.output.checkpoint.LEAST_WALL", 0.0)
+        assert command("impact", scene, "--out", "resumed")[0] == 130
+    assert [path.suffix for path in (tmp_path / "resumed").iterdir()] == [".h5"]
+    assert command("impact", scene, "--out", "resumed", "--resume")[0] == 0
+    assert datasets(tmp_path / "whole/histories.h5") == datasets(tmp_path / "resumed/histories.h5")

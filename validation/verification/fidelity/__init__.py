@@ -1,1 +1,0 @@
-"""The survey behind the error database of `weavecell.analysis.fidelity`."""
