@@ -101,10 +101,9 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
     zones = _zones(setup)
     count = RATIO / zones[0][1]
     if count > MOST_ELEMENTS * (1 + 1e-9):
+        asked = f"a finer mesh of {count:g} elements per crossover"
         allowed = f"at most {MOST_ELEMENTS // RATIO} elements per crossover, which the finer mesh doubles"
-        raise InputError(
-            key="--uncertainty", value=f"a finer mesh of {count:g} elements per crossover", allowed=allowed
-        )
+        raise InputError(key="--uncertainty", value=asked, allowed=allowed)
     reach = min(zones[0][0], REACH)
     while reach <= LATEST:
         graded = _with(setup, ((reach, 1 / count), *((2 * until, side) for until, side in zones)))
