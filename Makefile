@@ -8,11 +8,8 @@ N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-# programs of their own for what loads dolfinx, gmsh, VTK or a new environment: beside each other in one process these
-# have crashed, and memory that compiled code takes is given back between programs
-SOLID = tests/unitcell3d tests/meshing
-COMMANDS = $(addprefix tests/weavecell/,analysis api commands limits)
-APART = $(SOLID) tests/installed tests/refusals tests/weavecell
+# two programs, with dolfinx and without: memory that compiled code takes is given back between them
+WITH_SOLID = $(addprefix tests/,unitcell3d meshing weavecell refusals installed)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
 .PHONY: demo test test-slow nightly ledger convergence printed validate fuzz pages lint figures charts docs docs-again setup clean
@@ -21,11 +18,8 @@ demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
 
 test: setup lint  ## everything but the long validation runs
-	$(QUICK) $(SOLID)
-	$(QUICK) $(COMMANDS)
-	$(QUICK) tests/refusals tests/weavecell $(COMMANDS:%=--ignore=%)
-	$(QUICK) tests/installed
-	$(QUICK) tests $(APART:%=--ignore=%)
+	$(QUICK) $(WITH_SOLID)
+	$(QUICK) tests $(WITH_SOLID:%=--ignore=%)
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m "slow and not printed"
