@@ -1,6 +1,6 @@
 """Tests of a laboratory beside what is computed.
 
-The folder of a comparison
+The folder of `weavecell compare`
     comparison.json      V50 of the tests, computed critical velocity, residual velocities, with intervals, provenance
     shots.csv            every test with the computed outcome and residual velocity
     comparison.svg       residual against strike velocity, tested and computed

@@ -1,12 +1,12 @@
 """Tests on a piece of fabric: quasi-static ones, and a yarn pull-out.
 
-The folder of a test
+The folder of `weavecell coupon`
     scene.toml      the input file as it was given
     histories.h5    measures, nodes and shear after every step, tensions at the end (`results.coupon.CouponRecord`)
     summary.json    outcome, measures at the end, provenance
     pictures/       coupon.png, and curves (.svg)
     report.html     all of it on one page
-    checkpoint.h5   only while the run goes on, or after it was interrupted: `resume` goes on from it
+    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
 A pull-out is dynamic: it has no load steps and no checkpoint, its histories.h5 holds the samples of the load
 (`results.pull_out.PullOutRecord`), and load.csv holds them as text.

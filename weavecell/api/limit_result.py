@@ -1,6 +1,6 @@
 """The critical velocity of a panel or pack: what was found, its files, and what is printed of it.
 
-The folder that `CriticalVelocityResult.save` writes, as `weavecell critical-velocity` does
+The folder of `weavecell critical-velocity`
     scene.toml               the input file; that of a fabric is the standard one, and can be run again or changed
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots, provenance
     shots.csv                one row a shot, by strike velocity

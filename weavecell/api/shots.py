@@ -1,6 +1,6 @@
 """One impact on one ply or several, from its input file or keywords to its folder of results.
 
-The folder of an impact
+The folder of `weavecell impact`
     scene.toml      the input file as it was given
     projectile.stl  a copy of the STL file of the projectile, where the input file names one
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
@@ -8,7 +8,7 @@ The folder of an impact
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
     pictures/       histories, cuts, energies, reactions, of several plies their shares (.svg), panel.png
     report.html     all of it on one page
-    checkpoint.h5   only while the run goes on, or after it was interrupted: `resume` goes on from it
+    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
 Where the input says how accurate its results are to be, finer and finer meshes are run (`analysis.discretisation`):
 summary.json and the report then tell which, and whether the targets were met.

@@ -1,6 +1,11 @@
 """Sweeps: several shots, or an input file over values of its keys.
 
-The folder of a sweep over keys: sweep.csv, sweep.json, sweep.png, scene.toml, and runs/, a file for each finished run.
+The folder of `weavecell sweep`
+    scene.toml      the input file
+    sweep.csv       a row for each combination
+    sweep.json      the same, and provenance
+    sweep.png       the quantity against the first key
+    runs/           a file for each finished run, from which `--resume` goes on
 """
 
 from __future__ import annotations
