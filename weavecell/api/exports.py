@@ -1,4 +1,12 @@
-"""Decks for other codes, of the Python interface."""
+"""A panel or pack as a deck for another code.
+
+The folder of `weavecell export`
+    NAME.k                       the deck for LS-DYNA
+    NAME_0000.rad, NAME_0001.rad the decks of OpenRadioss's starter and engine
+    mapping.svg                  the law less the cell over the biaxial plane
+    summary.json                 the mapping's error, provenance
+    report.html                  the error in a table and the plot, and what the law does not hold
+"""
 
 from __future__ import annotations
 
