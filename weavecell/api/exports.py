@@ -63,6 +63,7 @@ def export(
     """
     from weavecell.report import deck_folder
 
+    deck_folder.check(to, units, match)
     panel = targets.of(target, {}, deck_folder.SUPPORT)
     with targets.folder_of(out), panel.named():
         made = deck_folder.made_of(panel.setup, to, units, match, title=panel.shot_title, source=panel.law_name)
