@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 from itertools import combinations
 
 import numpy as np
@@ -30,28 +29,14 @@ def page(results):
     return (results("impact").folder / "report.html").read_text("utf-8")
 
 
-class _Links(HTMLParser):
-    def __init__(self, page):
-        super().__init__()
-        self.links, self.tags, self.ids = [], [], []
-        self.feed(page)
-
-    def handle_starttag(self, tag, attributes):
-        self.tags.append(tag)
-        for name, value in attributes:
-            if name in ("src", "href", "srcset", "data", "action", "poster"):
-                self.links.append(value)
-            if name == "id":
-                self.ids.append(value)
-
-
 def test_all_chapters_are_there_and_nothing_is_fetched(page):
-    seen = _Links(page)
-    assert seen.ids == ["impact", "panel-mesh", "measures", "cell", "assumptions", "checks", "sources", "making"]
-    assert [link for link in seen.links if link.startswith("#")] == [f"#{key}" for key in seen.ids]
-    assert all(link.startswith(("data:image/", "#")) for link in seen.links)
-    assert seen.tags.count("img") == 10
-    assert not {"script", "link"} & set(seen.tags)
+    ids, tags = re.findall(r'<[^>]* id="([^"]*)"', page), re.findall(r"<([a-z]+)", page)
+    links = re.findall(r'<[^>]* (?:src|href|srcset|data|action|poster)="([^"]*)"', page)
+    assert ids == ["impact", "panel-mesh", "measures", "cell", "assumptions", "checks", "sources", "making"]
+    assert [link for link in links if link.startswith("#")] == [f"#{key}" for key in ids]
+    assert all(link.startswith(("data:image/", "#")) for link in links)
+    assert tags.count("img") == 10
+    assert not {"script", "link"} & set(tags)
     text = re.sub(r"data:image/[a-z+]+;base64,[A-Za-z0-9+/=]+", "", page)
     for word in ("http", "@import", "url("):
         assert word not in text
