@@ -113,7 +113,7 @@ class Claim:
     incomparable : the thesis's statement and the computed quantity are not comparable; says why
     untestable, unbuilt : why there is no check; or ""
     cause : of a miss, as far as it has been investigated
-    verdict : recorded one of `judge.VERDICTS`, with which the check has to end
+    verdict : recorded one of `judge.VERDICTS`, with which the check has to end; "" of slow checks not run since
     turned : "verdict: why" where the check ends with another one now, until the page of claims is computed again
     """
 
