@@ -27,7 +27,7 @@ DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
 ARGUMENTS = ("target", "tests")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER"}
 SHORT = {"out": "-o"}
-OF_PYTHON = ("test", "velocity")  # which an input file says
+OF_PYTHON = ("test", "velocity")  # positional parameters of a fabric, which an input file says
 OF_ONE_RUN = ("impact", "coupon")  # whose folder is named after the input file alone
 LEAST = {"jobs": 1, "seed": 0}
 _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
@@ -46,7 +46,7 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
     text, meanings = documented(function)
     parameters = [
         p for p in inspect.signature(function).parameters.values()
-        if p.kind is not p.VAR_KEYWORD and p.name not in OF_PYTHON
+        if p.kind is not p.VAR_KEYWORD and (p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY)
     ]  # fmt: skip
     required = [p.name for p in parameters if p.default is p.empty and p.name not in ("out", "tests")]
 
