@@ -21,6 +21,5 @@ found = wc.critical_velocity(
 )
 print(*found.assumed, sep="\n")
 print(found)
-print(f"over the assumed laws: {found.range.words()}")
 figure = found.plot()
 figure.savefig("own-fabric.png", dpi=150)

@@ -21,7 +21,7 @@ NUMBERS = {
     "first_shot": (r"150 m/s: perforated, residual velocity", 81.2),
     "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 219),
     "oblique_fragment": (r"45 degrees: perforated,", 102),
-    "own_fabric": (r"critical_velocity_m_s=", 130.03),
+    "own_fabric": (r"mine: critical velocity", 130.0),
     "pack_v50": (r"2 plies of S-728: V50", 125),
     "uncertainty": (r"3 x 3 elements per crossover:", 112.9),
 }
