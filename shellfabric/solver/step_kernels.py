@@ -206,8 +206,8 @@ def predict_increments(state, const, pairs, p):
     if const.mirror_y and j0 == 0:
         for i in range(i0, i1 + 1):
             state.dv_other[1][i * const.row_stride] = 0.0
-    # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the same force, but for its
-    # part along their normals
+    # of a quarter of the nose, whatever part is modelled: what planes of symmetry cut off has the same force, but for
+    # its part along their normals
     f_x, f_y, f_z = state.f_contact_nose
     f_x, f_y = 0.0 if const.mirror_x else f_x, 0.0 if const.mirror_y else f_y
     images = (2 if const.mirror_x else 1) * (2 if const.mirror_y else 1)
