@@ -19,7 +19,7 @@ NUMBERS = {
     "crossover_calibration": (r"a = 0.0447 mm, b =", 0.0580),
     "export_deck": (r"LAW58 {'rms': '", 3.4),
     "first_shot": (r"150 m/s: perforated, residual velocity", 81.2),
-    "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 219),
+    "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 224),
     "oblique_fragment": (r"45 degrees: perforated,", 102),
     "own_fabric": (r"mine: critical velocity", 130.0),
     "pack_v50": (r"2 plies of S-728: V50", 125),
