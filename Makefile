@@ -34,7 +34,7 @@ printed: setup  ## every command that the guide prints, run as a reader would: t
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m printed
 
 validate: test-slow  ## the long tests, and the ledger of the thesis's claims
-	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
+	$(RUN) validation claims --slow --out $(RESULTS)/validate
 
 fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
 	HYPOTHESIS_PROFILE=fuzz $(RUN) pytest tests/fuzz/test_properties.py --hypothesis-seed $(SEED)
@@ -44,9 +44,9 @@ figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
 
 charts: setup  ## docs/reports/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
-	$(RUN) weavecell cost-accuracy --all --out $(RESULTS)/charts --page docs/reports/charts.md
-	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/reports/stability.md
-	$(RUN) weavecell cost-accuracy --scene crossover --out $(RESULTS)/chart-crossover
+	$(RUN) validation cost-accuracy --out $(RESULTS)/charts --page docs/reports/charts.md
+	$(RUN) validation stability --out $(RESULTS)/stability --page docs/reports/stability.md
+	$(RUN) validation crossover --out $(RESULTS)/chart-crossover
 	cp $(RESULTS)/chart-crossover/crossover.md docs/reports/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/reports/figures/
 

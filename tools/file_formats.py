@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 
 from fabrics import catalogue, data_sheet, ply_law, surface  # noqa: E402
 from fabrics.families import strain_rate  # noqa: E402
-from weavecell.report.marked_page import markdown, put  # noqa: E402
+from validation.marked_page import markdown, put  # noqa: E402
 
 MEANINGS = {
     "linear_density": "mass per length of the yarn",

@@ -21,9 +21,9 @@ from shellfabric.impact import simulation
 from shellfabric.panel.quality import LIMITS, NOTES
 from tests.fuzz import scenes
 from validation.commits import computed
+from validation.marked_page import markdown
 from validation.verification.stability import study
 from validation.verification.stability.core import STABLE, WRONG
-from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact

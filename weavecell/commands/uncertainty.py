@@ -29,7 +29,7 @@ with lazy.imports():
     from weavecell.analysis.uncertainty import inputs, protocol, sobol
     from weavecell.analysis.uncertainty import v50 as v50_of
     from weavecell.commands import critical_velocity
-    from weavecell.report import marked_page, pictures_uncertainty
+    from weavecell.report import pictures_uncertainty
     from weavecell.results import json_file, out_folder, progress, provenance
     from weavecell.scenes import build, of_commands, schema, target
     from weavecell.scenes import impact as impact_scenes
@@ -52,9 +52,6 @@ GradingOption = Annotated[
         metavar="ZONES",
     ),
 ]
-PageOption = Annotated[
-    Path | None, typer.Option(help="Also put table and picture between their marks of this page.", metavar="FILE.md")
-]
 
 
 @options.example("weavecell sensitivity S-720 --samples 64")
@@ -69,7 +66,6 @@ def sensitivity(
     executor: options.ExecutorOption = "local",
     opening: OpeningOption = None,
     resume: options.ResumeOption = False,
-    page: PageOption = None,
     out: options.OutOption = None,
 ) -> None:
     """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
@@ -81,7 +77,7 @@ def sensitivity(
     """
     velocities = [units.si(text, "m/s", key="--velocity") for text in velocity or ()]
     out, began = out or options.RESULTS / f"sensitivity-{Path(name).stem}", time.perf_counter()
-    this = _begin(name, out, page, "sobol", resume, of_commands.SENSITIVITY, opening=opening)
+    this = _begin(name, out, resume, of_commands.SENSITIVITY, opening=opening)
     velocities = velocities or list((this.setup.strike_velocity,) if this.from_file else STRIKES)
     try:
         with progress.bar(f"{this.title}, sensitivities") as advance:
@@ -114,7 +110,7 @@ def sensitivity(
     command = f"weavecell sensitivity {name} --samples {samples} --seed {seed}"
     title = f"{this.title}: Sobol indices, {count} rows"
     content = {"indices": [_plain(one) for one in found], "inputs": [asdict(one) for one in entries.values()]}
-    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, this.setup,
+    _finish(out, "sobol", title, head, rows, remarks, command, content, began, this.setup,
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
@@ -142,7 +138,6 @@ def v50(
     opening: OpeningOption = None,
     grading: GradingOption = None,
     resume: options.ResumeOption = False,
-    page: PageOption = None,
     out: options.OutOption = None,
 ) -> None:
     """V0, V50 and V100 of panels or packs whose yarns differ in strength, by repeated shots, with intervals.
@@ -167,7 +162,7 @@ def v50(
         grading_of(grading, "--grading")  # which refuses a wrong one
         sides = tomllib.loads(f"grading = {grading}")["grading"]
     began = time.perf_counter()
-    this = _begin(name, out, page, "v50", resume, of_commands.LIMITS, opening=opening, grading=sides)
+    this = _begin(name, out, resume, of_commands.LIMITS, own_mesh=True, opening=opening, grading=sides)
     try:
         with progress.bar(f"{this.title}, repeated shots") as advance:
             study = v50_of.study(
@@ -178,10 +173,10 @@ def v50(
         raise this.in_file(problem) from None
     command = f"weavecell v50 {name} --shots {len(study.shots)} --batch {batch} --seed {seed}"
     command += f' --grading "{grading}"' if grading is not None else ""
-    _write_v50(out, page, this, study, scatter, batch, seed, command, began)
+    _write_v50(out, this, study, scatter, batch, seed, command, began)
 
 
-def _write_v50(out, page, this, study, scatter, batch, seed, command, began):
+def _write_v50(out, this, study, scatter, batch, seed, command, began):
     files.write(out / "scene.toml", this.text)
     _write_shots(study, out / "shots.csv")
     for link, curve in study.curves.items():
@@ -199,7 +194,7 @@ def _write_v50(out, page, this, study, scatter, batch, seed, command, began):
     }  # fmt: skip
     head, rows = _curves_table(study)
     remarks = _v50_remarks(study, scatter, batch, seed, zones)
-    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, this.setup,
+    _finish(out, "v50", title, head, rows, remarks, command, content, began, this.setup,
             lambda path: pictures_uncertainty.save(pictures_uncertainty.perforation, path, study, title))  # fmt: skip
 
 
@@ -286,7 +281,7 @@ def draws(
     head, rows, remarks = draws_table(study)
     title = f"{title}: {count} draws of yarn strength"
     done = f"weavecell impact {path.name} --draws {count} --seed {seed}"
-    _finish(out, None, "summary", title, head, rows, remarks, done, study.summary(), began, setup,
+    _finish(out, "summary", title, head, rows, remarks, done, study.summary(), began, setup,
            lambda file: pictures_uncertainty.draws(study, file, title))  # fmt: skip
     unstable = len(study.draws) - len(study.counted)
     if unstable:
@@ -347,11 +342,9 @@ def grading_text(zones: tuple[tuple[float, float], ...]) -> str:
                            for (until, _), side in zip(zones, sides)) + "]"  # fmt: skip
 
 
-def _begin(name, out, page, mark, resume, support, **panel):
+def _begin(name, out, resume, support, **panel):
     """The target, with the folder made ready; InputError before anything is written."""
-    this = target.read(name, out, support, own_mesh=mark == "v50", **panel)
-    if page is not None:
-        marked_page.split(page, *_marks(mark))
+    this = target.read(name, out, support, **panel)
     out_folder.claim(out, resume)
     if not resume:
         run_cache.RunCache(out / options.RUNS).clear()
@@ -359,7 +352,7 @@ def _begin(name, out, page, mark, resume, support, **panel):
 
 
 def _finish(
-    out: Path, page: Path | None, name: str, title: str, head: Sequence[str], rows: Sequence[Sequence[str]],
+    out: Path, name: str, title: str, head: Sequence[str], rows: Sequence[Sequence[str]],
     remarks: Sequence[str], command: str, content: dict[str, Any], began: float, setup: ImpactSetup,
     draw: Callable[[Path], object],
 ) -> None:  # fmt: skip
@@ -367,7 +360,6 @@ def _finish(
 
     Parameters
     ----------
-    page : Markdown page to put table and picture into, or None
     name : of the files; head, rows : of the table; remarks : lines
     command : that made it; content : of the record; began : perf_counter() at the start
     draw : called with the path of the picture
@@ -379,9 +371,6 @@ def _finish(
     draw(out / f"{name}.png")
     made = f"Version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
     _write_html(out / f"{name}.html", name, title, head, rows, remarks, f"{command}. {made} {stamp['packages']}.")
-    if page is not None:
-        draw(page.parent / "figures" / f"{page.stem}-{name}.png")
-        _write_page(page, name, title, head, rows, remarks, f"Made by `{command}`. {made}")
     for line in remarks:
         print(line)
     print(f"written to {out}")
@@ -397,17 +386,6 @@ def _series_words(found):
         f"deviation {found.deviation:.1f}, 95 % of them between {found.low:.1f} and {found.high:.1f}; "
         f"{100 * found.share:.0f} % have a result, after {found.shots:.1f} shots."
     )
-
-
-def _marks(name):
-    return f"<!-- {name} -->", f"<!-- end of {name} -->"
-
-
-def _write_page(page, name, title, head, rows, remarks, made):
-    """Put a study between its marks of a Markdown page."""
-    lines, table = "\n".join(f"- {line}" for line in remarks), marked_page.markdown([head, *rows])
-    content = f"\n\n![{title}](figures/{page.stem}-{name}.png)\n\n{lines}\n\n{table}\n{made}\n\n"
-    marked_page.put(page, *_marks(name), content)
 
 
 def _write_html(path, name, title, head, rows, remarks, footer):

@@ -2,10 +2,11 @@
 
 import pytest
 
-from fabrics import catalogue, variants
+from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import time_step as panel_time_step
 from shellfabric.panel.model import Numerics, Panel
+from validation.models import variants as comparison
 
 FABRIC = catalogue.load("S-720").with_effective_density()
 
@@ -27,7 +28,7 @@ def test_without_viscosity_a_ring_is_followed():
 
 
 def test_taut_cloth_is_distinguished_from_crimped():
-    straight = CellModel(variants.with_straight_yarns(FABRIC), model="decoupled").table(26)
+    straight = CellModel(comparison.with_straight_yarns(FABRIC), model="decoupled").table(26)
     assert straight.tautness() > 0.95
     assert panel().table.tautness() < 0.35
     assert panel_time_step.share(straight, 0.1) == panel_time_step.share(straight, 0.0) == pytest.approx(0.965)

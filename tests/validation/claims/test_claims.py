@@ -217,15 +217,15 @@ def test_variants_and_sliding_crossovers_change_one_choice_of_a_shot():
 
 
 def test_the_command_ends_well_and_refuses_a_page_of_some_topics(tmp_path, monkeypatch):
-    from validation.commands.claims import validate
+    from validation.commands import claims
 
-    chosen = {"topics": ["geom"], "slow": False, "jobs": 1, "resume": False}
-    assert validate(tmp_path / "ledger", **chosen) == 0
+    chosen = {"topics": ["geom"], "no_variants": True, "jobs": 1}
+    assert claims.main(out=tmp_path / "ledger", **chosen) == 0
     topics = json.loads((tmp_path / "ledger" / "ledger.json").read_text("utf-8"))["topics"]
     assert topics["geom"]["share reproduced"] == 1.0
     with pytest.raises(InputError, match="--page"):
-        validate(tmp_path / "out", **chosen, page=tmp_path / "claims.md")
+        claims.main(out=tmp_path / "out", **chosen, page=tmp_path / "claims.md")
     assert not (tmp_path / "out").exists()
     broken = judge.Record("geom-x", judge.BROKEN)
     monkeypatch.setattr(runner, "validate", lambda chosen, *_, **__: [replace(broken, id=c.id) for c in chosen])
-    assert validate(tmp_path / "broken", **chosen) == 1
+    assert claims.main(out=tmp_path / "broken", **chosen) == 1

@@ -1,4 +1,4 @@
-"""`weavecell calibrate`: what it prints, the whole catalogue side by side, going on, and its errors."""
+"""`weavecell calibrate`, and the catalogue side by side: what is printed, going on, and errors."""
 
 import csv
 import json
@@ -14,6 +14,7 @@ from fabrics.compression import CompressionLaw
 from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import chain, solid_fit
 from unitcell3d.identify.solid_record import SolidFit
+from validation.commands import calibration
 
 SMALL = {"plates_size": (2, 2, 2), "paths": {"warp only": (1, 0), "equibiaxial": (1, 1)}}
 
@@ -28,17 +29,11 @@ def small(monkeypatch):
     )
 
 
-def test_the_catalogue_side_by_side(command, tmp_path, small):
-    code, out, err = command("calibrate", "--all", "--mesh", "coarse", "--jobs", "2", "--out", "all")
-    assert code == 0, err
+def test_the_catalogue_side_by_side(capsys, tmp_path, small):
+    calibration.main(mesh="coarse", jobs=2, out=tmp_path / "all")
+    out = capsys.readouterr().out
     folder = tmp_path / "all"
-    assert sorted(path.name for path in folder.iterdir()) == [
-        "S-720",
-        "S-726",
-        "report.html",
-        "summary.csv",
-        "summary.png",
-    ]
+    assert {"S-720", "S-726", "report.html", "summary.csv", "summary.png"} <= {path.name for path in folder.iterdir()}
     assert {"law.json", "law-warp.json", "law-weft.json", "calibration.json", "plates.h5", "warp-only.h5"} <= {
         path.name for path in (folder / "S-726").iterdir()
     }
@@ -54,8 +49,8 @@ def test_the_catalogue_side_by_side(command, tmp_path, small):
     # again: nothing is solved, the laws are the same to the last bit
     law = (folder / "S-720" / "law.json").read_bytes()
     (folder / "S-720" / "law.json").unlink()
-    code, again, _ = command("calibrate", "--all", "--mesh", "coarse", "--resume", "--out", "all")
-    assert (code, again) == (0, out)
+    calibration.main(mesh="coarse", jobs=1, resume=True, out=tmp_path / "all")
+    assert capsys.readouterr().out == out
     assert (folder / "S-720" / "law.json").read_bytes() == law
 
 
@@ -108,17 +103,15 @@ def a_fit(fabric, curve, *_, **__):
     )  # fmt: skip
 
 
-def test_the_chain_of_the_catalogue(command, tmp_path, monkeypatch, small, fitted):
+def test_the_chain_of_the_catalogue(capsys, tmp_path, monkeypatch, small, fitted):
     """Both laws of each fabric side by side, and on a page; a fabric without a platen law is named with the reason."""
     monkeypatch.setattr(catalogue, "list_names", lambda: ["S-720", "S-726", "glass-balanced"])
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- chain -->old<!-- end of chain -->\nafter\n")
     (tmp_path / "figures").mkdir()
-    code, out, err = command(
-        "calibrate", "--all", "--fit-solid", "--mesh", "coarse", "--jobs", "2", "--out", "c", "--page", str(page)
-    )
-    assert code == 0, err
-    assert "glass-balanced: left out, since fabric glass-balanced has no areal_density_measured" in out
+    calibration.main(fit_solid=True, mesh="coarse", jobs=2, out=tmp_path / "c", page=page)
+    left_out = "glass-balanced: left out, since fabric glass-balanced has no areal_density_measured"
+    assert left_out in capsys.readouterr().out
     header, *rows = csv.reader((tmp_path / "c" / "laws.csv").open())
     assert [row[0] for row in rows] == ["S-720", "S-726"]
     assert {len(row) for row in rows} == {len(header)}

@@ -5,30 +5,37 @@ import sys
 import tomllib
 from pathlib import Path
 
-from weavecell.commands import keys_page
+import pytest
+
 from weavecell.scenes import coupon, impact, supported
 
 DOCS = Path(__file__).parents[3] / "docs"
 
 
-def entries():
+@pytest.fixture
+def keys_page(tool):
+    return tool("keys_page")
+
+
+@pytest.fixture
+def entries(keys_page):
     """{key: its text} of the page; of [run], the one of impacts."""
     parts = re.split(r"^#### ", keys_page.page(), flags=re.MULTILINE)[1:]
     return {part.split("\n")[0]: re.split(r"\n##", part)[0] for part in reversed(parts)}
 
 
-def test_the_page_is_up_to_date():
-    told = "python -m weavecell.commands.keys_page docs/reference/input.md"
+def test_the_page_is_up_to_date(keys_page):
+    told = "python tools/keys_page.py"
     assert (DOCS / "reference" / "input.md").read_text(encoding="utf-8") == keys_page.page(), f"to renew it: {told}"
 
 
-def test_every_key_has_an_entry():
+def test_every_key_has_an_entry(entries):
     for model in (impact.Scene, coupon.CouponScene):
-        assert [key for key in supported.keys(model) if key not in entries()] == []
+        assert [key for key in supported.keys(model) if key not in entries] == []
 
 
-def test_what_an_entry_says():
-    found = entries()
+def test_what_an_entry_says(entries):
+    found = entries
     assert found["numerics.cfl"].startswith("numerics.cfl\n\nTime step over its stability bound (Courant factor).")
     assert "*Default:* 0.9. *Commands:* all." in found["numerics.cfl"]
     assert "*Unit:* m. *Default:* 0." in found["backing.standoff"]
@@ -41,7 +48,7 @@ def test_what_an_entry_says():
     assert "*Commands:* coupon." in found["uniaxial.strain"]
 
 
-def test_the_examples_are_input_files():
+def test_the_examples_are_input_files(keys_page):
     """Those of all tables of an impact at once, and of each test of a coupon."""
     found = {name: tomllib.loads(keys_page.about(table)[1]) for name, table in supported.tables(impact.Scene).items()}
     whole = {}
@@ -64,7 +71,7 @@ def test_the_examples_are_input_files():
         coupon.check(example | {"fabric": {"name": "S-728"}}, Path("coupon.toml"))
 
 
-def test_the_command_writes_it(tmp_path, monkeypatch):
+def test_the_command_writes_it(keys_page, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["keys_page", str(tmp_path / "keys.md")])
     keys_page.main()
     assert (tmp_path / "keys.md").read_text(encoding="utf-8") == keys_page.page()

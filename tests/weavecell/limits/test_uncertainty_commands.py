@@ -1,4 +1,4 @@
-"""`weavecell sensitivity` and `weavecell v50`: their folders and page, and what they refuse before writing."""
+"""`weavecell sensitivity` and `weavecell v50`: their folders, and what they refuse before writing."""
 
 import json
 
@@ -11,18 +11,10 @@ from weavecell.cli.app import program
 from weavecell.commands import uncertainty
 
 
-@pytest.fixture
-def page(tmp_path):
-    path = tmp_path / "docs" / "scatter.md"
-    path.parent.mkdir()
-    path.write_text("before\n<!-- v50 -->\nold\n<!-- end of v50 -->\nafter\n")
-    return path
-
-
-def test_v50_writes_its_folder_and_page(tmp_path, page):
+def test_v50_writes_its_folder(tmp_path):
     out = tmp_path / "out"
     words = ["v50", "S-720", "--shots", "8", "--batch", "4", "--opening", "30.6 mm", "--seed", "2", "--jobs", "1"]
-    run = CliRunner().invoke(program(), [*words, "--page", str(page), "--out", str(out)])
+    run = CliRunner().invoke(program(), [*words, "--out", str(out)])
     assert run.exit_code == 0, run.output
     assert run.output.count(" with 95 % confidence") == 2
     assert {path.name for path in out.iterdir()} - {".lock"} == {
@@ -36,12 +28,6 @@ def test_v50_writes_its_folder_and_page(tmp_path, page):
     assert content["v50_m_s"] == content["curves"]["probit"]["V50"]
     assert "A series of tests up and down" in (out / "v50.html").read_text()
     assert len((out / "shots.csv").read_text().splitlines()) == 9
-    text = page.read_text()
-    assert text.startswith("before\n<!-- v50 -->")
-    assert text.endswith("<!-- end of v50 -->\nafter\n")
-    assert "old" not in text
-    assert "| probit | V50 |" in text
-    assert (page.parent / "figures" / f"{page.stem}-v50.png").exists()
 
 
 def test_the_grading_of_a_v50_study(tmp_path):
@@ -72,14 +58,6 @@ def test_doubtful_shots_are_counted_by_check():
 def test_a_grading_that_is_none_is_refused(zones):
     with pytest.raises(InputError, match="grading"):
         uncertainty.grading_of(zones)
-
-
-def test_a_page_without_marks_is_refused_before_anything_is_run(tmp_path, page):
-    with pytest.raises(InputError, match="has no marks"):
-        uncertainty.sensitivity(
-            "S-720", velocity=["170 m/s"], samples=2, jobs=1, opening="30.6 mm", page=page, out=tmp_path / "out"
-        )  # fmt: skip
-    assert not (tmp_path / "out").exists()
 
 
 PACK = """

@@ -5,11 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from weavecell.scenes import coupon, impact, reference, supported
+from weavecell.scenes import coupon, impact, supported
 from weavecell.scenes.schema import tables_in
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 TYPES = {"string": str, "number": (int, float), "integer": int, "boolean": bool, "array": list, "object": dict}
+
+
+@pytest.fixture
+def reference(tool):
+    return tool("reference_pages")
 
 
 def problems(value, schema, root, at=""):
@@ -52,13 +57,13 @@ def test_every_key_has_a_meaning(model):
 
 
 @pytest.mark.parametrize("file", sorted(EXAMPLES.glob("*.toml")), ids=lambda file: file.stem)
-def test_the_schema_accepts_the_examples_of_impacts(file):
+def test_the_schema_accepts_the_examples_of_impacts(reference, file):
     schema = reference.json_schema(impact.Scene)
     assert problems(tomllib.loads(file.read_text("utf-8")), schema, schema) == []
 
 
 @pytest.mark.parametrize("file", sorted((EXAMPLES / "coupons").glob("*.toml")), ids=lambda file: file.stem)
-def test_the_schema_accepts_the_examples_of_coupons(file):
+def test_the_schema_accepts_the_examples_of_coupons(reference, file):
     schema = reference.json_schema(coupon.CouponScene)
     assert problems(tomllib.loads(file.read_text("utf-8")), schema, schema) == []
 
@@ -67,14 +72,14 @@ def test_the_schema_accepts_the_examples_of_coupons(file):
     ("table", "key", "value"),
     [("projectile", "mass", 0.003), ("panel", "plies", "4"), ("run", "end", "1 us"), ("fabric", "cell_model", "rigid")],
 )
-def test_the_schema_rejects(table, key, value):
+def test_the_schema_rejects(reference, table, key, value):
     schema = reference.json_schema(impact.Scene)
     scene = tomllib.loads((EXAMPLES / "S-720-stops.toml").read_text("utf-8"))
     scene[table] = scene[table] | {key: value}
     assert len(problems(scene, schema, schema)) == 1
 
 
-def test_a_property_has_meaning_unit_and_range():
+def test_a_property_has_meaning_unit_and_range(reference):
     table = reference.json_schema(impact.Scene)["$defs"]["ProjectileTable"]["properties"]
     assert table["diameter"]["description"] == 'diameter [m]; a length above 0, such as "5.5 mm"'
     assert table["mass"]["type"] == "string"

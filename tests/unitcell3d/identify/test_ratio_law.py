@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fabrics.compression import RatioLaw, imbalance
 from fabrics.errors import InputError
+from unitcell3d.identify.ratio_law import RatioLaw, imbalance
 
 LAW = RatioLaw((np.log(20e-6), 0.2), 2.0)
 
