@@ -8,24 +8,18 @@ N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-# programs of their own for what loads dolfinx, gmsh, VTK or a new environment: beside each other in one process these
-# have crashed, and memory that compiled code takes is given back between programs
-SOLID = tests/unitcell3d tests/meshing
-COMMANDS = $(addprefix tests/weavecell/,analysis api commands limits)
-APART = $(SOLID) tests/installed tests/refusals tests/weavecell
+# two programs, with dolfinx and without: memory that compiled code takes is given back between them
+WITH_SOLID = $(addprefix tests/,unitcell3d meshing weavecell refusals installed)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow printed validate fuzz lint figures charts docs docs-again setup clean
+.PHONY: demo test test-slow nightly ledger convergence printed validate fuzz pages lint figures charts docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
 
 test: setup lint  ## everything but the long validation runs
-	$(QUICK) $(SOLID)
-	$(QUICK) $(COMMANDS)
-	$(QUICK) tests/refusals tests/weavecell $(COMMANDS:%=--ignore=%)
-	$(QUICK) --dist loadfile tests/installed
-	$(QUICK) tests $(APART:%=--ignore=%)
+	$(QUICK) $(WITH_SOLID)
+	$(QUICK) tests $(WITH_SOLID:%=--ignore=%)
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m "slow and not printed"
@@ -33,8 +27,16 @@ test-slow: setup  ## the long tests, the published outcomes among them; each pro
 printed: setup  ## every command that the guide prints, run as a reader would: twenty minutes of one core
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m printed
 
-validate: test-slow  ## the long tests, and the ledger of the thesis's claims
+nightly:  ## all that takes too long for a test, one after the other; goes on after one that fails, and names those
+	$(MAKE) --keep-going --jobs 1 fuzz ledger printed docs-again convergence
+
+validate: test-slow ledger  ## the long tests, and the ledger of the thesis's claims
+
+ledger: setup  ## all claims of the thesis, slow ones and variants too: fails where a verdict is not the recorded one
 	$(RUN) validation claims --slow --out $(RESULTS)/validate
+
+convergence: setup  ## S-720 on four meshes: limits and observed orders, in results/convergence
+	$(RUN) validation.verification.mesh_convergence S-720 --out $(RESULTS)/convergence
 
 fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
 	HYPOTHESIS_PROFILE=fuzz $(RUN) pytest tests/fuzz/test_properties.py --hypothesis-seed $(SEED)
@@ -49,6 +51,9 @@ charts: setup  ## docs/reports/charts.md, stability.md and crossover.md with the
 	$(RUN) validation crossover --out $(RESULTS)/chart-crossover
 	cp $(RESULTS)/chart-crossover/crossover.md docs/reports/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/reports/figures/
+
+pages: setup  ## pages and numbers of the documentation that are made from code and from the data of studies
+	$(RUN:-m=) tools/pages.py
 
 docs:  ## the documentation site in results/site; runs the scripts of examples/ that have changed; warnings are errors
 	@VENV=$(DOCS_VENV) EXTRAS=app,docs tools/setup.sh

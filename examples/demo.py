@@ -24,7 +24,7 @@ TARGETS = {"92.5 m/s": ("stopped", "thesis Figure 5-4"), "155 m/s": ("perforated
 MOST = {"error of the energy balance, of the strike energy": 0.01, "viscous energy, of the energy absorbed": 0.05}
 
 
-def main(folder="results/demo", size="medium"):
+def main(folder: str = "results/demo", size: str = "medium") -> None:
     out, began, fabric = Path(folder), time.perf_counter(), wc.fabric("S-720", linear_density="nominal")
     built = crossover.build(fabric, size=size, domain="whole")
     mesh.write(built, out / "mesh", fabric=fabric)
@@ -36,7 +36,7 @@ def main(folder="results/demo", size="medium"):
     shots = wc.sweep(setups)
     for (velocity, law), shot in zip(cases, shots):
         folder = shot.to_vtk(out / f"{velocity.split()[0]}-{law.split()[0]}").parent
-        shot.write(folder / "histories.h5")
+        shot.record.write(folder / "histories.h5")
 
     records = [replace(shot.record, title=", ".join(case)) for case, shot in zip(cases, shots)]
     rows = []

@@ -13,8 +13,8 @@ import matplotlib.pyplot as plt
 import weavecell as wc
 
 pack = wc.setup("S-728", "150 m/s", plies=2, opening="100 mm", projectile="FSP 1.10 g")
-errors = {"LS-DYNA *MAT_FABRIC": wc.export(pack, "lsdyna", "deck")}
-errors["OpenRadioss /MAT/LAW58"] = wc.export(pack, "radioss", "deck-radioss")
+errors = {"LS-DYNA *MAT_FABRIC": wc.export(pack, "lsdyna", "deck").summary()}
+errors["OpenRadioss /MAT/LAW58"] = wc.export(pack, "radioss", "deck-radioss").summary()
 
 figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
 for row, (code, found) in enumerate(errors.items()):

@@ -109,6 +109,7 @@ class UnstableError(WeavecellError):
     Attributes
     ----------
     result : what the run had computed by then, where it leaves something
+    shots : of a search, those that had ended before
 
     Examples
     --------
@@ -118,6 +119,7 @@ class UnstableError(WeavecellError):
 
     exit_code = 3
     result: Any = None
+    shots: tuple = ()
 
     def __init__(self, message: str, *, where: str | None = None, when: str | None = None) -> None:
         self.where, self.when = where, when

@@ -54,7 +54,7 @@ def build(
     domain : "quarter" or "whole"
     size : "coarse", "medium", "fine", "auto", or (nx, ny, nz), hexahedra along, across and through a quarter of each
         yarn, or an edge length [m] (`meshing.inputs.size`)
-    options : of `meshing.inputs.MeshOptions`
+    **options : of `meshing.inputs.MeshOptions`
 
     Raises
     ------

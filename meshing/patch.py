@@ -60,7 +60,7 @@ def build(
     count : (n, m) numbers of warp and of weft yarns; (2, 2) is the unit cell of four crossovers
     size : as in `meshing.crossover.build`; nx, ny, nz count a quarter of a yarn in one crossing, so a crossing has
         8 nx ny nz hexahedra
-    options : of `meshing.inputs.MeshOptions`; no shift is made: overlap="refuse" refuses any overlap
+    **options : of `meshing.inputs.MeshOptions`; no shift is made: overlap="refuse" refuses any overlap
 
     Raises
     ------

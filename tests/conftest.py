@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 os.environ["WEAVECELL_CACHE_DIR"] = ""  # no table is kept in the folders of who runs the tests
+# `importorskip("dolfinx")` is not the way in which it is loaded beside VTK: see unitcell3d/assembly/__init__.py
+sys.setdlopenflags = lambda flags: None
 
 LIMIT = 1500  # [MiB] resident, of one process at its peak
 STATUS = Path("/proc/self/status")

@@ -14,12 +14,14 @@ from tempfile import TemporaryDirectory
 import hero
 from PIL import Image
 
+import weavecell as wc
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write
 from validation.program import save
+from validation.published import calibration
 from validation.published.biaxial_glass import model_comparison, options
-from weavecell.commands import biaxial, calibrate_all, coupon
+from weavecell.commands import biaxial
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 REPORTS = Path(__file__).parents[1] / "docs" / "reports" / "figures"
@@ -55,7 +57,7 @@ def glass(_):
 def laws(_):
     """The catalogue's laws over the published ones."""
     with TemporaryDirectory() as folder:
-        calibrate_all.command(Path(folder), size="coarse", jobs=1, executor="local", resume=False)
+        calibration.command(Path(folder), size="coarse", jobs=1, executor="local", resume=False)
         keep(Path(folder) / "summary.png", "calibration-catalogue.png", REPORTS)
 
 
@@ -69,7 +71,7 @@ def coupons(_):
     with TemporaryDirectory() as folder:
         for name, pictures in FROM_COUPONS.items():
             with suppress(UnstableError):
-                coupon.coupon(COUPONS / f"{name}.toml", out=Path(folder) / name)
+                wc.coupon(COUPONS / f"{name}.toml", out=Path(folder) / name)
             for picture in pictures:
                 keep(Path(folder) / name / "pictures" / picture, f"coupon-{name}-{picture}")
         biaxial.biaxial("S-731", out=Path(folder) / "biaxial")

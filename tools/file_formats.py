@@ -1,8 +1,6 @@
 """Tables of docs/reference/files.md that follow from readers and writers of fabric files, surfaces and records.
 
-    python tools/file_formats.py [docs/reference/files.md]
-
-Needs dolfinx, whose cases declare the columns of their records.
+`tools/pages.py` puts them there. Needs dolfinx, whose cases declare the columns of their records.
 """
 
 from __future__ import annotations
@@ -17,7 +15,6 @@ sys.path.insert(0, str(ROOT))
 
 from fabrics import catalogue, data_sheet, ply_law, surface  # noqa: E402
 from fabrics.families import strain_rate  # noqa: E402
-from validation.marked_page import markdown, put  # noqa: E402
 
 MEANINGS = {
     "linear_density": "mass per length of the yarn",
@@ -69,11 +66,6 @@ ARRAYS = {
 }
 
 
-def marks(name: str) -> tuple[str, str]:
-    """The marks of the page between which a table is."""
-    return f"<!-- {name} of tools/file_formats.py -->", f"<!-- end of {name} -->"
-
-
 def fabric_file() -> list[list[str]]:
     """Keys of a fabric file."""
     rows = [["table", "key", "unit or bounds", "meaning"]]
@@ -123,7 +115,7 @@ def case_file() -> list[list[str]]:
 def outputs() -> list[list[str]]:
     """Files that each command writes, from the docstrings of the modules of the commands."""
     rows = [["command", "file", "contents"]]
-    folders = (ROOT / "weavecell" / name for name in ("commands", "results"))
+    folders = (ROOT / "weavecell" / name for name in ("commands", "api", "results"))
     for path in sorted((path for folder in folders for path in folder.glob("*.py")), key=lambda path: path.name):
         text = ast.get_docstring(ast.parse(path.read_text("utf-8"))) or ""
         head = re.search(r"older of (`weavecell .*)$", text, re.MULTILINE)
@@ -132,16 +124,3 @@ def outputs() -> list[list[str]]:
             if found:
                 rows.append([head[1], f"`{found[1]}`", (found[2] or "").replace("|", "\\|")])
     return rows
-
-
-TABLES = {"outputs": outputs, "fabric": fabric_file, "surface": surface_file, "case": case_file}
-
-
-def main() -> None:
-    page = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "reference" / "files.md"
-    for name, table in TABLES.items():
-        put(page, *marks(name), f"\n\n{markdown(table())}\n")
-
-
-if __name__ == "__main__":
-    main()

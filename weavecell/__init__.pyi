@@ -2,41 +2,51 @@
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
 from weavecell.analysis.fit import fit
-from weavecell.api.exports import export
-from weavecell.api.quasi_static import calibrate, coupon
-from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
+from weavecell.api.comparison import ComparisonResult, compare
+from weavecell.api.coupons import CouponResult, coupon
+from weavecell.api.exports import DeckResult, export
+from weavecell.api.limit_result import CriticalVelocityResult
+from weavecell.api.quasi_static import calibrate
+from weavecell.api.quasi_static_results import CalibrationResult
 from weavecell.api.result import Result
-from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
+from weavecell.api.run_size import RunSize
 from weavecell.api.runs import (
     backings,
     critical_velocity,
-    draws,
     fabric,
     fabrics,
     projectile,
     projectiles,
+    sensitivity,
     setup,
-    shoot,
-    sweep,
     v50,
 )
+from weavecell.api.scatter_results import DrawsResult, SensitivityResult, V50Result
+from weavecell.api.shots import ShotResult, draws, shoot
+from weavecell.api.sweeps import SweepResult, SweepTable, sweep
 
 __all__ = [
     "CalibrationResult",
+    "ComparisonResult",
     "CouponResult",
     "CriticalVelocityResult",
+    "DeckResult",
     "DoubtfulResult",
     "DrawsResult",
     "InputError",
     "Result",
+    "RunSize",
+    "SensitivityResult",
     "ShotResult",
     "SweepResult",
+    "SweepTable",
     "UndecidedError",
     "UnstableError",
     "V50Result",
     "__version__",
     "backings",
     "calibrate",
+    "compare",
     "coupon",
     "critical_velocity",
     "draws",
@@ -46,6 +56,7 @@ __all__ = [
     "fit",
     "projectile",
     "projectiles",
+    "sensitivity",
     "setup",
     "shoot",
     "sweep",

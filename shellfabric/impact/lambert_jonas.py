@@ -51,6 +51,14 @@ class LambertJonas:
         """[m/s] of the curve at strike velocities [m/s] of any shape."""
         return curve(np.asarray(strike_velocity, float), self.a, self.p, self.limit)
 
+    def words(self) -> str:
+        """The fitted parameters, each with its interval."""
+        texts = []
+        for name, interval in self.intervals.items():
+            within = f"({interval[0]:.3g} to {interval[1]:.3g})" if interval else "(at its bound)"
+            texts.append(f"{name} = {getattr(self, name):.3g} {within}")
+        return ", ".join(texts)
+
 
 def curve(strike_velocity: FloatArray, a: float, p: float, limit: float) -> FloatArray:
     """[m/s] residual velocity, (n,) or a number."""

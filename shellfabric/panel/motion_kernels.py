@@ -58,17 +58,18 @@ def grow_active_rows(state, const):
 
     The forces of a node reach two rows further than the nodes that have moved: over the segments that cross, and in the
     variational form over those that cross these. So in a step motion goes ahead by two rows at most, and its forces by
-    two more, and there is a window in time if its outer four rows are kept at rest.
+    two more. At the last row of nodes the elements beyond are missing: there is a window in time if its outer five rows
+    are kept at rest.
     """
     for _ in range(2):
         first, last = state.active_rows[0], state.active_rows[1]
         stirred = False
-        for i in range(first, min(first + 4, const.ni + 1)):
+        for i in range(first, min(first + 5, const.ni + 1)):
             stirred = stirred or row_has_moved(state, const, i)
         if first > 0 and stirred:
             state.active_rows[0] -= 1
         stirred = False
-        for i in range(max(last - 3, 0), last + 1):
+        for i in range(max(last - 4, 0), last + 1):
             stirred = stirred or row_has_moved(state, const, i)
         if last < const.ni and stirred:
             state.active_rows[1] += 1

@@ -206,8 +206,11 @@ def predict_increments(state, const, pairs, p):
     if const.mirror_y and j0 == 0:
         for i in range(i0, i1 + 1):
             state.dv_other[1][i * const.row_stride] = 0.0
-    force = state.f_contact_nose[0] ** 2 + state.f_contact_nose[1] ** 2 + state.f_contact_nose[2] ** 2
-    state.force_scale[0] = math.sqrt(force) / const.points_per_side**2
+    # of the whole nose: what planes of symmetry cut off has the same force, but for its part along their normals
+    f_x, f_y, f_z = state.f_contact_nose
+    f_x, f_y = 0.0 if const.mirror_x else f_x, 0.0 if const.mirror_y else f_y
+    images = (2 if const.mirror_x else 1) * (2 if const.mirror_y else 1)
+    state.force_scale[0] = images * math.sqrt(f_x**2 + f_y**2 + f_z**2) / const.points_per_side**2
 
 
 @kernel(_nrt=False)

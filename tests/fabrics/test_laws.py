@@ -1,4 +1,6 @@
-"""Compression, trellis and solid laws: limits, inverses, derivatives, energies, and the errata that they follow."""
+"""Compression, slip, trellis and solid laws: limits, inverses, derivatives, energies, fits, files and errata."""
+
+import json
 
 import numpy as np
 import pytest
@@ -6,22 +8,24 @@ from scipy.integrate import quad
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
-from fabrics.solid import SolidLaw
-from fabrics.trellis import TrellisShear
+from fabrics.friction.pull_out import PullOutLaw
+from unitcell3d.identify.ratio_law import RatioLaw, imbalance
 
 S720 = CompressionLaw(4.5e-5, 5.8e-5)
 FORCES = np.array([1e-6, 0.01, 0.5, 2.0, 30.0, 400.0, 1e5])
+RATIO = RatioLaw((np.log(20e-6), 0.2), 2.0)
 
 
 def test_regularised_law_is_zero_at_rest_and_has_the_printed_limit():
+    """Erratum E-05: F0 = (b / a)^3, and b / (3 F0^(4/3)) at rest."""
     assert S720.d(0.0) == 0
     assert S720.d(-3.0) == 0
     assert S720.d(1e18) == pytest.approx(S720.a, rel=1e-5)
     printed = CompressionLaw(S720.a, S720.b, "printed")
     assert S720.d(1e6) == pytest.approx(printed.d(1e6), rel=1e-6)
-    assert S720.F0 == pytest.approx(2.141, abs=5e-4)  # erratum E-05
+    assert S720.F0 == pytest.approx(2.141, abs=5e-4)
     assert printed.d(S720.F0) == pytest.approx(0, abs=1e-18)
+    assert S720.dd_dF(0.0) == pytest.approx(S720.b / (3 * S720.F0 ** (4 / 3)))
 
 
 @pytest.mark.parametrize("form", ["regularised", "printed"])
@@ -34,11 +38,6 @@ def test_law_inverse_and_derivative(form):
     assert law.dd_dF(forces) == pytest.approx(slope, rel=1e-6)
 
 
-def test_initial_compliance_is_finite():
-    """Erratum E-05: b / (3 F0^(4/3))."""
-    assert S720.dd_dF(0.0) == pytest.approx(S720.b / (3 * S720.F0 ** (4 / 3)))
-
-
 def test_energy_is_the_work_of_the_force():
     for d in (1e-6, 2e-5, 4.4e-5):
         assert S720.energy(d) == pytest.approx(quad(S720.F, 0, d, epsrel=1e-12)[0], rel=1e-9)
@@ -49,16 +48,6 @@ def test_incompressible_limit():
     assert np.all(law.d(FORCES) == 0)
     assert np.all(law.dd_dF(FORCES) == 0)
     assert law.F(1e-9) == np.inf
-
-
-@pytest.mark.parametrize(
-    ("kwargs", "key"),
-    [({"a": -1e-5}, "a"), ({"b": float("nan")}, "b"), ({"a": 0.0}, "b"), ({"form": "cubic"}, "form")],
-)
-def test_bad_laws_are_refused(kwargs, key):
-    with pytest.raises(InputError) as problem:
-        CompressionLaw(**({"a": 4e-5, "b": 6e-5} | kwargs))
-    assert problem.value.key == key
 
 
 def test_fit_recovers_the_law_behind_its_samples():
@@ -79,11 +68,6 @@ def test_intervals_of_the_fit_cover_the_truth():
     assert 174 <= hits <= 200  # both at once: between 90 % (independent) and 95 % (fully correlated), 3 sigma below
 
 
-def test_fit_needs_samples_in_contact():
-    with pytest.raises(InputError, match="three samples"):
-        CompressionLaw.fit([0, 0, 0, 1, 2], [0, 0, 0, 1e-6, 2e-6])
-
-
 def test_law_file_keeps_every_bit(tmp_path):
     F = np.geomspace(0.5, 150, 40)
     law = CompressionLaw.fit(F, S720.d(F) + 1e-7 * np.sin(9 * F), provenance="a test", fabric="S-720")
@@ -91,28 +75,45 @@ def test_law_file_keeps_every_bit(tmp_path):
     assert CompressionLaw.from_json(tmp_path / "law.json") == law
 
 
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("", "law.json: is not JSON"),
-        ("{}", "law.json: format: must be 'weavecell compression law 1'"),
-        (
-            '{"format": "weavecell compression law 1", "a": "4 s", "b": "1 m * N**(1/3)"}',
-            "law.json: a = '4 s': must be a text with a unit that converts to m",
-        ),
-        (
-            '{"format": "weavecell compression law 1", "a": "-4 um", "b": "1 m * N**(1/3)"}',
-            "law.json: a = -4e-06: must be zero or a positive number",
-        ),
-    ],
-)
-def test_bad_law_files_have_one_clear_line(tmp_path, text, line):
-    path = tmp_path / "law.json"
-    path.write_text(text)
-    with pytest.raises(InputError) as problem:
-        CompressionLaw.from_json(path)
-    assert line in str(problem.value)
-    assert "\n" not in str(problem.value)
+def test_limits_of_the_law_of_the_tension_ratio():
+    for m in (-1.0, 0.0, 0.7):
+        assert RATIO.d(0.0, m) == RATIO.d(-1.0, m) == 0
+        assert RATIO.d(1e-6, m) == pytest.approx(1e-6 * RATIO.compliance(m), rel=1e-6)
+        assert RATIO.d(1e9, m) == pytest.approx(40e-6 * np.exp(0.2 * m), rel=1e-8)
+
+
+@pytest.mark.parametrize("F0", [2.0, np.inf])
+def test_fit_finds_the_law_of_the_tension_ratio_behind_its_samples(F0):
+    law = RatioLaw(RATIO.p, F0)
+    F, m = np.tile(np.geomspace(0.05, 100, 12), 3), np.repeat([-0.8, 0.1, 0.9], 12)
+    found = RatioLaw.fit(F, m, law.d(F, m))
+    assert (*found.p, found.F0) == pytest.approx((*law.p, F0), abs=1e-5)
+    assert found.residual_rms < 1e-10
+    assert found.m_range == (-0.8, 0.9)
+
+
+def test_imbalance_of_tensions():
+    T1, T2 = np.array([1.0, 0.0, 3.0, 0.0, -0.1]), np.array([0.0, 2.0, 1.0, 0.0, 1.0])
+    assert imbalance(T1, T2) == pytest.approx([1, -1, 0.5, 0, -1])
+
+
+def test_the_slip_threshold_is_fitted_and_kept_beside_the_compression_law(tmp_path):
+    """T_f = c0 + mu_eff F_c, never negative; the file's compression law stays as it was."""
+    F_c, path = np.array([2.0, 5.0, 11.0, 17.0]), tmp_path / "law.json"
+    law = PullOutLaw.fit(F_c, 0.05 + 0.21 * F_c, friction=0.2, provenance="here")
+    assert (law.c0, law.mu_eff) == (pytest.approx(0.05), pytest.approx(0.21))
+    assert law.residual_rms < 1e-12
+    assert law.threshold([0.0, 10.0, -1.0]) == pytest.approx([0.05, 2.15, 0.05])
+    assert PullOutLaw(-0.1, 0.2).threshold([0.1, 1.0]) == pytest.approx([0.0, 0.1])
+    S720.to_json(path)
+    assert PullOutLaw.from_json(path) is None
+    for _ in range(2):
+        law.add_to(path)
+        assert PullOutLaw.from_json(path) == law
+    assert CompressionLaw.from_json(path) == S720
+    group = json.loads(path.read_text())["pull_out"]
+    assert group["c0"].endswith(" N")
+    assert (group["status"], group["friction_range"]) == ("literature", [0.15, 0.25])
 
 
 def test_trellis_stress_is_the_integral_of_the_tangent():
@@ -130,11 +131,6 @@ def test_trellis_stress_is_the_integral_of_the_tangent():
     assert shear.stress(0.4) == pytest.approx(5.88175e8, rel=1e-5)
 
 
-def test_trellis_angles_are_ordered():
-    with pytest.raises(InputError, match="above gamma1"):
-        TrellisShear(1e7, 1e10, 0.5, 0.4)
-
-
 def test_solid_law_is_continuous_and_capped():
     """Eqs. 3-10 .. 3-14 with the values of erratum section 7 and the cap of E-20."""
     warp, weft = catalogue.load("S-720").solid_laws
@@ -144,8 +140,3 @@ def test_solid_law_is_continuous_and_capped():
     for law in (warp, weft):
         ends = law.transverse_modulus(np.array([0.1, law.Vf0, law.V_c, 1.5]))
         assert ends == pytest.approx([law.K_r * law.E_c] * 2 + [law.E_c] * 2, rel=1e-12)
-
-
-def test_solid_law_checks_itself():
-    with pytest.raises(InputError, match="below V_c"):
-        SolidLaw(1e6, 2e9, 0.02, 0.001, 1.0, 1.0)

@@ -1,13 +1,12 @@
-"""The measured plate curve: the built-in law, a user's file, and broken ones."""
+"""The measured plate curve: the built-in law, and a user's file."""
 
 import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 
-GOOD = "# one ply\nthickness [mm], pressure [kPa]\n0.40, 30\n0.35, 100\n0.31, 400\n0.29, 1500\n0.28, 6000\n"
+OWN = "# one ply\nthickness [mm], pressure [kPa]\n0.40, 30\n0.35, 100\n0.31, 400\n0.29, 1500\n0.28, 6000\n"
 
 
 def test_pressure_law_is_eq_2_5_with_the_constants_of_erratum_e_03():
@@ -26,60 +25,14 @@ def test_packs_close_somewhat_less_than_as_many_plies():
     one, four, sixteen = (PlateCurve.pressure_law(areal_density, plies).closure[-1] for plies in (1, 4, 16))
     assert 0.83 < four / (4 * one) < 0.88
     assert 0.77 < sixteen / (16 * one) < 0.90
-    with pytest.raises(InputError, match="plies = 3: must be 1, 4, 8 or 16"):
-        PlateCurve.pressure_law(areal_density, 3)
 
 
-def test_pressure_law_is_never_extrapolated_to_light_cloth():
-    with pytest.raises(InputError, match=r"above 0.1483 kg/m2, where K'' vanishes"):
-        PlateCurve.pressure_law(0.14)
-
-
-def test_users_file(tmp_path):
+@pytest.mark.parametrize("text", [OWN, "\ufeff" + OWN.replace(",", ";")])
+def test_users_file(tmp_path, text):
     path = tmp_path / "curve.csv"
-    for text in (GOOD, "\ufeff" + GOOD.replace(",", ";")):
-        path.write_text(text)
-        curve = PlateCurve.read(path)
+    path.write_text(text)
+    curve = PlateCurve.read(path)
     assert curve.pressure == pytest.approx(np.array([30, 100, 400, 1500, 6000]) * 1e3)
     assert curve.closure == pytest.approx(np.array([0, 0.05, 0.09, 0.11, 0.12]) * 1e-3, abs=1e-12)
     assert curve.source == "curve.csv"
     assert curve.at(100e3) == pytest.approx(0.05e-3)
-
-
-BROKEN = {
-    "no unit": ("pressure [kPa]", "pressure", "heading = 'pressure': must be pressure, thickness or closure with its"),
-    "wrong unit": ("[kPa]", "[mm]", "pressure = '1 mm': must be a text with a unit that converts to Pa"),
-    "two thicknesses": ("pressure [kPa]", "closure [um]", "columns = 'thickness, closure': must be pressure, and"),
-    "not a number": ("0.31, 400", "0.31, x", "line 5 = '0.31, x': must be two numbers"),
-    "decimal comma": (
-        "0.31, 400",
-        '"0,31", 400',
-        "line 5 = '0,31, 400': write a decimal point and no comma; must be two",
-    ),
-    "one number": ("0.31, 400", "0.31", "line 5 = '0.31': must be two numbers"),
-    "unloading": ("0.28, 6000", "0.28, 600", "pressure = 'row 5': must be finite and rising"),
-    "negative": ("0.40, 30", "0.40, -30", "pressure = -30000.0: must be positive"),
-    "not finite": ("0.40, 30", "nan, 30", "closure = 'not finite': must be finite and rising"),
-    "too short": ("0.28, 6000\n", "", "rows = 4: must be at least 5"),
-    "empty": (GOOD, "# nothing\n", "is empty"),
-    "headings only": (GOOD[GOOD.index("0.40") :], "", "rows = 0: must be at least 5"),
-}
-
-
-@pytest.mark.parametrize("case", BROKEN)
-def test_broken_files_have_one_clear_line(tmp_path, case):
-    old, new, line = BROKEN[case]
-    assert old in GOOD
-    path = tmp_path / "curve.csv"
-    path.write_text(GOOD.replace(old, new))
-    with pytest.raises(InputError) as problem:
-        PlateCurve.read(path)
-    text = str(problem.value)
-    assert line in text
-    assert str(path) in text
-    assert "\n" not in text
-
-
-def test_missing_file(tmp_path):
-    with pytest.raises(InputError, match="cannot be read; must be a plate curve"):
-        PlateCurve.read(tmp_path / "none.csv")

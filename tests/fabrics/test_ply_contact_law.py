@@ -1,14 +1,12 @@
 """Where the contact law of plies comes from: the fabric's own, solid fibre, the pressure law of packs; and files."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fabrics import catalogue
+from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
 from fabrics.plate_curve import PLATEN_PRESSURE, PlateCurve
 from fabrics.ply_law import PlyLaw, between_plies
 from shellfabric.plies.gap import compression_gap, ply_gap
@@ -24,21 +22,17 @@ def fabric():
     return replace(plain, ply_contact=PlyLaw(190.6e-6 * x, PLATEN_PRESSURE * x**3, stiffness, "platens", "computed"))
 
 
-def test_order_of_the_sources(fabric):
-    """The fabric's own law, then solid fibre."""
+def test_the_fabrics_own_law_comes_first_and_then_solid_fibre(fabric):
+    """E_c rho_f / areal density."""
     assert (PlyLaw.of(fabric).status, PlyLaw.of(fabric)) == ("computed", fabric.ply_contact)
-    assert PlyLaw.of(replace(fabric, ply_contact=None)).status == "assumed"
-
-
-@pytest.mark.parametrize("name", catalogue.list_names())
-def test_laws_of_the_catalogue(name):
-    """Solid fibre, E_c rho_f / areal density."""
-    fabric = catalogue.load(name)
-    law = PlyLaw.of(fabric)
-    assert law == PlyLaw.solid(fabric)
-    assert law.pressure_at(1e-6) == pytest.approx(1e-6 * law.stiffness)
-    if not name.startswith("glass"):  # 2 GPa, 1440 kg/m3
-        assert 6e12 < law.stiffness < 1.5e13
+    for name in catalogue.list_names():
+        plain = catalogue.load(name)
+        law, yarn = PlyLaw.of(plain), plain.weave.warp
+        assert law == PlyLaw.solid(plain)
+        assert law.status == "assumed"
+        assert law.pressure_at(1e-6) == pytest.approx(1e-6 * law.stiffness)
+        E_c = assumed.with_solid_laws(plain).solid_laws[0].E_c
+        assert law.stiffness == pytest.approx(E_c * yarn.fibre_density / plain.weave.areal_density, rel=1e-12), name
 
 
 def test_pressure_law_of_packs_is_eq_5_4(fabric):
@@ -74,23 +68,6 @@ def test_csv_and_law_json(tmp_path, fabric):
     assert PlyLaw.held_by(tmp_path / "law.json")
     CompressionLaw(4e-5, 5e-5).to_json(tmp_path / "old.json")
     assert not PlyLaw.held_by(tmp_path / "old.json")
-    with pytest.raises(InputError, match=r"old\.json: has no ply_contact"):
-        PlyLaw.read(tmp_path / "old.json", fabric)
-    CompressionLaw(4e-5, 5e-5, fabric="another").to_json(tmp_path / "other.json", fabric.ply_contact)
-    with pytest.raises(InputError, match=rf"other\.json: fabric = 'another': must be {fabric.name}, or a CSV file"):
-        PlyLaw.read(tmp_path / "other.json", fabric)
-
-
-def test_law_that_does_not_rise_is_named_with_its_row(tmp_path, fabric):
-    path = tmp_path / "curve.csv"
-    path.write_text(CSV.replace("2000, 90", "2000, 30"))
-    with pytest.raises(
-        InputError, match=r"curve.csv: closure = 'row 3': must be finite, 0 in the first row and rising"
-    ):
-        PlyLaw.read(path, fabric)
-    path.write_text(CSV.replace("0, 0\n", "10, 0\n", 1))
-    with pytest.raises(InputError, match="pressure = 'row 1'"):
-        PlyLaw.read(path, fabric)
 
 
 def test_table_of_a_fabric_file(tmp_path, fabric):
@@ -98,7 +75,7 @@ def test_table_of_a_fabric_file(tmp_path, fabric):
     text = (catalogue._FOLDER / "S-728.toml").read_text().split("# Contact law of plies")[0]
     path = tmp_path / "mine.toml"
     table = '[ply_contact]\nclosure = ["0 um", "0.1 mm"]\npressure = ["0 Pa", "5 MPa"]\nsource = "test"\n'
-    path.write_text(text + table + 'status = "measured"\n')
+    path.write_text(f'{text}{table}status = "measured"\n')
     mine = catalogue.read(path)
     assert (mine.ply_contact.travel, mine.ply_contact.status) == (1e-4, "measured")
     assert mine.sources["ply_contact"]["source"] == "test"
@@ -106,26 +83,6 @@ def test_table_of_a_fabric_file(tmp_path, fabric):
     (tmp_path / "curve.csv").write_text(CSV)
     path.write_text(text + '[ply_contact]\nfile = "curve.csv"\n')
     assert catalogue.read(path).ply_contact.travel == pytest.approx(9e-5)
-    for wrong, message in (
-        (table.replace("5 MPa", "5 mm"), r"ply_contact.pressure = '5 mm': must be .* converts to Pa"),
-        (table + 'status = "guess"\n', "ply_contact.status = 'guess': must be one of measured"),
-        (table.replace('"0.1 mm"', '"0 mm"'), "ply_contact.closure = 'row 2'"),
-        (table + "slope = 3\n", r"ply_contact = 'closure, .*slope': must be file, or closure"),
-    ):
-        path.write_text(text + wrong)
-        with pytest.raises(InputError, match=message):
-            catalogue.read(path)
-
-
-def test_fabric_without_transverse_modulus_is_refused(fabric):
-    """No [solid] and no family of fibres: one line."""
-    unknown = replace(fabric.with_yarns(E=20e9), solid_laws=None, ply_contact=None, areal_density_measured=None)
-    with pytest.raises(InputError, match=r"has no \[solid\] table"):
-        PlyLaw.of(unknown)
-
-
-def test_json_is_of_plain_texts(fabric):
-    assert json.loads(json.dumps(fabric.ply_contact.table()))["closure"][1] == "7.94167 um"
 
 
 def test_between_two_fabrics_acts_half_of_each_law():

@@ -44,73 +44,68 @@ def test_what_has_no_value_of_its_own_is_no_part_of_a_key(value):
         run_cache.inputs_digest(("a", [value]))
 
 
-class TestCode:
+FILES = {
+    "fabrics/__init__.py": "",
+    "fabrics/yarn.py": "import math\n",
+    "fabrics/files.py": "from importlib import resources\nfind = resources.files('fabrics')\n",
+    "fabrics/data.toml": "a = 1\n",
+    "shellfabric/__init__.py": "",
+    "shellfabric/march.py": "def run():\n    from fabrics.yarn import Yarn\n",
+    "shellfabric/reader.py": "from fabrics import files\n",
+    "shellfabric/pictures.py": "",
+    "shellfabric/jit/__init__.py": "",
+    "shellfabric/jit/a_kernels.py": "from . import b_kernels\nfrom ..march import run\n",
+    "shellfabric/jit/b_kernels.py": "",
+    "meshing/grid.py": "",
+    "validation/__init__.py": "",
+    "validation/alone.py": "",
+    "validation/study.py": "from importlib import import_module\n",
+}
+
+
+@pytest.fixture
+def tree(tmp_path, monkeypatch):
     """A tree of our packages in a folder of its own."""
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.setattr(source_code, "ROOT", tmp_path)
+    for name in ("file_of", "closure", "data_of", "name_of", "imports"):
+        function = getattr(source_code, name)
+        defaults = tuple(tmp_path if value == ROOT else value for value in function.__defaults__)
+        monkeypatch.setattr(function, "__defaults__", defaults)
+    return tmp_path
 
-    @pytest.fixture
-    def tree(self, tmp_path, monkeypatch):
-        for name, text in {
-            "fabrics/__init__.py": "",
-            "fabrics/yarn.py": "import math\n",
-            "fabrics/files.py": "from importlib import resources\nfind = resources.files('fabrics')\n",
-            "fabrics/data.toml": "a = 1\n",
-            "shellfabric/__init__.py": "",
-            "shellfabric/march.py": "def run():\n    from fabrics.yarn import Yarn\n",
-            "shellfabric/jit/__init__.py": "FAST = 1\n",
-            "shellfabric/jit/a_kernels.py": "from . import b_kernels\nfrom ..march import run\n",
-            "shellfabric/jit/b_kernels.py": "",
-            "shellfabric/reader.py": "from fabrics import files\n",
-            "validation/__init__.py": "",
-            "validation/maps/__init__.py": "",
-            "validation/maps/study.py": "from importlib import import_module\n",
-            "shellfabric/pictures.py": "",
-            "meshing/__init__.py": "",
-            "meshing/grid.py": "",
-            "validation/maps/alone.py": "",
-            "validation/maps/first.py": "from shellfabric import march\n",
-        }.items():
-            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-            (tmp_path / name).write_text(text)
-        monkeypatch.setattr(source_code, "ROOT", tmp_path)
-        for function in (source_code.file_of, source_code.closure, source_code.data_of, source_code.name_of,
-                         source_code.imports):  # fmt: skip
-            defaults = tuple(tmp_path if value == ROOT else value for value in function.__defaults__)
-            monkeypatch.setattr(function, "__defaults__", defaults)
-        return tmp_path
 
-    @pytest.mark.parametrize(
-        ("module", "changed", "counts"),
-        [
-            ("shellfabric.march", "shellfabric/march.py", True),
-            ("shellfabric.march", "fabrics/yarn.py", True),  # imported in a function
-            ("shellfabric.march", "shellfabric/__init__.py", True),
-            ("shellfabric.march", "shellfabric/reader.py", True),  # its objects may be handed to the march
-            ("shellfabric.march", "shellfabric/pictures.py", False),
-            ("shellfabric.march", "meshing/grid.py", False),
-            ("shellfabric.march", "fabrics/data.toml", True),
-            ("validation.maps.alone", "validation/maps/first.py", False),
-            ("validation.maps.alone", "fabrics/yarn.py", False),
-            ("shellfabric.jit.a_kernels", "shellfabric/jit/b_kernels.py", True),
-            ("shellfabric.jit.a_kernels", "shellfabric/jit/__init__.py", True),
-            ("shellfabric.jit.a_kernels", "fabrics/yarn.py", True),
-            ("validation.maps.study", "validation/maps/first.py", True),  # by a computed name
-            ("validation.maps.study", "fabrics/yarn.py", True),
-        ],
-    )
-    def test_what_counts_as_the_code_of_a_module(self, tree, module, changed, counts):
+@pytest.mark.parametrize(
+    ("module", "changed", "counts"),
+    [
+        ("shellfabric.march", "shellfabric/march.py", True),
+        ("shellfabric.march", "fabrics/yarn.py", True),  # imported in a function
+        ("shellfabric.march", "shellfabric/__init__.py", True),
+        ("shellfabric.march", "shellfabric/reader.py", True),  # its objects may be handed to the march
+        ("shellfabric.march", "fabrics/data.toml", True),
+        ("shellfabric.march", "shellfabric/pictures.py", False),
+        ("shellfabric.march", "meshing/grid.py", False),
+        ("shellfabric.jit.a_kernels", "shellfabric/jit/b_kernels.py", True),  # by relative imports
+        ("shellfabric.jit.a_kernels", "fabrics/yarn.py", True),
+        ("validation.study", "validation/alone.py", True),  # by a computed name
+        ("validation.alone", "fabrics/yarn.py", False),
+    ],
+)
+def test_what_counts_as_the_code_of_a_module(tree, module, changed, counts):
+    def digest():
         run_cache.code.cache_clear()
-        before = run_cache.code(module)
-        run_cache.code.cache_clear()
-        assert run_cache.code(module) == before
-        with open(tree / changed, "a") as file:
-            file.write("# changed\n")
-        run_cache.code.cache_clear()
-        assert (run_cache.code(module) != before) == counts
-        run_cache.code.cache_clear()
+        return run_cache.code(module)
 
-    def test_a_module_that_there_is_none_of(self, tree):
-        with pytest.raises(ModuleNotFoundError):
-            source_code.closure(["shellfabric.nothing"])
+    before = digest()
+    assert digest() == before
+    with open(tree / changed, "a") as file:
+        file.write("# changed\n")
+    assert (digest() != before) == counts
+    run_cache.code.cache_clear()
+    with pytest.raises(ModuleNotFoundError):
+        source_code.closure(["shellfabric.nothing"])
 
 
 def test_a_key_changes_with_inputs_version_and_code(monkeypatch):
@@ -125,12 +120,11 @@ def test_a_key_changes_with_inputs_version_and_code(monkeypatch):
 
 @pytest.mark.parametrize("form", [run_cache.PICKLE, run_cache.JSON])
 def test_results_come_back(tmp_path, form):
-    kept = run_cache.RunCache(tmp_path / "runs", form)
+    kept = run_cache.RunCache(tmp_path, form)
     assert "k" not in kept
     kept["k"] = {"a": [1.0, "b"]}
-    assert "k" in kept
-    assert run_cache.RunCache(tmp_path / "runs", form)["k"] == {"a": [1.0, "b"]}
-    assert [path.name for path in (tmp_path / "runs").iterdir()] == [f"k.{form.suffix}"]
+    assert run_cache.RunCache(tmp_path, form)["k"] == {"a": [1.0, "b"]}
+    assert [path.name for path in tmp_path.iterdir()] == [f"k.{form.suffix}"]
 
 
 def test_a_stamp_tells_other_inputs_from_other_code(monkeypatch, tmp_path):

@@ -22,7 +22,8 @@ EXACT = {
     "denier": ("kg/m", Fraction(1, 9000000)), "g/cm3": ("kg/m^3", 1000), "g/cm^3": ("kg/m^3", 1000),
     "g cm-3": ("kg/m^3", 1000), "kg/m3": ("kg/m^3", 1), "g/m2": ("kg/m^2", "1e-3"), "gsm": ("kg/m^2", "1e-3"),
     "/ cm": ("1/m", 100), "1/cm": ("1/m", 100), "per inch": ("1/m", Fraction(10000, 254)), "mm2": ("m^2", "1e-6"),
-    "gf/den": ("N/(kg/m)", "88259.85"), "cN/dtex": ("N/(kg/m)", "1e5"),
+    "gf/den": ("N/(kg/m)", "88259.85"), "cN/dtex": ("N/(kg/m)", "1e5"), "us": ("s", "1e-6"),
+    "mm * N^(1/3)": ("m * N**(1/3)", "1e-3"),
 }  # fmt: skip
 DIMENSIONS = sorted({to for to, _ in EXACT.values()})
 NUMBER = st.from_regex(r"[-+]?([0-9]{1,17}(\.[0-9]{0,9})?|\.[0-9]{1,9})([eE][-+]?[0-9]{1,2})?", fullmatch=True)

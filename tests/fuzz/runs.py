@@ -6,113 +6,101 @@ Outcomes
     guard      UnstableError: the run stopped itself
     time       the limit of CPU time; the run was going on
     traceback  any other exception
-and, of a process that had to be ended or died (`pool`): "timeout" and "crash".
+A run that hangs ends its process, with a traceback.
 """
 
 from __future__ import annotations
 
+import faulthandler
 import tempfile
 import time
 import traceback
-import warnings
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 from fabrics.errors import InputError, UnstableError
-from tests.fuzz import scenes
+from shellfabric.impact import simulation
 from weavecell.scenes import build
 from weavecell.scenes import impact as scene_files
 
-TIME_LIMIT = 120.0  # [s] of CPU time
+TIME_LIMIT, WALL_LIMIT = 120.0, 600.0  # [s] of CPU time of the steps; of a run that compiles kernels too
+ENERGY_ERROR_LIMIT = 0.005  # of the strike energy, at normal termination
 
 
 class TimeLimit(Exception):
     """A run that took too long."""
 
 
-def outcome(seed, index, limit=TIME_LIMIT) -> dict:
-    """Run scene (seed, index): a row of the table."""
-    return outcome_of(scenes.scene(seed, index), limit) | {"seed": seed, "index": index}
-
-
-def outcome_of(scene, limit=TIME_LIMIT) -> dict:
-    """Run a RandomScene: {"outcome", "end", "message", "energy_error" [-], "cpu_time" [s], ...}."""
-    began = time.process_time()
-    row = {"outcome": "ok", "end": "", "message": "", "energy_error": None, "failed_yarns": None, "warnings": ""}
+def outcome(scene) -> dict:
+    """Run a RandomScene: {"name", "outcome", "end", "message", "energy_error" [-], "doubtful", "cpu_time" [s], ...}."""
+    row = {"name": scene.name, "outcome": "ok", "end": "", "message": "", "energy_error": None, "doubtful": ""}
+    begun = []
 
     def watch(march):
-        if time.process_time() - began > limit:
+        begun[:] = begun or [time.process_time()]
+        if time.process_time() - begun[0] > TIME_LIMIT:
             raise TimeLimit(f"at {1e6 * march.time:.4g} us of the run")
 
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    faulthandler.dump_traceback_later(WALL_LIMIT, exit=True)
+    with tempfile.TemporaryDirectory() as folder:
         try:
             row |= _of_result(run(scene.write(folder), hooks=(watch,)))
         except InputError as problem:
             row |= {"outcome": "rejected", "message": str(problem).replace(f"{folder}/", "")}
         except UnstableError as problem:
+            row |= _of_result(problem.result) if getattr(problem, "result", None) is not None else {}
             row |= {"outcome": "guard", "message": str(problem)}
-            if getattr(problem, "result", None) is not None:
-                row |= _of_result(problem.result)
         except TimeLimit as problem:
             row |= {"outcome": "time", "message": str(problem)}
-        except Exception as problem:
-            frame = traceback.extract_tb(problem.__traceback__)[-1]
-            ours = [f for f in traceback.extract_tb(problem.__traceback__) if "site-packages" not in f.filename]
-            place = f"{Path(ours[-1].filename).name}:{ours[-1].lineno}" if ours else frame.filename
-            row |= {"outcome": "traceback", "message": f"{type(problem).__name__}: {problem} ({place})"}
-    row["warnings"] = "; ".join(sorted({f"{Path(w.filename).name}:{w.lineno} {w.message}" for w in caught}))
-    row["cpu_time"] = time.process_time() - began
-    return row | flat(scene)
-
-
-def compile_kernels():
-    """Run a single ply and a pack without a limit, so that kernels are compiled and kept before runs are timed."""
-    missing, index = {"ply", "pack"}, 0
-    while missing:
-        scene = scenes.scene("compile", index)
-        kind = "pack" if {"plies", "ply"} & set(scene.scene["panel"]) else "ply"
-        if kind in missing:
-            outcome_of(scene, limit=float("inf"))
-            missing.remove(kind)
-        index += 1
+        except Exception:
+            row |= {"outcome": "traceback", "message": traceback.format_exc(limit=-3)}
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+    return row | {"cpu_time": time.process_time() - begun[0] if begun else 0.0}
 
 
 def run(path, hooks=()):
     """The result of `shellfabric` for the scene at `path`, on one thread."""
-    from shellfabric.impact import simulation
-
     return simulation.run(setup_of(path)[1], hooks=hooks)
 
 
 def setup_of(path):
     """(Scene, ImpactSetup) of the scene at `path`, on one thread."""
-    asked, _ = scene_files.load(path)
+    asked, _ = scene_files.load(Path(path))
     setup = build.setup(build.build(asked, path, path.stem), path)
     return asked, replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
 
 
 def _of_result(result):
     return {
-        "end": result.outcome, "energy_error": result.energy_error_max,
-        "failed_yarns": float(result.failed_segments[-1]),
-        "steps": result.steps, "time_us": 1e6 * float(result.t[-1]), "residual_velocity": result.residual_velocity,
+        "end": result.outcome, "energy_error": result.energy_error_max, "steps": result.steps,
+        "failed_segments": int(result.failed_segments[-1]), "residual_velocity": result.residual_velocity,
+        "doubtful": "; ".join(str(check) for check in result.checks if not check.ok),
     }  # fmt: skip
 
 
-def flat(scene) -> dict:
-    """The scene's own entries by their dotted keys."""
-    found = {}
+def is_wrong(row) -> bool:
+    """Whether a run did not end as it has to; the energy error of one that ended well has to be a number."""
+    if row["outcome"] == "ok":
+        return not row["energy_error"] <= ENERGY_ERROR_LIMIT
+    return row["outcome"] not in ("rejected", "guard")
 
-    def visit(table, path):
-        for key, value in table.items():
-            if isinstance(value, dict):
-                visit(value, (*path, key))
-            elif isinstance(value, list) and value and isinstance(value[0], dict):
-                found[".".join((*path, key))] = len(value)
-            else:
-                found[".".join((*path, key))] = value
 
-    visit({key: table for key, table in scene.scene.items() if key != "title"}, ())
-    visit({key: table for key, table in scene.fabric.items() if key != "name"}, ("cloth",))
-    return found
+def failures(rows, guards) -> list[str]:
+    """What must not be, in lines: wrong runs, and more than `guards` runs that were stopped by a guard."""
+    stopped = [row for row in rows if row["outcome"] == "guard"]
+    found = [row for row in rows if is_wrong(row)] + (stopped if len(stopped) > guards else [])
+    return [f"{row['name']}: {row['outcome']}, {row['message']} energy error {row['energy_error']}" for row in found]
+
+
+def summary(rows) -> str:
+    """Counts of the outcomes, the largest energy error, and how many runs are doubtful."""
+    ended = [row for row in rows if row["outcome"] == "ok"]
+    counts = Counter(row["end"] if row["outcome"] == "ok" else row["outcome"] for row in rows)
+    error, cpu = max((row["energy_error"] for row in ended), default=0), sum(row["cpu_time"] for row in rows)
+    torn, doubtful = (sum(bool(row[name]) for row in ended) for name in ("failed_segments", "doubtful"))
+    return (
+        f"{len(rows)} scenes: {', '.join(f'{n} {name}' for name, n in counts.most_common())}; {torn} with torn yarns, "
+        f"{doubtful} doubtful, energy error at most {100 * error:.2g} %, {cpu:.0f} s of CPU"
+    )

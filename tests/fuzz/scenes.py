@@ -1,16 +1,8 @@
 """Random impact scenes: fabric, projectile, panel and run, as the TOML files that `weavecell impact` reads.
 
-The space
-    fabric      20 to 350 tex, 50 to 270 GPa, crimp of each yarn 0.05 to 15 % (log-uniform), counts 0.5 to 1.0 times
-                150 / sqrt(tex) per cm, failure strain and fibre density of a class of fibres, compression law in shares
-                of the yarn's thickness, trellis shear law up to the locking modulus, gap at the crossovers
-    projectile  five noses with all their parameters, 0.2 to 20 g, 3 to 15 mm, 20 to 700 m/s, friction, straight or
-                oblique with yaw and roll
-    panel       1 to 4 plies (packs: 2 to 8), aligned, alternating or a lay-up of two fabrics at right or any angles,
-                clamped, free or one pair of sides each, 12 to 40 crossovers from the centre to an edge, weave along the
-                sides or oblique
-    behind      sequences "backed": clay, gelatine or the default block, and bodies of STL files
-    run         until the projectile has flown some millimetres, within a budget of element updates
+Fabrics of 20 to 350 tex and 50 to 270 GPa, crimp 0.05 to 15 %, with laws in shares of the yarn's thickness; five noses
+and STL bodies, 0.2 to 20 g, 20 to 700 m/s, straight or oblique; 1 to 8 plies of one or two fabrics, clamped or free,
+some before a block; run until the projectile has flown some millimetres, within a budget of element updates.
 
 All numbers come from the `random()` of one generator. With `random.Random` a scene depends on (seed, index) alone,
 whatever the versions of Python and libraries; `scenes()` is the same space as a hypothesis strategy, which shrinks
@@ -19,11 +11,12 @@ towards `random() = 0`, so that the plainest choice always comes first.
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from dataclasses import dataclass
 from pathlib import Path
+
+from tests.scene_text import toml
 
 # density [g/cm3], modulus [GPa] and failure strain [%] of the classes of fibres, from their data sheets, rounded out
 FIBRES = {
@@ -47,15 +40,7 @@ _FINE_PACK, _SHORTEST = 3.0, 30.0  # budgets that a pack on its default mesh may
 
 @dataclass(frozen=True)
 class RandomScene:
-    """One scene with its fabric.
-
-    Parameters
-    ----------
-    name : of the files that `write` makes
-    fabric, scene : tables as tomllib reads them from the two files
-    other : table of the second fabric of a lay-up
-    body : text of the STL file of the projectile, or none
-    """
+    """Tables of a scene, of its fabric and of the second fabric of a lay-up; text of the STL file of its body."""
 
     name: str
     fabric: dict
@@ -381,22 +366,3 @@ def _text(number, unit):
 
 def _number(text):
     return float(text.split()[0])
-
-
-def toml(table, path="") -> str:
-    """A table of texts, numbers, lists, tables and lists of plain tables as TOML."""
-    tables = {key: value for key, value in table.items() if isinstance(value, dict) or _holds_tables(value)}
-    plain = {key: value for key, value in table.items() if key not in tables}
-    lines = [f"[{path}]"] if path and plain else []
-    lines += [f"{key} = {json.dumps(value)}" for key, value in plain.items()]
-    for key, value in tables.items():
-        name = f"{path}.{key}" if path else key
-        if isinstance(value, dict):
-            lines += ["", toml(value, name).strip("\n")]
-        for each in value if isinstance(value, list) else ():
-            lines += ["", f"[[{name}]]", *(f"{inner} = {json.dumps(text)}" for inner, text in each.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _holds_tables(value):
-    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)

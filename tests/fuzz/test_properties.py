@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 
 from shellfabric.cell.model import CellModel
 from tests.fuzz import runs, scenes
+from tests.scene_text import toml
 
 SHARE = st.floats(0, 1)
 PLACE = st.tuples(SHARE, SHARE)
 
 
 def setup_of(scene):
-    note(scenes.toml(scene.scene) + scenes.toml(scene.fabric))
+    note(toml(scene.scene) + toml(scene.fabric))
     with tempfile.TemporaryDirectory() as folder:
         return runs.setup_of(scene.write(folder))[1]
 
@@ -30,17 +31,6 @@ def model_of(setup):
 
 def stretches(model, place):
     return tuple(low + share * (high - low) for (low, high), share in zip(model.range(), place))
-
-
-@given(scenes.scenes())
-def test_every_scene_is_accepted(scene):
-    setup = setup_of(scene)
-    assert 20 <= setup.strike_velocity <= 700
-    assert 0.199 <= 1e3 * setup.projectile.mass <= 20.01
-    for yarn in setup.fabric.weave.yarns:
-        assert 19.99 <= 1e6 * yarn.linear_density <= 350.1
-        assert 49.99 <= 1e-9 * yarn.E <= 270.1
-        assert 0.0499 <= 100 * yarn.crimp <= 15.01
 
 
 def test_a_scene_is_named_by_seed_and_index(tmp_path):
@@ -87,6 +77,8 @@ def test_a_yarn_that_is_stretched_further_is_not_slacker(scene, one, other):
 def test_table_and_panel(scene):
     """The table is finite, cloth at rest has no forces, and the panel's step is a positive share of its bound."""
     setup = setup_of(scene)
+    assert 20 <= setup.strike_velocity <= 700
+    assert 0.199 <= 1e3 * setup.projectile.mass <= 20.01
     table = model_of(setup).table(41)
     for values in (*table.values.values(), table.potential, table.spline, table.tension1, table.tension2):
         assert np.isfinite(values).all()

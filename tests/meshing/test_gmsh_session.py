@@ -3,7 +3,7 @@
 import signal
 import subprocess
 import sys
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -51,19 +51,7 @@ def test_a_session_is_closed_when_its_work_fails():
 def test_threads_take_turns(capfd):
     transfinite_box.cache_clear()
     sizes = [(n, 2, 1) for n in range(2, 10)]
-    found, failed = {}, []
-
-    def work(size):
-        try:
-            found[size] = len(transfinite_box(*size))
-        except Exception as error:
-            failed.append(error)
-
-    threads = [threading.Thread(target=work, args=(size,)) for size in sizes]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert failed == []
-    assert found == {size: size[0] * 2 for size in sizes}
+    with ThreadPoolExecutor(8) as threads:
+        found = list(threads.map(lambda size: len(transfinite_box(*size)), sizes))
+    assert found == [2 * n for n, _, _ in sizes]
     assert capfd.readouterr() == ("", "")

@@ -1,67 +1,52 @@
-"""The picture of a crossover: there, of its size, with both yarns and ink in it."""
+"""Pictures of a crossover, of a patch and of the quality: one file, of its size, with both yarns in it."""
 
 import numpy as np
 import pytest
 
+pytest.importorskip("pyvista")
+
+import pyvista
+
 from fabrics import catalogue
-from meshing.crossover import build
+from meshing import crossover, patch, pictures, pictures_patch, pictures_quality
 
-pyvista = pytest.importorskip("pyvista")
+SINE = {"size": (5, 4, 2), "section": "sine"}
 
 
-def in_shades_of(image, colour):
-    """Share of the pixels (n, 3) that are the colour, or the colour in less light."""
+def in_shades_of(pixels, colour):
+    """Share of the pixels that are the colour, or the colour in less light."""
     target = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], float)
+    image = pixels.reshape(-1, 3)
     light = np.clip(image @ target / (target @ target), 0.4, 1.1)
     return np.mean(np.linalg.norm(image - light[:, None] * target, axis=1) < 20)
 
 
-@pytest.mark.parametrize("domain", ["quarter", "whole"])
-def test_picture_shows_both_yarns_inside_its_frame(domain, tmp_path):
-    from meshing.pictures import COLOURS, WINDOW, picture
-
-    path = tmp_path / "crossover.png"
-    picture(build(catalogue.load("S-731"), size=(5, 4, 2), domain=domain, section="sine"), path)
-    image = np.asarray(pyvista.read(path).active_scalars, float)[:, :3]
-    assert len(image) == WINDOW[0] * WINDOW[1]
-    for colour in COLOURS.values():
-        assert in_shades_of(image, colour) > 0.05
-    frame = image.reshape(WINDOW[1], WINDOW[0], 3)
-    for edge in (frame[:5], frame[-5:], frame[:, :5], frame[:, -5:]):
-        assert np.all(edge > 250)
+@pytest.mark.parametrize(
+    ("draw", "size", "build", "choices", "ink"),
+    [
+        (pictures.picture, pictures.WINDOW, crossover.build, SINE, 0.05),
+        (pictures.picture, pictures.WINDOW, crossover.build, SINE | {"domain": "whole"}, 0.05),
+        (pictures_patch.picture, (1600, 900), patch.build, {"count": (2, 3), "size": (4, 3, 1)}, 0.05),
+        (pictures_quality.picture, None, patch.build, {"count": (2, 2), "size": (4, 3, 1)}, 0.02),
+    ],
+)
+def test_both_yarns_are_drawn_inside_the_frame(draw, size, build, choices, ink, tmp_path):
+    path = tmp_path / "a.png"
+    draw(build(catalogue.load("S-731"), **choices), path)
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_picture_of_a_patch_fills_its_frame_with_both_yarns(tmp_path):
-    from meshing import patch, pictures_patch
-    from meshing.pictures import COLOURS
-
-    path = tmp_path / "patch.png"
-    pictures_patch.picture(patch.build(catalogue.load("S-720"), (2, 3), size=(4, 3, 1)), path)
-    width, height = pictures_patch.WINDOW
-    image = np.asarray(pyvista.read(path).active_scalars, float)[:, :3]
-    assert (width, height) == (1600, 900)
-    assert len(image) == width * height
-    for colour in COLOURS.values():
-        assert in_shades_of(image, colour) > 0.05
-    ink = np.any(image.reshape(height, width, 3) < 240, axis=2)
-    across, down = np.flatnonzero(ink.any(axis=0)), np.flatnonzero(ink.any(axis=1))
-    assert max(np.ptp(across) / width, np.ptp(down) / height) == pytest.approx(pictures_patch.FILL, abs=0.02)
-    assert not ink[[0, -1]].any()
-    assert not ink[:, [0, -1]].any()
-
-
-def test_picture_of_the_quality_shows_the_yarns_and_their_shares(tmp_path):
-    from meshing import patch, pictures_quality
-    from meshing.pictures import COLOURS
-
-    path = tmp_path / "quality.png"
-    pictures_quality.picture(patch.build(catalogue.load("S-731"), (2, 2), size=(4, 3, 1)), path)
     image = pyvista.read(path)
     width, height, _ = image.dimensions
     pixels = np.asarray(image.active_scalars, float)[:, :3].reshape(height, width, 3)
-    for colour in COLOURS.values():  # bars
-        assert in_shades_of(pixels[:, width * 2 // 3 :].reshape(-1, 3), colour) > 0.02
-    scene = pixels[height // 4 :, : width // 2].reshape(-1, 3)
-    assert np.mean(np.any(scene < 240, axis=1)) > 0.2
-    assert list(tmp_path.iterdir()) == [path]
+    drawn = np.any(pixels < 240, axis=2)
+    assert not drawn[[0, -1]].any()
+    assert not drawn[:, [0, -1]].any()
+    if size is None:  # the mesh on the left, bars of the yarns on the right
+        assert drawn[height // 4 :, : width // 2].mean() > 0.2
+        pixels = pixels[:, width * 2 // 3 :]
+    else:
+        assert (width, height) == size
+    assert all(in_shades_of(pixels, colour) > ink for colour in pictures.COLOURS.values())
+    if build is patch.build and size is not None:
+        across, down = np.flatnonzero(drawn.any(axis=0)), np.flatnonzero(drawn.any(axis=1))
+        filled = max(np.ptp(across) / width, np.ptp(down) / height)
+        assert filled == pytest.approx(pictures_patch.FILL, abs=0.02)

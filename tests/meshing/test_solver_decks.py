@@ -1,14 +1,12 @@
-"""Input files of other solvers, read back: LS-DYNA by dynakw, Abaqus by meshio and CalculiX, OpenRadioss by columns.
+"""Input files of other solvers, read back: LS-DYNA by dynakw, Abaqus by meshio, OpenRadioss by columns.
 
-No reader of OpenRadioss files is packaged; the test reads its fixed columns itself, strictly. dynakw knows no bars:
-they are read in the same way.
+No reader of OpenRadioss files is packaged; the test reads its fixed columns itself, strictly. dynakw knows no bars and
+no titles of sets: they are read in the same way.
 """
 
-import os
 import re
-import shutil
-import subprocess
 from itertools import pairwise
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -20,32 +18,54 @@ from meshing import crossover, patch
 from meshing.formats import export
 from meshing.formats.abaqus import SIDES
 
-WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 SIZE = (3, 2, 1)
-MESHES = {
-    "quarter": lambda name: crossover.build(catalogue.load(name), size=SIZE),
-    "patch": lambda name: patch.build(catalogue.load(name), (2, 3), size=SIZE, end_shells=2e-5),
-}
-CASES = [("quarter", name) for name in WOVEN] + [("patch", name) for name in WOVEN]
 
 
-@pytest.fixture(scope="module", params=CASES, ids=lambda case: "-".join(case))
+def quarter():
+    return crossover.build(catalogue.load("S-720"), size=SIZE)
+
+
+def weave_with_end_shells():
+    return patch.build(catalogue.load("S-731"), (2, 3), size=SIZE, end_shells=2e-5)
+
+
+@pytest.fixture(scope="module", params=[quarter, weave_with_end_shells])
 def mesh(request):
-    kind, name = request.param
-    return MESHES[kind](name)
+    return request.param()
+
+
+def check_elements(mesh, read):
+    """What a file holds, by number from 1, against the mesh, in its order.
+
+    points : (n, 3); hexes : (e, 8); parts : names of the hexahedra's yarns; shells : (q, 4)
+    bars : {number: (nodes, area)}; bar_sets : {name: numbers}
+    """
+    assert np.allclose(read.points, mesh.points, rtol=1e-9, atol=1e-18)
+    assert np.array_equal(read.hexes, mesh.hexes + 1)
+    assert read.parts == [mesh.names[number] for number in mesh.yarn]
+    assert np.array_equal(read.shells, [quad + 1 for quads in mesh.shells.values() for quad in quads])
+    pairs, areas = np.concatenate(mesh.bars) + 1, np.concatenate(mesh.bar_area)
+    numbers = sorted(read.bars)
+    assert numbers == list(range(len(mesh.hexes) + 1, len(mesh.hexes) + 1 + len(pairs)))
+    assert np.array_equal([read.bars[number][0] for number in numbers], pairs)
+    assert [read.bars[number][1] for number in numbers] == pytest.approx(areas, rel=6e-5)
+    for name, bars in zip(mesh.names, mesh.bars):
+        assert np.array_equal([read.bars[number][0] for number in read.bar_sets[f"{name}_fibre"]], bars + 1)
+
+
+def check_sets(mesh, sets, unions):
+    """Nodes (k,) or quadrilaterals (q, 4) by name, from 1, and the names in unions of them, against the mesh."""
+    assert set(sets) == set(mesh.faces)
+    for name, found in sets.items():
+        assert np.array_equal(found, mesh.groups[name] + 1), name
+    assert unions == {name: found for name, found in mesh.collected.items() if name not in mesh.faces}
 
 
 def written(mesh, path):
     export.write(mesh, path)
-    return path.read_text(encoding="ascii")
-
-
-def node_sets(mesh):
-    return {name: nodes for name, nodes in mesh.groups.items() if nodes.ndim == 1}
-
-
-def surfaces(mesh):
-    return {name: quads for name, quads in mesh.groups.items() if quads.ndim == 2}
+    text = path.read_text(encoding="ascii")
+    assert any("Units: m, kg, s, N, Pa" in line for line in text.splitlines()[:8])
+    return text
 
 
 def columns(text, widths):
@@ -57,8 +77,12 @@ def columns(text, widths):
     return [float(f) if re.search(r"[.E]", f) else int(f) for f in fields]
 
 
-def integers(line, width):
+def integers(line, width=10):
     return columns(line, [width] * (len(line) // width))
+
+
+def members(lines):
+    return [number for line in lines for number in integers(line)]
 
 
 def blocks(text, mark, comment):
@@ -72,101 +96,67 @@ def blocks(text, mark, comment):
     return found
 
 
-def check_bars(mesh, elements, sets):
-    """elements: number -> (nodes, area); sets: name -> numbers. Against the mesh, in its order."""
-    first = len(mesh.hexes) + 1
-    pairs, areas = np.concatenate(mesh.bars) + 1, np.concatenate(mesh.bar_area)
-    assert sorted(elements) == list(range(first, first + len(pairs)))
-    assert np.array_equal([elements[e][0] for e in sorted(elements)], pairs)
-    assert [elements[e][1] for e in sorted(elements)] == pytest.approx(areas, rel=6e-5)
-    for name, bars in zip(mesh.names, mesh.bars):
-        assert np.array_equal([elements[e][0] for e in sets[f"{name}_fibre"]], bars + 1)
-
-
 # --- LS-DYNA -------------------------------------------------------------------------------------------------------
 
 
-def test_dyna_read_by_dynakw(mesh, tmp_path):
+def dyna_elements(path):
+    """Points, hexahedra, shells, and the names of their parts, as dynakw reads them."""
     dynakw = pytest.importorskip("dynakw")
-    path = tmp_path / "a.k"
-    export.write(mesh, path)
-    parts, node_lists, segments, nodes, solids, shells = {}, {}, {}, None, None, None
+    names, found = {}, {}
     with dynakw.DynaKeywordReader(str(path)) as reader:
         for keyword in reader.keywords():
-            cards, name = keyword.cards, keyword.full_keyword
-            if name == "*NODE":
-                nodes = cards["Card 1"]
-            elif name == "*PART":
-                parts[int(cards["Card 2"]["PID"][0])] = cards["Card 1"]["HEADING"][0].strip()
-            elif name == "*ELEMENT_SOLID":
-                solids = cards
-            elif name == "*ELEMENT_SHELL":
-                shells = cards
-            elif name == "*SET_NODE_LIST_TITLE":
-                node_lists[int(cards["Card 1"]["SID"][0])] = np.stack(list(cards["Card 2"].values()), axis=1)
-            elif name == "*SET_SEGMENT_TITLE":
-                segments[int(cards["Card 1"]["SID"][0])] = np.stack(
-                    [cards["Card 2"][f"N{i}"] for i in range(1, 5)], axis=1
-                )
-    assert np.array_equal(nodes["NID"], np.arange(len(mesh.points)) + 1)
-    assert np.allclose(np.stack([nodes[k] for k in "XYZ"], axis=1), mesh.points, rtol=1e-9, atol=1e-18)
-    assert np.array_equal(np.stack([solids["nodes"][f"N{i}"] for i in range(1, 9)], axis=1), mesh.hexes + 1)
-    assert [parts[pid] for pid in solids["Card 1"]["PID"]] == [mesh.names[number] for number in mesh.yarn]
-    if mesh.shells:
-        quads = np.stack([shells["Card 1"][f"N{i}"] for i in range(1, 5)], axis=1)
-        assert np.array_equal(quads, np.concatenate(list(mesh.shells.values())) + 1)
-        of = [f"{name}_shell" for name, quads in mesh.shells.items() for _ in quads]
-        assert [parts[pid] for pid in shells["Card 1"]["PID"]] == of
-    else:
-        assert shells is None
-    lists = {name: nodes for name, nodes in node_sets(mesh).items() if name in mesh.faces}
-    for (name, expected), found in zip(lists.items(), node_lists.values(), strict=True):
-        assert np.array_equal(found[found > 0], expected + 1), name
-    lists = {name: quads for name, quads in surfaces(mesh).items() if name in mesh.faces}
-    for (name, expected), found in zip(lists.items(), segments.values(), strict=True):
-        assert np.array_equal(found, expected + 1), name
+            found[keyword.full_keyword] = cards = keyword.cards
+            if keyword.full_keyword == "*PART":
+                names[int(cards["Card 2"]["PID"][0])] = cards["Card 1"]["HEADING"][0].strip()
+    nodes, solids = found["*NODE"]["Card 1"], found["*ELEMENT_SOLID"]
+    assert np.array_equal(nodes["NID"], np.arange(len(nodes["NID"])) + 1)
+    shells = found["*ELEMENT_SHELL"]["Card 1"] if "*ELEMENT_SHELL" in found else {"PID": []}
+    return SimpleNamespace(
+        points=np.stack([nodes[k] for k in "XYZ"], axis=1),
+        hexes=np.stack([solids["nodes"][f"N{i}"] for i in range(1, 9)], axis=1),
+        shells=np.stack([shells[f"N{i}"] for i in range(1, 5)], axis=1) if len(shells["PID"]) else [],
+        parts=[names[number] for number in solids["Card 1"]["PID"]],
+        shell_parts=[names[number] for number in shells["PID"]],
+    )
 
 
-def test_dyna_bars_and_unions_by_columns(mesh, tmp_path):
+def test_dyna_is_read_back(mesh, tmp_path):
     found = blocks(written(mesh, tmp_path / "a.k"), "*", "$")
-    sections, materials, section, elements, sets, numbers, unions = {}, {}, {}, {}, {}, {}, {}
+    assert (found[0][0], found[-1][0]) == ("*KEYWORD", "*END")
+    read = dyna_elements(tmp_path / "a.k")
+    areas, section, numbers, bars = {}, {}, {}, {}
+    read.bar_sets, sets, unions = {}, {}, {}
     for header, lines in found:
         if header == "*SECTION_BEAM":
-            number, form = integers(lines[0], 10)
+            number, form = integers(lines[0])
             assert form == 3
-            sections[number] = columns(lines[1], [10])[0]
+            areas[number] = columns(lines[1], [10])[0]
         elif header == "*PART":
-            part, section[part], materials[part] = integers(lines[1], 10)
+            part, section[part], _ = integers(lines[1])
         elif header.startswith("*SET_"):
-            members = [n for line in lines[2:] for n in integers(line, 10)]
-            kind = header.split("_")[1]
-            numbers.setdefault(kind, {})[integers(lines[1], 10)[0]] = lines[0]
-            (unions if "_ADD" in header else sets)[lines[0]] = (kind, members)
-    for header, lines in found:
-        if header == "*ELEMENT_BEAM":
-            for line in lines:
-                element, part, *nodes = integers(line, 8)
-                elements[element] = (nodes, sections[section[part]])
-    check_bars(mesh, elements, {name: members for name, (kind, members) in sets.items() if kind == "BEAM"})
-    assert {name: tuple(numbers[kind][n] for n in members) for name, (kind, members) in unions.items()} == {
-        name: members for name, members in mesh.collected.items() if name not in mesh.faces
-    }
-    assert found[0][0] == "*KEYWORD"
-    assert found[-1][0] == "*END"
+            kind, name, rest = header.split("_")[1], lines[0], members(lines[2:])
+            numbers[kind, integers(lines[1])[0]] = name
+            if "_ADD" in header:
+                unions[name] = tuple(numbers[kind, number] for number in rest)
+            elif kind == "BEAM":
+                read.bar_sets[name] = rest
+            else:
+                sets[name] = np.reshape(rest, (-1, 4)) if kind == "SEGMENT" else rest
+        elif header == "*ELEMENT_BEAM":
+            bars |= {number: (nodes, part) for number, part, *nodes in (integers(line, 8) for line in lines)}
+    read.bars = {number: (nodes, areas[section[part]]) for number, (nodes, part) in bars.items()}
+    check_elements(mesh, read)
+    check_sets(mesh, sets, unions)
+    assert read.shell_parts == [f"{name}_shell" for name, quads in mesh.shells.items() for _ in quads]
+    solids = [lines for header, lines in found if "ORTHOTROPIC" in header]
+    for lines, name, material, number in zip(solids, ("warp", "weft"), mesh.materials, (1, 4), strict=True):
+        expected = [number, material.solid_density, material.axial, *[material.transverse] * 2]
+        assert columns(lines[1], [10] * 8)[:5] == pytest.approx(expected, rel=1e-4)
+        assert (lines[0], columns(lines[2], [10] * 4)[3]) == (name, 0)  # AOPT 0: axes of the element
 
 
-def test_dyna_axes_follow_the_element(tmp_path):
-    """AOPT 0, and node 1 to node 2 is the fibre."""
-    mesh = MESHES["patch"]("S-731")
-    found = [lines for header, lines in blocks(written(mesh, tmp_path / "a.k"), "*", "$") if "ORTHOTROPIC" in header]
-    assert [lines[0] for lines in found] == ["warp", "weft"]
-    for lines, material in zip(found, mesh.materials):
-        number, *first = columns(lines[1], [10] * 8)
-        assert first[:4] == pytest.approx(
-            [material.solid_density, material.axial, *[material.transverse] * 2], rel=1e-4
-        )
-        assert columns(lines[2], [10] * 4)[3] == 0
-        assert number in (1, 4)
+def test_the_first_edge_of_an_element_is_its_fibre(mesh):
+    """Which LS-DYNA (AOPT 0) and OpenRadioss (Ip 20) take for its axis."""
     edge = mesh.points[mesh.hexes[:, 1]] - mesh.points[mesh.hexes[:, 0]]
     assert np.allclose(edge / np.linalg.norm(edge, axis=1, keepdims=True), mesh.fibre, rtol=0, atol=1e-12)
 
@@ -174,98 +164,64 @@ def test_dyna_axes_follow_the_element(tmp_path):
 # --- Abaqus --------------------------------------------------------------------------------------------------------
 
 
-def abaqus_surfaces(text, mesh):
-    """name -> quadrilaterals of the named element sides."""
-    found = {}
-    for header, lines in blocks(text, "*", "**"):
-        if header.startswith("*SURFACE"):
-            pairs = [re.fullmatch(r"(\d+),S(\d)", line).groups() for line in lines]
-            element, side = (np.array(pairs).astype(int) - 1).T
-            found[header.split("NAME=")[1]] = mesh.hexes[element[:, None], SIDES[side]]
-    return found
-
-
 def vector_area(corners):
     return np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
 
 
-def test_abaqus_read_by_meshio(mesh, tmp_path):
-    path = tmp_path / "a.inp"
-    text = written(mesh, path)
-    read = meshio.read(path)
-    assert np.allclose(read.points, mesh.points, rtol=1e-12, atol=1e-25)
-    assert np.array_equal(np.concatenate([b.data for b in read.cells if b.type == "hexahedron"]), mesh.hexes)
-    quads = [b.data for b in read.cells if b.type == "quad"]
-    assert np.array_equal(quads, list(mesh.shells.values())) if mesh.shells else quads == []
-    for name, nodes in node_sets(mesh).items():
-        assert np.array_equal(np.unique(read.point_sets[name]), nodes), name
-    for number, name in enumerate(mesh.names):
-        cells = [b.data[part] for b, part in zip(read.cells, read.cell_sets[name]) if part is not None and len(part)]
-        assert np.array_equal(np.concatenate(cells), mesh.hexes[mesh.yarn == number])
-    for name, quads in abaqus_surfaces(text, mesh).items():
-        assert np.array_equal(np.sort(quads), np.sort(mesh.groups[name])), name
-        # C3D8 lists the nodes of a side as seen from inside the element; so it is the right element's side.
-        inward, outward = (vector_area(mesh.points[q]) for q in (quads, mesh.groups[name]))
-        assert np.allclose(inward, -outward, rtol=1e-9, atol=1e-20)
-    assert set(abaqus_surfaces(text, mesh)) == set(surfaces(mesh))
+def abaqus_elements(path):
+    """Points, hexahedra with the names of their parts, and shells, as meshio reads them; and its sets of nodes."""
+    found = meshio.read(path)
+    hexes, shells, parts = [], [], []
+    for number, block in enumerate(found.cells):
+        if block.type == "hexahedron":  # of one yarn, which is the one set that it is in
+            (name,) = (name for name, members in found.cell_sets.items() if len(members[number]))
+            hexes.append(block.data + 1)
+            parts += [name] * len(block.data)
+        elif block.type == "quad":
+            shells.extend(block.data + 1)
+    elements = SimpleNamespace(points=found.points, hexes=np.concatenate(hexes), shells=shells, parts=parts)
+    return elements, found.point_sets
 
 
-def test_abaqus_bars_sections_and_axes(mesh, tmp_path):
+def test_abaqus_is_read_back(mesh, tmp_path):
     found = blocks(written(mesh, tmp_path / "a.inp"), "*", "**")
-    elements, areas, sets, axes = {}, {}, {}, {}
+    read, node_sets = abaqus_elements(tmp_path / "a.inp")
+    bars, areas, axes, sides, read.bar_sets = {}, {}, {}, {}, {}
     for header, lines in found:
+        name, fields = header.split("=")[-1], [line.rstrip(",").split(",") for line in lines]
+        assert all(len(field) <= 20 for line in fields for field in line if header != "*HEADING")
         if header.startswith("*ELEMENT, TYPE=T3D2"):
-            name = header.split("ELSET=")[1]
-            elements |= {int(n): ([int(a), int(b)], name) for n, a, b in (line.split(",") for line in lines)}
+            bars |= {int(number): ([int(a), int(b)], name) for number, a, b in fields}
         elif header.startswith("*SOLID SECTION") and lines:
-            areas[re.search(r"ELSET=([^,]+)", header)[1]] = float(lines[0].rstrip(","))
+            areas[re.search(r"ELSET=([^,]+)", header)[1]] = float(fields[0][0])
         elif header.startswith("*ELSET"):
-            sets[header.split("ELSET=")[1]] = [int(n) for line in lines for n in line.split(",")]
+            read.bar_sets[name] = [int(number) for line in fields for number in line]
         elif header.startswith("*DISTRIBUTION,"):
-            axes = {int(n): values for n, *values in (line.split(",") for line in lines[1:])}
-        assert all(len(field) <= 20 for line in lines for field in line.split(",") if header != "*HEADING")
-    check_bars(mesh, {n: (nodes, areas[part]) for n, (nodes, part) in elements.items()}, sets)
-    found = np.array([axes[n + 1] for n in range(len(mesh.hexes))], float)
-    assert np.allclose(found[:, :3], mesh.fibre, rtol=0, atol=1e-9)
-    assert np.linalg.norm(np.cross(found[:, :3], found[:, 3:]), axis=1).min() > 0.5
-
-
-def calculix(folder, deck):
-    (folder / "job.inp").write_text(deck)
-    environment = dict(os.environ, OMP_NUM_THREADS="1")
-    done = subprocess.run(["ccx", "job"], cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stdout[-2000:]
-    assert "*ERROR" not in done.stdout
-    return (folder / "job.dat").read_text()
-
-
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-def test_abaqus_file_solved_by_calculix(tmp_path):
-    """A linear step on the file as it is: volumes and masses as ours, and the fibres carry the pull."""
-    fabric = catalogue.load("S-720")
-    mesh = patch.build(fabric, (2, 2), size=(4, 3, 2))
-    ends = "".join(f"{group}, 1, 3, 0.\n" for group in ("warp_start", "weft_start", "weft_end"))
-    asked = "".join(f"*EL PRINT, ELSET={n}, TOTALS=ONLY\nEVOL, EMAS\n" for n in ("warp_1", "warp_1_fibre"))
-    deck = (
-        written(mesh, tmp_path / "mesh.inp")
-        + f"*BOUNDARY\n{ends}warp_end, 1, 1, 1e-8\nwarp_end, 2, 3, 0.\n*STEP\n*STATIC\n{asked}*END STEP\n"
-    )
-    data = calculix(tmp_path, deck)
-    totals = [float(v) for v in re.findall(r"total (?:volume|mass) for set .*\n\n\s+(\S+)", data)]
-    volume = volumes(mesh.points, mesh.hexes)[mesh.yarn == 0].sum()
-    lengths = np.linalg.norm(np.diff(mesh.points[mesh.bars[0]], axis=1)[:, 0], axis=1)
-    material = mesh.materials[0]
-    bars = (lengths * mesh.bar_area[0]).sum()
-    assert totals == pytest.approx(
-        [volume, volume * material.solid_density, bars, bars * material.bar_density], rel=2e-6
-    )
+            axes = {int(number): numbers for number, *numbers in fields[1:]}
+        elif header.startswith("*SURFACE"):
+            element, side = (np.array([(int(a), int(b[1:])) for a, b in fields]) - 1).T
+            sides[name] = mesh.hexes[element[:, None], SIDES[side]]
+    read.bars = {number: (nodes, areas[part]) for number, (nodes, part) in bars.items()}
+    check_elements(mesh, read)
+    surfaces = {name: quads for name, quads in mesh.groups.items() if quads.ndim == 2}
+    assert set(sides) == set(surfaces)
+    for name, quads in surfaces.items():
+        assert np.array_equal(np.sort(sides[name]), np.sort(quads)), name
+        # C3D8 lists the nodes of a side as seen from inside the element; so it is the right element's side.
+        inward, outward = vector_area(mesh.points[sides[name]]), vector_area(mesh.points[quads])
+        assert np.allclose(inward, -outward, rtol=1e-9, atol=1e-20)
+    for name in set(mesh.groups) - set(surfaces):
+        assert np.array_equal(np.unique(node_sets[name]), mesh.groups[name]), name
+    axes = np.array([axes[n + 1] for n in range(len(mesh.hexes))], float)
+    assert np.allclose(axes[:, :3], mesh.fibre, rtol=0, atol=1e-9)
+    assert np.linalg.norm(np.cross(axes[:, :3], axes[:, 3:]), axis=1).min() > 0.5
 
 
 # --- OpenRadioss ---------------------------------------------------------------------------------------------------
 
 
 def radioss(text):
-    """keyword -> {number: (title, lines)}; for elements number is the part. The order of the file is kept."""
+    """keyword -> {number: lines}; for elements number is the part. The order of the file is kept."""
     assert text.startswith("#RADIOSS STARTER\n")
     found = {}
     for header, lines in blocks(text[text.index("/BEGIN") :], "/", "#"):
@@ -274,75 +230,53 @@ def radioss(text):
             found.setdefault("/".join(keyword), {})[int(last)] = lines
         else:
             found["/".join([*keyword, last])] = lines
+    assert list(found)[-1] == "END"
     return found
 
 
-def test_radioss_by_columns(mesh, tmp_path):
+def elements(found, keyword):
+    """{number: (nodes, part)}"""
+    lines = ((part, integers(line)) for part, block in found.get(keyword, {}).items() for line in block)
+    return {number: (nodes, part) for part, (number, *nodes) in lines}
+
+
+def test_radioss_is_read_back(mesh, tmp_path):
     found = radioss(written(mesh, tmp_path / "a_0000.rad"))
-    assert list(found)[-1] == "END"
     assert [line.split() for line in found["BEGIN"][2:]] == [["kg", "m", "s"]] * 2
     nodes = np.array([columns(line, [10, 20, 20, 20]) for line in found["NODE"]])
-    assert np.array_equal(nodes[:, 0], np.arange(len(mesh.points)) + 1)
-    assert np.allclose(nodes[:, 1:], mesh.points, rtol=1e-12, atol=1e-25)
-    part = {number: (lines[0], *integers(lines[1], 10)) for number, lines in found["PART"].items()}
-    bricks = {n: (nodes, p) for p, lines in found["BRICK"].items() for n, *nodes in (integers(x, 10) for x in lines)}
-    assert np.array_equal([bricks[n + 1][0] for n in range(len(mesh.hexes))], mesh.hexes + 1)
-    assert [part[bricks[n + 1][1]][0] for n in range(len(mesh.hexes))] == [mesh.names[y] for y in mesh.yarn]
+    assert np.array_equal(nodes[:, 0], np.arange(len(nodes)) + 1)
+    part = {number: (lines[0], *integers(lines[1])) for number, lines in found["PART"].items()}
     area = {number: columns(lines[1], [20, 20])[0] for number, lines in found["PROP/TYPE2"].items()}
-    bars = {
-        n: (nodes, area[part[p][1]])
-        for p, lines in found["TRUSS"].items()
-        for n, *nodes in (integers(x, 10) for x in lines)
-    }
-    check_bars(mesh, bars, {lines[0]: members(lines, 10) for lines in found["GRTRUS/TRUS"].values()})
-    if mesh.shells:
-        quads = [integers(line, 10)[1:] for lines in found["SHELL"].values() for line in lines]
-        assert np.array_equal(quads, np.concatenate(list(mesh.shells.values())) + 1)
-        assert {columns(lines[3], [10, 10, 20])[2] for lines in found["PROP/TYPE1"].values()} == {2e-5}
-    numbers = {kind: {n: lines[0] for n, lines in found[kind].items()} for kind in ("GRNOD/NODE", "SURF/SEG")}
-    groups = {lines[0]: members(lines, 10) for lines in found["GRNOD/NODE"].values()}
-    groups |= {lines[0]: [integers(line, 10)[1:] for line in lines[1:]] for lines in found["SURF/SEG"].values()}
-    assert set(groups) == set(mesh.faces)
-    for name, nodes in groups.items():
-        assert np.array_equal(nodes, mesh.groups[name] + 1), name
+    bricks, bars, shells = (elements(found, keyword) for keyword in ("BRICK", "TRUSS", "SHELL"))
+    hexes, of = zip(*(bricks[number] for number in sorted(bricks)))
+    read = SimpleNamespace(points=nodes[:, 1:], hexes=hexes, shells=[quad for quad, _ in shells.values()])
+    read.parts = [part[number][0] for number in of]
+    read.bars = {number: (pair, area[part[p][1]]) for number, (pair, p) in bars.items()}
+    read.bar_sets = {lines[0]: members(lines[1:]) for lines in found["GRTRUS/TRUS"].values()}
+    check_elements(mesh, read)
+    sets = {lines[0]: members(lines[1:]) for lines in found["GRNOD/NODE"].values()}
+    sets |= {lines[0]: [integers(line)[1:] for line in lines[1:]] for lines in found["SURF/SEG"].values()}
     unions = {}
     for union, kind in (("GRNOD/GRNOD", "GRNOD/NODE"), ("SURF/SURF", "SURF/SEG")):
-        for lines in found.get(union, {}).values():
-            unions[lines[0]] = tuple(numbers[kind][n] for n in members(lines, 10))
-    assert unions == {name: of for name, of in mesh.collected.items() if name not in mesh.faces}
-
-
-def members(lines, width):
-    return [n for line in lines[1:] for n in integers(line, width)]
-
-
-def test_radioss_materials_and_axes(mesh, tmp_path):
-    """Orthotropic solids on the element's edge 1-2 (Ip 20), fully integrated (Isolid 17); every part has its own."""
-    found = radioss(written(mesh, tmp_path / "a_0000.rad"))
+        for name, *lines in found.get(union, {}).values():
+            unions[name] = tuple(found[kind][number][0] for number in members(lines))
+    check_sets(mesh, sets, unions)
+    # orthotropic solids on the element's edge 1-2 (Ip 20), fully integrated (Isolid 17); every part has its own
     solid = found["PROP/TYPE6"][1]
-    assert integers(solid[1], 10)[0] == 17
+    assert integers(solid[1])[0] == 17
     assert columns(solid[3], [20, 20, 20, 10, 10, 10])[4] == 20
+    thickness = {columns(lines[3], [10, 10, 20])[2] for lines in found.get("PROP/TYPE1", {}).values()}
+    assert thickness == ({2e-5} if mesh.shells else set())
     laws = {**found["MAT/LAW12"], **found["MAT/LAW1"]}
     properties = {**found["PROP/TYPE6"], **found["PROP/TYPE2"], **found.get("PROP/TYPE1", {})}
-    for lines in found["PART"].values():
-        prop, material = integers(lines[1], 10)
+    for name, prop, material in part.values():
         assert prop in properties
-        assert lines[0].startswith(laws[material][0].split()[0])
+        assert name.startswith(laws[material][0].split()[0])
     for material, number in zip(mesh.materials, (1, 4)):
         density, moduli, _, shear = (columns(line, [20] * (len(line) // 20)) for line in laws[number][1:5])
-        assert [*density, *moduli, *shear] == pytest.approx(
-            [material.solid_density, material.axial, *[material.transverse] * 2, *[material.shear] * 3], rel=1e-12
-        )
+        expected = [material.solid_density, material.axial, *[material.transverse] * 2, *[material.shear] * 3]
+        assert [*density, *moduli, *shear] == pytest.approx(expected, rel=1e-12)
         assert len(laws[number]) == 11
-
-
-# --- All -----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("suffix", [".k", ".inp", ".rad"])
-def test_units_are_said_in_the_header(suffix, tmp_path):
-    head = written(MESHES["quarter"]("S-720"), tmp_path / f"a{suffix}").splitlines()[:8]
-    assert any("Units: m, kg, s, N, Pa" in line for line in head)
 
 
 def test_bars_and_solids_together_have_the_mass_of_the_yarns():

@@ -6,7 +6,10 @@ import pytest
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from shellfabric.panel.model import Panel
+from shellfabric.impact.simulation import ImpactSetup, run
+from tests.shellfabric.panels import SERIAL, make_panel, table
+
+SHOT = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
 
 
 @pytest.fixture(scope="session")
@@ -15,18 +18,31 @@ def fabric():
 
 
 @pytest.fixture(scope="session")
-def tables(fabric):
+def tables():
     """The S-720 table in both forms."""
-    return {form: CellModel(fabric, form=form).table(121) for form in ("equilibrium", "variational")}
+    return {form: table(form) for form in ("equilibrium", "variational")}
 
 
 @pytest.fixture
-def small(tables):
+def small():
     """Make a small panel, 24 x 24 crossovers as a whole."""
+    return make_panel
 
-    def make(**changes):
-        table = changes.pop("table", tables["variational"])
-        return Panel(table, (0.0306, 0.0306), **changes)
+
+@pytest.fixture(scope="session")
+def ply():
+    """S-726, whose warp and weft are far from alike, on 20 mm."""
+    fabric = catalogue.load("S-726").with_effective_density()
+    return make_panel(0.02, table=CellModel(fabric).table(81), numerics=SERIAL)
+
+
+@pytest.fixture(scope="session")
+def shoot(fabric):
+    """Run S-720, 40 x 40 crossovers as a whole, briefly."""
+
+    def make(strike_velocity=150.0, hooks=(), resume=None, **changes):
+        setup = ImpactSetup(**{"fabric": fabric, "strike_velocity": strike_velocity, **SHOT, **changes})
+        return run(setup, hooks=hooks, resume=resume)
 
     return make
 

@@ -1,9 +1,21 @@
+"""The meshes of S-720 that most tests share, and its calibration on the coarse one, made once for all processes.
+
+pytest loads this file in the process that starts the others too. There dolfinx is not imported: it would set up MPI,
+whose variables of the environment (OMPI_*, PMIX_*) they would inherit, and `mpiexec` ends at once where it finds them.
+"""
+
+import fcntl
+import os
+from functools import partial
+from importlib.util import find_spec
+from types import SimpleNamespace
+
 import pytest
 
-pytest.importorskip("dolfinx")
-
 from fabrics import catalogue
-from meshing import crossover as mesher
+
+if find_spec("dolfinx") is None:
+    collect_ignore_glob = ["*.py", "*/*.py"]
 
 
 @pytest.fixture(scope="session")
@@ -12,11 +24,49 @@ def s720():
 
 
 @pytest.fixture(scope="session")
-def coarse(s720):
-    return mesher.build(s720, size="coarse")
+def meshed(s720):
+    """A function that meshes S-720."""
+    from meshing import crossover
+
+    return partial(crossover.build, s720)
 
 
 @pytest.fixture(scope="session")
-def tiny(s720):
+def coarse(meshed):
+    return meshed(size="coarse")
+
+
+@pytest.fixture(scope="session")
+def tiny(meshed):
     """The smallest mesh with a middle row: for tests of equations, not of answers."""
-    return mesher.build(s720, size=(4, 3, 2))
+    return meshed(size=(4, 3, 2))
+
+
+@pytest.fixture(scope="session")
+def whole(meshed):
+    """A whole crossover of elements as those of `tiny`."""
+    return meshed(domain="whole", size=(4, 3, 2))
+
+
+@pytest.fixture(scope="session")
+def calibrated(s720, tmp_path_factory):
+    """Calibration of S-720 on the coarse mesh: found, folder, and what was told of its progress.
+
+    The folder is that of the run of the tests: where several processes share it, the first one solves the paths, and
+    the others, which wait for it, take them from their files.
+    """
+    from unitcell3d.identify.calibrate import calibrate
+
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+    folder, progress = shared / "calibration-of-S-720", {}
+    with open(shared / "calibration.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        found = calibrate(
+            s720,
+            size="coarse",
+            out=folder,
+            resume=True,
+            on_progress=lambda fabric, path, share: progress.update({path: share}),
+        )
+    return SimpleNamespace(found=found, folder=folder, progress=progress)

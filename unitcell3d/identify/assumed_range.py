@@ -33,7 +33,7 @@ def with_assumed_range(fabric: Fabric, done: Calibration, **choices: Any) -> tup
     ----------
     fabric : Fabric that was calibrated
     done : its Calibration
-    choices : size, friction, jobs, executor, on_progress as of `calibrate.calibrate_all`
+    **choices : size, friction, jobs, executor, on_progress as of `calibrate.calibrate_all`
 
     Returns
     -------

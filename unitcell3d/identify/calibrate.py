@@ -84,7 +84,7 @@ def calibrate(fabric: Fabric, *, out: FilePath | None = None, **choices: Any) ->
     ----------
     fabric : Fabric, with solid laws
     out : directory for histories and laws, or None
-    choices : as of `calibrate_all`
+    **choices : as of `calibrate_all`
 
     Raises
     ------

@@ -251,7 +251,7 @@ class CrossoverModel(YarnsModel):
     ----------
     crossover : meshing.crossover.Crossover
     fabric, numerics : as of a `YarnsModel`
-    choices : integration, failure: as of a `YarnsModel`
+    **choices : integration, failure: as of a `YarnsModel`
 
     Raises
     ------

@@ -113,6 +113,8 @@ class Claim:
     incomparable : the thesis's statement and the computed quantity are not comparable; says why
     untestable, unbuilt : why there is no check; or ""
     cause : of a miss, as far as it has been investigated
+    verdict : recorded one of `judge.VERDICTS`, with which the check has to end; "" of slow checks not run since
+    turned : "verdict: why" where the check ends with another one now, until the page of claims is computed again
     """
 
     id: str
@@ -133,6 +135,8 @@ class Claim:
     untestable: str = ""
     unbuilt: str = ""
     cause: str = ""
+    verdict: str = ""
+    turned: str = ""
 
     @property
     def topic(self) -> str:

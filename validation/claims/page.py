@@ -1,7 +1,7 @@
 """docs/reports/claims.md: counts by verdict, and every claim with its computed and its published value.
 
-The page is made from rows of texts, which are stored beside it (data/claims.csv), so that a test can compare page,
-README and data without a run.
+The page is made from rows of texts, which are stored beside it (data/claims.csv). `tools/pages.py` takes the counts of
+README and of validation.md from there.
 """
 
 from __future__ import annotations
@@ -90,6 +90,11 @@ def variants_sentence(table: Table) -> str:
     changed = [row for row in varied if "; " in row["variants"]]
     whole = sum(row["variants"] == "holds in 5 of 5" for row in varied)
     return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the result of {len(changed)}"
+
+
+def of_thesis(table: Table) -> list[dict[str, str]]:
+    """The rows of the claims of the thesis, without the additional ones."""
+    return _split(table)[0]
 
 
 def _split(table):

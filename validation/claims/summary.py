@@ -10,7 +10,7 @@ from pathlib import Path
 from fabrics.files import write_whole
 from validation.claims import variants
 from validation.claims.claims import KINDS, TOPICS, Claim
-from validation.claims.judge import MISSED, REPRODUCED, VERDICTS, Record, expected
+from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, REPRODUCED, VERDICTS, Record, expected
 
 COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "computed against target",
            "missed by", "cause", "why", "erratum", "reason of the tolerance", "remark", "seconds", "shots",
@@ -54,6 +54,21 @@ def shares(claims: Sequence[Claim], records: Sequence[Record], by: str = "topic"
         own = [verdicts[claim.id] for claim in chosen if not name or getattr(claim, by) == name]
         if own:
             found.append(Share(name, {verdict: own.count(verdict) for verdict in VERDICTS}))
+    return found
+
+
+def changed(claims: Sequence[Claim], records: Sequence[Record]) -> dict[str, str]:
+    """{id: "recorded -> found"} of the claims whose check ended with another verdict than is recorded for it.
+
+    Nothing is said of checks that were left out, that need a package which is not installed, or that have no recorded
+    verdict and came to an end.
+    """
+    found = {}
+    by_id = {record.id: record.verdict for record in records}
+    for claim in (claim for claim in claims if claim.check and claim.id in by_id):
+        verdict, expected = by_id[claim.id], claim.turned.partition(":")[0] or claim.verdict
+        if verdict == BROKEN or (expected and verdict not in (expected, LEFT_OUT, NOT_TESTABLE)):
+            found[claim.id] = f"{expected} -> {verdict}"
     return found
 
 

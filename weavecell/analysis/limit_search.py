@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.errors import UndecidedError, UnstableError
 from shellfabric.impact import ballistic_limit, lambert_jonas, limit_scan
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
@@ -45,7 +46,7 @@ class Found:
 
 def search(
     setup: ImpactSetup, *, tolerance: float, residual_shots: int, scan: ScanRange | None, with_range: bool,
-    jobs: int, executor: str | Executor, stage: Stage | None = None, keep: Callable[[Shot], object] | None = None,
+    jobs: int, executor: str | Executor, stage: Stage | None = None,
 ) -> Found:  # fmt: skip
     """Bisect, scan about the bracket, fire residual shots, fit them, and repeat the search over assumed laws.
 
@@ -57,33 +58,37 @@ def search(
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
     with_range : whether the range over assumed laws is computed; never of a lay-up
     stage : progress of each stage
-    keep : called with each shot as it ends
 
     Raises
     ------
-    InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`
+    InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`; `shots` of the latter two are
+        all that had ended
     """
     stage = stage or (lambda title: nullcontext(lambda *_: None))
     panel, name = setup.target(), setup.title
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
+    ended: list[Shot] = []
 
     def shots(advance):
         def report(share, shot):
-            if keep is not None:
-                keep(shot)
+            ended.append(shot)
             advance(share, shot)
 
         return beside | {"report": report}
 
-    with stage(f"{name}, critical velocity") as advance:
-        limit = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **shots(advance))
-    if scan is not None and scan.ladder(limit):
-        with stage("Scan about the bracket") as advance:
-            limit = limit_scan.scan(panel, limit, scan, **shots(advance))
-    if residual_shots:
-        with stage("Residual velocities") as advance:
-            strikes = max(limit.high, limit.highest_stop) * np.geomspace(*CURVE, residual_shots)
-            limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **shots(advance)))
+    try:
+        with stage(f"{name}, critical velocity") as advance:
+            limit = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **shots(advance))
+        if scan is not None and scan.ladder(limit):
+            with stage("Scan about the bracket") as advance:
+                limit = limit_scan.scan(panel, limit, scan, **shots(advance))
+        if residual_shots:
+            with stage("Residual velocities") as advance:
+                strikes = max(limit.high, limit.highest_stop) * np.geomspace(*CURVE, residual_shots)
+                limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **shots(advance)))
+    except (UndecidedError, UnstableError) as problem:
+        problem.shots = tuple(ended)
+        raise
     around = None
     if with_range and not setup.lay_up and assumed_range.corners(setup.fabric, setup.laws):
         with stage("Range over the assumed laws") as advance:

@@ -1,55 +1,110 @@
-"""Decks for other codes, of the Python interface."""
+"""A panel or pack as a deck for another code.
+
+The folder of `weavecell export`
+    NAME.k                       the deck for LS-DYNA
+    NAME_0000.rad, NAME_0001.rad the decks of OpenRadioss's starter and engine
+    mapping.svg                  the law less the cell over the biaxial plane
+    summary.json                 the mapping's error, provenance
+    report.html                  the error in a table and the plot, and what the law does not hold
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics.checks import FilePath
+from weavecell.api import targets
+from weavecell.api.result import Result
 
 if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
     from shellfabric.impact.simulation import ImpactSetup
 
-__all__ = ["export"]
+__all__ = ["DeckResult", "export"]
 
 
 def export(
-    setup: ImpactSetup, to: Literal["lsdyna", "radioss"], out: FilePath, *,
+    target: Fabric | FilePath | ImpactSetup, to: Literal["lsdyna", "radioss"], out: FilePath, *,
     units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s", match: Literal["plane", "uniaxial"] = "plane",
-) -> dict[str, float]:  # fmt: skip
-    """Write a panel or pack as a deck for another code, with the error of its material card.
+) -> DeckResult:  # fmt: skip
+    """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile, contact, output.
 
-    The deck has not been run in that code. Warp and weft of a turned ply are a second material with the same error.
+    The error of the material card against the unit cell is in the deck's header, printed, and in report.html. Warp and
+    weft of a turned ply are a second material with the same error. Of an input file, the tables history and numerics,
+    the contact law of plies, and what a run records mean nothing here. Nothing breaks in a deck. OpenRadioss was run
+    with earlier decks, LS-DYNA was not: see docs/reports/cards.md.
+
+    The folder then holds NAME.k, or NAME_0000.rad and NAME_0001.rad, with mapping.svg, summary.json and report.html.
 
     Parameters
     ----------
-    setup : of `weavecell.setup`
-    to : the code
-    out : folder of the deck, its picture and report.html
-    units : of the deck
-    match : what the law is nearest to: the cell over the biaxial plane, or in uniaxial tension
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    to : code that the deck is for: lsdyna or radioss
+    out : folder of the deck
+    units : consistent units of the deck: kg-m-s or g-mm-ms
+    match : what the law is nearest to: the cell over the biaxial plane (plane), or in uniaxial tension (uniaxial)
 
     Returns
     -------
-    dict of the law less the cell over the strength [-]: "rms" and "largest" over the biaxial plane, largest in
-    "uniaxial" tension and in "shear" until locking
+    DeckResult
 
     Raises
     ------
-    InputError : an unknown code, unit or match, or a set-up with what no deck holds; nothing has been written
+    InputError : an unknown code, unit or match, or a target with what no deck holds; nothing has been written
 
     Examples
     --------
-    >>> error = wc.export(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), "lsdyna", "deck")
-    >>> f"{100 * error['uniaxial']:.0f} % of the strength"
+    >>> shot = wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> deck = wc.export(shot, "lsdyna", "deck")
+    >>> f"{100 * deck.summary()['uniaxial']:.0f} % of the strength"
     '35 % of the strength'
     """
     from weavecell.report import deck_folder
 
-    laws = setup.laws or setup.fabric.laws
-    made = deck_folder.made_of(
-        setup, to, units, match, title=f"{setup.title}, {setup.strike_velocity:g} m/s",
-        source=laws[0].provenance if laws and setup.cell_model == "compressible" else f"none, {setup.cell_model} yarns",
-    )  # fmt: skip
-    deck_folder.write(made, Path(out), to, setup.fabric.name, match, "", setup.fabric)
-    return made.cards[0].mismatch.numbers()
+    deck_folder.check(to, units, match)
+    panel = targets.of(target, {}, deck_folder.SUPPORT)
+    with targets.folder_of(out), panel.named():
+        made = deck_folder.made_of(panel.setup, to, units, match, title=panel.shot_title, source=panel.law_name)
+        stem = Path(panel.name).stem if panel.from_file else panel.setup.fabric.name
+        deck_folder.write(made, Path(out), to, stem, match, panel.text, panel.setup.fabric)
+    return DeckResult(deck_folder.CODES[to].name, {card.name: card.mismatch.numbers() for card in made.cards})
+
+
+@dataclass(frozen=True, repr=False)
+class DeckResult(Result):
+    """The error of the material cards of a deck.
+
+    Parameters
+    ----------
+    code : that the deck is for
+    errors : {material: law less the cell over the strength [-]}: "rms" and "largest" over the biaxial plane, largest
+        in "uniaxial" tension and in "shear" until locking
+
+    Examples
+    --------
+    >>> shot = wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> list(wc.export(shot, "radioss", "deck").errors)
+    ['S-720']
+    """
+
+    code: str
+    errors: dict[str, dict[str, float]]
+
+    def summary(self) -> dict[str, Any]:
+        """The errors of the first material."""
+        return next(iter(self.errors.values()))
+
+    def _columns(self):
+        rows = list(self.errors.values())
+        return {"material": list(self.errors)} | {name: [row[name] for row in rows] for name in rows[0]}
+
+    def __str__(self) -> str:
+        from weavecell.report.deck_folder import ROWS, percent
+
+        lines = [
+            f"{name}: " + ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())
+            for name, numbers in self.errors.items()
+        ]
+        return "\n".join([*lines, f"of the strength; the deck has not been run in {self.code}"])

@@ -9,7 +9,8 @@ it against the schema.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
@@ -40,6 +41,8 @@ DEFAULTS: dict[str, Any] = {  # of keys that the input file requires
     "opening": "203 mm",
 }
 _OBJECTS = {"fabric": ("law", "surface"), "panel": ("ply_contact",)}  # may be objects, which no file can hold
+
+_OBJECT = " of Python"  # of names that stand for objects
 
 Quantity = float | str  # in SI units, or a text with a unit
 Number = float
@@ -94,14 +97,14 @@ def tables() -> dict[str, str]:
     return flat | dict.fromkeys(GROUPS, "")
 
 
-def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> Scene:
-    """The checked scene of a call.
+def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> tuple[Scene, dict[str, Any]]:
+    """The checked scene of a call, and its table as it would stand in a file.
 
     Parameters
     ----------
     fabric : its name, for messages; None where every ply has its own
     velocity : [m/s] of the strike, or a text with a unit
-    options : of `Keywords`
+    **options : of `Keywords`
 
     Raises
     ------
@@ -132,26 +135,67 @@ def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> S
         )
     struck = {} if velocity is None else {"strike_velocity": velocity}
     table["projectile"] = {**table["projectile"], **struck}
-    written = _written(table, scenes_impact.Scene)
+    as_written = written(table, scenes_impact.Scene)
     if fabric is not None:
-        written["fabric"] |= {"name": fabric}
+        as_written["fabric"] |= {"name": fabric}
     rejected = dict(IMPACT.rejected) | {"history.report_positions": "left out: `weavecell.setup` does not support it"}
     try:
-        return scenes_impact.check(written, None, replace(IMPACT, rejected=rejected))
+        return scenes_impact.check(as_written, None, replace(IMPACT, rejected=rejected)), as_written
     except InputError as problem:
         raise named(problem) from None
+
+
+def text(table: Mapping[str, Any], fabric: object) -> str:
+    """The input file of a table of `scene`; "" where it has objects in it, or `fabric` is one, which no file can hold.
+
+    Parameters
+    ----------
+    fabric : its name or the path of its file
+    """
+    import tomlkit
+
+    if any(str(table[name].get(key)).endswith(f"{_OBJECT}.json") for name, keys in _OBJECTS.items() for key in keys):
+        return ""
+    if not isinstance(fabric, (str, Path)):
+        return ""
+    named = {"file": str(Path(fabric).resolve())} if str(fabric).endswith(".toml") else {"name": str(fabric)}
+    rest = {key: value for key, value in table["fabric"].items() if key != "name"}
+    return tomlkit.dumps({key: value for key, value in {**table, "fabric": named | rest}.items() if value})
+
+
+@contextmanager
+def of_group(group: str, values: Mapping[str, object]) -> Iterator[None]:
+    """An InputError inside this block of a key of `values` names the keyword GROUP_KEY and the value as given."""
+    try:
+        yield
+    except InputError as problem:
+        key = problem.key or ""
+        if key not in values:
+            raise
+        raise InputError(key=f"{group}_{key}", value=values[key], allowed=problem.allowed) from None
 
 
 def _stand_in(value):
     """A text for the schema: paths and tables as they are, of an object the name of its type."""
     if isinstance(value, (str, Path, Mapping)):
         return value
-    return f"{type(value).__name__}.json"
+    return f"{type(value).__name__}{_OBJECT}.json"
 
 
-def _written(values, model):
+def written(values: Mapping[str, Any], model: Any) -> dict[str, Any]:
     """A table as it stands in a file: numbers that are quantities become texts with the unit of their key."""
     return {key: _text(value, model.model_fields.get(key)) for key, value in values.items()}
+
+
+def fields_of(model: Any, name: str) -> dict[str, Any]:
+    """{key: field} of the table `name` of an input file."""
+    from weavecell.scenes.schema import tables_in
+
+    return {
+        key: field
+        for kind in tables_in(model.model_fields[name].annotation)
+        for key, field in kind.model_fields.items()
+    }
 
 
 def _text(value, entry):
@@ -187,13 +231,13 @@ def _unknown(key, value, known):
     return InputError(f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value)
 
 
-def named(problem: InputError) -> InputError:
-    """The InputErrors of a scene with keywords in place of the dotted keys of the file."""
+def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:
+    """The InputErrors of a scene with keywords in place of the dotted keys of the file, of the tables `flat`."""
     if isinstance(problem, InputErrors):
-        return together([named(one) for one in problem.problems])
+        return together([named(one, flat) for one in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
-    short = "velocity" if key == "projectile.strike_velocity" else rest if table in FLAT else ""
+    short = "velocity" if key == "projectile.strike_velocity" else rest if table in flat else ""
     if not short or not str(problem).startswith(key):
         return problem
     found = InputError(short + str(problem)[len(key) :])

@@ -43,6 +43,14 @@ def number(value: Any, unit: str, key: str) -> float:
     return found
 
 
+def above_zero(value: float | str, unit: str, key: str) -> float:
+    """`number`, which must be above 0."""
+    result = number(value, unit, key)
+    if not result > 0:
+        raise InputError(key=key, value=value, allowed="above 0")
+    return result
+
+
 def laws(fabric: Fabric, law: Any = None) -> tuple[CompressionLaw, CompressionLaw]:
     """(warp, weft) compression laws.
 

@@ -1,141 +1,21 @@
-"""Coupons in the Python interface, and the calibration of the 3D crossover."""
+"""The calibration of the 3D crossover."""
 
 from __future__ import annotations
 
-import time
 from concurrent.futures import Executor
 from dataclasses import replace
-from inspect import signature
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from fabrics import assumed
 from fabrics.checks import FilePath
-from fabrics.errors import InputError
 from fabrics.executors import InProcess
 from fabrics.fabric import Fabric
-from weavecell.api import quantities
-from weavecell.api.quasi_static_results import CalibrationResult, CouponResult, PullOutResult
-from weavecell.api.runs import as_fabric
+from weavecell.api.quasi_static_results import CalibrationResult
+from weavecell.api.targets import as_fabric
 
-if TYPE_CHECKING:
-    from weavecell.api.keywords import Law
-
-__all__ = ["calibrate", "coupon"]
+__all__ = ["calibrate"]
 
 MeshSize = Literal["coarse", "medium", "fine"]
-CellName = Literal["compressible", "incompressible", "decoupled"]
-Test = Literal["bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out"]
-
-TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
-
-
-def coupon(
-    fabric: Fabric | FilePath, test: Test, *, law: Law = None, cell_model: CellName = "compressible", **options: Any
-) -> CouponResult | PullOutResult:
-    """A test on a piece of fabric, in this process: quasi-static, or a yarn pull-out.
-
-    Parameters
-    ----------
-    fabric, law : as of `setup`
-    test : "bias_extension", "picture_frame", "uniaxial", "biaxial" or "pull_out"
-    cell_model : "compressible", "incompressible" or "decoupled"
-    options : of the function of this name in `shellfabric.coupon.quasistatic`, in SI units or with units; such as
-        length, width, elongation [m], shear_angle [rad], strain, steps, crossovers (of a picture frame). Of a pull-out
-        the keys of its table in a scene file: displacement [m], crossings, velocity [m/s], pre_tension [N],
-        crossover_friction [-], crossover_cohesion [N], all_yarns, samples; and bending [N m2] of the yarns
-
-    Returns
-    -------
-    CouponResult; of a pull-out PullOutResult
-
-    Raises
-    ------
-    InputError : an unknown test or option, a value that is not allowed, or a law that is missing
-    UnstableError : shear in bands, yarns that passed one another, or no equilibrium; its attribute `result` is the run
-
-    Examples
-    --------
-    >>> frame = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
-    >>> frame.outcome, f"{frame.summary()['shear_stress_Pa'] / 1e6:.2f} MPa"
-    ('complete', '0.84 MPa')
-    """
-    from shellfabric.cell.model import CellModel
-    from shellfabric.coupon import quasistatic
-    from weavecell.results.coupon import CouponRecord
-    from weavecell.results.coupon_measures import PRESCRIBED, indicators, measures
-    from weavecell.scenes.coupon import TESTS, TOLERANCE
-
-    if test not in TESTS:
-        raise InputError(key="test", value=test, allowed=f"one of {', '.join(TESTS)}")
-    cloth = as_fabric(fabric)
-    if test == "pull_out":
-        pulled = _pull_out(cloth, law, cell_model, options)
-        pulled.warn()
-        return pulled
-    cloth = assumed.with_shear(cloth) if test in ("bias_extension", "picture_frame") else cloth
-    run, began = getattr(quasistatic, test), time.perf_counter()
-    defaults = _checked(run, options, test)
-    laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
-    table = CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE)
-    options.setdefault("tolerance", TOLERANCE)
-    result = run(table, **options)
-    title = f"{cloth.name}, {test.replace('_', ' ')}"
-    record = CouponRecord.of(
-        result, measures(test, SimpleNamespace(**defaults | options), result), PRESCRIBED[test], title=title,
-        fabric=cloth.name, test=test, failure_message="", wall_time=time.perf_counter() - began,
-        law_name=cell_model if laws is None else laws[0].provenance,
-        checks=indicators(result, table, options["tolerance"]),
-    )  # fmt: skip
-    done = CouponResult(record, tuple(assumed.lines(cloth)))
-    done.warn()
-    return done
-
-
-def _checked(run, options, test):
-    """{option: its default} of a test; `options` become SI numbers of known names. InputError: an unknown one."""
-    if "crossovers" in options:
-        options["cells"] = options.pop("crossovers")
-    defaults = {name: one.default for name, one in signature(run).parameters.items() if one.default is not one.empty}
-    allowed = {*defaults, "tolerance", "max_iterations"}
-    for key in sorted(set(options) - allowed):
-        raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(sorted(allowed))}")
-    _to_si(options, test)
-    return defaults
-
-
-def _to_si(options, test):
-    """Numbers in SI units in place of the quantities among the `options` of a test."""
-    from weavecell.scenes.coupon import CouponScene
-    from weavecell.scenes.schema import unit_of
-    from weavecell.scenes.supported import tables
-
-    for key, entry in tables(CouponScene)[test].model_fields.items():
-        if key in options and unit_of(entry) not in (None, "1"):
-            options[key] = quantities.number(options[key], unit_of(entry), key)
-
-
-def _pull_out(cloth, law, cell_model, options):
-    """The PullOutResult of a Fabric."""
-    from shellfabric.cell.model import CellModel
-    from weavecell.results import pull_out
-    from weavecell.scenes.coupon import PullOutTable
-
-    began, entries = time.perf_counter(), PullOutTable.model_fields
-    bending = quantities.number(options.pop("bending", 0.0), "N m^2", "bending")
-    for key in sorted(set(options) - set(entries)):
-        raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(entries)} and bending")
-    if "displacement" not in options:
-        raise InputError("is missing", key="displacement", allowed=entries["displacement"].description)
-    _to_si(options, "pull_out")
-    inputs = SimpleNamespace(**{key: entry.default for key, entry in entries.items()} | options)
-    laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
-    curve = pull_out.run(CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE), inputs, bending=bending)
-    record = pull_out.PullOutRecord.of(
-        curve, title=f"{cloth.name}, pull-out", law_name=cell_model if laws is None else laws[0].provenance,
-        failure_message="", wall_time=time.perf_counter() - began,
-    )  # fmt: skip
-    return PullOutResult(record)
 
 
 def calibrate(

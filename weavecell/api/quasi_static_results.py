@@ -1,4 +1,4 @@
-"""Results of coupons, and of the calibration of the 3D crossover."""
+"""Result of the calibration of the 3D crossover."""
 
 from __future__ import annotations
 
@@ -17,138 +17,9 @@ if TYPE_CHECKING:
 
     from fabrics.compression import CompressionLaw
     from fabrics.fabric import Fabric
-    from shellfabric.panel.quality import Indicator
     from unitcell3d.identify.calibration import Calibration
-    from weavecell.results.coupon import CouponRecord
-    from weavecell.results.pull_out import PullOutRecord
 
-__all__ = ["CalibrationResult", "CouponResult", "PullOutResult"]
-
-
-@dataclass(frozen=True, repr=False)
-class CouponResult(Result):
-    """A quasi-static test on a piece of fabric.
-
-    Parameters
-    ----------
-    record : `weavecell.results.coupon.CouponRecord`
-    assumed : lines that name the laws that are assumed
-
-    Examples
-    --------
-    >>> frame = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
-    >>> [round(float(angle), 3) for angle in frame.record.prescribed]  # [rad]
-    [0.044, 0.087]
-    """
-
-    record: CouponRecord
-    assumed: tuple[str, ...] = ()
-
-    @property
-    def outcome(self) -> str:
-        """ "complete" or "yarn at its strength"."""
-        return self.record.outcome
-
-    @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks of the test."""
-        return self.record.checks
-
-    def _what(self):
-        return self.record.title
-
-    def summary(self) -> dict[str, Any]:
-        """Outcome, the checks in words, and every quantity at the end with its unit."""
-        found = {key: value for key, value in self.record.summary().items() if key != "at_end"}
-        found |= {"checks": self.checks_text}
-        return found | {name: float(values[-1]) for name, values in self._columns().items()}
-
-    def _columns(self):
-        record = self.record
-        columns = {_named(record.prescribed_name, record.prescribed_unit): record.prescribed}
-        return columns | {_named(name, unit): values for name, (unit, values) in record.measures.items()}
-
-    def plot(self) -> Figure:
-        """A matplotlib figure: the quantities of the test in the unit of the first, against what is prescribed."""
-        from weavecell.report import pictures_coupon
-
-        name, (unit, _) = next(iter(self.record.measures.items()))
-        chosen = [each for each, (other, _) in self.record.measures.items() if other == unit]
-        return figure(pictures_coupon.curves, self.record, chosen, name)
-
-    def to_vtk(self, folder: FilePath) -> Path:
-        """Write the fabric after every load step for ParaView: coupon.pvd with coupon-NNNN.vtu; returns its path."""
-        from weavecell.results import paraview
-
-        folder, files = Path(folder), {}
-        folder.mkdir(parents=True, exist_ok=True)
-        cells = paraview.topology(self.record.quads)
-        for step, (x, shear) in enumerate(zip(self.record.x, self.record.shear)):
-            name = f"coupon-{step:04d}.vtu"
-            nodes = np.column_stack([x, np.zeros(len(x))])
-            paraview.write_grid(folder / name, nodes, cells, {"shear_angle_rad": np.asarray(shear, float)})
-            files[name] = float(step + 1)
-        paraview.write_series(folder / "coupon.pvd", files)
-        return folder / "coupon.pvd"
-
-
-def _named(name, unit):
-    return name.replace(" ", "_") + ("" if unit == "1" else f"_{unit}")
-
-
-@dataclass(frozen=True, repr=False)
-class PullOutResult(Result):
-    """A yarn drawn out of held crossovers.
-
-    Parameters
-    ----------
-    record : `weavecell.results.pull_out.PullOutRecord`
-    """
-
-    record: PullOutRecord
-
-    @property
-    def outcome(self) -> str:
-        """ "complete"."""
-        return self.record.outcome
-
-    @property
-    def peak(self) -> float:
-        """[N] highest load."""
-        return self.record.curve.peak
-
-    @property
-    def plateau(self) -> float | None:
-        """[N] mean load while all crossovers slide; None where they never all do."""
-        return self.record.curve.plateau
-
-    @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks of the test."""
-        return self.record.checks
-
-    def _what(self):
-        return self.record.title
-
-    def summary(self) -> dict[str, Any]:
-        """Set-up, loads, slip length and work of friction, each with its unit; the checks in words."""
-        return self.record.summary() | {"checks": self.checks_text}
-
-    def _columns(self):
-        columns = {
-            "time_s": "time",
-            "displacement_m": "displacement",
-            "load_N": "load",
-            "crossovers_in_slip": "sliding",
-        }
-        columns |= {"crossovers_left": "left", "friction_work_J": "friction_work"}
-        return {name: getattr(self.record.curve, key) for name, key in columns.items()}
-
-    def plot(self) -> Figure:
-        """A matplotlib figure: the load, and the crossovers in slip and left, against the displacement."""
-        from weavecell.report import pictures_coupon
-
-        return figure(pictures_coupon.pull_out, self.record)
+__all__ = ["CalibrationResult"]
 
 
 @dataclass(frozen=True, repr=False)

@@ -51,6 +51,12 @@ class Result:
         if self.doubtful:
             warnings.warn(f"{self._what()}: {self.checks_text}", DoubtfulResult, stacklevel=3)
 
+    def _what_is_assumed(self) -> dict[str, Any]:
+        """Entries of a summary: what is assumed, and the range over it."""
+        assumed, around = getattr(self, "assumed", ()), getattr(self, "range", None)
+        entries = {"assumed": "; ".join(assumed)} if assumed else {}
+        return entries if around is None else entries | {"assumed_range": around.words()}
+
     def _what(self) -> str:
         """The result in a few words, for the warning."""
         return type(self).__name__

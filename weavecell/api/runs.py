@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-import inspect
-import warnings
-from collections.abc import Iterable
+import time
 from concurrent.futures import Executor
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
-from fabrics import assumed, catalogue
 from fabrics import backings as backing_data
+from fabrics import catalogue
 from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
-from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
-from fabrics.executors import as_done, open_executor
+from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.fabric import Fabric
-from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
-from weavecell.api import keywords, quantities
+from weavecell.api import keywords, limit_result, quantities, targets
 from weavecell.api.keywords import Keywords
-from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult, V50Result
-from weavecell.scenes.schema import InlineLaw
-from weavecell.scenes.target import NO_HISTORY
+from weavecell.api.limit_result import CriticalVelocityResult
+from weavecell.api.scatter_results import SensitivityResult, V50Result
+from weavecell.results import progress
+from weavecell.scenes import of_commands
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
@@ -31,14 +28,12 @@ if TYPE_CHECKING:
 __all__ = [
     "backings",
     "critical_velocity",
-    "draws",
     "fabric",
     "fabrics",
     "projectile",
     "projectiles",
+    "sensitivity",
     "setup",
-    "shoot",
-    "sweep",
     "v50",
 ]
 
@@ -128,7 +123,7 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
     ----------
     fabric : Fabric, or what `weavecell.fabric` takes; None where every dict of `ply` has its name or file
     velocity : [m/s] of the strike, or a text such as "92.5 m/s"
-    options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
+    **options : the keys of the input file (docs/reference/input.md), numbers in SI units or texts with a unit. Those of
         [fabric], [panel] and [run] are keywords (`weavecell.api.keywords.Keywords`): opening is 203 mm and end_time
         800 us where not given, without snapshot_interval only the shape at the end is kept, ply is a list of dicts, as
         [[panel.ply]]: ply=[{"count": 2}, {"name": "S-726", "angle": "90 deg"}]. The tables [projectile], [history],
@@ -152,200 +147,45 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
     >>> wc.setup("S-720", "92.5 m/s", opening="50 mm").opening
     0.05
     """
-    from weavecell.scenes import build
-
-    own = None if fabric is None else as_fabric(fabric)
-    scene = keywords.scene(None if own is None else own.name, velocity, options)
-    surface = options.get("surface")
-
-    def made(table, _):
-        """Fabric, surface and laws of a table [fabric], with the objects among the keywords in place of their names."""
-        named = table.file or (table.name if own is None or table.name != own.name else None)
-        law = options.get("law") if table.law == scene.fabric.law and named is None else table.law
-        if isinstance(law, InlineLaw) or isinstance(table.law, InlineLaw):
-            law = CompressionLaw(table.law.a, table.law.b, table.law.form)
-        cloth = build.damaged(assumed.with_shear(as_fabric(named or own)), table)
-        cell = build.surface_of(table, cloth, None, surface if isinstance(surface, ResponseSurface) else None)
-        laws = quantities.laws(cloth, law) if cell is None and table.cell_model == "compressible" else None
-        if scene.panel.plies > 1:
-            cloth = build.with_ply_contact(cloth, options.get("ply_contact"), law)
-        return cloth, cell, laws, ""
-
-    try:
-        cloths, plies = build.lay_up(scene, made)
-        cloth, cell, laws, _ = cloths[0]
-        ply = build.setup(build.Case("", cloth, laws, "", scene, cell, plies), None)
-    except InputError as problem:
-        raise keywords.named(problem) from None
-    if options.get("snapshot_interval") is None:
-        ply = replace(ply, snapshot_interval=None)
-    line_of_the_user = next(level for level, frame in enumerate(inspect.stack(0)) if frame.filename != __file__)
-    for note in ply.notes:
-        warnings.warn(note, stacklevel=line_of_the_user + 1)
-    return ply
-
-
-def shoot(
-    fabric: Fabric | FilePath | None, velocity: float | str, *, assumed_range: bool = False, **options: Unpack[Keywords]
-) -> ShotResult:
-    """Fire a projectile at a panel, in this process.
-
-    A shot that is still in flight at `end_time` is a result with the outcome "in flight". A shot with a quality check
-    beyond its limit (docs/reports/checks.md) is `doubtful`, and warns with the category `DoubtfulResult`.
-
-    Parameters
-    ----------
-    fabric, velocity, options : as of `setup`
-    assumed_range : whether the residual velocity's range over assumed laws is computed: up to eight more shots, for one
-        ply
-
-    Returns
-    -------
-    ShotResult
-
-    Raises
-    ------
-    InputError : as `setup`
-    UnstableError : the run became unphysical; its attribute `result` is the ShotResult up to then
-
-    Examples
-    --------
-    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
-    >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
-    ('in flight', 148)
-    """
-    given = setup(fabric, velocity, **options)
-    shot, problem = _fire(given)
-    if problem:
-        error = UnstableError(problem)
-        error.result = shot
-        raise error
-    shot.warn()
-    if assumed_range and given.plies == 1:
-        from weavecell.analysis import assumed_range as analysis
-
-        shot = replace(shot, range=analysis.residual_velocity(given, shot.outcome, shot.residual_velocity))
-    return shot
-
-
-def sweep(setups: Iterable[ImpactSetup], *, jobs: int = 1, executor: str | Executor = "local") -> SweepResult:
-    """Fire several shots.
-
-    With jobs = 1 they run in this process one after the other; else in `jobs` processes with one thread each, and the
-    script that calls needs the guard `if __name__ == "__main__":`.
-
-    Parameters
-    ----------
-    setups : of `setup`
-    jobs : processes
-    executor : as of `fabrics.executors.open_executor`
-
-    Returns
-    -------
-    SweepResult, in the order of `setups`; an unstable shot has the outcome "unstable". Doubtful shots warn, all in one
-    `DoubtfulResult`
-
-    Raises
-    ------
-    InputError : a set-up that cannot be run, jobs below 1, or no such executor
-
-    Examples
-    --------
-    >>> setups = [wc.setup("S-720", velocity, opening="20 mm", end_time="10 us") for velocity in (100, 150)]
-    >>> [round(shot.residual_velocity) for shot in wc.sweep(setups)]
-    [99, 148]
-    """
-    given = [(each,) for each in setups]
-    found: dict[int, ShotResult] = {}
-    with open_executor(executor, jobs) as pool:
-        for index, (shot, _) in as_done(pool, _fire, given):
-            found[index] = shot
-    result = SweepResult(tuple(found[index] for index in range(len(given))))
-    result.warn()
-    return result
-
-
-def draws(
-    setup: ImpactSetup, count: int, *, shape: float | None = None, seed: int = 1,
-    folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local",
-) -> DrawsResult:  # fmt: skip
-    """Fire at `count` whole panels or packs, each yarn with a strength of its own.
-
-    Parameters
-    ----------
-    setup : of `setup`; its symmetry and what it records are not used
-    count : number of draws, at least 2
-    shape : Weibull shape of the strengths; None takes that of weavecell/analysis/uncertainty/inputs.toml
-    seed : of all that is drawn
-    folder : where finished draws are kept and taken from; None keeps none
-    jobs, executor : as of `sweep`
-
-    Returns
-    -------
-    DrawsResult; unstable draws count in no estimate
-
-    Raises
-    ------
-    InputError : a set-up that cannot be run, fewer than two draws, or yarns that do not fail
-
-    Examples
-    --------
-    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2, seed=7)
-    >>> found.summary()["in_flight"]
-    2
-    """
-    from tempfile import TemporaryDirectory
-
-    from weavecell.analysis.uncertainty import draws as analysis
-    from weavecell.analysis.uncertainty import inputs
-
-    scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
-    with TemporaryDirectory() as spare:
-        kept = spare if folder is None else folder
-        found = analysis.study(setup, scatter, count, folder=kept, seed=seed, jobs=jobs, executor=executor)
-    return DrawsResult(found)
-
-
-def _fire(given):
-    """(ShotResult, why it became unstable or "") of a set-up."""
-    from shellfabric.impact import simulation
-    from weavecell.results.impact import ImpactRecord
-    from weavecell.results.impact_shapes import Shape
-
-    result, problem = simulation.fired(given)
-    title = f"{given.name}, {given.strike_velocity:g} m/s"
-    laws = given.laws[0].provenance if given.laws else given.cell_model
-    record = ImpactRecord.of(result, title, "3D response surface" if given.surface is not None else laws, problem)
-    shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
-    return ShotResult(record, shapes, given.fabric, _assumed(given)), problem
-
-
-def _assumed(given):
-    """Lines that name what is assumed of the fabrics of a set-up."""
-    return tuple(line for fabric in given.fabrics for line in assumed.lines(fabric))
+    return targets.made(fabric, velocity, options).setup
 
 
 def critical_velocity(
-    target: Fabric | FilePath | ImpactSetup | None, *, tolerance: float | str = 1.0, residual_shots: int = 8,
-    scan: bool = True, assumed_range: bool = False, jobs: int = 1, executor: str | Executor = "local",
-    **options: Unpack[Keywords],
+    target: Fabric | FilePath | ImpactSetup | None, *, tolerance: float | str = "1 m/s", residual_shots: int = 8,
+    scan: bool = True, scan_above: float | str = "25 %", scan_below: float | str = "10 %",
+    scan_step: float | str = "2 %", assumed_range: bool = False, jobs: int = 1, executor: str | Executor = "local",
+    out: FilePath | None = None, **options: Unpack[Keywords],
 ) -> CriticalVelocityResult:  # fmt: skip
-    """Bisect for the strike velocity between stop and perforation of a ply or pack.
+    """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual velocities.
 
-    A shot with a quality check beyond its limit counts with its outcome, but a limit with such a shot at an end of
-    its bracket or mixed zone is not sound: the result says so (`bracket_checks`), and warns with `DoubtfulResult`.
+    Further shots scan the velocities about the bracket. If one stops that is faster than one that perforates, no single
+    critical velocity exists: the zone of mixed outcomes is reported, and the result is doubtful. A shot with a quality
+    check beyond its limit counts with its outcome, but a limit with such a shot at an end of its bracket or mixed zone
+    is not sound: the result says so (`bracket_checks`).
 
-    With jobs = 1 and the local executor, no process is started; more jobs are threads of this process.
+    A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5
+    mm. A shot ends with its outcome, so that these keys of an input file are ignored: title,
+    projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
+    run.outputs. [history] and [accuracy] are rejected.
+
+    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an unstable
+    shot only the scene and the shots before it.
 
     Parameters
     ----------
-    target, options : a set-up of `setup`; or a fabric with options, both as of `setup`, without velocity and history.
-        A shot ends with its outcome: end_time and snapshot_interval are not used
-    tolerance : [m/s] at most between a stop and a perforation
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    tolerance : highest stop and lowest perforation differ by this at most [m/s]
     residual_shots : shots above the limit, for the Lambert-Jonas fit
-    scan : whether the velocities about the bracket are scanned for mixed outcomes (`limit_scan`)
-    assumed_range : whether the range over assumed laws is computed, up to eight more searches; not of a lay-up
-    jobs, executor : as of `shellfabric.impact.ballistic_limit.critical_velocity`
+    scan : whether the velocities about the bracket are scanned for mixed outcomes
+    scan_above : range above the highest stop that is scanned for further stops
+    scan_below : range below the lowest perforation that is scanned for others
+    scan_step : interval between shots of the scan
+    assumed_range : where a law of the fabric is assumed, repeat the search with both ends of its range; not of a lay-up
+    jobs : shots that run at the same time, as threads of this process
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
+        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    out : folder of the results; in Python None writes nothing
+    **options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------
@@ -365,36 +205,73 @@ def critical_velocity(
     """
     from shellfabric.impact.limit_scan import ScanRange
     from weavecell.analysis import limit_search
+    from weavecell.report import checks
 
-    given = _panel(target, options)
-    found = limit_search.search(
-        given, tolerance=_above_zero(tolerance, "m/s", "tolerance"), residual_shots=residual_shots,
-        scan=ScanRange() if scan else None, with_range=assumed_range, jobs=jobs, executor=executor,
-    )  # fmt: skip
-    result = CriticalVelocityResult(given.fabric, found.limit, found.fit, _assumed(given), found.range, setup=given)
+    width, began = quantities.above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
+    shares = {"above": scan_above, "below": scan_below, "step": scan_step}
+    with keywords.of_group("scan", shares):
+        around = ScanRange(**{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()})
+    panel = targets.of(target, options, of_commands.LIMITS)
+
+    @contextmanager
+    def stage(title):
+        with progress.bar(title) as advance:
+            yield lambda share, shot: advance(share, shot and checks.of_shot(shot))
+
+    with targets.folder_of(out) as folder:
+        try:
+            with panel.named():
+                found = limit_search.search(
+                    panel.setup, tolerance=width, residual_shots=residual_shots, scan=around if scan else None,
+                    with_range=assumed_range, jobs=jobs, executor=executor, stage=stage,
+                )  # fmt: skip
+        except (UndecidedError, UnstableError) as problem:
+            if folder is not None:
+                limit_result.write_shots(folder, panel, sorted(problem.shots, key=lambda shot: shot.strike_velocity))
+            raise
+        result = CriticalVelocityResult(
+            panel, found.limit, found.fit, targets.assumed_of(panel.setup), found.range, around if scan else None,
+            time.perf_counter() - began,
+        )  # fmt: skip
+        if folder is not None:
+            result.save(folder)
     result.warn()
     return result
 
 
 def v50(
     target: Fabric | FilePath | ImpactSetup | None, *, shots: int = 100, batch: int = 10,
-    shape: float | None = None, modulus_cov: float | None = None, crimp_cov: float | None = None, seed: int = 1,
-    folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local", **options: Unpack[Keywords],
+    weibull_shape: float | None = None, modulus_cov: float | str | None = None, crimp_cov: float | str | None = None,
+    seed: int = 1, jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None,
+    resume: bool = False, **options: Unpack[Keywords],
 ) -> V50Result:  # fmt: skip
-    """Fire at plies or packs whose yarns differ in strength, and fit the probability of perforation.
+    """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with intervals.
 
-    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the set-up models.
+    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input file models. Without
+    scatter V50 is the critical velocity. A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped,
+    and a flat cylinder of 3 g and 5.5 mm. Where no mesh is named, elements are one crossover long near the impact point
+    and up to four far off. Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and [accuracy] are
+    rejected.
+
+    The folder then holds v50.html, .csv, .json, .png, shots.csv, scene.toml, and runs/, a file for each shot.
 
     Parameters
     ----------
-    target, options : as of `critical_velocity`
-    shots, batch : how many, and how many at once: each batch is placed by the outcomes before
-    shape : Weibull shape of the strengths; None, here and below, takes that of
-        weavecell/analysis/uncertainty/inputs.toml; inf for yarns that are all alike
-    modulus_cov, crimp_cov : [-] standard deviation over mean from panel to panel
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    shots : number of shots, at least 4
+    batch : shots of a round, at least 4; each round is placed by the outcomes before
+    weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and below that of
+        weavecell/analysis/uncertainty/inputs.toml where it is not given
+    modulus_cov : coefficient of variation of the modulus from panel to panel
+    crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : of all that is drawn
-    folder : where finished shots are kept and taken from; None keeps none
-    jobs, executor : as of `sweep`
+    jobs : number of runs in parallel, each in a process of its own
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
+        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    out : folder of the results; in Python None keeps nothing
+    resume : whether to take finished shots from the folder; those of another version of the code are computed again
+    **options : beside a fabric, keywords of `setup` but history
 
     Returns
     -------
@@ -411,42 +288,78 @@ def v50(
     >>> round(found.v50, -1)  # [m/s]
     80.0
     """
-    from tempfile import TemporaryDirectory
-
     from weavecell.analysis.uncertainty import inputs
     from weavecell.analysis.uncertainty import v50 as analysis
 
-    own = {"shape": shape, "modulus": modulus_cov, "crimp": crimp_cov}
+    began = time.perf_counter()
+    own: dict[str, Any] = {"shape": weibull_shape}
+    for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
+        own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
     scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
-    given = _panel(target, options)
-    with TemporaryDirectory() as spare:
-        kept = spare if folder is None else folder
-        found = analysis.study(
-            given, scatter, shots=shots, batch=batch, seed=seed, folder=kept, jobs=jobs, executor=executor
-        )
-    return V50Result(found)
+    panel = targets.of(target, options, of_commands.LIMITS)
+    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
+        with panel.named(), progress.bar(f"{panel.title}, repeated shots") as advance:
+            study = analysis.study(
+                panel.setup, scatter, shots=shots, batch=batch, seed=seed, folder=runs, jobs=jobs, executor=executor,
+                report=advance,
+            )  # fmt: skip
+        result = V50Result(study, panel, seed, batch, time.perf_counter() - began)
+        if folder is not None:
+            result.save(folder)
+    return result
 
 
-def _panel(target: Any, options: Any) -> ImpactSetup:
-    """The set-up of a target of shots that end with their outcome."""
-    from shellfabric.impact.simulation import ImpactSetup
+def sensitivity(
+    target: Fabric | FilePath | ImpactSetup | None, *, velocity: list[float | str] | None = None, samples: int = 64,
+    seed: int = 1, jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None,
+    resume: bool = False, **options: Unpack[Keywords],
+) -> SensitivityResult:  # fmt: skip
+    """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
 
-    if isinstance(target, ImpactSetup):
-        for key in options:
-            raise InputError(key=key, allowed="left out beside a set-up, which has it")
-        return target
-    if options.get("history") is not None:
-        raise InputError(key="history", allowed=NO_HISTORY["history"])
-    return setup(target, 100.0, **options)
+    A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g and 5.5 mm. Of an input file
+    these keys are ignored: title, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
+    [accuracy] are rejected.
 
+    The folder then holds sobol.html, .csv, .json, .png, scene.toml, and runs/, a file for each row.
 
-def as_fabric(given: Fabric | FilePath) -> Fabric:
-    """A Fabric as it is, or that of a name or file."""
-    return given if isinstance(given, Fabric) else fabric(given)
+    Parameters
+    ----------
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    velocity : strike velocity [m/s], may be given again; in Python a list. That of the input file where it is left out,
+        or 92.5 and 170 m/s at a fabric
+    samples : N, a power of 2; N (inputs + 2) rows are run
+    seed : of the sample and of the intervals
+    jobs, executor, out, resume : as of `v50`
+    **options : beside a fabric, keywords of `setup` but history
 
+    Returns
+    -------
+    SensitivityResult
 
-def _above_zero(value, unit, key):
-    found = quantities.number(value, unit, key)
-    if not found > 0:
-        raise InputError(key=key, value=value, allowed="above 0")
-    return found
+    Raises
+    ------
+    InputError : as `critical_velocity`, or samples that are no power of 2
+    UnstableError : a shot became unphysical
+
+    Examples
+    --------
+    >>> found = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, opening="20 mm", end_time="10 us")
+    >>> [of.quantity for of in found.indices]
+    ['velocity', 'peak tension']
+    """
+    from weavecell.analysis.uncertainty import sobol
+
+    began = time.perf_counter()
+    velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
+    panel = targets.of(target, options, of_commands.SENSITIVITY)
+    own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
+    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
+        with panel.named(), progress.bar(f"{panel.title}, sensitivities") as advance:
+            indices = sobol.study(
+                panel.setup, velocities or own, samples=samples, seed=seed, folder=runs, jobs=jobs, executor=executor,
+                report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
+            )  # fmt: skip
+        result = SensitivityResult(indices, panel, samples, seed, time.perf_counter() - began)
+        if folder is not None:
+            result.save(folder)
+    return result

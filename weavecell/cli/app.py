@@ -22,7 +22,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 
 from fabrics.errors import InputError, WeavecellError, marked
-from weavecell.results import out_folder
+from weavecell.results import out_folder, progress
 
 INTERRUPTED = 130
 UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}  # bad input
@@ -30,22 +30,36 @@ UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDI
 # thousands that live to the end of a command, and going through them again and again took a twentieth of its time
 COLLECT_EVERY = 10_000
 
-# name: module of weavecell.commands and function, in the order of the help
+# name: module and function, of weavecell.commands or of the Python interface (weavecell.api), in the order of the help
 COMMANDS = {
     "mesh": "mesh.mesh",
     "calibrate": "calibrate.calibrate",
     "surface": "response_surface.surface",
-    "impact": "impact.impact",
+    "impact": "api.shots.shoot",
+    "draws": "api.shots.draws",
     "biaxial": "biaxial.biaxial",
-    "coupon": "coupon.coupon",
-    "compare": "compare.compare",
-    "critical-velocity": "critical_velocity.critical_velocity",
+    "coupon": "api.coupons.coupon",
+    "compare": "api.comparison.compare",
+    "critical-velocity": "api.runs.critical_velocity",
     "crossover": "crossover.crossover",
-    "sensitivity": "uncertainty.sensitivity",
-    "v50": "uncertainty.v50",
-    "sweep": "sweep.sweep",
-    "export": "export.export",
+    "sensitivity": "api.runs.sensitivity",
+    "v50": "api.runs.v50",
+    "sweep": "api.sweeps.sweep",
+    "export": "api.exports.export",
     "view": "view.view",
+}
+# of commands that are functions of the Python interface: the arguments that their help ends with, and which keywords
+# of `weavecell.setup` are options
+EXAMPLES: dict[str, tuple[str, ...]] = {
+    "critical-velocity": ("S-720 --tolerance '1 m/s'",),
+    "compare": ("tests.csv examples/S-728-pack.toml",),
+    "coupon": ("examples/coupons/S-728-bias.toml",),
+    "draws": ("examples/S-720-perforates.toml --count 20",),
+    "export": ("examples/S-720-stops.toml --to lsdyna --units g-mm-ms",),
+    "impact": ("examples/S-720-stops.toml",),
+    "sensitivity": ("S-720 --samples 64", "opening"),
+    "sweep": ("pack.toml --over panel.plies=2,4,8 --quantity critical-velocity",),
+    "v50": ("S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
 }
 GROUPS = {
     "fabrics": (
@@ -84,17 +98,21 @@ def program(word: str = "") -> typer.Typer:
 def _fill(group, commands, listed=False):
     """Add commands to a group by their names and places; where they are only listed, without importing them."""
     for name, place in commands.items():
-        module, function = place.split(".")
+        module, function = (place if name in EXAMPLES else f"commands.{place}").rsplit(".", 1)
         if listed:
             group.command(name, help=_summary(module, function))(lambda: None)
             continue
-        command = getattr(import_module(f"weavecell.commands.{module}"), function)
+        command = getattr(import_module(f"weavecell.{module}"), function)
+        if name in EXAMPLES:
+            from weavecell.cli import from_signature
+
+            command = from_signature.command(command, name, *EXAMPLES[name])
         group.command(name, epilog=command.epilog)(command)
 
 
 def _summary(module, function):
     """The first paragraph of a command's docstring, from the text of its file."""
-    text = (Path(__file__).parents[1] / "commands" / f"{module}.py").read_text("utf-8")
+    text = (Path(__file__).parents[1] / f"{module.replace('.', '/')}.py").read_text("utf-8")
     return re.search(rf'^def {function}\(.*?"""(.*?)(\n\n|""")', text, re.DOTALL | re.MULTILINE)[1]
 
 
@@ -114,12 +132,21 @@ def _root(
     pass
 
 
+class _Lines(logging.Handler):
+    """What is assumed goes to stdout with the results; warnings go to stderr."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        print(self.format(record), file=sys.stderr if record.levelno > logging.INFO else sys.stdout, flush=True)
+
+
 def main(arguments: Iterable[str] | None = None) -> NoReturn:
     """Run the command line; never returns."""
     gc.set_threshold(COLLECT_EVERY)
-    log: Any = logging.getLogger("weavecell")
+    progress.shown = True
+    log = logging.getLogger("weavecell")
     log.propagate = False  # plain lines, whatever an imported library sets up for all loggers (ffcx does)
-    log.addHandler(logging.lastResort)
+    log.setLevel(logging.INFO)
+    log.addHandler(lines := _Lines())
     # click's own class, wherever this typer keeps its click
     usage_error: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
@@ -138,6 +165,9 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
         code = INTERRUPTED
     finally:
         out_folder.release()
+        progress.shown = False
+        log.removeHandler(lines)
+        log.propagate = True
     if code == INTERRUPTED:
         _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)

@@ -44,10 +44,6 @@ class Section(StrEnum):
 FabricArgument = Annotated[
     str, typer.Argument(metavar="FABRIC", help="A name of the catalogue, or the path of a fabric file.")
 ]
-TargetArgument = Annotated[
-    str,
-    typer.Argument(metavar="FILE|FABRIC", help="An input file of one ply or a pack, a fabric's name, or its file."),
-]
 OutOption = Annotated[
     Path | None,
     typer.Option(
@@ -62,9 +58,6 @@ ResumeOption = Annotated[
         "computed again; the state of an unfinished run (checkpoint.h5, partial.h5) of another version is refused.",
     ),
 ]
-StrictOption = Annotated[
-    bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit; results are written.")
-]
 JobsOption = Annotated[int, typer.Option("--jobs", min=1, help="Number of runs in parallel.", metavar="N")]
 ExecutorOption = Annotated[
     str,
@@ -74,10 +67,6 @@ ExecutorOption = Annotated[
         "mpi4py.futures -m weavecell ...; or the workers of the Dask scheduler at DASK_SCHEDULER_ADDRESS.",
         metavar="local|mpi|dask",
     ),
-]
-SeedOption = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
-WeibullOption = Annotated[
-    float | None, typer.Option("--weibull-shape", help="Weibull shape of the yarns' strength; inf for none.", min=1.0)
 ]
 MeshOption = Annotated[Size, typer.Option("--mesh", help="Mesh of the 3D crossover.")]
 FinenessOption = Annotated[
@@ -91,16 +80,6 @@ FinenessOption = Annotated[
 SectionOption = Annotated[Section | None, typer.Option(help="Yarn section; the fabric's own if not given.")]
 GapOption = Annotated[str, typer.Option("--yarn-gap", help="Gap between parallel yarns.", metavar="LENGTH")]
 FrictionOption = Annotated[float, typer.Option(min=0, help="Coulomb's coefficient between the yarns.")]
-AssumedRangeOption = Annotated[
-    bool,
-    typer.Option(
-        "--assumed-range/--no-assumed-range",
-        help="Where a law of the fabric is assumed: repeat the run with both ends of its range.",
-    ),
-]
-ToleranceOption = Annotated[
-    str, typer.Option(help="Highest stop and lowest perforation differ by this at most.", metavar="VELOCITY")
-]
 ListOption = Annotated[Path | None, typer.Option("--out", "-o", help="Also write it as CSV.", metavar="FILE.csv")]
 
 
@@ -112,14 +91,6 @@ def example(words: str) -> Callable[[Function], Function]:
         return command
 
     return mark
-
-
-def above_zero(text: str, unit: str, key: str) -> float:
-    """The number [SI] of a quantity; InputError unless it is above 0."""
-    found = units.si(text, unit, key=key)
-    if not found > 0:
-        raise InputError(key=key, value=text, allowed="above 0")
-    return found
 
 
 def refuse_others(context: typer.Context, allowed: Container[str], where: str) -> None:

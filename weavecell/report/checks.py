@@ -10,7 +10,7 @@ from shellfabric.panel.quality import DOUBTFUL, NOTED, OK, status
 from weavecell.report.page import Section, Table
 
 if TYPE_CHECKING:
-    from shellfabric.impact.ballistic_limit import Limit
+    from shellfabric.impact.ballistic_limit import Limit, Shot
     from shellfabric.panel.quality import Indicator
 
 _SHOWN = 3  # indicators of the printed line
@@ -32,6 +32,12 @@ def words(indicators: Sequence[Indicator]) -> str:
     """ "ok", or "doubtful: ..." or "noted: ..." with the worst indicators."""
     found = status(indicators)
     return found if found == OK else f"{found}: {line(indicators, found)}"
+
+
+def of_shot(shot: Shot) -> str:
+    """A shot in a few words, for the progress of a search."""
+    doubt = ", doubtful" if status(shot.checks) == DOUBTFUL else ""
+    return f"{shot.outcome} at {shot.strike_velocity:.1f} m/s{doubt}"
 
 
 def of_bracket(limit: Limit) -> str:

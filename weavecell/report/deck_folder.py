@@ -53,11 +53,20 @@ SUPPORT = target.support(
 )  # fmt: skip
 
 
-def made_of(setup: ImpactSetup, to: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
-    """The deck of a set-up for a code of CODES; other parameters and exceptions as `deck.build`, `match` of MATCHES."""
-    for key, value, names in (("--to", to, CODES), ("--match", match, MATCHES)):
+def check(to: str, units: str, match: str) -> None:
+    """Check the choices of a deck.
+
+    Raises
+    ------
+    InputError : a code that is none of CODES, or unknown units or match
+    """
+    for key, value, names in (("to", to, CODES), ("units", units, deck.UNITS), ("match", match, MATCHES)):
         if value not in names:
             raise InputError(key=key, value=value, allowed=" or ".join(names))
+
+
+def made_of(setup: ImpactSetup, to: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
+    """The deck of a set-up, by choices that `check` accepts; other parameters and exceptions as `deck.build`."""
     code = CODES[to]
     return deck.build(
         setup, partial(code.kind.of, match=match), units, title=title, source=source,

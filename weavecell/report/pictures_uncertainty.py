@@ -26,29 +26,33 @@ LABELS = {
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 
-def indices(found: Any, path: FilePath, title: str) -> None:
-    """First and total order of each quantity, a panel each."""
-    with plots() as pyplot:
-        rows = -(-len(found) // 2)
-        figure, axes = pyplot.subplots(rows, 2, figsize=(11, 4.1 * rows), sharey=True, squeeze=False)
-        for axis, one in zip(axes.flat, found):
-            y = np.arange(len(one.names))
-            for values, half, shift, colour, label in (
-                (one.first, one.first_half, -0.19, BLUE, "first order"),
-                (one.total, one.total_half, 0.19, ORANGE, "total order"),
-            ):
-                axis.barh(y + shift, values, 0.36, color=colour, label=label)
-                axis.errorbar(values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5)
-            axis.set_yticks(y, [LABELS.get(name, name) for name in one.names])
-            axis.invert_yaxis() if axis is axes[0, 0] else None
-            axis.grid(axis="y", visible=False)
-            axis.axvline(0, color=FAINT, lw=0.9)
-            axis.set(title=f"{one.quantity}, struck at {one.velocity:g} m/s", xlabel="share of the variance [-]")
-        axes.flat[0].legend(loc="lower right")
-        for axis in axes.flat[len(found) :]:
-            axis.set_visible(False)
-        figure.suptitle(title)
-        _save(figure, path)
+def indices(pyplot: Any, found: Any, title: str) -> Any:
+    """First and total order of each quantity, a panel each.
+
+    Parameters
+    ----------
+    found : sequence of weavecell.analysis.uncertainty.sobol.Indices
+    """
+    rows = -(-len(found) // 2)
+    figure, axes = pyplot.subplots(rows, 2, figsize=(11, 4.1 * rows), sharey=True, squeeze=False)
+    for axis, one in zip(axes.flat, found):
+        y = np.arange(len(one.names))
+        for values, half, shift, colour, label in (
+            (one.first, one.first_half, -0.19, BLUE, "first order"),
+            (one.total, one.total_half, 0.19, ORANGE, "total order"),
+        ):
+            axis.barh(y + shift, values, 0.36, color=colour, label=label)
+            axis.errorbar(values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5)
+        axis.set_yticks(y, [LABELS.get(name, name) for name in one.names])
+        axis.invert_yaxis() if axis is axes[0, 0] else None
+        axis.grid(axis="y", visible=False)
+        axis.axvline(0, color=FAINT, lw=0.9)
+        axis.set(title=f"{one.quantity}, struck at {one.velocity:g} m/s", xlabel="share of the variance [-]")
+    axes.flat[0].legend(loc="lower right")
+    for axis in axes.flat[len(found) :]:
+        axis.set_visible(False)
+    figure.suptitle(title)
+    return figure
 
 
 def perforation(pyplot: Any, study: Any, title: str) -> Any:
@@ -90,30 +94,29 @@ def perforation(pyplot: Any, study: Any, title: str) -> Any:
     return figure
 
 
-def draws(study: Any, path: FilePath, title: str) -> None:
+def draws(pyplot: Any, study: Any, title: str) -> Any:
     """Residual velocities of drawn panels in their order, and the mean with its standard error over the draws."""
     counted = study.counted
     values = np.array([one.residual_velocity for one in counted])
     colours = {"stopped": INK, "perforated": RED, "in flight": ORANGE}
-    with plots() as pyplot:
-        figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.4))
-        order = np.argsort(values, kind="stable")
-        share = (np.arange(values.size) + 0.5) / max(values.size, 1)
-        for outcome, colour in colours.items():
-            some = np.array([counted[k].outcome == outcome for k in order], bool)
-            if some.any():
-                left.plot(values[order][some], share[some], "o", ms=5, color=colour, label=outcome)
-        left.set(xlabel="residual velocity [m/s]", ylabel="share of draws at or below [-]", ylim=(0, 1))
-        left.legend(loc="best")
-        n = np.arange(2, values.size + 1)
-        means = np.array([values[:k].mean() for k in n])
-        errors = np.array([values[:k].std(ddof=1) / np.sqrt(k) for k in n])
-        right.fill_between(n, means - errors, means + errors, color=BLUE, alpha=0.18, lw=0, label="standard error")
-        right.plot(n, means, color=BLUE, label="mean")
-        right.set(xlabel="number of draws", ylabel="mean residual velocity [m/s]")
-        right.legend(loc="best")
-        figure.suptitle(title)
-        _save(figure, path)
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.4))
+    order = np.argsort(values, kind="stable")
+    share = (np.arange(values.size) + 0.5) / max(values.size, 1)
+    for outcome, colour in colours.items():
+        some = np.array([counted[k].outcome == outcome for k in order], bool)
+        if some.any():
+            left.plot(values[order][some], share[some], "o", ms=5, color=colour, label=outcome)
+    left.set(xlabel="residual velocity [m/s]", ylabel="share of draws at or below [-]", ylim=(0, 1))
+    left.legend(loc="best")
+    n = np.arange(2, values.size + 1)
+    means = np.array([values[:k].mean() for k in n])
+    errors = np.array([values[:k].std(ddof=1) / np.sqrt(k) for k in n])
+    right.fill_between(n, means - errors, means + errors, color=BLUE, alpha=0.18, lw=0, label="standard error")
+    right.plot(n, means, color=BLUE, label="mean")
+    right.set(xlabel="number of draws", ylabel="mean residual velocity [m/s]")
+    right.legend(loc="best")
+    figure.suptitle(title)
+    return figure
 
 
 def sweep(pyplot: Any, x: Any, words: str, table: Any, others: Any, columns: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi
 from typing import TYPE_CHECKING, Any
 
@@ -10,9 +11,11 @@ import numpy as np
 from shellfabric.coupon import quasistatic
 
 if TYPE_CHECKING:
+    from shellfabric.cell.model import CellTable
     from shellfabric.coupon.solver import Result
     from shellfabric.panel.quality import Indicator
 
+TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 # what each test prescribes: name, unit
 PRESCRIBED = {
     "bias_extension": ("elongation", "m"),
@@ -20,6 +23,12 @@ PRESCRIBED = {
     "uniaxial": ("strain of the strip", "1"),
     "biaxial": ("strain of the cross", "1"),
 }
+
+
+def relaxed(table: CellTable, test: str, inputs: Mapping[str, Any], **options: Any) -> Result:
+    """The Result of a quasi-static test: `inputs` by the keys of its table, options as of its function."""
+    named = {"cells" if key == "crossovers" else key: value for key, value in inputs.items()}
+    return getattr(quasistatic, test)(table, **named, **options)
 
 
 def measures(test: str, inputs: Any, result: Result) -> dict[str, tuple[str, np.ndarray]]:

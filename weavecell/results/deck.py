@@ -236,7 +236,7 @@ def build(
     InputError : unknown units, or what no deck holds
     """
     if units not in UNITS:
-        raise InputError(key="--units", value=units, allowed=" or ".join(UNITS))
+        raise InputError(key="units", value=units, allowed=" or ".join(UNITS))
     for key, (allowed, has) in REFUSED.items():
         if has(setup):
             raise InputError(key=key, allowed=allowed)

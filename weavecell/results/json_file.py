@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,20 @@ from weavecell.results import keys
 
 
 def write(path: FilePath, content: object) -> None:
-    """Write `content`; numpy numbers and arrays become numbers and lists."""
+    """Write `content`; numpy numbers and arrays become numbers and lists, what is not finite becomes null."""
     with write_whole(path) as file:
-        json.dump(content, file, indent=2, default=lambda value: value.tolist())
+        json.dump(_finite(content), file, indent=2, allow_nan=False)
         file.write("\n")
+
+
+def _finite(content):
+    if isinstance(content, Mapping):
+        return {key: _finite(value) for key, value in content.items()}
+    if isinstance(content, (list, tuple)):
+        return [_finite(value) for value in content]
+    if hasattr(content, "tolist"):
+        return _finite(content.tolist())
+    return None if isinstance(content, float) and not isfinite(content) else content
 
 
 def write_summary(path: FilePath, content: Mapping[str, Any]) -> None:

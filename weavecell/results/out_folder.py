@@ -8,7 +8,8 @@ from __future__ import annotations
 import atexit
 import json
 import os
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -51,14 +52,30 @@ def claim(folder: Path, resume: bool = False) -> None:
         print(f"replaces the results of {earlier} in {folder}")
 
 
+@contextmanager
+def held(folder: Path, resume: bool = False) -> Iterator[Path]:
+    """The folder, which is claimed in this block; an outer claim goes on."""
+    mine = folder.resolve() not in _held
+    claim(folder, resume)
+    try:
+        yield folder
+    finally:
+        if mine:
+            _release(folder.resolve())
+
+
 def release() -> None:
     """Free all folders; one that was made and is still empty goes."""
-    while _held:
-        place, (descriptor, made) = _held.popitem()
-        with suppress(OSError):
-            os.unlink(place / LOCK)
-        os.close(descriptor)
-        _remove_empty(made)
+    for place in tuple(_held):
+        _release(place)
+
+
+def _release(place):
+    descriptor, made = _held.pop(place)
+    with suppress(OSError):
+        os.unlink(place / LOCK)
+    os.close(descriptor)
+    _remove_empty(made)
 
 
 def _locked(path):

@@ -1,4 +1,7 @@
-"""Progress on stderr: one bar per stage of work on a terminal; elsewhere, as in a batch job, plain lines."""
+"""Progress on stderr: one bar per stage of work on a terminal; elsewhere, as in a batch job, plain lines.
+
+Only the command line shows it (`shown`), not the functions of the Python interface.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,15 @@ from typing import Any
 from fabrics.errors import UnstableError
 
 _EVERY = 30.0  # [s] between plain lines
+shown = False
 
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage; yields `advance(fraction, text="")`, to be called with the fraction done, 0 to 1."""
+    if not shown:
+        yield lambda *_: None
+        return
     if not sys.stderr.isatty():
         started = last = time.perf_counter()
 

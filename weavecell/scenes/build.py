@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
@@ -27,6 +28,7 @@ from weavecell.scenes.words import shot_in_words
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup, Ply
 
+LOG = logging.getLogger("weavecell")  # the command line prints its lines
 _OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")
 # keys whose field in the objects of shellfabric has another name
 FIELDS = {
@@ -129,7 +131,7 @@ def build(scene: Any, file: Path, name: str) -> Case:
     fabric, surface, laws, law_name = cloths[0]
     shot = getattr(scene, "projectile", None)
     if shot is not None and (shot.name is not None or shot.stl is not None):
-        print(f"projectile: {shot_in_words(shot)}")
+        LOG.info(f"projectile: {shot_in_words(shot)}")
     return Case(name, fabric, laws, law_name, scene, surface, plies)
 
 
@@ -170,7 +172,7 @@ def lay_up(scene: Any, make: Callable[[FabricTable, str], Any]) -> tuple[list[An
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
-    """The impact's set-up for `shellfabric`. With a file, its notes are printed.
+    """The impact's set-up for `shellfabric`. With a file, its notes are logged.
 
     Raises
     ------
@@ -203,7 +205,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     except InputError as problem:
         raise in_file(problem, file) from None
     for note in made.notes if file is not None else ():
-        print(f"note: {note}")
+        LOG.info(f"note: {note}")
     return made
 
 
@@ -314,16 +316,16 @@ def _with_strength(fabric, scene, file):
 
 
 def _sheared(fabric, scene, file):
-    """The fabric with the trellis law that its fabric needs; prints one line where that is assumed or left out."""
+    """The fabric with the trellis law that its fabric needs; logs one line where that is assumed or left out."""
     need = getattr(scene, "trellis_law", "needed")
     try:
         fabric = fabric if need == "unused" else assumed.with_shear(fabric)
     except InputError as problem:
         if need == "needed":
             raise InputError(str(problem), file=file) from None
-        print(f"no [shear] of {fabric.name}: its fabric has no shear stiffness")
+        LOG.info(f"no [shear] of {fabric.name}: its fabric has no shear stiffness")
     for line in assumed.lines(fabric):
-        print(line)
+        LOG.info(line)
     return fabric
 
 
@@ -409,3 +411,8 @@ def _laws(table, key, fabric, file):
 
 def _source(fabric):
     return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))
+
+
+def cell_of(table: FabricTable) -> tuple[Any, ...]:
+    """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
+    return table.crossover_gap, table.cell_model, table.cell_formulation, table.cell_profile, table.fibre_slack

@@ -14,7 +14,7 @@ ACCURACY = replace(IMPACT, rejected=build.NO_SLACK | build.PINNED)
 DRAWS = replace(
     IMPACT,
     ignored=("panel.symmetry", *target.UNWRITTEN, "history"),
-    rejected=build.NO_SLACK | {"accuracy": "left out with --draws, which runs the mesh of the scene"},
+    rejected=build.NO_SLACK | {"accuracy": "left out of draws, which run the mesh of the scene"},
 )
 LIMITS = target.support(
     ignored=("title", *target.UNWRITTEN, "projectile.strike_velocity", "run.end_time", "backing.after_stop")

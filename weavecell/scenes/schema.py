@@ -306,6 +306,8 @@ def _crossovers(value):
     if not isinstance(value, str):
         return float(value)
     over, _, under = value.partition("/")
+    if int(under) == 0:
+        raise ValueError("divided by 0")
     return int(over) / int(under)
 
 

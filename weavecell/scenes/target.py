@@ -1,15 +1,15 @@
 """What a command shoots at: an input file, a fabric of the catalogue, or a fabric file.
 
 A fabric is shot at as in the tests of the thesis: one ply, 203 mm square and clamped, struck by the flat cylinder of
-3 g and 5.5 mm (`standard.toml`).
+3 g and 5.5 mm (`STANDARD`).
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,11 @@ from weavecell.scenes.supported import Support, of
 ALLOWED = "an input file or fabric file (*.toml), or one of "
 UNWRITTEN = of("run", "snapshot_interval checkpoint_interval outputs")  # by commands that shoot many times
 NO_HISTORY = {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
+STANDARD = {
+    "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "strike_velocity": "92.5 m/s"},
+    "panel": {"opening": "203 mm"},
+    "run": {"end_time": "600 us"},
+}
 _OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
 
 
@@ -33,14 +38,14 @@ class Target:
 
     Parameters
     ----------
-    case : build.Case
+    case : build.Case; None of a set-up that was made in Python
     setup : ImpactSetup
-    text : of the input file; that of a fabric is the standard one
+    text : of the input file; that of a fabric is the standard one, "" where no file can say what is shot at
     name : as it was given
     from_file : whether it is an input file
     """
 
-    case: build.Case
+    case: build.Case | None
     setup: Any
     text: str
     name: str
@@ -52,9 +57,32 @@ class Target:
         return self.setup.title
 
     @property
-    def projectile(self) -> str:
-        """The projectile in words."""
-        return words.shot_in_words(self.case.scene.projectile)
+    def shot_title(self) -> str:
+        """The title of the input file, or fabric, plies and strike velocity."""
+        own = None if self.case is None else self.case.scene.title
+        return own or f"{self.title}, {self.setup.strike_velocity:g} m/s"
+
+    @property
+    def law_name(self) -> str:
+        """Where the compression laws come from, in words."""
+        if self.case is not None:
+            return self.case.law_name
+        if self.setup.surface is not None:
+            return "3D response surface"
+        return self.setup.laws[0].provenance if self.setup.laws else self.setup.cell_model
+
+    @property
+    def projectile(self) -> str | None:
+        """The projectile in words; None of a set-up."""
+        return None if self.case is None else words.shot_in_words(self.case.scene.projectile)
+
+    @contextmanager
+    def named(self) -> Iterator[None]:
+        """An InputError inside this block names the input file and its key."""
+        try:
+            yield
+        except InputError as problem:
+            raise self.in_file(problem) from None
 
     def in_file(self, problem: InputError) -> InputError:
         """An InputError of what an input file asks, with the file and its key in it; any other as it is."""
@@ -70,9 +98,7 @@ def support(*, ignored: tuple[str, ...] = ("title", *UNWRITTEN), rejected: Mappi
     return Support(scenes.Scene, ignored, refused, build.SHOT_RULES)
 
 
-def read(
-    name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None = None, own_mesh: bool = False, **panel: Any
-) -> Target:
+def read(name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None = None) -> Target:
     """The target of a name.
 
     Parameters
@@ -81,34 +107,35 @@ def read(
     out : folder of the results, from which the standard scene of a fabric file is named
     check : Support, or a function that gives it from the scene
     changes : {dotted key: value as it is written} in place of what the scene says
-    own_mesh : whether the command chooses the mesh of the standard scene
-    panel : keys of [panel] of the standard scene, as they are written; those that are None are left out
 
     Raises
     ------
-    InputError : no such file or fabric, a wrong one, a key that the command does not honour, or keys of a panel beside
-        an input file, which has its own
+    InputError : no such file or fabric, a wrong one, or a key that the command does not honour
     """
-    stem, given = Path(name).stem, {key: value for key, value in panel.items() if value is not None}
+    stem = Path(name).stem
     if name in catalogue.list_names():
         fabric = {"name": name}
     elif name.endswith(".toml"):
-        text, found = scenes.read_toml(name, what="scene or fabric")
-        if _OF_A_SCENE & set(found):
-            for key, value in given.items():
-                raise InputError(key=f"--{key}", value=value, allowed=f"left out: panel.{key} of {name} has it")
-            return _target(scenes.check(changed(found, changes), name, check), name, stem, text, from_file=True)
+        text, table = scenes.read_toml(name, what="scene or fabric")
+        if _OF_A_SCENE & set(table):
+            return _target(scenes.check(changed(table, changes), name, check), name, stem, text, from_file=True)
         catalogue.read(name)
         fabric = {"file": os.path.relpath(name, out)}
     else:
         raise InputError(key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names()))
-    file: Any = resources.files("weavecell") / "scenes" / "standard.toml"
-    standard = scenes.read_toml(file, what="scene")[1]
-    table = {**standard, "fabric": fabric | standard["fabric"], "panel": standard["panel"] | given}
-    if own_mesh or "grading" in given:
-        table["run"] = {key: value for key, value in standard["run"].items() if key != "elements_per_crossover"}
+    table = {"fabric": fabric, **{key: dict(value) for key, value in STANDARD.items()}}
     text = tomlkit.dumps(table)
     return _target(scenes.check(changed(table, changes), out / "scene.toml", check), name, stem, text)
+
+
+def is_input_file(name: str) -> bool:
+    """Whether a name is the path of an input file, and not of a fabric file or a fabric.
+
+    Raises
+    ------
+    InputError : no such file, or not TOML
+    """
+    return name.endswith(".toml") and bool(_OF_A_SCENE & set(scenes.read_toml(name, what="scene or fabric")[1]))
 
 
 def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -132,5 +159,5 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
 def _target(scene, name, stem, text, from_file=False):
     case = build.build(scene, name, stem)  # which prints the projectile where it has a name or a file
     if scene.projectile.name is None and scene.projectile.stl is None:
-        print(f"projectile: {words.shot_in_words(scene.projectile)}")
+        build.LOG.info(f"projectile: {words.shot_in_words(scene.projectile)}")
     return Target(case, build.setup(case, name), text, name, from_file)

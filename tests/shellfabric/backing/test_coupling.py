@@ -1,4 +1,4 @@
-"""The block behind a panel: momentum and energy of all three, steps of its face, bunched cloth, resumption."""
+"""The block behind a panel: momentum of all three, steps of its face, and the run that goes on after the stop."""
 
 from dataclasses import replace
 
@@ -10,7 +10,6 @@ from fabrics.materials import Isotropic, load
 from shellfabric.backing import contact_kernels
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingCoupling, radius_at, wall_angle
-from shellfabric.cloth import jamming_kernels
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
@@ -23,21 +22,6 @@ BACKING = load("backing")
 ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)
 BLOCK = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
 QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 40e-6, "backing": BLOCK}
-
-
-@pytest.fixture(scope="module")
-def struck(fabric):
-    return run(ImpactSetup(fabric, 100.0, **QUICK))
-
-
-def test_energy_balance(struck):
-    assert struck.energy_error_max < 5e-3
-    for name in ("backing_kinetic", "backing_elastic", "backing_damped"):
-        assert struck.energies[name][-1] > 0
-    bare = run(replace(struck.setup, backing=None))
-    assert bare.backing is None
-    assert struck.v[-1] < bare.v[-1] - 1.0  # the block helps to stop the shot
-    assert struck.backing.crater[0, 1] > 0.8 * struck.nose_position[-1]
 
 
 def test_momentum_of_all_three_is_kept(fabric):
@@ -101,73 +85,6 @@ def test_shots_without_failure_have_a_table_that_goes_far(fabric):
     assert not setup.panel().failure
 
 
-def plain_jam(panel, state, const):
-    """Energy of bunched segments, by numpy."""
-    K, limit = const.jamming
-    total, shape = 0.0, (const.ni + 1, const.row_stride)
-    rest = (*panel.coordinates(), np.zeros(shape))
-    x = np.stack([np.asarray(u)[: shape[0] * shape[1]].reshape(shape) + r for u, r in zip(state.u, rest)], axis=-1)
-    for axis, d in ((0, const.dx), (1, const.dy)):
-        stretch = np.linalg.norm(np.diff(x, axis=axis), axis=2) / d
-        y = np.asarray(state.yarn_length[axis])[: shape[0] * shape[1]].reshape(shape)
-        y = y[:-1] if axis == 0 else y[:, :-1]
-        total += np.sum(np.where(stretch < limit, 0.5 * K * y * np.log(stretch / limit) ** 2, 0.0))
-    return total
-
-
-def test_bunched_yarns_push_back_by_the_slope_of_their_energy(fabric):
-    panel = ImpactSetup(fabric, 100.0, opening=0.04, table_size=61, jam=(1000.0, 0.8)).panel()
-    const, state = panel.constants(), panel.state(100.0)
-    random, n = np.random.default_rng(1), (const.ni + 1) * const.row_stride
-    for u in state.u:
-        u[:n] += 0.35 * const.dx * random.uniform(-1, 1, n)
-    for part, length in zip(state.intact_fraction, state.yarn_length):  # half of the yarns of some lines have failed,
-        part[50:80] *= 0.5  # of which what is left was counted by half
-        length[50:80] *= 0.5
-    assert jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, False) == pytest.approx(
-        plain_jam(panel, state, const), rel=1e-12
-    )
-    for g in state.f_int:
-        g[:] = 0.0
-    jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, True)
-    way = [random.normal(size=n) for _ in range(3)]
-    work = sum(float(g[:n] @ w) for g, w in zip(state.f_int, way))
-    ends = []
-    for s in (1e-10, -2e-10):
-        for u, w in zip(state.u, way):
-            u[:n] += s * w
-        ends.append(jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, False))
-    assert work == pytest.approx(-(ends[0] - ends[1]) / 2e-10, rel=1e-5)
-    assert jamming_kernels.jamming_forces(np.array([0.0, 1.0]), state, panel.constants(), 0, const.ni, True) == 0.0
-
-
-def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
-    """Without the term a segment is pressed flat, and the trellis throws its nodes away: 63 us on S-728 at 150 m/s."""
-    setup = ImpactSetup(
-        fabric, 200.0, opening=0.1, table_size=101, failure=False, jam=(1000.0, 0.6), end_time=80e-6,
-        projectile=Projectile(mass=8.1e-3),
-        backing=Backing(size=(0.12, 0.12, 0.06), min_size=3e-3, refined_depth=9e-3, growth=1.5),
-    )  # fmt: skip
-    result = run(setup)
-    x = result.last[0].nodes
-    shortest = np.linalg.norm(np.diff(x, axis=0), axis=2).min() / result.panel.spacing[0]
-    assert shortest > 0.4
-    assert result.energy_error_max < 0.01
-    assert result.energies["jamming"].max() < 0.01 * result.strike_energy
-
-
-def test_resumes_bit_for_bit(struck, tmp_path):
-    path = tmp_path / "checkpoint.h5"
-    run(replace(struck.setup, end_time=20e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
-    march = PackSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
-    checkpoint.read(march, path)
-    resumed = collect_result(struck.setup, march.run())
-    np.testing.assert_array_equal(resumed.step_history, struck.step_history)
-    np.testing.assert_array_equal(resumed.backing.nodes, struck.backing.nodes)
-    for name, values in struck.energies.items():
-        np.testing.assert_array_equal(resumed.energies[name], values)
-
-
 def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     """The run goes on for `after_stop`. What came before the stop is the same; a limit needs no more."""
     light = Projectile(mass=0.02e-3, radius=3e-3)
@@ -189,14 +106,6 @@ def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     assert ballistic_limit.shoot(long.target(), [60.0])[0].time == pytest.approx(stopped.t[-1], abs=2.1e-6)
 
 
-def test_threads_of_the_fabric_change_no_bit_and_end(fabric):
-    """With a block steps are made one at a time, and the other threads are released at the end, too."""
-    pack = ImpactSetup(fabric, 100.0, **{**QUICK, "end_time": 10e-6}, plies=2)
-    one, two = (run(replace(pack, numerics=Numerics(threads=threads))) for threads in (1, 2))
-    np.testing.assert_array_equal(one.step_history, two.step_history)
-    np.testing.assert_array_equal(one.backing.nodes, two.backing.nodes)
-
-
 def test_a_block_that_breaks_down_ends_a_run_of_two_threads(fabric):
     pack = ImpactSetup(fabric, 100.0, **QUICK, plies=2, numerics=Numerics(threads=2))
     march = PackSolver(pack.target(), 100.0, QUICK["end_time"])
@@ -216,32 +125,18 @@ def test_measures_of_a_crater():
     assert wall_angle(cone) == pytest.approx(np.arctan(2))
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"symmetry": "half"},
-        {"projectile": Projectile(yaw=0.1)},
-        {"backing": replace(BLOCK, size=(0.03, 0.06, 0.03))},
-        {"jam": (-1.0, 0.5)},
-        {"jam": (1.0, 1.5)},
-    ],
-)
+@pytest.mark.parametrize("changes", [{"jam": (-1.0, 0.5)}, {"jam": (1.0, 1.5)}])
 def test_bad_input_is_refused(fabric, changes):
-    setup = ImpactSetup(
-        fabric, 100.0, **QUICK | {"symmetry": "whole" if "projectile" in changes else "quarter"} | changes
-    )
     with pytest.raises(InputError):
-        PackSolver(setup.panel(), 100.0, 1e-5)
+        ImpactSetup(fabric, 100.0, **QUICK | changes).panel()
 
 
-def test_a_whole_block_is_four_quarters(struck, fabric):
-    """Also behind plies at any angle, along whose opening, not along whose yarns, it lies."""
-    whole = run(replace(struck.setup, symmetry="whole", end_time=20e-6))
-    quarter = run(replace(struck.setup, end_time=20e-6))
-    assert whole.energies["backing_plastic"][-1] > 0.0
-    for name, values in quarter.energies.items():
-        np.testing.assert_allclose(whole.energies[name], values, atol=1e-9 * quarter.strike_energy)
-    one, other = whole.backing, quarter.backing
+def test_a_whole_block_is_four_quarters(fabric):
+    """In all that is read off it."""
+    one, other = (
+        run(ImpactSetup(fabric, 100.0, symmetry=part, **QUICK | {"end_time": 20e-6})).backing
+        for part in ("whole", "quarter")
+    )
     assert (one.share, other.share) == (1.0, 0.25)
     for name in ("crater", "crater_weft"):
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=1e-12)

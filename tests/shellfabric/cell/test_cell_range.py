@@ -1,6 +1,5 @@
 """The range of the cell's table, in fabrics of high crimp and of cells far from square."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -8,12 +7,10 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.fabric import Fabric
-from fabrics.surface import ResponseSurface
 from fabrics.weave import Weave, arc_length, height_from_length
 from fabrics.yarn import Yarn
 from shellfabric.cell.crossover_kernels import free_height
-from shellfabric.cell.model import FORMS, MODELS, PROFILES, CellModel
-from shellfabric.cell.surface_cell import SurfaceCell
+from shellfabric.cell.model import PROFILES, CellModel
 from shellfabric.cell.yarn_kernels import COSINE
 
 LAWS = catalogue.load("S-728").laws
@@ -32,24 +29,6 @@ def fabric(name):
     crimp1, crimp2, count1, count2 = WEAVES[name]
     warp, weft = (Yarn(100e-6, 1440.0, 90e9, 0.03, crimp) for crimp in (crimp1, crimp2))
     return Fabric("crimped", Weave(warp, weft, count1, count2), laws=LAWS)
-
-
-def cases():
-    for name, model, profile in itertools.product(WEAVES, MODELS, PROFILES):
-        for form in FORMS:
-            yield pytest.param(name, model, profile, form, id=f"{name}-{model}-{profile}-{form}")
-
-
-@pytest.mark.parametrize(("name", "model", "profile", "form"), list(cases()))
-def test_table_of_a_highly_crimped_fabric_is_filled(name, model, profile, form):
-    cell = CellModel(fabric(name), LAWS, model=model, profile=profile, form=form)
-    table = cell.table(41)
-    for (lowest, highest), yarn in zip(cell.range(), cell.fabric.weave.yarns):
-        assert 0.1 < lowest < 1 < 1 + yarn.crimp < highest
-    for values in table.values.values():
-        assert np.isfinite(values).all()
-    for key, yarn in zip(("T1", "T2"), cell.fabric.weave.yarns):
-        assert table.values[key].min() >= -1e-12 * yarn.strength
 
 
 @pytest.mark.parametrize("profile", PROFILES)
@@ -100,19 +79,6 @@ def test_a_folded_yarn_stays_in_contact(name, profile, number):
         assert found["T1"] == pytest.approx(weave.warp.EA * (length / S0 - 1), rel=1e-9)
 
 
-def test_forces_are_continuous_where_the_folded_yarn_begins():
-    """From fabrics whose free warp just fills the cell to those whose warp cannot, the range does not jump."""
-    ranges = []
-    for crimp in np.linspace(0.02, 0.15, 60):
-        base = fabric("uneven")
-        weave = replace(base.weave, weft=replace(base.weave.weft, crimp=crimp))
-        ranges.append(CellModel(replace(base, weave=weave), model="incompressible").range()[0][0])
-    assert np.all(np.diff(ranges) <= 0)
-    assert np.max(-np.diff(ranges)) < 0.1
-    assert ranges[0] > 0.6
-    assert ranges[-1] == pytest.approx(np.sqrt(4 * base.weave.weft.A_s / np.pi) / (2 * base.weave.w1))
-
-
 def test_range_where_heights_vanish_in_rounding():
     """A gap that leaves the yarns a height of a rounding error: contact begins where the yarn is straight."""
     for crimp in np.linspace(0.0005, 0.15, 40):
@@ -124,15 +90,3 @@ def test_range_where_heights_vanish_in_rounding():
         for (lowest, _), yarn in zip(cell.range(), weave.yarns):
             assert lowest == pytest.approx(1 + yarn.crimp)
     assert np.isfinite(cell.table(21).values["T1"]).all()
-
-
-def test_surface_cell_of_a_highly_crimped_fabric():
-    base = fabric("uneven")
-    flat = CellModel(base, LAWS)
-    d = [np.linspace(-0.01 * 2 * w, 0.1 * 2 * w, 9) for w in base.weave.w]
-    found = flat.solve(*np.meshgrid(*(1 + part / w for part, w in zip(d, base.weave.w)), indexing="ij"))
-    surface = ResponseSurface(*d, *(found[name] for name in ("T1", "T2", "F", "h1", "h2")))
-    table = SurfaceCell(base, surface).table(41)
-    assert np.isfinite(table.values["N1"]).all()
-    assert table.values["T1"].min() >= 0
-    assert table.stretch1[0] < 0.5

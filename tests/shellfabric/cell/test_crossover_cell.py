@@ -1,33 +1,18 @@
 """The crossover: closed forms, its limits, its potential, and the table against the cell."""
 
-from dataclasses import replace
-from itertools import pairwise
-
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from numpy.polynomial.polynomial import polyval2d
+from panels import table
 
 from fabrics import catalogue
-from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
-from fabrics.weave import arc_length, height_from_length
-from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell import packed_table
-from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.cell.model import CellModel
 from shellfabric.cloth import table_kernels
 from shellfabric.coupon import relaxation_kernels
 from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Panel
 from validation.models.variants import with_law_form
-
-
-def test_arc_and_its_slope(fabric):
-    w = fabric.weave.w1
-    for h in (0.0, 1e-7, 1e-4, 3e-4, 2e-3):
-        S, slope = kernels.arc(w, h)
-        assert S == pytest.approx(float(arc_length(w, h)), rel=1e-14)
-        step = 1e-8
-        assert slope == pytest.approx((arc_length(w, h + step) - arc_length(w, h - step)) / (2 * step), abs=2e-7)
 
 
 @pytest.mark.parametrize(
@@ -47,25 +32,10 @@ def test_printed_law_at_rest(name, F, T1, T2):
     assert (float(rest["T1"]), float(rest["T2"])) == pytest.approx((T1, T2), rel=4e-3)
 
 
-def test_regularised_law_rests_without_force(fabric):
+def test_rest_and_limits(fabric):
+    """At rest nothing acts by the regularised law."""
     rest = CellModel(fabric).solve(1.0, 1.0)
     assert all(rest[name] == 0.0 for name in ("T1", "T2", "F", "W"))
-
-
-def test_contact_is_lost_exactly_at_the_free_heights(fabric):
-    """Along warp stretch against weft contraction, force vanishes where the free heights fill the cell."""
-    model, weave = CellModel(fabric), fabric.weave
-
-    def free(stretch2):
-        heights = (height_from_length(w * s, S) for w, s, S in zip(weave.w, (1.01, stretch2), weave.S0))
-        return sum(heights) - sum(weave.h0)
-
-    edge = brentq(free, 0.95, 1.0, xtol=1e-15)
-    assert model.solve(1.01, edge * (1 - 1e-9))["F"] == 0.0
-    assert 0.0 < model.solve(1.01, edge * (1 + 1e-7))["F"] < 1e-3
-
-
-def test_limits(fabric):
     stiff = CellModel(fabric, model="incompressible").solve(1.02, 1.01)
     assert stiff["h1"] + stiff["h2"] == pytest.approx(sum(fabric.weave.h0), rel=1e-12)
     loose = CellModel(fabric, model="decoupled").solve(1.04, 1.01)
@@ -76,48 +46,11 @@ def test_limits(fabric):
     assert CellModel(fabric, model="decoupled").solve(1.02, 1.01)["T1"] < middle["T1"] < stiff["T1"]
 
 
-def test_laws_differ_per_yarn(fabric):
-    """Only the sum of the compressions counts: swapping the laws changes nothing, mixing them lies in between."""
-    soft, hard = fabric.laws[0], CompressionLaw.incompressible()
-    T = {
-        pair: float(CellModel(fabric, pair).solve(1.02, 1.02)["T1"])
-        for pair in [(soft, soft), (soft, hard), (hard, soft), (hard, hard)]
-    }
-    assert T[soft, hard] == pytest.approx(T[hard, soft], rel=1e-12)
-    assert T[soft, soft] < T[soft, hard] < T[hard, hard]
-
-
-def loop_work(force, half_lengths, n=400):
-    """Work round the square 1 .. 1.02 of stretches, over the length of its path, by Gauss points on each side."""
-    x = 1.01 + 0.01 * np.polynomial.legendre.leggauss(n)[0]
-    weight = 0.01 * np.polynomial.legendre.leggauss(n)[1]
-    bottom, top = force(x, np.full(n, 1.0))[0], force(x, np.full(n, 1.02))[0]
-    left, right = force(np.full(n, 1.0), x)[1], force(np.full(n, 1.02), x)[1]
-    w1, w2 = half_lengths
-    return float(2 * w1 * weight @ (bottom - top) + 2 * w2 * weight @ (right - left))
-
-
-def test_closed_square_of_strains(fabric):
-    """The variational form returns no work, the equilibrium form next to none: 0.38 % of the stored energy."""
-    work = {}
-    for form in ("equilibrium", "variational"):
-        model = CellModel(fabric, form=form)
-        solve = lambda x, y, model=model: (model.solve(x, y)["N1"], model.solve(x, y)["N2"])  # noqa: E731
-        work[form] = loop_work(solve, fabric.weave.w) / float(model.solve(1.02, 1.02)["W"])
-    assert abs(work["variational"]) < 1e-5
-    assert 1e-4 < abs(work["equilibrium"]) < 5e-3
-
-
-def spline(table):
-    """The table's potential as the march reads it: all but the constants, and these."""
-    return Panel(table).potential
-
-
 def table_potential(table, x, y):
     """[J] the potential as the march reads it, at one pair of stretches."""
     (rx, ry), (top1, top2) = (1 / np.array(table.steps)), (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
     grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
-    rows, level = spline(table)
+    rows, level = Panel(table).potential
     return table_kernels.potential(x, y, grid, rows, packed_table.beyond(table), level)
 
 
@@ -131,7 +64,7 @@ def table_forces(table, x, y):
     if table.model.form == "variational":
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
-            *at, spline(table)[0], packed_table.beyond(table), per, np.zeros(16, np.int32), N1, N2
+            *at, Panel(table).potential[0], packed_table.beyond(table), per, np.zeros(16, np.int32), N1, N2
         )
         assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
     else:
@@ -224,33 +157,6 @@ def test_forces_beyond_the_table(name):
     assert np.max(np.abs(found - exact)) < 0.5 * weave.warp.strength
 
 
-def test_tabulated_potential_conserves(tables, fabric):
-    """Round a closed square the tabulated variational forces do no work at all: they are one function's gradient."""
-    table = tables["variational"]
-    w1, w2 = fabric.weave.w
-    # sides on grid lines, Gauss points in every cell: the quadrature is exact for a biquadratic
-    i, j = np.searchsorted(table.stretch1, [1.0, 1.03]), np.searchsorted(table.stretch2, [1.0, 1.03])
-    points, weights = np.polynomial.legendre.leggauss(4)
-
-    def side(grid, fixed, first):
-        total = 0.0
-        for a, b in pairwise(grid):
-            moving = 0.5 * (a + b) + 0.5 * (b - a) * points
-            x, y = (moving, np.full(4, fixed)) if first else (np.full(4, fixed), moving)
-            total += 0.5 * (b - a) * (weights @ table_forces(table, x, y)[0 if first else 1])
-        return 2 * (w1 if first else w2) * total
-
-    xs, ys = table.stretch1[i[0] : i[1] + 1], table.stretch2[j[0] : j[1] + 1]
-    eps = 1e-9
-    loop = (
-        side(xs, ys[0] + eps, True)
-        + side(ys, xs[-1] - eps, False)
-        - side(xs, ys[-1] - eps, True)
-        - side(ys, xs[0] + eps, False)
-    )
-    assert abs(loop) < 1e-6 * float(table.model.solve(1.03, 1.03)["W"])
-
-
 @pytest.mark.parametrize("name", ["S-720", "S-728", "S-731"])
 def test_rest_is_the_lowest_energy(name):
     """A bicubic through the parabola that begins at first contact would dip below zero, and cloth at rest creep."""
@@ -261,39 +167,6 @@ def test_rest_is_the_lowest_energy(name):
         assert table_potential(table, x, y) >= -1e-18
     # at the node itself there is none; a place is in a table to the last digit
     np.testing.assert_allclose(table_forces(table, np.ones(1), np.ones(1)), 0.0, atol=1e-11)
-
-
-def test_the_spline_is_smooth_and_next_to_the_bicubic(tables):
-    """Values and first derivatives meet where cells do; the plain B-spline of the table's own bicubic, at the nodes."""
-    table = tables["variational"]
-    c, cubic = (
-        table.spline.reshape(*table.spline.shape[:2], 3, 3),
-        table.potential.reshape(*table.spline.shape[:2], 4, 4),
-    )
-    close = {"rtol": 0, "atol": 1e-13 * np.abs(c).max()}
-    # at the far end of a cell, and at the near end of the next: the polynomials of the other stretch
-    np.testing.assert_allclose(c[:-1].sum(axis=2), c[1:, :, 0], **close)
-    slope = c[:-1, :, 1] + 2 * c[:-1, :, 2]
-    np.testing.assert_allclose(slope, c[1:, :, 1], **close)
-    # the slope at a node is that of the bicubic but for a twelfth of its curvature and of that across (see `_spline`)
-    off = c[2:-2, 2:-2, 1, 0] - cubic[2:-2, 2:-2, 1, 0]
-    curved = np.diff(cubic[..., 1, 0], 2, axis=0)[1:-1, 2:-2]
-    assert np.sqrt(np.mean(off**2)) < 0.2 * np.sqrt(np.mean(curved**2))
-
-
-@pytest.mark.parametrize("pair", [(1.06, 1.01), (1.01, 1.06), (1.06, 1.06), (1.2, 0.97)])
-def test_forces_above_the_table_are_a_gradient(tables, pair):
-    """Where yarns may not fail the potential goes on as a parabola, and the forces with it."""
-    table, step = tables["variational"], 1e-7
-    w1, w2 = table.model.fabric.weave.w
-
-    def W(x, y):
-        return table_potential(table, x, y)
-
-    x, y = pair
-    N1, N2 = table_forces(table, np.array([x]), np.array([y]))
-    assert N1[0] == pytest.approx((W(x + step, y) - W(x - step, y)) / (4 * step * w1), rel=1e-6, abs=1e-5)
-    assert N2[0] == pytest.approx((W(x, y + step) - W(x, y - step)) / (4 * step * w2), rel=1e-6, abs=1e-5)
 
 
 def test_out_of_range(tables, fabric):
@@ -311,11 +184,25 @@ def test_out_of_range(tables, fabric):
     assert T1[2] - T1[1] == pytest.approx(T1[1] - T1[0], rel=1e-9)
 
 
-def test_bad_cells(fabric):
-    for bad in ({"model": "soft"}, {"form": "exact"}, {"gap": -1e-6}, {"gap": 1.0}):
-        with pytest.raises(InputError):
-            CellModel(fabric, **bad)
-    with pytest.raises(InputError, match="compression law"):
-        CellModel(replace(fabric, laws=None))
-    with pytest.raises(InputError, match="table_size"):
-        CellTable.fill(CellModel(fabric), 4)
+@pytest.mark.parametrize("form", ["equilibrium", "variational"])
+def test_values_and_slopes_are_continuous_from_cell_to_cell(form):
+    c = table(form).spline.reshape(*table(form).spline.shape[:2], 3, 3)
+    for coefficients in (c, np.moveaxis(c, (0, 2), (1, 3))):  # along the warp, along the weft
+        value = np.moveaxis(coefficients, (2, 3), (0, 1))
+        for part in (value, np.arange(1, 3)[:, None, None, None] * value[1:]):  # and its slope
+            for across in np.linspace(0, 1, 5):
+                ends = polyval2d(1.0, across, part[:, :, :-1]), polyval2d(0.0, across, part[:, :, 1:])
+                np.testing.assert_allclose(*ends, rtol=0, atol=1e-12 * np.abs(ends).max())
+
+
+def test_bound_of_a_single_cell_of_constant_tension():
+    """Below its force nothing is known of it; at its force the tension is what it is above that; beyond, its own."""
+    N, T = 3.0, 4.0
+    force, tension = np.zeros((2, 2, 3, 1))
+    force[:, 0], tension[:, 0] = N, T
+    steps, unit = packed_table._ceiling(*packed_table._bounds(force, tension))
+    assert unit == pytest.approx(T / 256, rel=1e-12)
+    first = round(N / unit)  # N lies where two steps meet, so that rounding puts it into both
+    np.testing.assert_array_equal(steps[: first - 1], 0.0)
+    np.testing.assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
+    np.testing.assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)

@@ -26,11 +26,6 @@ def difference(model, n):
     return max(float(np.abs(table.values[name] - nested[name]).max()) / size[name] for name in size)
 
 
-@pytest.mark.parametrize("name", FABRICS)
-def test_fabrics_of_the_catalogue(name):
-    assert difference(CellModel(catalogue.load(name).with_effective_density()), 101) < ROUNDING
-
-
 @pytest.mark.parametrize(
     "options",
     [

@@ -10,22 +10,19 @@ from fabrics import catalogue
 from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 
-
-@pytest.fixture
-def model(tmp_path, monkeypatch):
-    monkeypatch.setenv("WEAVECELL_CACHE_DIR", str(tmp_path))
-    return CellModel(catalogue.load("S-720").with_effective_density())
+MODEL = CellModel(catalogue.load("S-720").with_effective_density())
 
 
 @pytest.fixture
-def fills(monkeypatch):
-    """The models that tables have been filled for."""
+def fills(tmp_path, monkeypatch):
+    """The models that tables have been filled for, with an empty cache."""
     seen, fill = [], CellTable.fill.__func__
     monkeypatch.setattr(CellTable, "fill", classmethod(lambda cls, m, *a: seen.append(m) or fill(cls, m, *a)))
+    monkeypatch.setenv("WEAVECELL_CACHE_DIR", str(tmp_path))
     return seen
 
 
-def equal(one, two):
+def assert_equal(one, two):
     assert one.values.keys() == two.values.keys()
     for name, array in one.values.items():
         assert np.array_equal(array, two.values[name])
@@ -33,45 +30,34 @@ def equal(one, two):
         assert np.array_equal(getattr(one, name), getattr(two, name))
 
 
-def test_a_kept_table_is_the_filled_one(model, fills):
-    first = table_cache.table(model, 21)
-    second = table_cache.table(model, 21)
+def test_a_kept_table_is_the_filled_one_and_that_of_no_other_cell(fills):
+    filled = table_cache.table(MODEL, 21)
+    assert_equal(table_cache.table(MODEL, 21), filled)
     assert len(fills) == 1
-    equal(first, second)
-    equal(second, model.table(21))
-
-
-def test_another_cell_has_a_table_of_its_own(model, fills):
-    table_cache.table(model, 21)
-    table_cache.table(model, 23)
-    table_cache.table(replace(model, gap=1e-6), 21)
-    table_cache.table(replace(model, form="equilibrium"), 21)
-    assert len(fills) == 4
+    assert_equal(MODEL.table(21), filled)
+    for model, size in ((MODEL, 23), (replace(MODEL, gap=1e-6), 21), (replace(MODEL, form="equilibrium"), 21)):
+        table_cache.table(model, size)
+    assert len(fills) == 5
 
 
 @pytest.mark.parametrize("content", [b"", b"broken", None])
-def test_a_broken_file_is_filled_again(model, fills, content):
-    first = table_cache.table(model, 21)
+def test_a_broken_file_is_filled_again(fills, content):
+    first = table_cache.table(MODEL, 21)
     [file] = table_cache.folder().glob("*.npy")
     if content is None:
         np.save(file, np.zeros((3, 3)))
     else:
         file.write_bytes(content)
-    equal(table_cache.table(model, 21), first)
+    assert_equal(table_cache.table(MODEL, 21), first)
     assert len(fills) == 2
 
 
-def test_nothing_is_kept_without_a_folder(model, fills, monkeypatch):
-    monkeypatch.setenv("WEAVECELL_CACHE_DIR", "")
-    table_cache.table(model, 21)
-    table_cache.table(model, 21)
-    assert len(fills) == 2
-
-
-def test_a_folder_that_cannot_be_written(model, tmp_path, monkeypatch):
+@pytest.mark.parametrize("folder", ["", "file"])
+def test_nothing_is_kept_without_a_folder(fills, tmp_path, monkeypatch, folder):
     (tmp_path / "file").write_text("")
-    monkeypatch.setenv("WEAVECELL_CACHE_DIR", str(tmp_path / "file"))
-    equal(table_cache.table(model, 21), model.table(21))
+    monkeypatch.setenv("WEAVECELL_CACHE_DIR", folder and str(tmp_path / folder))
+    assert_equal(table_cache.table(MODEL, 21), table_cache.table(MODEL, 21))
+    assert len(fills) == 2
 
 
 def test_the_least_recently_used_are_removed(tmp_path):

@@ -1,12 +1,9 @@
-"""Coupons: forces against a plain twin and its derivative, the bound on the stiffness, cutting."""
-
-from dataclasses import replace
+"""Coupons: forces against a plain twin and its derivative, the bound on the stiffness."""
 
 import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import relaxation_kernels
 from shellfabric.coupon.model import mesh_coupon
@@ -149,22 +146,6 @@ def test_angles_beyond_a_right_angle(table):
         assert coupon.shear_angles(sheared) == pytest.approx(gamma, abs=1e-12)
 
 
-def test_no_trellis(table):
-    x = mesh_coupon(table, disc, 0.0071).points @ np.array([[1, 0.1], [0.1, 1]])
-    assert mesh_coupon(table, disc, 0.0071, trellis=False).forces(x)[2][1] == 0.0
-    assert mesh_coupon(table, disc, 0.0071).forces(x)[2][1] > 0.0
-
-
-def test_the_potential_goes_on_above_its_table(table):
-    """Tension goes on with the slope that it has at the edge."""
-    args = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
-    args += 1 / table.steps[1], 59
-    top, step = table.stretch1[-1], 1e-3
-    edge, near, far = (relaxation_kernels.potential(top + k * step, 1.01, *args)[1] for k in (0, 1, 50))
-    assert near > edge > 0
-    assert far - edge == pytest.approx(50 * (near - edge), rel=1e-9)
-
-
 def test_slack_yarns_carry_nothing(table):
     """Below the table the tension is zero whatever the other yarn does, and so it is at the table's lowest edge."""
     args = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
@@ -172,13 +153,3 @@ def test_slack_yarns_carry_nothing(table):
     for other in np.linspace(0.95, 1.2, 40):
         assert abs(relaxation_kernels.potential(table.stretch1[0] - 0.01, other, *args)[1]) < 1e-12
         assert abs(relaxation_kernels.potential(other, table.stretch2[0], *args)[2]) < 1e-12
-
-
-def test_bad_coupons(table):
-    with pytest.raises(InputError, match="elements_per_crossover"):
-        mesh_coupon(table, disc, 0.0071, elements_per_crossover=0)
-    with pytest.raises(InputError, match="at least one crossover"):
-        mesh_coupon(table, lambda x, y: np.hypot(x, y) < 1e-4, 1e-4)
-    equilibrium = replace(table, model=replace(table.model, form="equilibrium"))
-    with pytest.raises(InputError, match="variational in a quasi-static run"):
-        mesh_coupon(equilibrium, disc, 0.0071)

@@ -1,11 +1,8 @@
 """One yarn pulled through held crossings: plateau, front of slip, wave speed, energy, and the ends of the yarn."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import pull_out
 from shellfabric.coupon.pull_out import PullOut
@@ -65,14 +62,6 @@ def test_the_load_before_the_front_has_come_back_is_that_of_an_infinite_yarn(tab
     assert found.load[-1] == pytest.approx(2.0 * (stiffness * yarn.EA * yarn.linear_density) ** 0.5, rel=0.003)
 
 
-def test_a_smaller_time_step_changes_the_load_little(table):
-    found = [pulled(table, 20, 2.0, end=40e-6, numerics=Numerics(cfl=cfl, threads=1)) for cfl in (0.9, 0.45, 0.225)]
-    time = np.linspace(5e-6, 38e-6, 30)
-    loads = [np.interp(time, one.time, one.load) for one in found]
-    coarse, fine = (np.abs(load - loads[2]).mean() / loads[2].mean() for load in loads[:2])
-    assert fine < coarse < 0.03
-
-
 def test_nothing_slides_where_the_threshold_is_infinite(table):
     found = pulled(table, 10, np.inf, end=1e-6)
     assert found.sliding[-1] == 0
@@ -86,19 +75,8 @@ def test_the_load_falls_as_the_tail_leaves_the_crossings(table):
     plateau = [found.load[(moved > a) & (moved < a + 0.5)].mean() for a in (0.9, 2.9, 4.6)]
     left = [np.floor(a + 0.5) for a in (0.9, 2.9, 4.6)]  # half a spacing of tail, and one more a crossing
     expected = [threshold * (n - lost) for lost in left]
-    assert plateau == pytest.approx(expected, rel=0.2)
+    assert plateau == pytest.approx(expected, rel=0.02)
     assert found.energy_error < 0.005
-
-
-def test_friction_on_the_contact_force_multiplies_the_load_as_a_capstan_does(crimped):
-    late = {
-        (n, mu): pulled(crimped, n, 0.1, end=200e-6, mu=mu).load[100:].mean()
-        for n, mu in ((8, 0.0), (16, 0.0), (8, 0.2), (16, 0.2), (16, 0.4))
-    }
-    assert late[8, 0.0] == pytest.approx(0.8, rel=0.1)
-    assert late[16, 0.0] == pytest.approx(1.6, rel=0.1)
-    assert late[16, 0.2] > 2.5 * late[8, 0.2]
-    assert late[16, 0.4] > 2.5 * late[16, 0.2]
 
 
 @pytest.mark.parametrize("mu", [0.1, 0.2])
@@ -125,22 +103,6 @@ def test_a_yarn_without_tension_is_not_held_by_stretched_crossing_yarns(crimped)
     assert found.load[-1] < 0.05 * found.load[0]
 
 
-def test_the_plateau_does_not_depend_on_the_mesh_along_the_yarn(straight):
-    """The same net with half the spacing, and half the threshold at each of twice the crossings."""
-    fabric = straight(1.0)
-    found = []
-    for fine in (1, 2):
-        weave = replace(
-            fabric.weave, warp_count=fine * fabric.weave.warp_count, weft_count=fine * fabric.weave.weft_count
-        )
-        table = CellModel(replace(fabric, weave=weave), model="decoupled").table(41)
-        found.append(pulled(table, 20 * fine, 2.0 / fine, end=200e-6))
-    late = found[0].time > 100e-6
-    coarse, fine = (np.interp(found[0].time[late], one.time, one.load) for one in found)
-    assert fine.mean() == pytest.approx(coarse.mean(), rel=0.03)
-    assert fine.mean() == pytest.approx(40.0, rel=0.03)
-
-
 def test_the_contact_force_of_flexible_yarns_is_that_of_the_cell(crimped):
     """As the limit of a small bending stiffness, but where both yarns are slack."""
     model, stretch = crimped.model, np.linspace(0.99, 1.03, 9)
@@ -164,23 +126,12 @@ def test_a_yarn_without_tension_is_pressed_on_by_its_bending_stiffness(crimped):
     assert lift == pytest.approx(fall - pressed, rel=0.05)
 
 
-@pytest.mark.parametrize("n", [10, 20])
-def test_a_pre_tension_holds_a_yarn_that_resists_bending(crimped, n):
-    """The peak load grows with the pre-tension and with the number of crossovers."""
+def test_a_pre_tension_holds_a_yarn_that_resists_bending(crimped):
+    friction = CrossoverFriction(0.2, 0.0, (1e-6, 1e-6))
     found = [
-        pull_out.run(
-            PullOut(crimped, n, 2.0, tension, CrossoverFriction(0.2, 0.0, (1e-6, 1e-6)), NUMERICS), 300e-6
-        ).load[200:].mean()
+        pull_out.run(PullOut(crimped, 10, 2.0, tension, friction, NUMERICS), 300e-6).load[200:].mean()
         for tension in (0.0, 2.5, 5.0)
-    ]  # fmt: skip
+    ]
     assert abs(found[0]) < 0.1 * found[1]
-    assert found[1] > 0.015 * n
+    assert found[1] > 0.15
     assert found[2] > 1.3 * found[1]
-
-
-@pytest.mark.parametrize(
-    "changes", [{"crossings": 7}, {"crossings": 6}, {"velocity": 0.0}, {"pre_tension": -1.0}, {"pre_tension": 1e9}]
-)
-def test_bad_values_are_refused(table, changes):
-    with pytest.raises(InputError, match=next(iter(changes))):
-        replace(PullOut(table), **changes)

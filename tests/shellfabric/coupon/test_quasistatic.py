@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue, variants
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import UnstableError
 from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import dynamic_relaxation, quasistatic
@@ -77,29 +77,11 @@ def table():
     return CellModel(catalogue.load("S-728").with_effective_density(), form="variational").table(121)
 
 
-def test_picture_frame_gives_the_trellis_law(table):
-    run = quasistatic.picture_frame(table, cells=5, steps=6)
+@pytest.mark.parametrize("elements", [1, 3])
+def test_picture_frame_gives_the_trellis_law(table, elements):
+    run = quasistatic.picture_frame(table, cells=3, steps=6, elements_per_crossover=elements)
     assert quasistatic.frame_stress(run) == pytest.approx(table.model.fabric.shear.stress(run.prescribed), rel=1e-3)
     assert run.shear() == pytest.approx(0.6, abs=0.01)
-
-
-def test_every_test_takes_any_number_of_elements(table):
-    """Finer elements, the same cloth: size, load and stress stay."""
-    frames = [quasistatic.picture_frame(table, cells=3, steps=3, elements_per_crossover=m) for m in (1, 3)]
-    stresses = [quasistatic.frame_stress(run) for run in frames]
-    assert stresses[1] == pytest.approx(stresses[0], rel=1e-3)
-    strips = [
-        quasistatic.uniaxial(table, length=0.015, width=0.0075, strain=0.04, steps=2, elements_per_crossover=m)
-        for m in (1, 2)
-    ]
-    assert np.ptp(strips[0].coupon.points, axis=0) == pytest.approx(np.ptp(strips[1].coupon.points, axis=0))
-    assert len(strips[1].coupon.quads) == 4 * len(strips[0].coupon.quads)
-    assert strips[1].force(1, 0)[-1] == pytest.approx(strips[0].force(1, 0)[-1], rel=0.03)
-    crosses = [
-        quasistatic.biaxial(table, strain=(0.02, 0.02), centre=3, arm=1, steps=2, elements_per_crossover=m)
-        for m in (1, 2)
-    ]
-    assert crosses[1].force(1, 0)[-1] == pytest.approx(crosses[0].force(1, 0)[-1], rel=0.05)
 
 
 @pytest.mark.parametrize("direction", ["warp", "weft"])
@@ -200,14 +182,3 @@ def test_yarns_that_pass_one_another_are_named():
     turned = coupon.points @ np.array([[1, 0], [-1.2, -0.3]])
     with pytest.raises(UnstableError, match=r"an element has folded: its yarns have passed one another, at element"):
         hook(replace(state, x=turned))
-
-
-def test_bad_tests(table):
-    with pytest.raises(InputError, match="above the width"):
-        quasistatic.bias_extension(table, length=0.05, width=0.06)
-    with pytest.raises(InputError, match="warp or weft"):
-        quasistatic.uniaxial(table, direction="bias")
-    with pytest.raises(InputError, match="below pi/2"):
-        quasistatic.picture_frame(table, shear_angle=2.0)
-    with pytest.raises(InputError, match="aligned yarns"):
-        quasistatic.inextensible_shear(0.1, 0.05, 0.03)

@@ -11,12 +11,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import UnstableError
 from shellfabric.driver import solver as driver
 from shellfabric.driver.solver import CHECK, NOT_FINITE, RUNNING, STOPPED, ExplicitSolver, run_to_end
 from shellfabric.jit.barrier import STOP
 from shellfabric.output import checkpoint
-from shellfabric.output.hooks import Every, Progress, Snapshots
+from shellfabric.output.hooks import Every, Snapshots
 
 MASS, STIFFNESS, V0, DT = 2e-3, 80.0, 50.0, 1e-4  # w = 200 / s: 157 steps of a half period
 W = (STIFFNESS / MASS) ** 0.5
@@ -30,14 +30,13 @@ class Oscillator(ExplicitSolver):
     sample_names = ("t", "v", "z", *energy_names)
     history_columns = 2
 
-    def __init__(self, end_time=0.1, *, interval=1e-3, disturb=None, ends=True, error_limit=0.05, stiffness=STIFFNESS):
+    def __init__(self, end_time=0.1, *, interval=1e-3, disturb=None, ends=True):
         shot = SimpleNamespace(energy=lambda v: 0.5 * MASS * v**2)
-        super().__init__(shot, V0, end_time, interval=interval, energy_error_limit=error_limit)
+        super().__init__(shot, V0, end_time, interval=interval, energy_error_limit=0.05)
         self.const, self.ends, self.disturb = SimpleNamespace(dt=DT), ends, disturb or (lambda solver: None)
         self.x, self.v, self.counter = np.zeros(1), np.array([V0]), np.zeros(1, np.int64)
-        self.contact, self.stiffness = np.zeros(1), stiffness
+        self.contact, self.node_limit = np.zeros(1), np.inf
         self.state = SimpleNamespace(projectile_velocity=np.zeros(3))
-        self.node_limit = np.inf
         self._begin(DT)
 
     steps = property(lambda self: int(self.counter[0]))
@@ -48,7 +47,7 @@ class Oscillator(ExplicitSolver):
         for made, row in enumerate(history, 1):
             self.disturb(self)
             before = self.spring
-            self.v -= DT * self.stiffness / MASS * self.x
+            self.v -= DT * STIFFNESS / MASS * self.x
             self.x += DT * self.v
             self.counter += 1
             row[:] = self.x[0], self.v[0]
@@ -61,10 +60,10 @@ class Oscillator(ExplicitSolver):
 
     @property
     def spring(self):
-        return 0.5 * self.stiffness * self.x[0] ** 2
+        return 0.5 * STIFFNESS * self.x[0] ** 2
 
     def observe(self):
-        after = self.v[0] - DT * self.stiffness / MASS * self.x[0]
+        after = self.v[0] - DT * STIFFNESS / MASS * self.x[0]
         energies = [0.5 * MASS * self.v[0] * after, self.spring, self.contact[0]]
         return [0.5 * (self.v[0] + after), self.x[0]], energies
 
@@ -75,7 +74,7 @@ class Oscillator(ExplicitSolver):
         return f"mass {node} of part {part}"
 
     def checkpoint_identity(self):
-        return (self.strike_velocity, self.steps_per_sample, self.stiffness), "shellfabric.driver.solver"
+        return (self.strike_velocity, self.steps_per_sample), "shellfabric.driver.solver"
 
     def checkpoint_arrays(self):
         return {"x": self.x, "v": self.v, "counter": self.counter, "contact": self.contact}
@@ -88,12 +87,7 @@ def position(step):
 
 def at(step, change):
     """A disturbance before one step."""
-
-    def disturb(solver):
-        if solver.steps == step:
-            change(solver)
-
-    return disturb
+    return lambda solver: change(solver) if solver.steps == step else None
 
 
 # the loop
@@ -132,12 +126,6 @@ def test_energies_are_those_of_the_whole():
     assert Half(5e-3).run().sample("spring") == pytest.approx(2 * Oscillator(5e-3).run().sample("spring"), rel=1e-12)
 
 
-@pytest.mark.parametrize("bad", [{"end_time": 0.0}, {"end_time": np.nan}, {"interval": -1e-6}])
-def test_bad_times_are_refused(bad):
-    with pytest.raises(InputError, match="above 0"):
-        Oscillator(**bad)
-
-
 # guards
 
 
@@ -169,19 +157,6 @@ def test_a_guard_ends_the_run_and_says_where(name):
     assert "after" in str(caught.value)
     assert 15 < solver.steps <= 30
     assert sum(map(len, solver.step_history)) == solver.steps  # what was computed is kept
-
-
-def test_what_a_part_of_the_model_raises_makes_the_run_unstable():
-    def broken(history):
-        if len(history):
-            raise UnstableError("a brick is turned inside out")
-        return 0, RUNNING
-
-    solver = Oscillator(10e-3)
-    solver.advance = broken
-    with pytest.raises(UnstableError, match="inside out"):
-        solver.run()
-    assert solver.outcome == "unstable"
 
 
 @pytest.mark.parametrize(
@@ -233,24 +208,10 @@ def test_a_failed_run_hands_on_its_result():
 # hooks
 
 
-def test_hooks_see_every_sample_after_the_guards():
-    seen = []
-    solver = Oscillator(5e-3).run((lambda solver: seen.append((1, len(solver.samples))), lambda s: seen.append((2, s))))
-    assert [count for who, count in seen if who == 1] == [2, 3, 4, 5, 6]
-    assert [who for who, _ in seen[:4]] == [1, 2, 1, 2]
-    assert all(s is solver for who, s in seen if who == 2)
-
-
 @pytest.mark.parametrize(("interval", "steps"), [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])])
 def test_snapshots_are_at_the_samples_nearest_the_multiples(interval, steps):
     solver = Oscillator(5e-3).run((Snapshots(interval, lambda solver: solver.steps),))
     assert solver.snapshots == steps
-
-
-def test_progress():
-    told = []
-    Oscillator(5e-3).run((Progress(lambda share, velocity: told.append(share)),))
-    assert told == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
 
 
 # threads
@@ -275,14 +236,6 @@ class Threaded(Oscillator):
             self._shared[STOP] = 1
 
 
-def test_workers_wait_for_every_call_of_the_kernel_and_are_released():
-    solver = Threaded(5e-3)
-    solver.exchange = np.inf
-    solver.run()
-    assert sorted(solver.begun) == sorted(7 * [1, 2])  # to compile, for the first of five intervals, after each
-    assert solver.released == 14
-
-
 class Clock:
     """Stands for the module `time`: each call of the kernel takes 60 ms, and the processor for `share` of them."""
 
@@ -299,15 +252,15 @@ class Clock:
 
 @pytest.mark.parametrize(("share", "reduces", "threads"), [(0.5, True, 1), (0.95, True, 3), (0.5, False, 3)], ids=str)
 def test_threads_of_a_run_on_a_shared_processor(monkeypatch, share, reduces, threads):
+    """Workers wait for every call of the kernel: to compile, for the first of five intervals, after each."""
     solver = Threaded(5e-3)
     solver.reduces_threads, solver.exchange = reduces, np.inf
     monkeypatch.setattr(driver, "time", Clock(share))
     solver.run()
     assert solver.threads == threads
-    assert solver.released == len(solver.begun) == (2 + 2 if threads == 1 else 14)
-    whole = Oscillator(5e-3)
-    whole.run()
-    np.testing.assert_array_equal(solver.samples, whole.samples)
+    assert sorted(solver.begun) == sorted((2 if threads == 1 else 7) * [1, 2])
+    assert solver.released == len(solver.begun)
+    np.testing.assert_array_equal(solver.samples, Oscillator(5e-3).run().samples)
 
 
 def test_workers_are_released_where_a_hook_fails():
@@ -324,28 +277,6 @@ def test_workers_are_released_where_a_hook_fails():
 # checkpoints
 
 
-def test_a_resumed_run_is_the_uninterrupted_one_to_the_last_bit(tmp_path):
-    path = tmp_path / "run.h5"
-    hooks = (Snapshots(2e-3, lambda solver: (solver.time, solver.x.copy())),)
-    whole, part, rest = Oscillator(), Oscillator(), Oscillator()
-    whole.run(hooks)
-
-    def interrupt(solver):
-        if solver.steps >= 40:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        part.run((*hooks, checkpoint.Checkpoints(path, 2.5e-3), interrupt))
-    checkpoint.read(rest, path)
-    assert 0 < rest.steps < 40
-    assert rest.wall_time > 0
-    rest.run(hooks)
-    np.testing.assert_array_equal(rest.samples, whole.samples)
-    np.testing.assert_array_equal(np.concatenate(rest.step_history), np.concatenate(whole.step_history))
-    assert rest.snapshots == whole.snapshots
-    assert rest.outcome == "stopped"
-
-
 def test_checkpoints_are_as_far_apart_as_asked_for(tmp_path, monkeypatch):
     """The clock goes on by a second a sample, of which there are a hundred."""
     clock, written = [0.0], []
@@ -359,12 +290,6 @@ def test_checkpoints_are_as_far_apart_as_asked_for(tmp_path, monkeypatch):
         written.clear()
         Oscillator(ends=False).run((checkpoint.Checkpoints(tmp_path / "run.h5", 1e-3, least_wall), tick))
         assert written == expected
-
-
-def test_a_checkpoint_of_another_run_is_refused(tmp_path):
-    checkpoint.write(Oscillator(), tmp_path / "run.h5")
-    with pytest.raises(InputError, match="another run"):
-        checkpoint.read(Oscillator(stiffness=81.0), tmp_path / "run.h5")
 
 
 def test_an_ended_run_stays_ended_when_it_is_read_again(tmp_path):

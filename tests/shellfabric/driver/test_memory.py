@@ -1,6 +1,7 @@
 """Memory that a run needs: the estimate against what a process takes, and the refusal before anything is taken."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -52,7 +53,6 @@ def test_an_own_limit_of_addresses_counts():
 @pytest.mark.parametrize(
     ("call", "given", "key", "content"),
     [
-        (wc.shoot, {}, "opening", "6,241 elements"),
         (wc.shoot, {"snapshot_interval": "100 us"}, "opening", "6,241 elements and 8 snapshots"),
         (wc.shoot, {"plies": 3, "elements_per_crossover": 1}, "opening", "18,723 elements"),
         (wc.shoot, {"backing": {"min_size": "2 mm"}}, "opening", "6,241 elements with a block of "),
@@ -64,6 +64,5 @@ def test_a_run_above_the_free_memory_is_refused(monkeypatch, call, given, key, c
     monkeypatch.setattr(memory, "free", lambda: 1e5)
     with pytest.raises(wc.InputError) as problem:
         call("S-720", *{wc.shoot: [92.5], wc.coupon: ["bias_extension"]}.get(call, []), **given)
-    assert str(problem.value).startswith(f"{key} = ")
-    assert f"must be smaller, or the elements larger: {content}" in str(problem.value)
-    assert str(problem.value).endswith("GB of memory, and 0.0 GB are free")
+    text = rf"{key} = .* must be smaller, or the elements larger: {content}.*GB of memory, and 0\.0 GB are free"
+    assert re.fullmatch(text, str(problem.value))

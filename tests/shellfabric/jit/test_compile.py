@@ -1,61 +1,14 @@
-"""How kernels are compiled: what other kernels call has no way in from Python until it is asked for one."""
+"""Where kernels are compiled: large ones in another process, if there can be one."""
 
 import math
-from collections import namedtuple
 
-import numpy as np
 import pytest
 from numba import config, typeof, types
 
 from fabrics import kernel_cache
-from shellfabric.cell import yarn_kernels
 from shellfabric.jit import compile_in_child
-from shellfabric.jit.borrowed_list import ItemsType
-from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.compile import entry
 from shellfabric.panel import quality_kernels
-
-
-@kernel()
-def halved(x, y=1.0):
-    return 0.5 * x / y
-
-
-@entry()
-def quartered(x):
-    return halved(halved(x))
-
-
-def has_way_in(function, *kinds):
-    """Whether what is compiled of it for arguments of these kinds can be called from Python."""
-    function.compile(kinds)
-    found = function.overloads[kinds]
-    return found.library.get_pointer_to_function(found.fndesc.llvm_cpython_wrapper_name) != 0
-
-
-def test_only_entries_have_a_way_in():
-    assert has_way_in(quartered, types.float64)
-    assert not has_way_in(halved, types.float64, types.float64)
-
-
-def test_a_kernel_that_python_calls_makes_itself_one():
-    quartered(1.0)
-    assert halved(3.0, 2.0) == 0.75
-    assert halved(3.0) == 1.5
-    # its defaults, its globals and the compiler's options are those of the kernel: no error at 1 / 0
-    assert halved(1.0, 0.0) == np.inf
-    assert quartered(2.0) == 0.5
-
-
-def test_a_kernel_is_itself_for_other_kernels_after_python_has_called_it():
-    energy = yarn_kernels.energy.py_func(1.1, 1.0, 50.0, 0.0, 5.0)
-    assert yarn_kernels.energy(1.1, 1.0, 50.0, 0.0, 5.0) == energy
-
-
-def test_what_python_calls_is_kept_with_the_kernels():
-    """Anywhere else it would be found again after a change of what it calls."""
-    called, inner = yarn_kernels.energy._entry(), yarn_kernels.energy
-    assert called._cache.cache_path == inner._cache.cache_path
-    assert "kernels-" in called._cache.cache_path
 
 
 @pytest.fixture
@@ -93,36 +46,3 @@ def test_where_no_other_process_can_a_large_kernel_is_compiled_in_this_one(large
     function.compile(kinds)
     assert sum(function.stats.cache_misses.values()) == 1
     assert function.overloads[kinds].library.get_pointer_to_function(function.overloads[kinds].fndesc.mangled_name)
-
-
-def test_a_child_that_has_begun_a_kernel_is_waited_for(large):
-    """Then the cache holds it, and no second child compiles it."""
-    function, kinds = large
-    assert not compile_in_child.kept(function, kinds)
-    compile_in_child.start([[]], [[(function, kinds)]])  # a stage with nothing to compile holds up none
-    assert len(compile_in_child._pending) == 1
-    compile_in_child.start([[]])
-    assert len(compile_in_child._pending) == 1
-    assert compile_in_child.await_children(function.py_func, kinds)
-    assert compile_in_child.kept(function, kinds)
-    assert not compile_in_child._pending
-    compile_in_child.start([[(function, kinds)]])
-    assert not compile_in_child._pending
-
-
-def test_a_constant_argument_makes_no_variant():
-    @kernel()
-    def shifted(x, n):
-        return x + n
-
-    @entry()
-    def both(x, n):
-        return shifted(x, 1) + shifted(x, 2) + shifted(x, n)
-
-    assert both(0.5, 3) == 7.5
-    assert shifted.signatures == [(types.float64, types.int64)]
-
-
-def test_members_are_counted_in_tuples_and_lists():
-    panel = types.NamedTuple([types.float64, types.UniTuple(types.float64[:], 3)], namedtuple("Two", "a b"))
-    assert compile_in_child.members((panel, ItemsType(panel), types.int64)) == 4 + 4 + 1

@@ -1,61 +1,80 @@
-"""Graded panels: what they are made of, equal gradings against the plain panel, forces, waves, shots."""
+"""Graded panels: what they are made of, equal gradings against the plain panel, waves, failing yarns, shots.
+
+Forces of their elements: see `test_forces` and `cloth/test_membrane`.
+"""
+
+from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest_tools import (
-    advance,
-    assert_balance,
-    assert_gradient,
-    bring,
-    crumple,
-    node_forces,
-    plain_energy,
-    solver_at_rest,
-)
+from conftest_tools import advance, grid, solver_at_rest
+from panels import COARSER, FINER, INF, SERIAL, make_panel, rest, set_nodal
 
-from fabrics.errors import InputError
+from fabrics.errors import UnstableError
+from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel
+from shellfabric.cloth import failure_kernels
 from shellfabric.panel import grading, motion_kernels
-from shellfabric.panel.model import Numerics, Panel
-from shellfabric.solver import ply_kernels
+from shellfabric.panel.model import Numerics
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.solver import ply_audit, ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
-INF = np.inf
-PLAIN = Numerics(threads=1)
+ZONES = [FINER, ((7, 0.5), (INF, 1)), ((7, 0.25), (9, 0.5), (13, 1), (INF, 4)), ((8, 1 / 3), (INF, 2))]
+HALVES = ((8, 0.5), (13, 1), (INF, 2))
 
 
-def forced(panel):
-    """The same panel, all of whose elements are alike, by way of the arrays that graded ones have."""
-    panel.__dict__["sides"] = tuple(np.full(n, d) for n, d in zip(panel.counts, panel.spacing))
-    return panel
+def shoot(strike_velocity, end_time, side=0.06, **changes):
+    return PackSolver(make_panel(side, numerics=SERIAL, **changes), strike_velocity, end_time).run()
 
 
-@pytest.fixture
-def graded(tables):
-    def make(zones=((9, 1), (13, 2), (INF, 4)), **changes):
-        return Panel(changes.pop("table", tables["variational"]), (0.06, 0.06), grading=zones, **changes)
-
-    return make
+@pytest.mark.parametrize(("given", "side"), [
+    (1, 1), (2.0, 2), (0.5, Fraction(1, 2)), (0.33, Fraction(1, 3)), (0.3333, Fraction(1, 3)), (0.125, Fraction(1, 8)),
+])  # fmt: skip
+def test_sides_are_whole_numbers_or_parts_of_one(given, side):
+    assert grading.exact(given) == side
 
 
 @pytest.mark.parametrize("length", [16, 23, 31, 79, 80])
-@pytest.mark.parametrize("zones", [((9, 1), (13, 2), (INF, 4)), ((4, 1), (INF, 8)), ((5, 2), (INF, 4)), ((INF, 1),)])
+@pytest.mark.parametrize("zones", [COARSER, ((4, 1), (INF, 8)), ((5, 2), (INF, 4)), ((INF, 1),), *ZONES])
 def test_elements_fill_the_panel(zones, length):
-    """No side is missing, none shrinks outwards, zones reach at least as far as they were asked to."""
+    """No side is missing, none shrinks outwards, zones reach at least as far as they were asked to, and every yarn of a
+    fine one has its axis."""
     sides = grading.sides(zones, length)
-    places = np.cumsum(sides)
-    assert places[-1] == length - length % zones[0][1]
+    places = np.insert(np.cumsum(sides), 0, 0.0)
+    assert places[-1] == pytest.approx(length - length % max(zones[0][1], 1), abs=1e-12)
     assert np.all(np.diff(sides) >= 0)
     for until, side in zones:
-        inside = places <= min(until, length)
-        assert np.all(sides[inside] <= side)
-    assert grading.tributary(sides).sum() == sides.sum()
+        assert np.all(sides[places[1:] <= min(until, length)] <= side + 1e-12)
+    if zones[0][1] <= 1:
+        whole = places[np.abs(places - np.rint(places)) < 1e-9]
+        assert set(np.rint(whole)) >= set(range(min(zones[0][0], length) + 1))
+    assert grading.tributary(sides).sum() == pytest.approx(sides.sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("zones", ZONES)
+@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+def test_lines_are_shared_out_among_the_yarns(zones, symmetry):
+    """Shares of a line add up to one; in the first zone each yarn has the cloth of one crossover, as a whole."""
+    panel = make_panel(0.06, grading=zones, symmetry=symmetry)
+    for lines, sides, w in zip(panel.yarn_lines, panel.sides, panel.weave.w):
+        axes = np.flatnonzero(lines.yarn >= 0)
+        crossovers = sides / (2 * w)
+        np.testing.assert_array_equal(lines.yarn[axes], np.arange(axes.size))
+        assert lines.elements[axes[:-1]].sum() == sides.size
+        assert np.all(lines.share[axes] == 1.0)
+        between = np.setdiff1d(np.arange(lines.yarn.size), axes)
+        assert np.all((lines.share[between] > 0) & (lines.share[between] < 1))
+        widths = grading.yarn_widths(crossovers, lines)
+        assert widths.sum() == pytest.approx(crossovers.sum() + 0.5 * crossovers[-1], rel=1e-12)
+        first = 0 if symmetry == "quarter" else axes.size // 2
+        np.testing.assert_allclose(widths[axes[first + 1 : first + 6]], 1.0, rtol=1e-12)
+        np.testing.assert_allclose(grading.segment_lengths(crossovers, lines)[axes[first : first + 6]], 1.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
-def test_mass_and_yarn_are_those_of_the_plain_panel(graded, symmetry):
-    panel = graded(symmetry=symmetry)
-    plain = Panel(panel.table, panel.opening, symmetry=symmetry)
+def test_mass_and_yarn_are_those_of_the_plain_panel(symmetry):
+    panel, plain = (make_panel(0.06, symmetry=symmetry, grading=zones) for zones in (COARSER, None))
     assert panel.elements < 0.5 * plain.elements
     np.testing.assert_allclose(panel.lines()[0][[0, -1]], plain.lines()[0][[0, -1]], rtol=1e-12)
     assert panel.masses().sum() == pytest.approx(plain.masses().sum(), rel=1e-12)
@@ -63,105 +82,45 @@ def test_mass_and_yarn_are_those_of_the_plain_panel(graded, symmetry):
         assert mine.sum() == pytest.approx(other.sum(), rel=1e-12)
 
 
-@pytest.mark.parametrize("strike_velocity", [60.0, 155.0])
-def test_equal_elements_are_the_plain_panel(tables, strike_velocity):
-    """Also where yarns fail. Arrays of equal entries change the last digit at most; a grading of one zone has none."""
-    panels = [
-        Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN, grading=zones) for zones in (None, ((INF, 1),))
-    ]
-    panels.append(forced(Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN)))
-    one, same, other = (PackSolver(panel, strike_velocity, 60e-6).run() for panel in panels)
-    assert (one.state.counter[motion_kernels.FAILURES] > 0) == (strike_velocity > 100)
+@pytest.mark.parametrize("strike_velocity", [60.0, 180.0])
+@pytest.mark.parametrize("elements", [1, 2])
+def test_equal_elements_are_the_plain_panel(elements, strike_velocity):
+    """Also where yarns fail: a grading of one zone to the bit; by way of the arrays that other gradings have, all of
+    whose entries are equal, in all digits but the last."""
+    uniform = {"elements_per_crossover": elements}
+    panels = [make_panel(numerics=SERIAL, **mesh) for mesh in (uniform, {"grading": ((INF, 1 / elements),)}, uniform)]
+    if elements == 1:
+        panels[2].__dict__["sides"] = tuple(map(np.full, panels[2].counts, panels[2].spacing))
+    plain, same, equal = (PackSolver(panel, strike_velocity, 40e-6).run() for panel in panels)
+    assert (plain.state.counter[motion_kernels.FAILURES] > 0) == (strike_velocity > 100)
+    np.testing.assert_array_equal(plain.samples, same.samples)
     for name in ("u", "v", "stretch", "N", "f_int", "failed", "intact_fraction"):
-        for a, b, c in zip(*(getattr(march.state, name) for march in (one, same, other))):
+        for a, b, c in zip(*(getattr(solver.state, name) for solver in (plain, same, equal))):
             np.testing.assert_array_equal(a, b)
             np.testing.assert_allclose(c, a, rtol=0, atol=1e-9 * max(np.abs(a).max(), 1e-12))
-    np.testing.assert_allclose(one.samples[-1], other.samples[-1], rtol=1e-9, atol=1e-12)
-
-
-@pytest.fixture
-def crumpled(graded, tables):
-    """A stretched, sheared, crumpled graded panel without viscosity, with its node positions."""
-    panel = graded(
-        table=tables["variational"].model.table(401), failure=False, edge="free", symmetry="whole",
-        numerics=Numerics(stretch_viscosity=0.0),
-    )  # fmt: skip
-    return panel, crumple(panel)
-
-
-def test_nodal_forces_are_the_slopes_of_the_energy(crumpled):
-    """In every zone, where zones meet, on the rim and at a corner."""
-    panel, x = crumpled
-    f = node_forces(panel, bring(panel, panel.state(1.0), x))
-    last, change = panel.counts[0], np.flatnonzero(np.diff(panel.sides[0])) + 1
-    nodes = [
-        (0, 0),
-        (1, 2),
-        (change[0], change[1]),
-        (change[0] + 1, 6),
-        (last // 2, last // 2),
-        (last, change[-1]),
-    ]
-    assert_gradient(panel, x, f, nodes, plain_energy)
-
-
-def test_forces_balance(crumpled):
-    """They add up to nothing and have no moment."""
-    panel, x = crumpled
-    assert_balance(x, node_forces(panel, bring(panel, panel.state(1.0), x)))
-
-
-def test_patch(graded):
-    """Under any uniform strain no inner node feels a force, nor any where zones meet."""
-    panel = graded(edge="free", symmetry="whole", failure=False, numerics=Numerics(stretch_viscosity=0.0))
-    X, Y = panel.coordinates()
-    F = np.array([[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]])
-    f = node_forces(panel, bring(panel, panel.state(1.0), np.stack([X, Y], axis=-1) @ F.T))
-    assert np.abs(f[1:-1, 1:-1]).max() < 1e-10 * np.abs(f).max()
-
-
-def test_whole_against_quarter(graded):
-    quarter, whole = (
-        PackSolver(graded(symmetry=kind, numerics=PLAIN), 90.0, 60e-6).run() for kind in ("quarter", "whole")
-    )
-    assert quarter.sample("v")[-1] == pytest.approx(whole.sample("v")[-1], rel=1e-9)
-
-
-def test_shot_against_the_plain_panel(tables):
-    """A coarse rim changes the shot little, and loses no energy: 0.05 % with no failure."""
-    found = []
-    for zones in (None, ((10, 1), (14, 2), (INF, 4))):
-        march = PackSolver(
-            Panel(tables["variational"], (0.0762, 0.0762), numerics=PLAIN, grading=zones), 70.0, 150e-6
-        ).run()
-        assert np.abs(march.sample("error")).max() < 5e-4 * march.strike_energy
-        found.append((march.sample("v")[-1], march.sample("z")[-1], *march.state.peak_tension))
-    (v, z, *peak), (v_g, z_g, *peak_g) = found
-    assert abs(v_g - v) < 0.01 * 70.0
-    assert z_g == pytest.approx(z, rel=0.01)
-    np.testing.assert_allclose(peak_g, peak, rtol=0.05)
 
 
 def reflected(table, zones, wavelength):
     """Share of a pulse's kinetic energy that is behind it once it is through; its length is in crossovers."""
-    edge, knobs = ("clamped", "free"), Numerics(stretch_viscosity=0.0)
-    panel = Panel(table, (0.6, 0.0203), edge=edge, failure=False, grading=zones, numerics=knobs)
+    edge, numerics = ("clamped", "free"), Numerics(stretch_viscosity=0.0)
+    panel = make_panel(table=table, opening=(0.6, 0.0203), edge=edge, failure=False, grading=zones, numerics=numerics)
     solver = solver_at_rest(panel, 1.0)
     state, const = solver.state, solver.const
     state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
-    X, weave, d = panel.coordinates()[0], panel.weave, panel.spacing[0]
+    x, weave, d = rest(panel), panel.weave, panel.spacing[0]
     speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
-    start, length, k = 40 * d, wavelength * d, np.pi / (wavelength * d)
+    length, k = wavelength * d, np.pi / (wavelength * d)
 
-    def at(x):
-        return np.clip(x - start, -0.5 * length, 0.5 * length)
+    def within(X):
+        return np.clip(X - 40 * d, -0.5 * length, 0.5 * length)
 
     # taut cloth, and a pulse u = f(X - c t) on it
-    state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
-    state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
+    X, along = x[..., 0], np.array([1.0, 0.0, 0.0])
+    set_nodal(state.u, (0.01 * X + 1e-6 * np.cos(k * within(X)) ** 2)[..., None] * along)
+    set_nodal(state.v, (speed * 1e-6 * k * np.sin(2 * k * within(X + 0.5 * speed * const.dt)))[..., None] * along)
     ply_kernels.initial_forces(state, const, None, panel.work())
     advance(solver, int(150 * d / speed / const.dt))
-    kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
+    kinetic = (grid(const, state.mass) * grid(const, state.v[0]) ** 2).sum(axis=1)
     return float(kinetic[X[:, 0] < 95 * d].sum() / kinetic.sum())
 
 
@@ -176,24 +135,72 @@ def test_waves_pass_where_zones_meet(straight, zones, wavelength, most):
     assert reflected(table, zones, wavelength) < most
 
 
-@pytest.mark.parametrize("changes", [
-    {"zones": ((9, 1), (13, 2))}, {"zones": ((9, 1), (5, 2), (INF, 4))}, {"zones": ((9, 2), (INF, 3))},
-    {"zones": ()}, {"zones": "coarse"}, {"zones": ((2, 1), (INF, 2))}, {"elements_per_crossover": 2},
-])  # fmt: skip
-def test_bad_gradings(graded, changes):
-    with pytest.raises(InputError) as told:
-        graded(**changes)
-    assert len(str(told.value).splitlines()) == 1
-
-
 def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
     """Against a plain loop over all pairs of yarn and line."""
     factors, places = np.random.default_rng(3).uniform(0.5, 1.5, 41), np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16])
-    found = grading.weakest(factors, places)
-    for line, factor in enumerate(found):
+    for line, factor in enumerate(grading.weakest(factors, places)):
         mine = []
         for yarn in range(-20, 21):
             distance = abs(places - yarn)
             if distance[line] == distance.min() and places[0] <= yarn <= places[-1]:
                 mine.append(factors[yarn + 20])
         assert factor == min(mine)
+
+
+def test_a_yarn_breaks_with_its_share_of_all_its_lines():
+    """The mean over its lines counts; what breaks is one yarn, and all yarns of a line leave nothing of it."""
+    panel = make_panel(0.06, grading=FINER, symmetry="whole", edge="free")
+    state, const, lines = panel.state(1.0), panel.constants(), panel.yarn_lines[1]
+    row, middle = (count // 2 for count in panel.counts)
+    assert lines.yarn[middle] >= 0
+    assert lines.yarn[middle + 3] == lines.yarn[middle] + 1
+    T = grid(const, state.T[0])
+    T[row : row + 3, middle - 2 : middle + 3] = const.min_strength1 * np.array([0.3, 0.9, 1.5, 1.2, 0.6])
+    expected = (0.3 / 3 + 0.9 * 2 / 3 + 1.5 + 1.2 * 2 / 3 + 0.6 / 3) / 3 * const.min_strength1
+    assert failure_kernels.yarn_tension(const, state.T[0], 0, row, middle) == pytest.approx(expected, rel=1e-12)
+    state.active_rows[:] = 0, const.ni
+    assert failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 1
+    intact = grid(const, state.intact_fraction[0])
+    broken = [1, 2 / 3, 1 / 3, 0, 1 / 3, 2 / 3, 1]
+    np.testing.assert_allclose(intact[row + 1, middle - 3 : middle + 4], broken, atol=1e-15)
+    assert np.all(intact[[row - 1, row + 3]][:, : const.nj] == 1.0)
+    assert ply_audit.failed_segments(panel, const, state) == pytest.approx(1.0, rel=1e-12)
+    T[:-1] = 2 * const.min_strength1
+    failure_kernels.detect_failures(const, state, 0, 0, const.ni)
+    assert np.all(intact == 0.0)
+    assert np.all(grid(const, state.yarn_length[0]) == 0.0)
+
+
+@pytest.mark.parametrize("changes", [
+    {"backing": Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)},
+    {"symmetry": "half", "projectile": Projectile(obliquity=0.3, azimuth=0.5 * np.pi)},
+])  # fmt: skip
+def test_shots_at_blocks_and_aslant_are_those_of_a_finer_rim(changes):
+    """Energy balance and velocity are those of a panel that is as fine everywhere, whose yarns fail too; the contact
+    window follows the projectile over the first zone."""
+    graded, fine = (shoot(250.0, 20e-6, grading=zones, **changes) for zones in (((11, 0.5), (INF, 1)), ((INF, 0.5),)))
+    assert graded.state.counter[motion_kernels.FAILURES] > 0
+    assert graded.sample("v")[-1] == pytest.approx(fine.sample("v")[-1], abs=1e-3 * 250.0)
+    errors = [solver.sample("error")[-1] / solver.strike_energy for solver in (graded, fine)]
+    assert errors[0] == pytest.approx(errors[1], abs=5e-4)
+
+
+def test_a_projectile_that_leaves_the_first_zone_ends_the_run():
+    shot = Projectile(obliquity=1.2, azimuth=0.5 * np.pi)
+    with pytest.raises(UnstableError, match="first zone"):
+        shoot(200.0, 100e-6, grading=((9, 0.5), (INF, 1)), symmetry="half", projectile=shot)
+
+
+@pytest.mark.parametrize(("zones", "elements", "side", "end", "near"), [
+    (((10, 1), (14, 2), (INF, 4)), 1, 0.0762, 150e-6, 0.01),
+    (((9, 0.5), (INF, 1)), 2, 0.05, 80e-6, 0.005),
+])  # fmt: skip
+def test_a_coarse_rim_changes_a_shot_little(zones, elements, side, end, near):
+    """A panel that is fine about the nose alone against one that is fine everywhere."""
+    graded, plain = (
+        shoot(70.0, end, side, **mesh) for mesh in ({"grading": zones}, {"elements_per_crossover": elements})
+    )
+    assert graded.sample("v")[-1] == pytest.approx(plain.sample("v")[-1], abs=near * 70.0)
+    assert graded.sample("z")[-1] == pytest.approx(plain.sample("z")[-1], rel=0.01)
+    np.testing.assert_allclose(graded.state.peak_tension, plain.state.peak_tension, rtol=0.05)
+    assert np.abs(graded.sample("error")).max() < 5e-4 * graded.strike_energy

@@ -4,196 +4,81 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from panels import make_panel, table
 
-from fabrics import catalogue
-from fabrics.errors import UnstableError
 from shellfabric.cell.model import CellModel
-from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ELEMENT_SIDE, ImpactSetup, run
 from shellfabric.panel import quality
-from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.quality import Indicator
+from shellfabric.panel.model import Numerics
 from shellfabric.panel.quality_kernels import alternation
-from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
 from validation.models.variants import with_law_form
 from validation.verification.stability import shots
 
 
-@pytest.fixture(scope="module")
-def panel():
-    return Panel(shots.table(), (0.05, 0.05), numerics=Numerics(threads=1))
+def small_panel(side=0.1, **numerics):
+    chosen = shots.Beyond(threads=1, **numerics)
+    return make_panel(side, table=shots.table(), numerics=chosen, failure=False)
 
 
-def names(march):
-    return {one.name for one in quality.of_solver(march) if not one.ok}
+@pytest.mark.parametrize(
+    ("numerics", "expected"),
+    [
+        ({}, set()),
+        ({"stretch_viscosity": 0.0}, {"tension oscillation"}),
+        ({"penalty": 0.02}, {"nose penetration"}),
+        ({"contact_points": 2}, {"contact point spacing"}),
+        ({"cfl": 1.2}, {"time step"}),
+    ],
+)
+def test_what_a_knob_spoils_is_indicated(numerics, expected):
+    solver = PackSolver(small_panel(**numerics), 92.5, 100e-6).run()
+    assert {one.name for one in quality.of_solver(solver) if not one.ok} == expected
 
 
-def injected(march, step, factor):
-    """Let the nodes' velocities be `factor` times as large after `step` steps of the first chunk, unseen by hooks."""
-    advance, made = march.advance, 0
-
-    def spoiled(fine):
-        nonlocal made
-        if made <= step < made + len(fine):
-            done, reason = advance(fine[: step - made])
-            made += done
-            if reason == 0:
-                for _, _, state in march.parts:
-                    for component in state.v:
-                        component *= factor
-                more, reason = advance(fine[done:])
-                made, done = made + more, done + more
-            return done, reason
-        done, reason = advance(fine)
-        made += done
-        return done, reason
-
-    march.advance = spoiled
-    return march
+def test_a_printed_law_and_a_law_beyond_its_fit_are_indicated():
+    fabric = table().model.fabric
+    printed = quality.of_cell(CellModel(with_law_form(fabric, "printed")).table(51), (10.0, 10.0))
+    assert {one.name for one in printed if not one.ok} == {"swelling under contact"}
+    for highest, ok in ((1e-3, False), (1e6, True)):
+        laws = tuple(replace(law, F_range=(0.0, highest)) for law in fabric.laws)
+        assert all(one.ok for one in quality.of_cell(CellModel(fabric, laws).table(51), (100.0, 100.0))) == ok
 
 
-class TestGuard:
-    """An energy error is found soon after it arises, not at the next audit: here there is none before the end."""
-
-    def test_an_injected_error_is_found_with_place_and_step(self, panel):
-        march = PackSolver(panel, 92.5, 60e-6, interval=60e-6)
-        injected(march, 150, 3.0)
-        with pytest.raises(UnstableError, match=r"energy balance is off by .* node \(\d+, \d+\), after .* \(step"):
-            march.run()
-        assert 150 < march.steps < 0.6 * march.last_step
-        assert march.checks > 0
-        assert sum(map(len, march.step_history)) == march.steps  # what was computed is kept
-
-    def test_in_a_pack_too(self, panel):
-        march = PackSolver(Pack.stacked(panel, 2), 150.0, 40e-6, interval=40e-6)
-        injected(march, 80, 4.0)
-        with pytest.raises(UnstableError, match="energy balance is off"):
-            march.run()
-        assert 80 < march.steps < 0.7 * march.last_step
-
-    def test_an_instability_is_caught_while_it_is_small(self):
-        """1.6 times the allowed step: energy grows by orders within an interval between audits."""
-        panel = Panel(
-            shots.table(), (0.1, 0.1), numerics=shots.Beyond(cfl=1.6, threads=1), failure=False,
-        )  # fmt: skip
-        march = PackSolver(panel, 92.5, 100e-6, interval=100e-6)
-        with pytest.raises(UnstableError, match=r"\(step \d+\)"):
-            march.run()
-        assert np.isfinite(march.samples[-1]).all()
-        assert march.sample("kinetic_fabric")[-1] < 2 * march.strike_energy
-
-    def test_checks_leave_no_trace(self, panel):
-        """A run that is checked between audits is the run that is not, to the last bit."""
-        seldom = PackSolver(panel, 92.5, 40e-6, interval=20e-6).run()
-        often = PackSolver(panel, 92.5, 40e-6, interval=20e-6)
-        often.__class__ = type("Often", (PackSolver,), {"allowed_exchange": 1e-3 * often.strike_energy * panel.share})
-        often.run()
-        assert often.checks > 10
-        assert len(often.samples) == len(seldom.samples)
-        np.testing.assert_array_equal(often.samples, seldom.samples)
-        np.testing.assert_array_equal(often.state.u, seldom.state.u)
+def test_alternation_of_a_known_wave():
+    """Tensions 10 +- 1 N from node to node: the alternation is a tenth; a smooth slope has none."""
+    found, slope, i = np.zeros(2), np.zeros(2), np.arange(1600)
+    alternation(10.0 + (-1.0) ** i, 0, 1, 400, 400, 0.0, found)
+    assert np.sqrt(found[0] / found[1]) == pytest.approx(0.1, rel=0.02)
+    alternation(20.0 - 0.01 * (i % 400), 0, 1, 400, 400, 0.0, slope)
+    assert slope[0] == pytest.approx(0.0, abs=1e-12)
+    assert slope[1] > 0
 
 
-class TestIndicators:
-    def test_the_default_is_ok(self, panel):
-        march = PackSolver(panel, 92.5, 40e-6).run()
-        assert names(march) == set()
+def narrow(velocity=300.0, **changes):
+    """A shot whose projectile is narrow: an element of one crossover is 1.2 times as long as its radius."""
+    changes = {"projectile": Projectile(mass=0.44e-3, radius=1.06e-3), "opening": 0.06, "table_size": 51} | changes
+    return ImpactSetup(table().model.fabric, velocity, end_time=100e-6, numerics=Numerics(threads=1), **changes)
 
-    @pytest.mark.parametrize(
-        ("knobs", "expected"),
-        [
-            ({"stretch_viscosity": 0.0}, "tension oscillation"),
-            ({"penalty": 0.02}, "nose penetration"),
-            ({"contact_points": 2}, "contact point spacing"),
-            ({"cfl": 1.2}, "time step"),
-        ],
+
+def test_the_default_mesh_follows_the_projectile():
+    table = narrow().table()
+    panel = narrow().panel(table)
+    assert panel.elements_per_crossover == 2
+    assert max(panel.spacing) < ELEMENT_SIDE * panel.projectile.radius
+    for changes in ({"elements_per_crossover": 1}, {"grading": ((16, 1), (np.inf, 2))}, {"projectile": Projectile()}):
+        assert narrow(**changes).panel(table).elements_per_crossover == 1
+
+
+def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():
+    """Elements longer than its radius absorb less than shorter ones do."""
+    velocities, table = (180.0, 240.0, 300.0, 360.0), narrow().table()
+    fine, usual, coarse = (
+        [run(narrow(v, elements_per_crossover=n), table=table) for v in velocities] for n in (3, None, 1)
     )
-    def test_what_a_knob_spoils(self, knobs, expected):
-        panel = Panel(shots.table(), (0.1, 0.1), numerics=shots.Beyond(threads=1, **knobs), failure=False)
-        assert names(PackSolver(panel, 92.5, 100e-6).run()) == {expected}
-
-    def test_a_printed_law(self, panel):
-        table = CellModel(with_law_form(panel.fabric, "printed")).table(51)
-        assert {one.name for one in quality.of_cell(table, (10.0, 10.0)) if not one.ok} == {"swelling under contact"}
-
-    def test_a_law_beyond_its_fit(self, panel):
-        fabric = panel.fabric
-        for highest, ok in ((1e-3, False), (1e6, True)):
-            laws = tuple(replace(law, F_range=(0.0, highest)) for law in fabric.laws)
-            table = CellModel(fabric, laws).table(51)
-            assert all(one.ok for one in quality.of_cell(table, (100.0, 100.0))) == ok
-
-    def test_alternation_of_a_known_wave(self):
-        """Tensions 10 +- 1 N from node to node: the alternation is a tenth; a smooth slope has none."""
-        found, i = np.zeros(2), np.arange(1600)
-        alternation(10.0 + (-1.0) ** i, 0, 1, 400, 400, 0.0, found)
-        assert np.sqrt(found[0] / found[1]) == pytest.approx(0.1, rel=0.02)
-        found = np.zeros(2)
-        alternation(20.0 - 0.01 * (i % 400), 0, 1, 400, 400, 0.0, found)
-        assert found[0] == pytest.approx(0.0, abs=1e-12)
-        assert found[1] > 0
-
-    def test_a_number_that_is_not_finite_is_not_ok(self):
-        assert not Indicator("x", float("nan"), 1.0).ok
-        assert Indicator("x", float("nan"), 1.0).excess == float("inf")
-
-    @pytest.mark.parametrize(
-        ("value", "number"),
-        [(1.0, "1.00"), (1.00042, "1.0004"), (1.014, "1.01"), (12.345, "12.35"), (0.00231, "0.00231"), (0.3, "0.300"),
-         (float("nan"), "nan")],
-    )  # fmt: skip
-    def test_a_number_beyond_its_limit_is_printed_beyond_it(self, value, number):
-        assert str(Indicator("x", value, 1.0)) == f"x {number} (limit 1)"
-
-    def test_the_worst_of_several_runs(self):
-        one, two = (Indicator("x", value, 1.0) for value in (0.5, 2.0))
-        assert quality.worst([(one,), (two,)]) == (two,)
-
-
-class TestDefaultMesh:
-    """Elements longer than the projectile's radius absorb less than shorter ones do."""
-
-    @staticmethod
-    def setup(velocity=300.0, **changes):
-        shot = Projectile(mass=0.44e-3, radius=1.06e-3)  # 1.2 times as long an element of one crossover
-        return simulation.ImpactSetup(
-            catalogue.load("S-720").with_effective_density(), velocity, projectile=shot, opening=0.06, end_time=100e-6,
-            table_size=51, numerics=Numerics(threads=1), **changes,
-        )  # fmt: skip
-
-    def test_follows_the_projectile(self):
-        table = self.setup().table()
-        panel = self.setup().panel(table)
-        assert panel.elements_per_crossover == 2
-        assert max(panel.spacing) < simulation.ELEMENT_SIDE * panel.projectile.radius
-        assert self.setup(elements_per_crossover=1).panel(table).elements_per_crossover == 1
-        assert self.setup(grading=((16, 1), (np.inf, 2))).panel(table).elements_per_crossover == 1
-        assert replace(self.setup(), projectile=Projectile()).panel(table).elements_per_crossover == 1
-
-    def test_is_fine_enough_for_a_narrow_projectile(self):
-        velocities, table = (180.0, 240.0, 300.0, 360.0), self.setup().table()
-        fine, usual, one = (
-            [simulation.run(self.setup(v, elements_per_crossover=n), table=table) for v in velocities]
-            for n in (3, None, 1)
-        )
-        residual = [np.array([run.residual_velocity for run in runs]) / velocities for runs in (fine, usual, one)]
-        assert np.abs(residual[1] - residual[0]).max() < 0.03
-        assert np.abs(residual[2] - residual[0]).max() > 0.04
-        assert all({check.name for check in run.checks if not check.ok} == {"element side"} for run in one)
-        assert all(check.ok for run in usual for check in run.checks)
-
-
-def test_indicators_survive_a_checkpoint(tmp_path):
-    from shellfabric.output import checkpoint
-
-    setup = simulation.ImpactSetup(
-        catalogue.load("S-720").with_effective_density(), 92.5, opening=0.05, end_time=40e-6, table_size=51,
-        numerics=Numerics(threads=1),
-    )  # fmt: skip
-    path = tmp_path / "checkpoint.h5"
-    whole = simulation.run(setup)
-    simulation.run(replace(setup, end_time=20e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
-    resumed = simulation.run(setup, resume=path)
-    assert resumed.checks == whole.checks
-    assert resumed.max_deflection == whole.max_deflection
+    residual = [np.array([shot.residual_velocity for shot in shots]) / velocities for shots in (fine, usual, coarse)]
+    assert np.abs(residual[1] - residual[0]).max() < 0.03
+    assert np.abs(residual[2] - residual[0]).max() > 0.04
+    assert all({check.name for check in shot.checks if not check.ok} == {"element side"} for shot in coarse)
+    assert all(check.ok for shot in usual for check in shot.checks)

@@ -1,17 +1,13 @@
-"""Packs of graded plies: contact against a slow plain twin and across zones, momentum, energy, and the uniform pack."""
+"""Packs of graded plies: the uniform pack, contact against a slow plain twin, and a patch across zones."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_pack import collide, same
 from test_ply_contact import LAW, bulging, lines, plain, settled
 
-from fabrics import catalogue
-from fabrics.errors import InputError
-from shellfabric.cell.model import CellModel
 from shellfabric.jit.compile import entry
-from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.model import Numerics
 from shellfabric.plies import contact_kernels as kernels
 from shellfabric.plies import graded_kernels
 from shellfabric.plies.model import Pack, PlyContact
@@ -22,16 +18,9 @@ ZONES, FINE = ((7, 1), (INF, 2)), ((7, 0.5), (INF, 1))
 
 
 @pytest.fixture(scope="module")
-def ply():
-    """S-726, whose warp and weft are far from alike, on 34 mm, with elements of one crossover and of two."""
-    fabric = catalogue.load("S-726").with_effective_density()
-    return Panel(CellModel(fabric).table(81), (0.034, 0.034), numerics=Numerics(threads=1), grading=ZONES)
-
-
-@pytest.fixture(params=[ZONES, FINE], ids=["1, 2", "1/2, 1"])
-def any_ply(ply, request):
-    """That ply, or one whose elements are shorter than a crossover in the middle."""
-    return replace(ply, grading=request.param)
+def graded(ply):
+    """On 34 mm, with elements of one crossover and of two."""
+    return replace(ply, opening=(0.034, 0.034), grading=ZONES)
 
 
 def forced(panel):
@@ -41,18 +30,17 @@ def forced(panel):
 
 
 @pytest.mark.parametrize("strike_velocity", [91.0, 250.0])
-def test_equal_elements_are_the_plain_pack(ply, strike_velocity):
-    """Also where yarns fail: to the last bit with a grading of one zone, to round-off with arrays of equal entries."""
-    ply = replace(ply, grading=None, numerics=Numerics(cfl=0.2))  # plies keep their own step, which contact leaves them
-    plies = ply, replace(ply, grading=((INF, 1),)), forced(replace(ply))
+def test_equal_elements_are_the_plain_pack(graded, strike_velocity):
+    """Also where yarns fail: to round-off, by way of the arrays that graded plies have."""
+    # plies keep their own step, which contact leaves them
+    ply = replace(graded, grading=None, numerics=Numerics(cfl=0.2, threads=1))
     assert Pack.stacked(ply, 3, gap=50e-6).time_step == ply.time_step
-    one, equal, other = (
-        PackSolver(Pack((panel,) * 3, (50e-6,) * 2), strike_velocity, 25e-6).run() for panel in plies
-    )  # fmt: skip
+    one, other = (
+        PackSolver(Pack((panel,) * 3, (50e-6,) * 2), strike_velocity, 25e-6).run()
+        for panel in (ply, forced(replace(ply)))
+    )
     assert other.consts[0].line_offset1.size > 0
     assert (one.sample("failed_yarns")[-1] > 0) == (strike_velocity > 200)
-    assert all(same(a, b) for a, b in zip(one.states, equal.states))
-    np.testing.assert_array_equal(one.samples, equal.samples)
     for a, b in zip(one.states, other.states):
         for name in ("u", "v", "f_int", "failed"):
             for x, y in zip(getattr(a, name), getattr(b, name)):
@@ -60,13 +48,11 @@ def test_equal_elements_are_the_plain_pack(ply, strike_velocity):
     np.testing.assert_allclose(one.samples[-1], other.samples[-1], rtol=1e-6, atol=1e-9)
 
 
-@pytest.mark.parametrize(("symmetry", "stacking", "zones"), [
-    ("quarter", "aligned", ZONES), ("quarter", "alternating", ZONES), ("whole", "aligned", ZONES),
-    ("whole", "alternating", ZONES), ("quarter", "alternating", FINE),
-])  # fmt: skip
-def test_forces_against_a_plain_twin(ply, symmetry, stacking, zones):
+@pytest.mark.parametrize(("stacking", "zones", "side"), [("alternating", ZONES, 0.034), ("aligned", FINE, 0.022)])
+def test_forces_against_a_plain_twin(graded, stacking, zones, side):
     """In both zones and across their border, of plies that bulge into each other."""
-    pack = Pack.stacked(replace(ply, symmetry=symmetry, grading=zones), 2, stacking=stacking, gap=20e-6, law=LAW)
+    panel = replace(graded, opening=(side, side), grading=zones)
+    pack = Pack.stacked(panel, 2, stacking=stacking, gap=20e-6, law=LAW)
     states, consts, pair = bulging(pack, np.random.default_rng(1), 0.25e-3, 9e-3)
     settled(states, consts, pair)
     on_front, on_rear, energy = plain(states[0], consts[0], states[1], consts[1], pair, pack)
@@ -81,13 +67,14 @@ def test_forces_against_a_plain_twin(ply, symmetry, stacking, zones):
     assert pair.energy[kernels.SPRING] == pytest.approx(energy, rel=1e-6)
 
 
+@pytest.mark.parametrize("zones", [ZONES, FINE], ids=["1, 2", "1/2, 1"])
 @pytest.mark.parametrize(("points", "slid", "within"), [(1, 0.0, 1e-9), (2, 0.0, 0.04), (1, 0.1, 0.01)])
-def test_patch_across_zones(any_ply, points, slid, within):
+def test_patch_across_zones(graded, zones, points, slid, within):
     """Plies that are strained and inclined alike and pressed together evenly: each node is pushed in proportion to its
     mass, in all zones and where they meet; of plies that have slid on each other by a share of an element, within the
     square of that share. Points off the middles, of which 2 x 2 are an element's, reach two nodes beyond its border: a
     64th of their force in either direction."""
-    free = replace(any_ply, symmetry="whole", edge="free")
+    free = replace(graded, symmetry="whole", edge="free", grading=zones)
     pack = Pack.stacked(free, 2, gap=0.0, contact=PlyContact(damping=0.0, points=points))
     states, _ = pack.states(1.0)
     consts = pack.constants()
@@ -111,51 +98,21 @@ def test_patch_across_zones(any_ply, points, slid, within):
             np.testing.assert_allclose(found / mass, sign * part * per_mass, rtol=0, atol=within * per_mass)
 
 
-def test_colliding_plies_keep_momentum_and_energy(any_ply):
-    for damping in (0.7, 0.0):
-        march, before = collide(any_ply, damping, 300, opening=any_ply.opening)
-        assert march.panel.sides is not None
-        sums = np.array([[state.mass @ v for v in state.v] for state in march.states])
-        np.testing.assert_allclose(sums.sum(axis=0), [0.0, 0.0, before], atol=1e-12 * before)
-        assert sums[1, 2] > 0.4 * before
-        energy = 0.5 * before * 20.0
-        assert abs(march.sample("error")[-1]) < 1e-6 * energy
-        taken = march.sample("ply_contact")[-1] / energy
-        assert taken > 0.35 if damping else taken < 0.01
-
-
 @pytest.mark.parametrize("strike_velocity", [91.0, 300.0])
-def test_shots_against_the_uniform_pack(ply, strike_velocity):
-    """Of three plies, held or torn: energy is balanced, none goes through another, and the answers are close: of torn
-    ones within the few per cent by which it matters which yarn fails first (docs/reports/graded.md)."""
-    found = []
-    for zones in (None, ((10, 1), (INF, 2)), ((10, 1), (16, 2), (INF, 4))):
-        panel = replace(ply, grading=zones, opening=(0.0762, 0.0762))
-        march = PackSolver(Pack.stacked(panel, 3, stacking="alternating", gap=50e-6), strike_velocity, 60e-6).run()
-        assert np.abs(march.sample("error")).max() < 5e-3 * march.strike_energy
+@pytest.mark.parametrize("zones", [((10, 1), (16, 2), (INF, 4)), ((9, 0.5), (INF, 1))], ids=["coarser", "finer"])
+def test_shots_against_the_uniform_pack(ply, strike_velocity, zones):
+    """Held or torn: no ply goes through another, and the projectile is slowed down alike: by torn ones within the few
+    per cent by which it matters which yarn fails first (docs/reports/graded.md)."""
+    found, side, end_time = [], *((0.0762, 60e-6) if zones[0][1] == 1 else (0.05, 25e-6))
+    for grading in (((INF, zones[0][1]),), zones):
+        panel = replace(ply, grading=grading, opening=(side, side))
+        march = PackSolver(Pack.stacked(panel, 2, stacking="alternating", gap=50e-6), strike_velocity, end_time).run()
         assert march.deepest.max() < 1.0
         assert (march.sample("failed_yarns")[-1] > 0) == (strike_velocity > 200)
-        found.append((march.sample("v")[-1], march.sample("z")[-1], march.pack.elements))
-    (v, z, n), *graded = found
-    for v_g, z_g, n_g in graded:
-        assert n_g < 0.6 * n
-        assert abs(v_g - v) < (0.03 if strike_velocity > 200 else 0.01) * strike_velocity
-        if strike_velocity < 200:  # torn packs end their runs at different times
-            assert z_g == pytest.approx(z, rel=0.01)
-
-
-@pytest.mark.parametrize("strike_velocity", [91.0, 300.0])
-def test_shots_at_a_pack_that_is_fine_in_the_middle(ply, strike_velocity):
-    """Against the pack that is as fine everywhere: energy is balanced, and the projectile is slowed down alike."""
-    found = []
-    for zones in (((INF, 0.5),), ((9, 0.5), (INF, 1))):
-        panel = replace(ply, grading=zones, opening=(0.05, 0.05))
-        march = PackSolver(Pack.stacked(panel, 2, gap=50e-6), strike_velocity, 25e-6).run()
-        assert np.abs(march.sample("error")).max() < 5e-3 * march.strike_energy
-        assert march.deepest.max() < 1.0
-        assert (march.sample("failed_yarns")[-1] > 0) == (strike_velocity > 200)
-        found.append(march.sample("v")[-1])
-    assert abs(found[1] - found[0]) < (0.02 if strike_velocity > 200 else 0.005) * strike_velocity
+        found.append((march.sample("v")[-1], march.pack.elements))
+    (v, n), (v_graded, n_graded) = found
+    assert n_graded < 0.6 * n
+    assert abs(v_graded - v) < (0.03 if strike_velocity > 200 else 0.01) * strike_velocity
 
 
 @entry()
@@ -171,8 +128,3 @@ def test_places_in_elements():
         expected = at if at < 2 else 2 + (at - 2) / 2 if at < 4 else 3 + (at - 4) / 4
         assert place(at, 1.0, offsets, 4) == pytest.approx(expected, abs=1e-12)
         assert place(at, 0.5, 0.0, 4) == at / 0.5
-
-
-def test_plies_of_one_grading(ply):
-    with pytest.raises(InputError, match="one grading"):
-        Pack((ply, replace(ply, grading=None)), (0.0,))

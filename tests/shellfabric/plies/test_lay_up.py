@@ -1,4 +1,4 @@
-"""Lay-ups: of plies that are all alike they are the plain pack, by right angles the alternating one; hybrid packs."""
+"""Lay-ups: what hybrid packs know of their plies, their gaps, their mesh."""
 
 from dataclasses import replace
 from math import pi
@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, Ply, run
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.gap import gap_between
@@ -22,26 +21,6 @@ def laid(*plies, setup=SETUP):
     return replace(setup, fabric=plies[0].fabric, laws=plies[0].laws, plies=len(plies), lay_up=plies)
 
 
-def same(one, other):
-    """Whether two results are equal to the last bit."""
-    arrays = [(one.energies[name], other.energies[name]) for name in one.energies]
-    arrays += [(one.plies[name], other.plies[name]) for name in one.plies]
-    arrays += [(one.step_history, other.step_history), (one.last[-1].nodes, other.last[-1].nodes)]
-    return all(np.array_equal(a, b, equal_nan=True) for a, b in arrays)
-
-
-def test_of_one_fabric_it_is_the_plain_pack():
-    """Also where the fabric is given anew for each ply, as by two files."""
-    plain = run(SETUP)
-    assert plain.failed_segments[-1] > 0
-    assert same(run(laid(*(Ply(catalogue.load("S-728")) for _ in range(3)))), plain)
-
-
-def test_by_right_angles_it_is_the_alternating_pack():
-    plies = [Ply(SETUP.fabric, angle=angle) for angle in (0.0, pi / 2, 0.0)]
-    assert same(run(laid(*plies)), run(replace(SETUP, stacking="alternating")))
-
-
 def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     """Plies of other crossovers and counts: the same energy balance, each with its own strength; the order matters."""
     one, other = Ply(SETUP.fabric), Ply(catalogue.load("S-726"), angle=pi / 2)
@@ -49,12 +28,6 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     for result in results:
         assert result.energy_error_max < 2e-3
         assert result.failed_segments[-1] > 0
-        total = sum(result.energies[name][-1] for name in result.energies if name not in ("error", "ply_contact"))
-        assert total == pytest.approx(result.strike_energy - result.energies["ply_contact"][-1], rel=2e-3)
-        plies = result.plies["energy"].sum(axis=1) + result.energies["ply_contact"] + result.energies["ply_friction"]
-        np.testing.assert_allclose(
-            plies + result.energies["kinetic_projectile"] - result.energies["error"], result.strike_energy, rtol=1e-12
-        )
         assert result.plies["peak_warp"][-1].tolist() == result.ply_tensions[:, 0].tolist()
         assert np.all(np.diff(result.plies["peak_weft"], axis=0) >= 0)
     first, second = results
@@ -98,11 +71,6 @@ def test_a_pack_of_a_fabric_without_a_law_takes_the_law_of_the_shot():
     own = replace(SETUP, fabric=replace(SETUP.fabric, laws=None), laws=laws)
     assert replace(own, plies=3).meshed == replace(own, plies=3, grading=replace(SETUP, plies=3).meshed.grading)
     assert laid(Ply(own.fabric, laws=laws), Ply(SETUP.fabric), setup=own).meshed.grading is not None
-
-
-def test_a_lay_up_that_does_not_fit_is_refused():
-    with pytest.raises(InputError, match="plies = 2: must be 3"):
-        replace(SETUP, plies=2, lay_up=(Ply(SETUP.fabric),) * 3)
 
 
 def test_a_lay_up_is_reported_as_a_whole():

@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from fabrics import catalogue
 from fabrics.ply_law import PlyLaw
-from shellfabric.cell.model import CellModel
 from shellfabric.jit.borrowed_list import Items
-from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import contact_kernels as kernels
 from shellfabric.plies import contact_simd_kernels as lanes
@@ -21,13 +18,6 @@ from shellfabric.plies.squeeze_kernels import stop_deep_points
 
 # soft, stiffer, then solid fibre; the second sample is on a line of the kernels' table
 LAW = PlyLaw([0.0, 20e-6, 40e-6], [0.0, 1e6, 19e6], 1.4e13)
-
-
-@pytest.fixture(scope="module")
-def ply():
-    """S-726, whose warp and weft are far from alike, on 20 mm."""
-    fabric = catalogue.load("S-726").with_effective_density()
-    return Panel(CellModel(fabric).table(41), (0.02, 0.02), numerics=Numerics(threads=1))
 
 
 def lines(const):
@@ -234,61 +224,6 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width)
     assert max(seen) > 16
 
 
-def test_eight_at_once_are_asked_for(ply):
-    """Of whole cloth none but rims and planes of symmetry are left to be looked at one at a time."""
-    states, consts, pair = flat(replace(ply, symmetry="quarter"))
-    (front, rear), (fc, rc) = states, consts
-    pair.energy[kernels.MAX_DEPTH] = 0.0
-    left = np.zeros((fc.ni * 4, fc.nj), int)
-    for row in range(fc.ni * 4):
-        for j in range(0, fc.nj, 8):
-            count = min(8, fc.nj - j)
-            bits, _ = lanes.contact_points8(
-                front, fc, rear, rc, pair, row * fc.nj + j, count, 1e-6, 1.0, (1 << count) - 1
-            )  # fmt: skip
-            left[row, j : j + count] = [(bits >> m) & 1 for m in range(count)]
-    assert not left[6:-4, 1:-1].any()  # the first nodes of the two rows before lie on the plane of symmetry
-
-
-def test_a_point_that_touches_does_not_wait(ply):
-    """Not even one that was thought to be far away, next to one that was not."""
-    states, consts, pair = flat(ply)
-    force = placed(states, consts, pair, 0.2 * pair.thickness, 1)
-    pair.status[:] = lanes.CLEAR
-    wait = pair.recheck_step[: 4 * pair.near_torn.size].reshape(4 * consts[0].ni, consts[0].nj)
-    wait[6:-4, 1:-1] = 1e6
-    wait[:, ::8] = 0.0
-    states[0].u[2][:] = 0.0  # from where it comes
-    assert placed(states, consts, pair, 0.2 * pair.thickness, 2) == pytest.approx(force, rel=1e-9)
-    assert placed(states, consts, pair, 0.2 * pair.thickness, 3) == pytest.approx(force, rel=1e-9)
-    assert wait.max() <= 3
-
-
-@pytest.mark.parametrize("points", [1, 2])
-def test_forces_add_up_to_nothing(ply, points):
-    pack = Pack.stacked(
-        replace(ply, symmetry="whole"), 2, stacking="alternating", gap=50e-6, contact=PlyContact(points=points)
-    )
-    states, consts, pair = bulging(pack, np.random.default_rng(2), 0.2e-3)
-    settled(states, consts, pair)
-    moment, size = np.zeros(3), 0.0
-    for c in range(3):
-        total = pair.f_front[c].sum() + pair.f_rear[c].sum()
-        size = max(size, np.abs(pair.f_front[c]).sum())
-        assert abs(total) < 1e-12 * size
-    for forces, state, const, z in (
-        (pair.f_front, states[0], consts[0], 0.0),
-        (pair.f_rear, states[1], consts[1], 1),
-    ):
-        count = (const.ni + 1) * const.row_stride
-        i, j = np.divmod(np.arange(count), const.row_stride)
-        x, y = lines(const)
-        place = np.array([x[i], y[j], 0.0 * i + z * pair.rest_distance])
-        place += np.array([u[:count] for u in state.u])
-        moment += np.cross(place, np.array([f[:count] for f in forces]), axis=0).sum(axis=1)
-    assert np.abs(moment).max() < 1e-9 * size * 0.01  # forces act along the line from foot to point
-
-
 @pytest.mark.parametrize("points", [1, 2])
 def test_plies_that_slide_on_each_other_make_no_energy(ply, points):
     """A bulging ply that is drawn over another: what its springs hold is what it was pushed by. With a foot that is a
@@ -333,198 +268,198 @@ def test_what_no_yarn_holds_does_not_push(ply):
     assert not (pair.status == lanes.IN_CONTACT).any()
 
 
-def placed(states, consts, pair, height, step, moved=True):
-    """The contact with the front ply's nodes at a height [m] above its place at rest; the force on it along z.
+class Flat:
+    """Flat plies at rest without gaps, of which the front one is moved, and the contact of the first two."""
 
-    moved : whether it has been brought there by motion, in a step, or stands there at once
-    """
-    nodes = (consts[0].ni + 1) * consts[0].row_stride
-    states[0].v[2][:nodes] = (height - states[0].u[2][:nodes]) / consts[0].dt if moved else 0.0
-    states[0].u[2][:nodes] = height
-    kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, pair, step)
-    return sum(pair.f_front[2])
+    def __init__(self, ply, plies=2, friction=0.0, law=None, **knobs):
+        contact = PlyContact(**{"damping": 0.0} | knobs)
+        self.pack = Pack.stacked(ply, plies, gap=0.0, contact=contact, friction=friction, law=law)
+        (self.states, self.stack), self.consts = self.pack.states(1.0), self.pack.constants()
+        self.pairs, const = self.pack.pairs(self.consts, self.states), self.consts[0]
+        for pair in self.pairs:
+            pair.front_box[:] = 0, const.ni, 0, const.nj
+        self.pair, self.thickness, self.steps = self.pairs[0], self.pairs[0].thickness, 0
+        self.nodes, self.own = (const.ni + 1) * const.row_stride, slice(self.pair.near_torn.size)
+
+    def press(self, back=None):
+        """A step's forces between the first two, with points behind too; the sum of those on the front ply along z."""
+        front, fc, rear, rc = self.states[0], self.consts[0], self.states[1], self.consts[1]
+        kernels.contact_forces(front, fc, rear, rc, self.pair, back or self.pair, self.steps)
+        if back:
+            kernels.contact_forces_back(rear, rc, front, fc, back, self.pair, self.steps)
+        self.steps += 1
+        return sum(self.pair.f_front[2])
+
+    def place(self, height, moved=True, back=None):
+        """The force with the front ply at a height [thicknesses] above its place at rest, to which it has been moved in
+        a step, or where it stands at once."""
+        u, v, place = self.states[0].u[2][: self.nodes], self.states[0].v[2], height * self.thickness
+        v[: self.nodes] = (place - u) / self.consts[0].dt if moved else 0.0
+        u[:] = place
+        return self.press(back)
+
+    def energy(self, kind):
+        return self.pair.energy[kind]
+
+    def fly(self, steps):
+        """Move all plies by the forces between them, each pair's first points alone."""
+        lists = [Items(part) for part in (self.states, self.consts, self.pairs)]
+        pairs = self.pairs[: len(self.pairs) // 2]
+        for step in range(steps):
+            for p, pair in enumerate(pairs):
+                plies = self.states[p], self.consts[p], self.states[p + 1], self.consts[p + 1]
+                kernels.contact_forces(*plies, pair, pair, step)
+            stop_deep_points(*lists)
+            for p, pair in enumerate(pairs):
+                for state, forces in ((self.states[p], pair.f_front), (self.states[p + 1], pair.f_rear)):
+                    for v, force in zip(state.v, forces):
+                        v[:] += state.dt_over_mass * force
+            for state, const in zip(self.states, self.consts):
+                for u, v in zip(state.u, state.v):
+                    u[:] += const.dt * v
 
 
-def at_rest(ply, plies, **knobs):
-    """States, Constants and pairs of flat plies without gaps."""
-    pack = Pack.stacked(ply, plies, gap=0.0, contact=PlyContact(damping=0.0, **knobs))
-    states, _ = pack.states(1.0)
-    consts = pack.constants()
-    pairs = pack.pairs(consts, states)
-    for pair in pairs:
-        pair.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
-    return states, consts, pairs
-
-
-def fly(states, consts, pairs, steps):
-    """Move plies by the forces between them, each pair's first points alone."""
-    lists = [Items(part) for part in (states, consts, pairs)]
-    for step in range(steps):
-        for p, pair in enumerate(pairs[: len(pairs) // 2]):
-            kernels.contact_forces(states[p], consts[p], states[p + 1], consts[p + 1], pair, pair, step)
-        stop_deep_points(*lists)
-        for p, pair in enumerate(pairs[: len(pairs) // 2]):
-            for ply, force in ((p, pair.f_front), (p + 1, pair.f_rear)):
-                for c in range(3):
-                    states[ply].v[c][:] += states[ply].dt_over_mass * force[c]
-        for state, const in zip(states, consts):
-            for c in range(3):
-                state.u[c][:] += const.dt * state.v[c]
-
-
-def flat(ply, **knobs):
-    """Two flat plies at rest, the front one in touch by a tenth of its thickness."""
-    states, consts, (pair, _) = at_rest(ply, 2, **knobs)
-    placed(states, consts, pair, 0.1 * pair.thickness, 0)
-    assert (pair.status[: pair.near_torn.size] == lanes.IN_CONTACT).all()
-    return states, consts, pair
+@pytest.fixture
+def flat(ply):
+    """The front ply in touch by a tenth of the thickness."""
+    two = Flat(ply)
+    two.place(0.1)
+    assert (two.pair.status[two.own] == lanes.IN_CONTACT).all()
+    return two
 
 
 @pytest.mark.parametrize("grading", [None, ((np.inf, 0.5),), ((6, 0.5), (np.inf, 1))])
 def test_pressure_is_the_same_on_every_mesh(ply, grading):
     """At a prescribed closure, in the travel of the law and beyond it, whatever the elements and the time step."""
-    pack = Pack.stacked(replace(ply, grading=grading), 2, gap=0.0, law=LAW, contact=PlyContact(damping=0.0))
-    states, _ = pack.states(1.0)
-    consts = pack.constants()
-    pair = pack.pairs(consts, states)[0]
-    pair.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
-    area = np.prod([np.ptp(x) for x in lines(consts[0])])
-    for step, closure in enumerate((5e-6, 15e-6, 30e-6, 43e-6)):
-        force = -placed(states, consts, pair, closure, step)
-        assert force / area == pytest.approx(float(LAW.pressure_at(closure)), rel=1e-6)
-        assert pair.energy[kernels.SPRING] / area == pytest.approx(float(LAW.energy_at(closure)), rel=1e-6)
+    two = Flat(replace(ply, grading=grading), law=LAW)
+    area = np.prod([np.ptp(x) for x in lines(two.consts[0])])
+    for closure in (5e-6, 15e-6, 30e-6, 43e-6):
+        assert -two.place(closure / two.thickness) / area == pytest.approx(float(LAW.pressure_at(closure)), rel=1e-6)
+        assert two.energy(kernels.SPRING) / area == pytest.approx(float(LAW.energy_at(closure)), rel=1e-6)
 
 
-def test_a_normal_that_turns_over_throws_nothing(ply):
+def test_a_point_that_touches_does_not_wait(flat):
+    """Not even one that was thought to be far away, next to one that was not."""
+    force = flat.place(0.2)
+    flat.pair.status[:] = lanes.CLEAR
+    wait = flat.pair.recheck_step[: 4 * flat.own.stop].reshape(4 * flat.consts[0].ni, flat.consts[0].nj)
+    wait[6:-4, 1:-1] = 1e6
+    wait[:, ::8] = 0.0
+    flat.states[0].u[2][:] = 0.0  # from where it comes
+    assert flat.place(0.2) == pytest.approx(force, rel=1e-9)
+    assert flat.place(0.2) == pytest.approx(force, rel=1e-9)
+    assert wait.max() <= 3
+
+
+def test_a_normal_that_turns_over_throws_nothing(flat):
     """Cloth that is drawn in until an element lies upside down: what touched it is on the same side as before. Told by
     the normal alone it would be nearly two thicknesses deep, on the wrong side of it."""
-    states, consts, pair = flat(ply)
-    i, j = 4, 5
-    before, k = pair.energy[kernels.SPRING], i * consts[1].row_stride + j
-    states[1].u[0][[k, k + 1]] += 0.9 * consts[1].dx
-    states[1].u[0][[k + consts[1].row_stride, k + consts[1].row_stride + 1]] -= 0.9 * consts[1].dx
-    force = placed(states, consts, pair, 0.1 * pair.thickness, 1)
-    for step in range(2, 40):
-        force = placed(states, consts, pair, 0.1 * pair.thickness, step)
-    assert force < 0.0
-    assert pair.energy[kernels.MAX_DEPTH] < 0.3 * pair.thickness
-    assert pair.energy[kernels.SPRING] < 1.5 * before
-    assert pair.energy[kernels.PASSED_COUNT] == 0
+    before, const = flat.energy(kernels.SPRING), flat.consts[1]
+    k, u = 4 * const.row_stride + 5, flat.states[1].u[0]
+    u[[k, k + 1]] += 0.9 * const.dx
+    u[[k + const.row_stride, k + const.row_stride + 1]] -= 0.9 * const.dx
+    assert [flat.place(0.1) for _ in range(39)][-1] < 0.0
+    assert flat.energy(kernels.MAX_DEPTH) < 0.3 * flat.thickness
+    assert flat.energy(kernels.SPRING) < 1.5 * before
+    assert flat.energy(kernels.PASSED_COUNT) == 0
 
 
-def test_a_point_keeps_its_side_where_the_surface_changes_its_form(ply):
+def test_a_point_keeps_its_side_where_the_surface_changes_its_form(flat):
     """A foot goes over from facets, beside torn cloth, to the spline, on whose other side its point lies. It was held
     from behind, and a ply came through."""
-    states, consts, pair = flat(ply)
-    n = pair.near_torn.size
-    side = pair.normal[2][:n].copy()
-    states[1].block_damage[:], states[1].element_flag[:] = 1, 1
-    placed(states, consts, pair, 0.3 * pair.thickness, 1)
-    np.testing.assert_allclose(pair.normal[2][:n], side)
-    states[1].block_damage[:], states[1].element_flag[:] = 0, 0
-    placed(states, consts, pair, 1.3 * pair.thickness, 2, moved=False)
-    assert (pair.status[:n] == lanes.IN_CONTACT).all()
-    np.testing.assert_allclose(pair.normal[2][:n], side)
-    assert pair.energy[kernels.PASSED_COUNT] == 0
+    side, rear = flat.pair.normal[2][flat.own].copy(), flat.states[1]
+    for torn, height in ((1, 0.3), (0, 1.3)):
+        rear.block_damage[:], rear.element_flag[:] = torn, torn
+        flat.place(height, moved=bool(torn))
+        np.testing.assert_allclose(flat.pair.normal[2][flat.own], side)
+    assert (flat.pair.status[flat.own] == lanes.IN_CONTACT).all()
+    assert flat.energy(kernels.PASSED_COUNT) == 0
 
 
-def test_what_is_found_deep_is_not_thrown_but_held(ply):
+def test_what_is_found_deep_is_not_thrown_but_held(flat):
     """A point that is found inside the thickness, beside a hole, begins without a force; none is let deeper."""
-    states, consts, pair = flat(ply)
-    stiffness = -placed(states, consts, pair, 0.1 * pair.thickness, 1) / (0.1 * pair.thickness)
-    pair.status[:] = lanes.CLEAR
-    assert placed(states, consts, pair, 0.6 * pair.thickness, 2, moved=False) == 0.0
-    assert pair.energy[kernels.SPRING] == 0.0
-    force = -placed(states, consts, pair, 0.7 * pair.thickness, 3)
-    assert force == pytest.approx(stiffness * 0.1 * pair.thickness, rel=0.02)
-    assert placed(states, consts, pair, 0.5 * pair.thickness, 4) == 0.0
-    assert -placed(states, consts, pair, 0.6 * pair.thickness, 5) > 0.0  # from where it has been let to
+    force = flat.place(0.1)
+    flat.pair.status[:] = lanes.CLEAR
+    assert flat.place(0.6, moved=False) == 0.0
+    assert flat.energy(kernels.SPRING) == 0.0
+    assert flat.place(0.7) == pytest.approx(force, rel=0.02)
+    assert flat.place(0.5) == 0.0
+    assert flat.place(0.6) < 0.0  # from where it has been let to
 
 
-def test_a_foot_that_leaps_brings_no_energy(ply):
+def test_a_foot_that_leaps_brings_no_energy(flat):
     """Where the foot of a point that touches leaps, as in folds, it is let go; it goes on with its spring as it was."""
-    states, consts, pair = flat(ply)
-    force, stored = placed(states, consts, pair, 0.2 * pair.thickness, 1), pair.energy[kernels.SPRING]
+    force, stored = flat.place(0.2), flat.energy(kernels.SPRING)
     assert force < 0.0
-    n, middle = 4 * pair.near_torn.size, consts[1].ni / 2
-    pair.closest_point[0][:n] += np.where(pair.closest_point[0][:n] < middle, 0.5, -0.5)
-    assert placed(states, consts, pair, 0.3 * pair.thickness, 2) == 0.0
-    assert (pair.status[:n] == lanes.LOST).all()
-    for step in range(3, 8):
-        found = placed(states, consts, pair, 0.4 * pair.thickness, step)
-    assert (pair.status[:n] == lanes.IN_CONTACT).all()
-    assert found == pytest.approx(force, rel=0.05)
-    assert pair.energy[kernels.SPRING] < 1.05 * stored
+    n, feet = 4 * flat.own.stop, flat.pair.closest_point[0]
+    feet[:n] += np.where(feet[:n] < flat.consts[1].ni / 2, 0.5, -0.5)
+    assert flat.place(0.3) == 0.0
+    assert (flat.pair.status[:n] == lanes.LOST).all()
+    assert [flat.place(0.4) for _ in range(5)][-1] == pytest.approx(force, rel=0.05)
+    assert (flat.pair.status[:n] == lanes.IN_CONTACT).all()
+    assert flat.energy(kernels.SPRING) < 1.05 * stored
 
 
 @pytest.mark.parametrize("begins", [True, False])
 @pytest.mark.parametrize("depth", [0.3, 0.8])
-def test_a_depth_that_no_motion_has_made_loads_no_spring(ply, begins, depth):
+def test_a_depth_that_no_motion_has_made_loads_no_spring(flat, begins, depth):
     """The foot on another fold, or the normal turned over: several tenths of the thickness in a step without motion."""
-    states, consts, pair = flat(ply)
-    stored = pair.energy[kernels.SPRING]
+    stored = 0.0 if begins else flat.energy(kernels.SPRING)
     if begins:
-        pair.status[:], stored = lanes.CLEAR, 0.0
-    placed(states, consts, pair, depth * pair.thickness, 1, moved=False)
-    assert pair.energy[kernels.MAX_DEPTH] == pytest.approx(depth * pair.thickness, rel=1e-6)
-    assert pair.energy[kernels.SPRING] == pytest.approx(stored, rel=0.05, abs=1e-30)
-    assert pair.energy[lanes.MAX_COMPRESSION] < 0.15 * pair.thickness  # that of `flat`
-    forces = [
-        -placed(states, consts, pair, (depth + part) * pair.thickness, 2 + n) for n, part in enumerate((0.05, 0.1))
-    ]
-    assert 0 < forces[0] < forces[1]  # and is let no deeper
+        flat.pair.status[:] = lanes.CLEAR
+    flat.place(depth, moved=False)
+    assert flat.energy(kernels.MAX_DEPTH) == pytest.approx(depth * flat.thickness, rel=1e-6)
+    assert flat.energy(kernels.SPRING) == pytest.approx(stored, rel=0.05, abs=1e-30)
+    assert flat.energy(lanes.MAX_COMPRESSION) < 0.15 * flat.thickness  # that of the beginning
+    assert 0 > flat.place(depth + 0.05) > flat.place(depth + 0.1)  # and is let no deeper
 
 
-def test_what_comes_round_a_rim_is_on_no_side_yet(ply):
+def test_what_comes_round_a_rim_is_on_no_side_yet(flat):
     """Cloth that comes round the rim of a free panel, edge on: found in the middle of the thickness, where no motion
     through the face has brought it. It was taken as touching, and as having come through in the next step."""
-    states, consts, pair = flat(ply)
     for moved, passed in ((False, False), (True, True)):
-        placed(states, consts, pair, -0.1 * pair.thickness, 1)
-        pair.status[:], pair.recheck_step[:], pair.energy[kernels.PASSED_COUNT] = lanes.CLEAR, 0, 0
-        placed(states, consts, pair, 0.95 * pair.thickness, 2, moved=moved)
-        assert (pair.status[: pair.near_torn.size] == (lanes.IN_CONTACT if moved else lanes.CLEAR)).all()
-        placed(states, consts, pair, 1.05 * pair.thickness, 3)
-        assert (pair.energy[kernels.PASSED_COUNT] > 0) == passed
+        flat.place(-0.1)
+        flat.pair.status[:], flat.pair.recheck_step[:] = lanes.CLEAR, 0
+        flat.pair.energy[kernels.PASSED_COUNT] = 0
+        flat.place(0.95, moved=moved)
+        assert (flat.pair.status[flat.own] == (lanes.IN_CONTACT if moved else lanes.CLEAR)).all()
+        flat.place(1.05)
+        assert (flat.energy(kernels.PASSED_COUNT) > 0) == passed
 
 
-def test_a_side_that_another_fold_has_is_not_the_point_s_own(ply):
+def test_a_side_that_another_fold_has_is_not_the_point_s_own(flat):
     """A point that is found in the middle of another fold is let go: it did not come through, and is held from the side
     on which it leaves the middle. Points so deep were counted as passages in the next step."""
-    states, consts, pair = flat(ply)
-    placed(states, consts, pair, 0.2 * pair.thickness, 1)
-    placed(states, consts, pair, 0.95 * pair.thickness, 2, moved=False)
-    assert (pair.status[: pair.near_torn.size] == lanes.CLEAR).all()
-    placed(states, consts, pair, 1.05 * pair.thickness, 3)
-    placed(states, consts, pair, 1.05 * pair.thickness, 4)
-    assert pair.energy[kernels.PASSED_COUNT] == 0
-    force = placed(states, consts, pair, 1.3 * pair.thickness, 5)  # 0.7 deep, from behind
-    force = placed(states, consts, pair, 1.25 * pair.thickness, 6)
-    assert force > 0.0
+    flat.place(0.2)
+    flat.place(0.95, moved=False)
+    assert (flat.pair.status[flat.own] == lanes.CLEAR).all()
+    for height in (1.05, 1.05):
+        flat.place(height)
+    assert flat.energy(kernels.PASSED_COUNT) == 0
+    flat.place(1.3)  # 0.7 deep, from behind
+    assert flat.place(1.25) > 0.0
 
 
-def test_whole_cloth_that_comes_through_is_pushed_back_and_counted(ply):
-    states, consts, pair = flat(ply)
-    parts = np.arange(0.25, 1.5, 0.1)
-    forces = [-placed(states, consts, pair, part * pair.thickness, n) for n, part in enumerate(parts)]
-    assert np.all(np.diff(forces) > 0)
-    assert pair.energy[kernels.PASSED_COUNT] > 0
-    assert pair.energy[kernels.MAX_DEPTH] > 1.3 * pair.thickness
-    assert pair.energy[kernels.PASSED_STEP] == 8  # the first step past a thickness
+def test_whole_cloth_that_comes_through_is_pushed_back_and_counted(flat):
+    flat.steps = 0
+    assert np.all(np.diff([flat.place(height) for height in np.arange(0.25, 1.5, 0.1)]) < 0)
+    assert flat.energy(kernels.PASSED_COUNT) > 0
+    assert flat.energy(kernels.MAX_DEPTH) > 1.3 * flat.thickness
+    assert flat.energy(kernels.PASSED_STEP) == 8  # the first step past a thickness
 
 
 def test_a_narrow_bump_is_stopped_before_it_comes_through(ply):
     """The mass about one point exceeds what its share of the area can stop; energy is lost and momentum is not."""
-    states, consts, pairs = at_rest(ply, 2, stiffness=0.01)
-    const, pair, node = consts[0], pairs[0], 6 * consts[0].row_stride + 5
-    states[0].v[2][node] = 2.5 * 0.1 * pair.thickness / const.dt  # a point above it comes nearer by 0.14 t a step
+    two = Flat(ply, stiffness=0.01)
+    const, node = two.consts[0], 6 * two.consts[0].row_stride + 5
+    two.states[0].v[2][node] = 2.5 * 0.1 * two.thickness / const.dt  # a point above it comes nearer by 0.14 t a step
     with np.errstate(divide="ignore"):
-        masses = np.where(states[0].dt_over_mass > 0, const.dt / states[0].dt_over_mass, 0.0)
-    moving = lambda power: sum((masses * state.v[2] ** power).sum() for state in states)  # noqa: E731
+        masses = np.where(two.states[0].dt_over_mass > 0, const.dt / two.states[0].dt_over_mass, 0.0)
+    moving = lambda power: sum((masses * state.v[2] ** power).sum() for state in two.states)  # noqa: E731
     momentum, energy = moving(1), moving(2)
-    fly(states, consts, pairs, 40)
-    assert 0.85 < pair.energy[kernels.MAX_DEPTH] / pair.thickness < 0.9
-    assert pair.energy[kernels.PASSED_COUNT] == 0
+    two.fly(40)
+    assert 0.85 < two.energy(kernels.MAX_DEPTH) / two.thickness < 0.9
+    assert two.energy(kernels.PASSED_COUNT) == 0
     assert moving(1) == pytest.approx(momentum, rel=1e-9)
     assert moving(2) < 0.9 * energy
 
@@ -532,11 +467,10 @@ def test_a_narrow_bump_is_stopped_before_it_comes_through(ply):
 def test_a_ply_that_is_pushed_pushes_the_next(ply):
     """The front ply of eight flies at the others, by a sixth of its thickness in a step. With each pair stopped by its
     own forces alone each of the next five came through the one behind it."""
-    states, consts, pairs = at_rest(ply, 8, stiffness=0.01)
-    nodes = (consts[0].ni + 1) * consts[0].row_stride
-    states[0].v[2][:nodes] = pairs[0].thickness / (6 * consts[0].dt)
-    fly(states, consts, pairs, 100)
-    depths = [pair.energy[kernels.MAX_DEPTH] / pair.thickness for pair in pairs[:7]]
+    all_plies = Flat(ply, 8, stiffness=0.01)
+    all_plies.states[0].v[2][: all_plies.nodes] = all_plies.thickness / (6 * all_plies.consts[0].dt)
+    all_plies.fly(100)
+    depths = [pair.energy[kernels.MAX_DEPTH] / pair.thickness for pair in all_plies.pairs[:7]]
     assert 0.84 < min(depths) < max(depths) < 0.87
 
 
@@ -545,38 +479,27 @@ def test_beside_torn_cloth_both_plies_have_points(ply, closure):
     """The middle of an element behind pushes on what hangs before it, and each way has half of the law, whatever the
     closure: points that began to exist took one above a tenth of the thickness for another fold, and pushed nothing.
     Where the elements beside torn ones of one ply are not those of the other, the ply in front has the whole law."""
-    pack = Pack.stacked(ply, 2, gap=0.0, contact=PlyContact(damping=0.0))
-    states, _ = pack.states(1.0)
-    consts = pack.constants()
-    near, back = pack.pairs(consts, states)
-    n = (consts[0].ni + 1) * consts[0].row_stride
-    near.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
+    two = Flat(ply)
+    (near, back), front, stride = two.pairs, two.states[0], two.consts[0].row_stride
 
-    def step(number, height):
-        states[0].v[2][:n] = (height - states[0].u[2][:n]) / consts[0].dt
-        states[0].u[2][:n] = height
-        kernels.contact_forces(states[0], consts[0], states[1], consts[1], near, back, number)
-        kernels.contact_forces_back(states[1], consts[1], states[0], consts[0], back, near, number)
-        return sum(near.f_rear[2][:n]), sum(back.f_front[2][:n])
+    def pushes(height):
+        return -two.place(height, back=back), sum(back.f_front[2])
 
-    height = closure * near.thickness
-    for number in range(16):
-        whole, none = step(number, height * (number + 1) / 16)
+    whole, none = [pushes(closure * number / 16) for number in range(1, 17)][-1]
     assert whole > 0
     assert none == 0
-    states[0].element_flag[0] |= 1
-    states[0].block_damage[:] = 1
-    states[0].intact_fraction[0][0] = 0.0
-    states[0].counter[2] += 1
-    forwards, backwards = step(16, height)
+    front.element_flag[0] |= 1
+    front.block_damage[:] = 1
+    front.intact_fraction[0][0] = 0.0
+    front.counter[2] += 1
+    forwards, backwards = pushes(closure)
     assert backwards > 0
     assert forwards + backwards == pytest.approx(whole, rel=1e-9)
-    far = np.arange(n)[(np.arange(n) // consts[0].row_stride > 6) | (np.arange(n) % consts[0].row_stride > 6)]
-    assert not back.f_front[2][far].any()
+    i, j = np.divmod(np.arange(two.nodes), stride)
+    assert not back.f_front[2][: two.nodes][(i > 6) | (j > 6)].any()
     for pair, beside in ((near, 1), (back, 0)):
         pair.near_torn[:] = beside
-        forwards, backwards = step(17, height)
-        assert forwards + backwards == pytest.approx(whole, rel=1e-9)
+        assert sum(pushes(closure)) == pytest.approx(whole, rel=1e-9)
 
 
 def test_a_point_keeps_its_side_when_the_cloth_before_it_tears(ply):

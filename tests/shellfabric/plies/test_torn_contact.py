@@ -5,13 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics import catalogue
-from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import entry
 from shellfabric.output import snapshots
 from shellfabric.panel import quality
-from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import torn_contact_kernels as kernels
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
@@ -29,10 +26,9 @@ def restrain(states, consts, pairs, stack, stops):
 PLACE = 6, 5  # of the element that is moved
 
 
-@pytest.fixture(scope="module")
-def ply():
-    fabric = catalogue.load("S-726").with_effective_density()
-    return Panel(CellModel(fabric).table(41), (0.02, 0.02), symmetry="whole", numerics=Numerics(threads=1))
+@pytest.fixture
+def ply(ply):
+    return replace(ply, symmetry="whole")
 
 
 class Stack:

@@ -6,28 +6,10 @@ import numpy as np
 import pytest
 
 from shellfabric.panel.boundary import Grip
-from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import window_kernels
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
+from shellfabric.sliding.model import CrossoverFriction, grid
 from shellfabric.solver.pack_solver import PackSolver
-
-ONE = Numerics(threads=1)
-
-
-@pytest.fixture(scope="module")
-def sliding(tables):
-    def make(mu=0.2, **changes):
-        return SlidingPanel(
-            tables["variational"], (0.0306, 0.0306), friction=CrossoverFriction(mu), numerics=ONE, **changes
-        )
-
-    return make
-
-
-def test_a_clamp_that_holds_more_than_the_strength_is_a_clamp_to_the_bit(sliding):
-    held, gripped = (PackSolver(sliding(0.1, edge=edge), 80.0, 60e-6).run() for edge in ("clamped", Grip(1e6)))
-    assert np.array_equal(held.samples, gripped.samples)
 
 
 def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
@@ -36,10 +18,12 @@ def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
     last, through = run.const.ni, grid(run.slips[0].passed[0], run.panel)
     assert through[last].min() < -1e-4  # [m] towards the middle
     assert np.all(through[last] <= 0)
-    sliding_now = grid(run.slips[0].q[0], run.panel)[last] < 0
-    pull = grid(run.slips[0].config[0], run.panel)[last - 1]
-    assert sliding_now.any()
-    assert pull[sliding_now].max() < 3 * force
+    slips = grid(run.slips[0].q[0], run.panel)[last] < 0
+    pull = grid(run.slips[0].config[0], run.panel)[last - 1] * np.where(
+        np.arange(slips.size) == 0, 2.0, 1.0
+    )  # a half yarn
+    assert slips.sum() > 5
+    assert pull[slips] == pytest.approx(np.full(slips.sum(), force), rel=0.03)
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
     free = PackSolver(sliding(0.1, failure=False), 80.0, 80e-6).run()
     assert run.sample("v")[-1] > free.sample("v")[-1]

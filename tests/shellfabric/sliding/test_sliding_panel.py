@@ -4,12 +4,10 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from conftest_tools import Interrupted, Interrupting
 
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth.membrane_kernels import ERODED, WINDOW
-from shellfabric.output import checkpoint
 from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
@@ -22,38 +20,11 @@ from shellfabric.solver.pack_solver import SLIP_WORK, PackSolver
 ONE = Numerics(threads=1)
 
 
-@pytest.fixture(scope="module")
-def sliding(tables):
-    """Make a panel of 24 x 24 crossovers as a whole with sliding crossovers."""
-
-    def make(mu=0.2, cohesion=0.0, **changes):
-        values = {"numerics": ONE} | changes
-        table = values.pop("table", tables["variational"])
-        return SlidingPanel(table, (0.0306, 0.0306), friction=CrossoverFriction(mu, cohesion), **values)
-
-    return make
-
-
 def pinned(panel):
     return Panel(**{each.name: getattr(panel, each.name) for each in fields(Panel)})
 
 
-@pytest.mark.parametrize(("velocity", "end"), [(60.0, 40e-6), (260.0, 20e-6)])  # without and with failed yarns
-@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
-def test_an_infinite_threshold_is_the_pinned_panel_to_the_bit(sliding, velocity, end, symmetry):
-    panel = sliding(mu=np.inf, symmetry=symmetry)
-    one, other = PackSolver(panel, velocity, end).run(), PackSolver(pinned(panel), velocity, end).run()
-    assert one.steps == other.steps
-    for name in ("u", "v", "f_int", "stretch", "N", "failed", "intact_fraction"):
-        for mine, its in zip(getattr(one.state, name), getattr(other.state, name)):
-            assert np.array_equal(mine, its), name
-    assert np.array_equal(one.sample("v"), other.sample("v"))
-    assert one.sample("error") == pytest.approx(other.sample("error"), abs=1e-12)
-    assert (one.sample("failed_yarns")[-1] > 0) == (velocity > 200)
-
-
-@pytest.mark.parametrize("cfl", [0.9, 0.45])
-@pytest.mark.parametrize("cohesion", [0.0, 0.05, 0.5, 5.0, 1000.0])
+@pytest.mark.parametrize(("cohesion", "cfl"), [(0.05, 0.9), (0.5, 0.9), (0.5, 0.45), (5.0, 0.9), (1000.0, 0.9)])
 def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
     panel = sliding(0.0, cohesion, numerics=Numerics(cfl=cfl, threads=1))
     run = PackSolver(panel, 80.0, 60e-6).run()
@@ -69,30 +40,6 @@ def test_yarn_is_neither_made_nor_lost(sliding):
     assert weft[:, :-1].sum(axis=1) == pytest.approx(np.full(weft.shape[0], weft.shape[1] - 1), rel=1e-12)
     assert run.slip_summaries()[0].pulled_out_length > 1e-6
     assert run.slip_summaries()[0].friction_work > 0
-
-
-def test_momentum_of_a_free_panel_is_that_of_its_projectile(sliding):
-    run = PackSolver(sliding(0.1, edge="free", symmetry="whole"), 60.0, 30e-6).run()
-    state, slip = run.state, run.slips[0]
-    # at the half step: of the nodes, of the yarns that slip through them, and of the projectile
-    total = (state.mass * state.v[2]).sum() + run.const.projectile_mass * state.projectile_velocity[2]
-    for family in range(2):
-        total += sum(
-            slip.mass[family][k] * slip.q[family][k] * _tangent(run, family, k)[2]
-            for k in np.flatnonzero(slip.q[family])
-        )
-    assert total == pytest.approx(run.const.projectile_mass * 60.0, rel=2e-3)
-
-
-def _tangent(run, family, k):
-    ni, nj = run.panel.counts
-    i, j = divmod(int(k), nj + 1)
-    x = np.stack([*run.panel.coordinates(), np.zeros((ni + 1, nj + 1))], axis=-1)
-    x += np.moveaxis(np.array([grid(u, run.panel) for u in run.state.u]), 0, -1)
-    line = x[:, j] if family == 0 else x[i]
-    m = i if family == 0 else j
-    along = line[min(m + 1, len(line) - 1)] - line[max(m - 1, 0)]
-    return along / np.linalg.norm(along)
 
 
 def test_forces_are_the_derivatives_of_one_energy(sliding):
@@ -135,40 +82,11 @@ def forces(run):
 
 
 def slope(energy, array, k, step, inverse=None):
-    start, found = array[k], []
-    for sign in (1, -1):
-        array[k] = start + sign * step
-        if inverse is not None:
-            inverse[k] = 1 / array[k]
+    inverse, start, found = np.empty_like(array) if inverse is None else inverse, array[k], []
+    for place in (start + step, start - step, start):
+        array[k], inverse[k] = place, 1 / (place or 1.0)
         found.append(energy())
-    array[k] = start
-    if inverse is not None:
-        inverse[k] = 1 / start
     return (found[0] - found[1]) / (2 * step)
-
-
-def test_a_pulled_out_free_edge(sliding):
-    """Without friction and with free sides the yarns under the nose leave their last crossovers."""
-    run = PackSolver(sliding(0.0, edge="free"), 80.0, 150e-6).run()
-    assert run.slip_summaries()[0].pulled_out_segments > 0
-    assert run.sample("failed_yarns")[-1] == 0
-    assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
-
-
-def test_failed_yarns_retract(sliding):
-    run = PackSolver(sliding(0.0), 260.0, 40e-6).run()
-    assert run.sample("failed_yarns")[-1] > 0
-    assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
-
-
-def test_ends_of_yarn_leave_with_the_kinetic_energy_that_they_have(tables):
-    """An end leaves a crossover at the tangent of the segment that it leaves by. With that of the failed segment behind
-    it, the balance of this shot was off by 0.44 % of the strike energy."""
-    panel = SlidingPanel(tables["variational"], (0.05, 0.05), friction=CrossoverFriction(0.3), numerics=ONE)
-    run = PackSolver(panel, 200.0, 100e-6).run()
-    assert run.sample("failed_yarns")[-1] > 0
-    assert run.slip_summaries()[0].pulled_out_segments > 0
-    assert np.abs(run.sample("error")).max() < 5e-4 * run.strike_energy
 
 
 def test_the_iteration_and_the_bounds_of_a_flux_are_counted_apart_from_friction(sliding):
@@ -206,29 +124,27 @@ def test_a_uniform_strain_moves_no_yarn(sliding):
     assert np.all(run.slips[0].work == 0.0)
 
 
-@pytest.mark.parametrize("cohesion", [0.0, 1.0])
-def test_nothing_holds_a_yarn_that_is_alone_at_a_node(sliding, cohesion):
-    """0.6 N on the weft at a node that the warp has left: below the cohesion it did not move."""
-    panel = sliding(0.0, cohesion, symmetry="whole")
+@pytest.mark.parametrize(
+    ("mu", "cohesion", "alone", "pressed", "slips"),
+    [
+        (0.0, 0.5, False, 0.0, True), (0.0, 1.0, False, 0.0, False),
+        (0.0, 1.0, True, 0.0, True),  # nothing holds a yarn that is alone at a node
+        (0.2, 0.1, False, 10.0, False),  # 0.2 of the projectile's 10 N on the crossover
+    ],
+)  # fmt: skip
+def test_a_yarn_slips_above_its_threshold(sliding, mu, cohesion, alone, pressed, slips):
+    """0.6 N on the weft at one node."""
+    panel = sliding(mu, cohesion, symmetry="whole")
     const, state = panel.constants(), panel.state(10.0)
     slip, node = panel.slip(state), 5 * const.row_stride + 5
     state.active_rows[:] = 0, const.ni
-    state.intact_fraction[0][[node, node - const.row_stride]] = 0.0
-    slip.config[1][node] = 0.6
-    slip_kernels.slip_nodes(state, const, slip)
-    assert slip.q[1][node] == pytest.approx(0.6 * const.dt * slip.mobility[1][node], rel=1e-9)
-
-
-@pytest.mark.parametrize("pressed", [0.0, 10.0])
-def test_the_force_of_the_projectile_on_a_crossover_holds_its_yarns(sliding, pressed):
-    """0.6 N on the weft is above the cohesion of 0.1 N, and below the friction 0.2 of 10 N on the crossover."""
-    panel = sliding(0.2, 0.1, symmetry="whole")
-    const, state = panel.constants(), panel.state(10.0)
-    slip, node = panel.slip(state), 5 * const.row_stride + 5
-    state.active_rows[:] = 0, const.ni
+    if alone:
+        state.intact_fraction[0][[node, node - const.row_stride]] = 0.0
     slip.config[1][node], state.f_contact[2][node] = 0.6, pressed
     slip_kernels.slip_nodes(state, const, slip)
-    assert (slip.q[1][node] > 0.0) == (pressed == 0.0)
+    held = 0.0 if alone else cohesion
+    speed = (0.6 - held) * const.dt * slip.mobility[1][node]
+    assert slip.q[1][node] == pytest.approx(speed if slips else 0.0, rel=1e-9)
 
 
 @pytest.mark.parametrize(("cohesion", "share"), [(1e6, 0.5), (0.0, 1.0)])
@@ -263,35 +179,10 @@ def test_a_smaller_time_step_changes_a_shot_little(sliding):
     assert np.all(coarse < [3e-3, 0.15])
 
 
-def test_the_number_of_threads_changes_no_bit(sliding):
-    one, two = (PackSolver(sliding(0.1, numerics=Numerics(threads=n)), 80.0, 20e-6).run() for n in (1, 2))
-    assert np.array_equal(one.samples, two.samples)
-
-
 def test_the_time_step_is_that_of_the_free_yarn(sliding):
     panel = sliding(0.2, numerics=Numerics(threads=1, stretch_viscosity=0.0))
     assert panel.time_step / pinned(panel).time_step == pytest.approx(min(panel.own_masses) ** 0.5)
-    assert sliding(np.inf).time_step == pinned(panel_of(sliding)).time_step
-
-
-def panel_of(sliding):
-    return sliding(np.inf)
-
-
-def test_a_run_goes_on_from_a_checkpoint_to_the_bit(sliding, tmp_path):
-    panel, path = sliding(0.05, edge="free"), tmp_path / "checkpoint.h5"
-    whole = PackSolver(panel, 200.0, 30e-6).run()
-    with pytest.raises(Interrupted):
-        PackSolver(panel, 200.0, 30e-6).run((Interrupting(path, 6e-6, 15e-6),))
-    resumed = PackSolver(panel, 200.0, 30e-6)
-    checkpoint.read(resumed, path)
-    resumed.run()
-    assert np.array_equal(resumed.samples, whole.samples)
-    assert resumed.slip_summaries() == whole.slip_summaries()
-
-
-def test_there_is_one_thread(sliding):
-    assert PackSolver(sliding(0.1, numerics=Numerics(threads=2)), 50.0, 1e-6).threads == 1
+    assert sliding(np.inf).time_step == pinned(sliding(np.inf)).time_step
 
 
 def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
@@ -308,21 +199,11 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
     assert np.all(flags.ravel()[1:] & ERODED)
 
 
-@pytest.mark.parametrize(
-    ("key", "changes"),
-    [
-        ("elements_per_crossover", {"elements_per_crossover": 2}),
-        ("grading", {"grading": ((8, 1), (np.inf, 2))}),
-        ("bending", {"bending": (1e-8, 1e-8)}),
-        ("jam", {"jam": (1.0, 0.9)}),
-        ("edge", {"edge": PullIn(1e-3, 0.0, 1e-4)}),
-        ("impact_point", {"impact_point": (15e-3, 0.0), "symmetry": "whole"}),
-        ("form", {"table": "equilibrium"}),
-        ("crossover_friction", {"mu": -0.1}),
-        ("crossover_cohesion", {"cohesion": -1.0}),
-    ],
-)
-def test_what_is_not_supported_is_refused(sliding, tables, key, changes):
-    table = tables[changes.get("table", "variational")]
-    with pytest.raises(InputError, match=key):
-        sliding(projectile=Projectile(radius=1e-3), **changes | {"table": table})
+@pytest.mark.parametrize(("key", "value"), [
+    ("elements_per_crossover", 2), ("grading", ((8, 1), (np.inf, 2))), ("bending", (1e-8, 1e-8)), ("jam", (1.0, 0.9)),
+    ("edge", PullIn(1e-3, 0.0, 1e-4)), ("impact_point", (15e-3, 0.0)), ("form", None), ("mu", -0.1), ("cohesion", -1.0),
+])  # fmt: skip
+def test_what_is_not_supported_is_refused(sliding, tables, key, value):
+    changes = {"table": tables["equilibrium"]} if key == "form" else {key: value}
+    with pytest.raises(InputError, match={"mu": "crossover_friction"}.get(key, key)):
+        sliding(projectile=Projectile(radius=1e-3), symmetry="whole", **changes)

@@ -1,6 +1,7 @@
 """What is compiled beside each other before a run is what the run calls."""
 
 import numpy as np
+import pytest
 
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit import compile_in_child
@@ -20,14 +21,10 @@ def plan(monkeypatch, run):
     return [pair for stage in found for part in stage for pair in part]
 
 
-def test_a_run_of_a_panel_has_compiled_the_plan(tables, monkeypatch):
-    run = PackSolver(Panel(tables["variational"], (0.06, 0.06)), 100.0, 4e-6).run()
-    planned = plan(monkeypatch, run)
-    assert [kernel.__name__ for kernel, kinds in planned if not compile_in_child.kept(kernel, kinds)] == []
-
-
-def test_a_run_of_a_pack_has_compiled_the_plan(tables, monkeypatch):
-    run = PackSolver(Pack.stacked(Panel(tables["variational"], (0.06, 0.06)), 2, gap=1e-4), 100.0, 4e-6).run()
+@pytest.mark.parametrize("plies", [1, 2])
+def test_a_run_has_compiled_the_plan(tables, monkeypatch, plies):
+    panel = Panel(tables["variational"], (0.06, 0.06))
+    run = PackSolver(Pack.stacked(panel, plies, gap=1e-4), 100.0, 4e-6).run()
     planned = plan(monkeypatch, run)
     assert [kernel.__name__ for kernel, kinds in planned if not compile_in_child.kept(kernel, kinds)] == []
 

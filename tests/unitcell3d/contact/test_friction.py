@@ -5,12 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from blocks import Blocks, block
+from equations import end_forces, loaded
 
-from fabrics.errors import InputError
-from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
-from unitcell3d.solver.load_stepping import continue_to, rest_state, solve_load_path
-from unitcell3d.solver.newton import Newton
 
 E, SIDE = 1e9, 1e-3
 MU, DESCENT = 0.3, 2e-7
@@ -73,27 +70,12 @@ def test_the_regularisation_slip_only_delays_the_sliding():
     assert fine < coarse
 
 
-def ends(mesh, fabric, route, friction):
-    """T1, T2, F_c [N] after the corners `route` : (c, 2) [m], in steps of 2 um."""
-    model = CrossoverModel(mesh, fabric, Numerics(friction=friction))
-    solver = Newton(model)
-    q, at = rest_state(model, solver, Load()).q, Load()
-    for corner in route:
-        goal = Load(tuple(corner))
-        steps = round(np.abs(np.subtract(goal.d, at.d)).max() / 2e-6)
-        for share, found in continue_to(model, solver, q, at, goal, np.linspace(0, 1, steps + 1)[1:]):
-            model.commit(found.q, at.towards(goal, share))
-        q, at = found.q, goal
-    solver.close()
-    return np.array([*model.tensions(found.forces), 4 * found.contact])
-
-
 def test_the_answer_depends_on_the_route_with_friction_alone(tiny, s720):
     """Warp first or weft first: apart with friction, less apart with less, and not without."""
     routes = [[(16e-6, 0.0), (16e-6, 16e-6)], [(0.0, 16e-6), (16e-6, 16e-6)]]
     apart = []
     for friction in (0.0, 0.005, 0.02):
-        one, other = (ends(tiny, s720, route, friction) for route in routes)
+        one, other = (end_forces(tiny, s720, route, friction) for route in routes)
         apart.append(np.abs(one - other).max() / one.max())
     assert apart[0] < 1e-6
     assert 1e-4 < apart[1] < 0.7 * apart[2]
@@ -102,30 +84,10 @@ def test_the_answer_depends_on_the_route_with_friction_alone(tiny, s720):
 def test_contact_with_friction_is_in_equilibrium(tiny, s720):
     """Every unknown's residual is nil and the contact still carries what the ends pull down."""
     model = CrossoverModel(tiny, s720, Numerics(friction=0.3))
-    history = solve_load_path(model, Load(), Load((12e-6, 4e-6)))
-    assert history.failed == ""
-    forces, contact, _ = model.forces(model_unknowns(model, history), Load((12e-6, 4e-6)))
+    end = Load((12e-6, 4e-6))
+    solver, state = loaded(model, end)
+    solver.close()
+    forces, contact, _ = model.forces(state.q, end)
+    assert np.abs(model.constraints.reduce(forces)).max() < 1e-7 * contact
     for yarn, sign in ((0, -1), (1, 1)):
         assert forces[model.constraints.ends[yarn], 2].sum() == pytest.approx(sign * contact, rel=1e-5)
-
-
-def model_unknowns(model, history):
-    """Unknowns of the last state of a history."""
-    fixed = model.constraints
-    moved = history.u.ravel() - fixed.drive @ np.array([history.d1[-1], history.d2[-1]])
-    q, free = np.zeros(model.size), fixed.unknown >= 0
-    q[fixed.unknown[free]] = fixed.sign[free] * moved[free]
-    return q
-
-
-def test_friction_takes_more_force_at_the_same_stretch(tiny, s720):
-    found = [
-        biaxial_and_platens.biaxial(tiny, s720, (1, 0), max_displacement=16e-6, numerics=Numerics(friction=mu))
-        for mu in (0.0, 0.3)
-    ]
-    assert found[1].F_c[-1] > 1.01 * found[0].F_c[-1]
-
-
-def test_bad_friction_is_one_line():
-    with pytest.raises(InputError, match="friction"):
-        Numerics(friction=-0.1)

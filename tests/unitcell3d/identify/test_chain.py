@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import UnstableError
 from fabrics.executors import InProcess
@@ -15,28 +16,36 @@ from unitcell3d.identify.solid_record import with_solid_laws
 
 A, B = 4e-5, 5e-5
 F = np.geomspace(0.1, 100, 25)
+NONE = np.empty(0), np.empty(0)
 
 
 def fabric_of(s720, *logarithms):
     return with_solid_laws(s720, np.log([2e9, 0.3, 0.02]) + np.array(logarithms), 0.7)
 
 
-def path(job):
+def path(job, _=None):
     """a as the root of E_c over 2 GPa, downwards, b as K_r over 0.02."""
     solid = job.fabric.solid_laws[0]
     return F, CompressionLaw(A * (2e9 / solid.E_c) ** 0.5, B * solid.K_r / 0.02, "regularised").d(F)
 
 
 @pytest.fixture
-def fit(s720):
+def intervals(s720, tmp_path_factory, monkeypatch):
+    """The LawInterval of a fit with three directions, its paths computed by the function that is given."""
     ends = [(-0.2, 0, 0), (0.2, 0, 0)], [(0, -0.3, 0), (0, 0.3, 0)], [(0, 0, -0.4), (0.1, 0, 0.5)]
     limits = tuple(tuple(fabric_of(s720, *end) for end in pair) for pair in ends)
-    return SimpleNamespace(fabric=fabric_of(s720, 0, 0, 0), limits=limits)
+    fit = SimpleNamespace(fabric=fabric_of(s720, 0, 0, 0), limits=limits)
+
+    def of(path_of):
+        monkeypatch.setattr(chain, "_path", lambda job: path_of(job, limits))
+        folder = tmp_path_factory.mktemp("paths")
+        return chain.law_intervals([fit], folder=folder, executor=InProcess())[0]
+
+    return of
 
 
-def test_changes_along_the_directions_add_as_squares(fit, tmp_path, monkeypatch):
-    monkeypatch.setattr(chain, "_path", path)
-    (found,) = chain.law_intervals([fit], folder=tmp_path, executor=InProcess())
+def test_changes_along_the_directions_add_as_squares(intervals):
+    found = intervals(path)
     assert found.law.a == pytest.approx(A, rel=1e-3)
     # ln a: +-0.1 on the first direction, 0 and -0.05 on the third; ln b: -0.4 and 0.5 on the third
     assert np.log(np.array(found.a) / A) == pytest.approx([-np.hypot(0.1, 0.05), 0.1], abs=2e-3)
@@ -46,23 +55,14 @@ def test_changes_along_the_directions_add_as_squares(fit, tmp_path, monkeypatch)
     assert found.around(other)["b"] == pytest.approx(np.multiply(found.b, 3), rel=1e-2)
 
 
-def test_an_end_without_a_path_is_left_out(fit, tmp_path, monkeypatch):
-    empty = np.empty(0)
-    weak = fit.limits[2][1]
+def test_an_end_without_a_path_is_left_out_and_a_solid_without_one_has_no_law(intervals):
+    def some(job, limits):
+        return NONE if job.fabric.solid_laws == limits[2][1].solid_laws else path(job)
 
-    def some(job):
-        return (empty, empty) if job.fabric.solid_laws == weak.solid_laws else path(job)
-
-    monkeypatch.setattr(chain, "_path", some)
-    (found,) = chain.law_intervals([fit], folder=tmp_path, executor=InProcess())
+    found = intervals(some)
     assert found.ends[2][1] is None
     assert np.log(np.array(found.b) / B) == pytest.approx([-0.4, 0], abs=2e-3)
-
-
-def test_a_solid_whose_own_paths_give_no_law(fit, tmp_path, monkeypatch):
-    monkeypatch.setattr(chain, "_path", lambda *_: (np.empty(0), np.empty(0)))
-    (found,) = chain.law_intervals([fit], folder=tmp_path, executor=InProcess())
-    assert isinstance(found, UnstableError)
+    assert isinstance(intervals(lambda *_: NONE), UnstableError)
 
 
 def test_one_fit_that_fails_does_not_end_the_others(s720, tmp_path, monkeypatch):
@@ -70,8 +70,6 @@ def test_one_fit_that_fails_does_not_end_the_others(s720, tmp_path, monkeypatch)
         if fabric.name != "S-720":
             raise UnstableError("no platen curve")
         return fabric.name
-
-    from fabrics import catalogue
 
     monkeypatch.setattr(chain, "fit_solid", fit_solid)
     curve = PlateCurve.pressure_law(0.2665)
@@ -81,11 +79,8 @@ def test_one_fit_that_fails_does_not_end_the_others(s720, tmp_path, monkeypatch)
 
 
 def test_changes_of_unknowns_add_as_squares_on_each_side():
+    """Of two changes on one side the larger counts; nothing goes down where no end does."""
     assert combine(10.0, [(7.0, 13.0), (14.0, 6.0)]) == pytest.approx((5.0, 15.0))
-
-
-def test_both_ends_on_one_side_and_an_end_that_is_missing():
-    """The larger of two changes on one side counts; nothing goes down."""
     assert combine(1.0, [(1.5, 2.0), (None, 1.0), ()]) == pytest.approx((1.0, 2.0))
 
 

@@ -16,21 +16,19 @@ class Pressed:
     plates = 2e-4 - 5e-6 * np.log(pressure)
 
 
-def test_closures_are_moved_to_the_measured_ones_and_go_on_beyond_the_end():
+class Snapped(Pressed):
+    """The force falls for a step."""
+
+    pressure = np.concatenate([Pressed.pressure[:25], Pressed.pressure[20:21], Pressed.pressure[25:]])
+    F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
+    plates = np.concatenate([Pressed.plates[:25], [Pressed.plates[24] - 1e-9], Pressed.plates[25:]])
+
+
+@pytest.mark.parametrize("history", [Pressed, Snapped])
+def test_closures_are_moved_to_the_measured_ones_and_go_on_beyond_the_end(history):
     pressure = np.geomspace(1e4, 1e7, 9)
     measured = 1e-5 * np.log(pressure) + 3e-3
-    assert closures(Pressed, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
-
-
-def test_closures_of_a_force_that_falls_for_a_step():
-    class Snapped(Pressed):
-        pressure = np.concatenate([Pressed.pressure[:25], Pressed.pressure[20:21], Pressed.pressure[25:]])
-        F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
-        plates = np.concatenate([Pressed.plates[:25], [Pressed.plates[24] - 1e-9], Pressed.plates[25:]])
-
-    pressure = np.geomspace(1e4, 1e6, 9)
-    measured = 1e-5 * np.log(pressure)
-    assert closures(Snapped, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
+    assert closures(history, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
 
 
 def curve_of(shift=0.0, factor=1.0):
@@ -39,14 +37,11 @@ def curve_of(shift=0.0, factor=1.0):
     return PlateCurve(factor * pressure, 1e-5 * np.log(pressure) + shift, "closed form")
 
 
-def test_an_offset_is_no_misfit():
-    found = platen_misfit(Pressed, 1e-6, curve_of(shift=3e-3))
-    assert found.closure < 1e-12
-    assert found.pressure < 1e-5
-
-
-def test_a_factor_on_the_pressure_of_a_straight_curve_is_an_offset():
-    assert platen_misfit(Pressed, 1e-6, curve_of(factor=1.3)).pressure < 1e-5
+def test_an_offset_is_no_misfit_and_on_a_straight_curve_neither_is_a_factor_on_the_pressure():
+    for curve in (curve_of(shift=3e-3), curve_of(factor=1.3)):
+        found = platen_misfit(Pressed, 1e-6, curve)
+        assert found.closure < 1e-12
+        assert found.pressure < 1e-5
 
 
 def test_a_slope_that_is_wrong_is_a_misfit_of_both():

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy import sparse
+from equations import assert_tangent, dense, matrix
 
-from fabrics.errors import InputError
 from fabrics.trellis import TrellisShear
 from meshing import crossover as mesher
 from meshing import patch
@@ -84,13 +83,10 @@ def test_tangent_is_the_derivative(model):
     model.system(q, load)
     model.forces(q, load)
     model.system(q, load)
-    pattern = model.pattern
-    K = sparse.csr_matrix((pattern.entries, pattern.columns, pattern.starts)).copy()
     direction = rng.standard_normal(model.size)
-    step = 3e-12
-    at = {s: model.constraints.reduce(model.forces(q + s * step * direction, load)[0]) for s in (-2, -1, 1, 2)}
-    difference = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * step)
-    assert np.abs(K @ direction - difference).max() < 1e-7 * np.abs(difference).max()
+    assert_tangent(
+        matrix(model.pattern), lambda q: model.constraints.reduce(model.forces(q, load)[0]), q, direction, 3e-12
+    )
 
 
 def test_moment_and_tensions_are_the_work_of_the_load(model):
@@ -161,12 +157,10 @@ def test_tangent_of_edges_is_the_derivative_and_symmetric(crossing):
     n = len(crossing)
     nodes, values = touch(crossing)[1], np.zeros((n * n, 3, 3))
     touch(crossing, nodes[:, None] * n + nodes[None], values)
-    K = values.reshape(n, n, 3, 3).transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
+    K = dense(values, n)
     assert np.allclose(K, K.T, atol=1e-12)
-    direction, step = np.random.default_rng(1).standard_normal(crossing.shape), 1e-4
-    at = {s: touch(crossing + s * step * direction)[0].ravel() for s in (-2, -1, 1, 2)}
-    difference = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * step)
-    assert np.abs(K @ direction.ravel() - difference).max() < 1e-7 * np.abs(difference).max()
+    direction = np.random.default_rng(1).standard_normal(crossing.shape)
+    assert_tangent(K, lambda x: touch(x)[0], crossing, direction, 1e-4)
 
 
 # --- shear ----------------------------------------------------------------------------------------------------------
@@ -180,10 +174,6 @@ def test_fit_finds_the_law_that_made_the_curve():
     assert found.rms < 1e-3 * law.stress(0.9)
     for key in ("G1", "G2", "gamma1", "gamma2"):
         assert getattr(found.law, key) == pytest.approx(getattr(law, key), rel=0.05), key
-    with pytest.raises(InputError, match="does not stiffen"):
-        shear_fit.fit(gamma, 1e6 * gamma)
-    with pytest.raises(InputError, match="shear angles = 3"):
-        shear_fit.fit(gamma[:3], gamma[:3])
 
 
 def test_sheared_weave_stiffens_and_its_work_is_its_moment(whole, s720):
@@ -231,12 +221,3 @@ def test_shear_to_locking(s720):
     assert record["F_side"][-1].min() > 0
     fit = shear_fit.fit(record["gamma"], record["tau"])
     assert 0.2 < fit.law.gamma1 < fit.law.gamma2
-
-
-def test_bad_input_is_one_line(whole, s720, tiny):
-    for run, line in (
-        (lambda: periodic_cell.shear(whole, s720, 2.0), r"gamma = 2.0: must be above 0 and at most 1.2 rad"),
-        (lambda: periodic_cell.shear(tiny, s720, 0.2), "whole crossover or a patch of 2 x 2"),
-    ):
-        with pytest.raises(InputError, match=line):
-            run()

@@ -1,15 +1,14 @@
-"""Newton's method with updates between factorisations: the same states, fewer tangents, no cycles, MPI."""
-
-from types import SimpleNamespace
+"""Newton's method with updates between factorisations: the same states, fewer tangents, no cycles."""
 
 import numpy as np
 import pytest
+from equations import loaded
 
 from fabrics.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver import newton
-from unitcell3d.solver.load_stepping import continue_to
+from unitcell3d.solver.load_stepping import Steps, continue_to, rest_state
 
 
 @pytest.fixture
@@ -25,12 +24,9 @@ def _loaded(tiny, s720, monkeypatch, near):
     """Forces (T1, T2, F_c) at four loads from taut to tauter."""
     monkeypatch.setattr(newton, "NEAR", near)
     model = CrossoverModel(tiny, s720)
-    solver = newton.Newton(model)
     first, last = Load((8e-6, 8e-6)), Load((20e-6, 20e-6))
-    q = np.zeros(model.size)
-    for share in np.linspace(0.1, 1, 10):
-        q = solver.solve(q, Load().towards(first, share)).q
-    found = [state for _, state in continue_to(model, solver, q, first, last, np.linspace(0, 1, 9))]
+    solver, start = loaded(model, first)
+    found = [state for _, state in continue_to(model, solver, start.q, first, last, np.linspace(0, 1, 9))]
     solver.close()
     return np.array([[*model.tensions(state.forces), 4 * state.contact] for state in found])
 
@@ -67,11 +63,9 @@ def test_broyden_update_is_the_secant_one():
 def test_a_step_that_overshoots_is_shortened(tiny, s720):
     """To where the residual no longer pulls back; whole steps across a slack kink went round in cycles."""
     model = CrossoverModel(tiny, s720)
-    solver = newton.Newton(model)
     load = Load((2e-6, 8e-6))
-    q = np.zeros(model.size)
-    for share in np.linspace(0.1, 1, 10):
-        q = solver.solve(q, Load().towards(load, share)).q
+    solver, state = loaded(model, load)
+    q = state.q
     astray = 1e-11 * np.random.default_rng(0).normal(size=model.size)
     for times, share in ((-8.0, 1 / 8), (-0.5, 1.0), (8.0, 1.0)):  # beyond equilibrium, on this side, and away from it
         state = solver._evaluate(q + astray, load)
@@ -102,12 +96,10 @@ def test_a_kink_met_from_its_soft_side_is_found():
 def test_linear_guess_follows_the_load(tiny, s720):
     """Halving the load's step divides what the guess leaves by four."""
     model = CrossoverModel(tiny, s720)
-    solver = newton.Newton(model)
     here, there = Load((15e-6, 15e-6)), Load((15.4e-6, 15.4e-6))
-    assert solver.linear_guess(np.zeros(model.size), Load(), here) is None
-    q = np.zeros(model.size)
-    for share in np.linspace(0.1, 1, 10):
-        q = solver.solve(q, Load().towards(here, share)).q
+    assert newton.Newton(model).linear_guess(np.zeros(model.size), Load(), here) is None
+    solver, state = loaded(model, here)
+    q = state.q
     model.forces(q, here)
     model.system(q, here)
     solver._solver.factor()
@@ -121,26 +113,36 @@ def test_linear_guess_follows_the_load(tiny, s720):
     assert left[0] / left[1] == pytest.approx(4, rel=0.3)
 
 
-def test_visit_says_where_there_is_no_equilibrium(tiny, s720):
+def test_compression_is_measured_by_the_plates(tiny, s720):
+    """Pressed yarns are slack: their tensions are a few thousandths of the plates' force, which sets the scale."""
     model = CrossoverModel(tiny, s720)
     solver = newton.Newton(model)
-    q = solver.solve(np.zeros(model.size), Load()).q
-    with pytest.raises(UnstableError, match="d2 = -"):
-        list(continue_to(model, solver, q, Load(), Load((0.0, -0.4e-3)), [1.0]))
+    rest = model.plates.at_rest
+    q = rest_state(model, solver, Load(plates=rest)).q
+    *_, (_, found) = continue_to(model, solver, q, Load(plates=rest), Load(plates=0.7 * rest), np.linspace(0.1, 1, 10))
+    state = solver._evaluate(found.q, Load(plates=0.7 * rest))
     solver.close()
+    ends = [abs(model.constraints.end_force(state.forces, yarn)) for yarn in (0, 1)]
+    assert max(ends) < 0.2 * found.plates.max()
+    assert state.scale == pytest.approx(max(*found.plates, found.contact))
+    assert state.norm <= 1e-8 * state.scale
 
 
-def test_the_yarn_that_gives_way_is_named():
-    """By its own name, wherever there are more than one warp and one weft."""
+def test_where_there_is_no_equilibrium_the_least_step_says_so(tiny, s720):
+    """Loads beyond a third of the way are refused: steps are halved down to the least, and end there."""
 
-    class Model:
-        crossover = SimpleNamespace(yarn=np.array([0, 1, 2]), names=("warp_1", "warp_2", "weft_1"))
+    class Refusing(newton.Newton):
+        def solve(self, q, load, tolerance=newton.TOLERANCE):
+            asked.append(load.d[0] / 3e-6)
+            if load.d[0] > 1e-6:
+                self._refuse("no way", q, load)
+            return super().solve(q, load, tolerance)
 
-        def positions(self, q, load):
-            return q
-
-        def worst_element(self, x):
-            return 1, 0.5
-
-    with pytest.raises(UnstableError, match="warp_2 element 1"):
-        newton.Newton(Model())._refuse("no way", None, Load())
+    model, asked = CrossoverModel(tiny, s720), []
+    solver = Refusing(model)
+    with pytest.raises(UnstableError, match=r"no way, at .* element .*, d1 = "):
+        list(continue_to(model, solver, np.zeros(model.size), Load(), Load((3e-6, 0.0)), [1.0]))
+    assert min(share for share in asked if share > 1 / 3) - 1 / 3 < 2 * Steps().least
+    with pytest.raises(UnstableError, match="the first guess"):
+        solver.solve(np.full(model.size, np.nan), Load())
+    solver.close()

@@ -141,18 +141,3 @@ def test_a_defect_of_the_product_misses_the_claim(monkeypatch, defect, name):
     record = judged(name)
     assert record.verdict == judge.MISSED
     assert claims[name] in record.miss
-
-
-def test_load_of_the_zones_is_the_slope_of_their_energy():
-    """Constant modulus G: the energy G t (C gamma^2 + B gamma^2 / 4) / 2 of the two zones over the elongation."""
-    from fabrics.trellis import TrellisShear
-    from shellfabric.coupon.quasistatic import inextensible_shear
-
-    law, t, L, W = TrellisShear(G1=1e6, G2=1e6, gamma1=0.1, gamma2=0.5), 4e-4, 0.15, 0.07
-
-    def energy(elongation):
-        gamma = inextensible_shear(L, W, elongation)
-        return 0.5e6 * t * gamma**2 * (L * W - 1.5 * W**2 + 0.25 * W**2)
-
-    slope = (energy(0.0101) - energy(0.0099)) / 2e-4
-    assert shear.bias_load_of_zones(law, t, L, W, 0.01) == pytest.approx(slope, rel=1e-4)

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
 from fabrics.variants import with_yarns
 from shellfabric.impact import simulation
-from shellfabric.projectile.projectile import Projectile
 from validation.models.cable import step_kernels as kernels
 from validation.models.cable.model import CableNet, CableNumerics
 from validation.models.cable.solver import run
@@ -79,21 +77,6 @@ def test_energy(fabric, velocity, bound):
     assert (result.outcome == "perforated") == (velocity >= 200)
     assert (result.energies["failure_dissipation"][-1] > 0) == (velocity >= 200)
     assert (np.diff(result.energies["viscous"]) >= 0).all()
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"symmetry": "third"}, "symmetry"),
-        ({"opening": (0.05, 0.005)}, "opening"),
-        ({"projectile": Projectile(shape="sphere")}, "projectile"),
-        ({"projectile": Projectile(obliquity=0.1)}, "projectile"),
-        ({"projectile": Projectile(friction=0.1)}, "projectile"),
-    ],
-)
-def test_what_the_net_has_not_is_refused(change, message):
-    with pytest.raises(InputError, match=message):
-        replace(SMALL, **change)
 
 
 def test_energy_error_falls_with_the_square_of_the_step():

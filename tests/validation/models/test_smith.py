@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
 from validation.models.cable.smith import smith, strike
 
 YARN = catalogue.load("S-720").weave.warp
@@ -51,9 +50,3 @@ def test_orders_of_convergence():
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert orders[:, 0] == pytest.approx(2.0, abs=0.15)
     assert orders[:, 1] == pytest.approx(1.0, abs=0.15)
-
-
-@pytest.mark.parametrize("velocity", [0.0, -1.0, 1e4, float("nan")])
-def test_impossible_velocity(velocity):
-    with pytest.raises(InputError, match="velocity"):
-        smith(YARN, velocity)

@@ -1,7 +1,6 @@
 """Draws of yarn strength: statistics by hand, what is drawn, the shot without scatter, resuming, and the command."""
 
-import csv
-import json
+import shutil
 from dataclasses import replace
 from math import inf, sqrt
 
@@ -10,26 +9,10 @@ import pytest
 
 import weavecell as wc
 from fabrics import catalogue
-from fabrics.errors import InputError
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from weavecell.analysis.uncertainty import draws, inputs, strengths
-from weavecell.cli import app
-from weavecell.commands.uncertainty import draws_table
 
-SCENE = """
-[fabric]
-name = "S-720"
-[projectile]
-mass = "3 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "90 m/s"
-[panel]
-opening = "30.6 mm"
-[run]
-end_time = "60 us"
-"""
 ALIKE = replace(inputs.published(), shape=inf)
 ALIKE_BUT_STRENGTH = replace(inputs.published(), modulus=0.0, crimp=0.0)
 
@@ -59,7 +42,6 @@ def test_statistics_are_those_of_textbooks():
     summary = found.summary()
     assert (summary["draws"], summary["unstable"], summary["in_flight"]) == (5, 1, 1)
     assert summary["residual_velocity_error_m_s"] == estimate.error
-    assert "1 unstable" in " ".join(draws_table(found)[2])
 
 
 def test_every_yarn_of_every_ply_is_drawn(setup):
@@ -101,69 +83,18 @@ def test_without_scatter_every_draw_is_the_shot_at_the_whole_panel(setup, tmp_pa
     assert found.estimate("residual_velocity").error == 0
 
 
-def test_more_draws_go_on_from_those_that_there_are(setup, tmp_path):
-    """The first draws are the same, and are not computed again; another seed gives others."""
-    few = draws.study(setup, inputs.published(), 2, folder=tmp_path)
-    times = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
-    more = draws.study(setup, inputs.published(), 3, folder=tmp_path)
-    assert more.draws[:2] == few.draws
-    assert {file: file.stat().st_mtime_ns for file in times} == times
-    assert len(set(more.columns()["weakest"])) == 3
-    other = wc.draws(setup, 2, seed=2)
-    assert other.study.draws[0].weakest != few.draws[0].weakest
+def test_another_seed_gives_other_draws(setup):
+    few, other = wc.draws(setup, 3), wc.draws(setup, 2, seed=2)
+    assert len(set(few.study.columns()["weakest"])) == 3
+    assert other.study.draws[0].weakest != few.study.draws[0].weakest
     assert other.summary()["seed"] == 2
     assert "DrawsResult" in repr(other)
 
 
-def test_what_cannot_be_drawn_is_refused(setup, tmp_path):
-    with pytest.raises(InputError, match="draws = 1: must be at least 2"):
-        draws.study(setup, ALIKE, 1, folder=tmp_path)
-    with pytest.raises(InputError, match="the yarns do not fail"):
-        draws.study(replace(setup, failure=False), ALIKE, 2, folder=tmp_path)
-
-
-def call(*words):
-    with pytest.raises(SystemExit) as leaving:
-        app.main([str(word) for word in words])
-    return leaving.value.code
-
-
-def test_command(tmp_path, monkeypatch, capsys):
-    """From another folder: what is printed and written; --resume takes the finished draws, whatever the workers."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "scene.toml").write_text(SCENE)
-    assert call("impact", "scene.toml", "--draws", 3, "--seed", 4, "--jobs", 1) == 0
-    told = capsys.readouterr().out
-    assert "probability of perforation" in told
-    out = tmp_path / "results" / "scene-draws"
-    rows = list(csv.DictReader((out / "draws.csv").read_text().splitlines()))
-    assert [row["number"] for row in rows] == ["0", "1", "2"]
-    summary = json.loads((out / "summary.json").read_text())
-    values = [float(row["residual velocity [m/s]"]) for row in rows]
-    assert summary["residual_velocity_mean_m_s"] == pytest.approx(np.mean(values))
-    assert summary["provenance"]["weavecell"] == wc.__version__
-    assert {"summary.html", "summary.png", "summary.csv", "scene.toml"} <= {file.name for file in out.iterdir()}
-    before = sorted((out / "runs").iterdir())
-    assert call("impact", "scene.toml", "--draws", 4, "--seed", 4, "--jobs", 2, "--resume") == 0
-    assert set(before) < set((out / "runs").iterdir())
-    assert list(csv.DictReader((out / "draws.csv").read_text().splitlines()))[:3] == rows
-
-
-@pytest.mark.parametrize(
-    ("words", "change", "message"),
-    [
-        (("--draws", 3, "--uncertainty"), "", "--uncertainty: must be left out with --draws"),
-        (("--jobs", 2), "", "--jobs: must be left out without --draws"),
-        (("--draws", 3), "\n[accuracy]\npeak_tension = '5 %'\n", "accuracy.*left out with --draws"),
-        (("--draws", 3), "yarn_failure = false", "panel.yarn_failure.*true"),
-    ],
-)
-def test_bad_input_is_one_line_and_writes_nothing(tmp_path, monkeypatch, capsys, words, change, message):
-    import re
-
-    monkeypatch.chdir(tmp_path)
-    text = SCENE + change if "[" in change else SCENE.replace("[run]", f"{change}\n[run]")
-    (tmp_path / "scene.toml").write_text(text)
-    assert call("impact", "scene.toml", *words) == 2
-    assert re.search(message, capsys.readouterr().err)
-    assert not (tmp_path / "results").exists()
+def test_resume_goes_on_to_more_draws(command, results, tmp_path):
+    folder = shutil.copytree(results("draws").folder, tmp_path / "r")
+    rows, before = (folder / "draws.csv").read_text().splitlines(), set((folder / "runs").iterdir())
+    words = ("--count", 4, "--seed", 4, "--jobs", 2, "--resume", "--out", "r")
+    assert command("draws", folder / "scene.toml", *words)[0] == 0
+    assert before < set((folder / "runs").iterdir())
+    assert (folder / "draws.csv").read_text().splitlines()[:4] == rows

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from fabrics.errors import InputError
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from weavecell.analysis import fired_tests
 from weavecell.analysis.fired_tests import FiredTests
@@ -34,33 +33,6 @@ def test_a_table_is_read_in_any_unit_and_order(tmp_path):
     np.testing.assert_allclose(found.velocity, [100, 120, 130, 110, 140])
     assert found.perforated.tolist() == [False, True, True, False, True]
     np.testing.assert_array_equal(found.residual, [0, 40, 70, 0, np.nan])
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        ("velocity [km/h]", "velocity", "heading = 'velocity': must be velocity"),
-        ("velocity [km/h]", "velocity [kg]", "velocity = "),
-        ("outcome,", "result,", "heading = 'result': must be velocity"),
-        ("PP, 360", "maybe, 360", "line 3, outcome = 'maybe': must be pp or partial or stopped or cp"),
-        ("PP, 360", "PP, fast", "line 3, velocity = 'fast': must be a number"),
-        ("PP, 360", "PP, -1", "line 3, velocity = '-1': must be above 0"),
-        ("PP, 360,", "PP, 360, 20", "line 3, residual velocity = '20': must be left out of a stop, or 0"),
-        ("CP, 432, 40", "CP, 432", "line 4 = 'CP, 432': must be 3 values"),
-    ],
-)
-def test_a_wrong_table_is_reported_in_one_line(tmp_path, old, new, told):
-    with pytest.raises(InputError) as problem:
-        read(tmp_path, TABLE.replace(old, new))
-    assert told in str(problem.value)
-    assert "tests.csv" in str(problem.value)
-
-
-def test_a_table_without_shots_is_refused(tmp_path):
-    with pytest.raises(InputError, match="has no shot"):
-        read(tmp_path, "velocity [m/s], outcome\n")
-    with pytest.raises(InputError, match="cannot be read"):
-        FiredTests.read(tmp_path / "none.csv")
 
 
 def test_the_comparison_counts_outcomes_and_residuals(tmp_path):

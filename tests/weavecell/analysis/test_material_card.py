@@ -70,12 +70,9 @@ def test_curves_are_no_steeper_than_the_yarns():
             assert curve[0] == pytest.approx([0, 0])
 
 
-@pytest.mark.parametrize("kind", [UncoupledCurves, CrimpExchange])
-def test_an_unknown_match_is_refused(kind):
-    with pytest.raises(InputError, match="plane or uniaxial"):
-        kind.of(cloth(), "best")
-
-
-def test_cloth_without_a_trellis_law_is_refused():
+def test_what_has_no_card_is_refused():
+    for kind in (UncoupledCurves, CrimpExchange):
+        with pytest.raises(InputError, match="plane or uniaxial"):
+            kind.of(cloth(), "best")
     with pytest.raises(InputError, match="no \\[shear\\]"):
         Cloth(CellModel(catalogue.load("glass-balanced")))

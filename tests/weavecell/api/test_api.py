@@ -1,7 +1,8 @@
 """The Python interface: lazy, in SI or with units, one result object a run, and none of the pitfalls of the solvers."""
 
+import ast
 import doctest
-import inspect
+import importlib
 import math
 import subprocess
 import sys
@@ -15,45 +16,45 @@ import numpy as np
 import pytest
 
 import weavecell as wc
-from fabrics import catalogue
+from fabrics import catalogue, source_code
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from shellfabric.impact.ballistic_limit import Limit, Shot
-from shellfabric.panel.boundary import Grip
 from shellfabric.panel.quality import Indicator
-from weavecell.api import keywords, quantities, quasi_static, runs
+from tests.weavecell.session_runs import fired
+from weavecell.api import keywords, quantities
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.schema import tables_in
+from weavecell.scenes.target import Target
 
 MINE = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
 SMALL = {"opening": "30 mm", "end_time": "15 us", "elements_per_crossover": 1}
+CUT = {"mass": 1e-3, "diameter": 5e-3}
 
 
 @pytest.fixture(scope="module")
 def shot():
-    return wc.shoot("S-720", "155 m/s", snapshot_interval="5 us", **SMALL)
+    return fired("impact")
 
 
 def test_the_import_loads_nothing():
-    code = (
-        "import sys, weavecell; print(len([m for m in sys.modules if m.split('.')[0] in ('numpy', 'numba', 'pint')]))"
-    )
+    code = "import sys, weavecell; print({'numpy', 'numba', 'pint'} & {m.split('.')[0] for m in sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "0"
+    assert done.stdout.strip() == "set()"
 
 
-def test_every_public_name_is_there_and_documented():
-    assert set(wc.__all__) <= set(dir(wc))
-    for name in wc.__all__:
-        found = getattr(wc, name)
-        if name != "__version__":
-            assert inspect.getdoc(found), name
-    for name in (*runs.__all__, *quasi_static.__all__):
-        function = getattr(wc, name)
-        text = inspect.getdoc(function)
-        assert "Raises" in text or name in ("backings", "fabrics", "projectiles"), name
-        for parameter in inspect.signature(function).parameters:
-            assert parameter in text, (name, parameter)
+@pytest.mark.parametrize("name", ["fabrics", "meshing", "shellfabric", "unitcell3d", "weavecell"])
+def test_every_public_name_is_documented_and_in_the_stub_for_type_checkers(name):
+    if name == "unitcell3d":
+        pytest.importorskip("dolfinx")
+    package = importlib.import_module(name)
+    stub = ast.parse(Path(package.__file__).with_suffix(".pyi").read_text("utf-8"))
+    (listed,) = (line.value for line in stub.body if ast.unparse(line).startswith("__all__"))
+    assert package.__all__ == sorted(ast.literal_eval(listed))
+    assert set(package.__all__) <= set(dir(package))
+    assert all(getattr(package, one).__doc__ for one in package.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        package.nothing  # noqa: B018
 
 
 @pytest.mark.parametrize("name", [name for name in wc.__all__ if name != "__version__"])
@@ -75,25 +76,20 @@ def test_a_fabric_has_the_linear_density_of_scenes():
     effective, nominal = wc.fabric("S-720"), wc.fabric("S-720", linear_density="nominal")
     assert effective == catalogue.load("S-720").with_effective_density()
     assert effective.weave.areal_density > nominal.weave.areal_density
-    with pytest.raises(InputError, match="effective or nominal"):
-        wc.fabric("S-720", linear_density="other")
 
 
-def test_a_set_up_is_that_of_a_scene():
-    given = wc.setup(
-        "S-720", "92.5 m/s", projectile={"mass": "1.1 g", "diameter": 5.4e-3, "edge_radius": "0.3 mm"}, plies=2,
-        opening=("0.1 m", 0.2), boundary={"warp": {"clamp_force": 20.0}, "weft": "free"}, symmetry="whole",
-        cell_formulation="equilibrium", numerics={"cfl": 0.8}, history={"interval": 1e-6}, ply_gap=5e-5,
-    )  # fmt: skip
-    assert given.plies == 2
-    assert given.strike_velocity == pytest.approx(92.5)
-    assert (given.projectile.mass, given.projectile.radius) == pytest.approx((1.1e-3, 2.7e-3))
-    assert given.opening == pytest.approx((0.1, 0.2))
-    assert (given.edge, given.form, given.ply_gap) == ((Grip(20.0), "free"), "equilibrium", 5e-5)
-    assert (given.numerics.cfl, given.history.interval) == (0.8, 1e-6)
+def test_numbers_are_in_si_units_and_a_projectile_may_be_its_name():
+    cut = {"mass": "1.1 g", "diameter": 5.4e-3, "edge_radius": "0.3 mm"}
+    given = wc.setup("S-720", 92.5, projectile=cut, opening=("0.1 m", 0.2), history={"interval": 1e-6})
+    assert given == wc.setup("S-720", "333 km/h", projectile=cut, opening=(0.1, "20 cm"), history={"interval": "1 us"})
+    name = "FSP 1.10 g"
+    made = [wc.setup("S-720", 90.0, projectile=one).projectile for one in (name, {"name": name}, wc.projectile(name))]
+    assert made[0] == made[1] == made[2]
+    turned = wc.setup("S-720", 90.0, projectile=wc.projectile(name, mass=1.13e-3, roll="45 deg"), symmetry="whole")
+    assert (turned.projectile.mass, turned.projectile.radius) == pytest.approx((1.13e-3, made[0].radius))
 
 
-def test_a_lay_up_is_that_of_a_scene(tmp_path):
+def test_a_lay_up_is_that_of_a_scene():
     """A ply that names nothing is of the set-up's fabric and law, another of its own published one."""
     law = CompressionLaw(4e-5, 5e-5)
     given = wc.setup("S-728", 100.0, law=law, ply=[{"count": 2, "gap": 1e-4}, {"name": "S-726", "angle": "90 deg"}])
@@ -106,83 +102,49 @@ def test_a_lay_up_is_that_of_a_scene(tmp_path):
     assert [math.degrees(ply.angle) for ply in angled.lay_up] == pytest.approx([30, 90, -45, 0], abs=1e-12)
     assert angled.symmetry == "whole"
     assert angled.name == "1 x S-728 at 30 deg + 1 x S-728 at 90 deg + 1 x S-728 at -45 deg + 1 x S-728"
-    with pytest.raises(InputError, match=r"ply.angle = '200 deg': must be an angle from -180 to 180 deg"):
-        wc.setup("S-728", 100.0, ply=[{"angle": "200 deg", "count": 2}])
 
 
-def test_one_law_serves_both_families(tmp_path):
-    law, fabric = CompressionLaw(4e-5, 5e-5), wc.fabric("S-720")
-    law.to_json(tmp_path / "law.json")
-    for given in (law, (law, law), tmp_path / "law.json"):
-        found = wc.setup(fabric, 100.0, law=given).laws
-        assert [(one.a, one.b) for one in found] == [(4e-5, 5e-5)] * 2
-    found = wc.setup(fabric, 100.0, law={"a": 4e-5, "b": "5e-5 m N^(1/3)"}).laws
-    assert [(one.a, one.b) for one in found] == [(4e-5, 5e-5)] * 2
-    with pytest.raises(InputError, match="a pair"):
-        wc.setup(fabric, 100.0, law=(law,))
-
-
-def test_a_law_of_another_fabric_is_refused(tmp_path):
+def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
     """By its name: variants of the fabric take it, and a law without a name is of any fabric."""
-    law, fabric = CompressionLaw(4e-5, 5e-5, fabric="S-720"), wc.fabric("S-720")
-    law.to_json(tmp_path / "law.json")
-    variant = fabric.with_yarns(crimp=0.01)
-    for given in (law, (law, law), tmp_path / "law.json", str(tmp_path / "law.json")):
-        assert wc.setup(variant, 100.0, law=given).laws[0].a == 4e-5
-        with pytest.raises(
-            InputError, match=r"law.*: is a law of fabric S-720; must be a law of S-728, or its constants"
-        ):
-            wc.setup("S-728", 100.0, law=given)
+    law, file = CompressionLaw(4e-5, 5e-5, fabric="S-720"), tmp_path / "law.json"
+    law.to_json(file)
+    for given in (law, (law, law), file, str(file), {"a": 4e-5, "b": "5e-5 m N^(1/3)"}):
+        for fabric in ("S-720", wc.fabric("S-720").with_yarns(crimp=0.01)):
+            assert [(one.a, one.b) for one in wc.setup(fabric, 100.0, law=given).laws] == [(4e-5, 5e-5)] * 2
+        if not isinstance(given, dict):
+            with pytest.raises(InputError, match=r"law.*: is a law of fabric S-720; must be a law of S-728, or its"):
+                wc.setup("S-728", 100.0, law=given)
     with pytest.raises(InputError, match="is a law of fabric S-720; must be a law of S-726"):
-        wc.setup("S-720", 100.0, ply=[{"count": 2}, {"name": "S-726", "law": str(tmp_path / "law.json")}])
+        wc.setup("S-720", 100.0, ply=[{"count": 2}, {"name": "S-726", "law": str(file)}])
     assert wc.setup("S-728", 100.0, law=replace(law, fabric="")).laws[0].a == 4e-5
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("call", "told"),
     [
-        ({"velocity": "3 kg"}, "velocity = '3 kg'"),
-        ({"velocity": -1.0}, "velocity = '-1.0 m/s': must be a speed above 0"),
-        ({"velocity": None}, "velocity: is missing"),
-        ({"velocity": 90.0, "plie": 3}, "plie = 3: is no keyword, did you mean plies?"),
-        ({"velocity": 90.0, "gap": 1e-4}, "gap = 0.0001: is no keyword, did you mean ply_gap?"),
-        ({"velocity": 90.0, "edge": "free"}, "edge = 'free': is no keyword; keywords: law, cell_model, "),
+        (lambda: wc.setup("S-720", "3 kg"), "velocity = '3 kg'"),
+        (lambda: wc.setup("S-720", 90.0, plie=3), "plie = 3: is no keyword, did you mean plies?"),
+        (lambda: wc.setup("S-720", 90.0, edge="free"), "edge = 'free': is no keyword; keywords: law, cell_model, "),
         (
-            {"velocity": 90.0, "edge_radius": 1e-4},
-            'edge_radius = 0.0001: is no keyword, did you mean projectile={"edge_',
+            lambda: wc.setup("S-720", 90.0, edge_radius=1.0),
+            "edge_radius = 1.0: is no keyword, did you mean projectile=",
         ),
-        ({"velocity": 90.0, "projectile": {"mass": 1e-3, "diameter": 5e-3}}, "projectile.edge_radius: is missing"),
-        (
-            {"velocity": 90.0, "projectile": {"mass": 1e-3, "diameter": 5e-3, "edge_radius": 3e-4, "calibre": 1}},
-            "projectile.calibre: unknown key",
-        ),
-        ({"velocity": 90.0, "opening": (1, 2, 3)}, "opening = "),
-        ({"velocity": 90.0, "ply_gap": 1e-4}, "ply_gap = '0.0001 m': must be left out for a single ply"),
-        ({"velocity": 90.0, "law": (1,)}, "law = (1,): must be a CompressionLaw"),
-        (
-            {"velocity": 90.0, "history": {"report_positions": [0.1]}},
-            "history.report_positions = ['0.1 m']: must be left",
-        ),
+        (lambda: wc.setup("S-720", 90.0, projectile=CUT), "projectile.edge_radius: is missing"),
+        (lambda: wc.setup("S-720", 90.0, ply_gap=1e-4), "ply_gap = '0.0001 m': must be left out for a single ply"),
+        (lambda: wc.setup("S-720", 90.0, law=(1,)), "law = (1,): must be a CompressionLaw"),
+        (lambda: wc.setup(MINE, 90.0), "fabric mine has no compression law: give law=, or use"),
+        (lambda: wc.fabric("S-720", linear_density="other"), "linear_density = 'other': must be effective or nominal"),
+        (lambda: wc.coupon("S-720", "shear"), "test = 'shear': must be one of bias_extension"),
+        (lambda: wc.coupon("S-726", "pull_out", length=1), "length = 1: must be one of "),
+        (lambda: wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1), "opening: must be left out beside a set"),
+        (lambda: wc.draws(wc.setup("S-720", 90.0), 1), "draws = 1: must be at least 2"),
     ],
 )
-def test_bad_arguments_are_one_line(words, told):
+def test_bad_arguments_are_one_line(call, told):
     with pytest.raises(InputError) as problem:
-        wc.setup("S-720", **words)
+        call()
     assert str(problem.value).startswith(told)
     assert "\n" not in str(problem.value)
-
-
-def test_a_projectile_by_name():
-    name = "FSP 1.10 g"
-    assert name in wc.projectiles()
-    given = [wc.setup("S-720", 90.0, projectile=one).projectile for one in (name, {"name": name}, wc.projectile(name))]
-    assert given[0] == given[1] == given[2]
-    assert (given[0].shape, given[0].mass) == ("chisel", pytest.approx(1.1e-3))
-    turned = wc.setup("S-720", 90.0, projectile=wc.projectile(name, mass=1.13e-3, roll="45 deg"), symmetry="whole")
-    assert (turned.projectile.mass, turned.projectile.radius) == pytest.approx((1.13e-3, given[0].radius))
-    for call in (lambda: wc.projectile("FSP"), lambda: wc.setup("S-720", 90.0, projectile="FSP")):
-        with pytest.raises(InputError, match=r"name = 'FSP': unknown projectile; allowed: FSP 0.13 g"):
-            call()
 
 
 def test_keywords_are_the_keys_of_the_input_file():
@@ -207,69 +169,53 @@ def _choices(kind):
     return set().union(*(_choices(part) for part in typing.get_args(kind))) if typing.get_args(kind) else set()
 
 
-def test_a_fabric_without_law_says_what_to_do():
-    with pytest.raises(InputError, match="give law=, or use"):
-        wc.setup(MINE, 90.0)
-
-
-def test_a_shot_in_flight_is_a_result(shot):
+def test_a_shot_as_text_table_and_figures(shot, tmp_path, monkeypatch):
+    pytest.importorskip("pandas")
     assert shot.outcome == "in flight"
     assert 100 < shot.residual_velocity < shot.strike_velocity == 155
     assert "in flight" in repr(shot)
+    assert "<td>in flight</td>" in shot._repr_html_()
     assert shot.summary()["areal_density_kg_m2"] == pytest.approx(wc.fabric("S-720").weave.areal_density)
-
-
-def test_a_shot_as_table_figure_files_and_html(shot, tmp_path):
-    pandas = pytest.importorskip("pandas")
     table = shot.to_dataframe()
-    assert isinstance(table, pandas.DataFrame)
     assert list(table.columns[:3]) == ["time_s", "velocity_m_s", "nose_position_m"]
     assert np.array_equal(table["energy_kinetic_projectile_J"], shot.record.energies["kinetic_projectile"])
     for name in ("time_s", "deflection_m", "contact_force_N"):
         assert np.array_equal(table[name], getattr(shot, name.rpartition("_")[0]))
     assert shot.deflection.max() == shot.summary()["max_deflection_m"] > 0
-    assert (shot.contact_force[1:] * np.diff(shot.time)).sum() == pytest.approx(
-        shot.record.mass * (shot.strike_velocity - shot.residual_velocity), rel=1e-9
-    )
+    impulse = (shot.contact_force[1:] * np.diff(shot.time)).sum()
+    assert impulse == pytest.approx(shot.record.mass * (155 - shot.residual_velocity), rel=1e-9)
     assert shot.plot().axes[0].get_ylabel() == "velocity of the projectile [m/s]"
     picture = shot.plot_panel()
     assert shot.outcome in " ".join(text.get_text() for text in picture.texts)
     assert picture.axes[0].images[0].get_array().std() > 5  # not an empty picture
-    assert shot.to_vtk(tmp_path / "vtk") == tmp_path / "vtk" / "panel.pvd"
-    assert len(list((tmp_path / "vtk" / "panel").glob("*.vtu"))) == len([s for s in shot.shapes if s[0].t < 15e-6]) + 1
-    shot.write(tmp_path / "histories.h5")
-    assert (tmp_path / "histories.h5").stat().st_size > 0
-    assert "<td>in flight</td>" in shot._repr_html_()
-
-
-def test_without_pandas_the_error_says_so(shot, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ModuleNotFoundError, match="needs the Python package pandas"):
         shot.to_dataframe()
 
 
-def test_a_sweep_of_one_job_starts_no_process(monkeypatch):
-    from fabrics import executors
+def test_a_shot_writes_the_files_of_the_command(shot, results, tmp_path):
+    folder = results("impact").folder
+    assert shot.to_vtk(tmp_path / "vtk") == tmp_path / "vtk" / "panel.pvd"
+    for path in (folder / "panel").iterdir():
+        assert (tmp_path / "vtk" / "panel" / path.name).read_bytes() == path.read_bytes()
+    shot.record.write(tmp_path / "histories.h5")
+    assert (tmp_path / "histories.h5").stat().st_size > 0
 
-    monkeypatch.setattr(executors, "ProcessPoolExecutor", None)
+
+def test_a_sweep_of_one_job_starts_no_process(monkeypatch):
+    pytest.importorskip("pandas")
+    monkeypatch.setattr("fabrics.executors.ProcessPoolExecutor", None)
     found = wc.sweep([wc.setup("S-720", v, **SMALL) for v in (100.0, 150.0)])
     assert [one.strike_velocity for one in found] == [100.0, 150.0]
     assert found.summary() == {"shots": 2, "in flight": 2, "doubtful": 0, "checks": "ok"}
-    assert len(found) == 2
     assert found[1].residual_velocity > found[0].residual_velocity
     assert found.plot().axes[0].get_xlabel() == "strike velocity [m/s]"
-    assert len(found.to_dataframe()) == 2
-
-
-def test_a_pack(tmp_path):
-    found = wc.shoot("S-728", 150.0, plies=2, **SMALL)
-    assert found.summary()["plies"] == 2
-    assert found.to_vtk(tmp_path) == tmp_path / "panel.pvd"
+    assert len(found.to_dataframe()) == len(found) == 2
 
 
 def test_assumed_laws_are_named_and_ranged():
-    found = wc.shoot(MINE, 90.0, law=CompressionLaw(4e-5, 5e-5, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5))),
-                     assumed_range=True, **SMALL)  # fmt: skip
+    law = CompressionLaw(4e-5, 5e-5, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5)))
+    found = wc.shoot(MINE, 90.0, law=law, assumed_range=True, **SMALL)
     assert found.assumed[0].startswith("assumed: crimp 1.57 / 0.55 % of warp / weft")
     assert found.assumed[1].startswith("assumed: [shear] of para-aramid yarns")
     assert len(found.range.rows) == 9  # as it is, and two ends each of two laws, the thickness and the warp's share
@@ -287,27 +233,21 @@ def test_a_stopped_projectile_has_no_residual_velocity():
     assert "residual velocity 0 m/s" in repr(found)
 
 
-COARSE = {"projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.05 mm"},
-          "numerics": {"contact_points": 8}}  # fmt: skip
+COARSE = {"projectile": CUT | {"mass": "3 g", "edge_radius": "0.05 mm"}, "numerics": {"contact_points": 8}}
 
 
-def test_a_good_shot_says_so(shot):
+def test_a_doubtful_shot_warns_and_says_so_everywhere(shot):
+    pytest.importorskip("pandas")
     assert not shot.doubtful
     assert {one.name for one in shot.checks} >= {"energy error", "viscous energy"}
     assert all(one.text.startswith(one.name) and one.meaning in one.text for one in shot.checks)
-    assert shot.summary()["checks"] == "ok"
-    assert "checks ok" in repr(shot)
-
-
-def test_a_doubtful_shot_warns_and_says_so_everywhere():
-    pytest.importorskip("pandas")
     with pytest.warns(wc.DoubtfulResult, match="S-720, 92.5 m/s: in flight: doubtful: contact point spacing") as told:
         found = wc.shoot("S-720", 92.5, **SMALL, **COARSE)
     assert told[0].filename == __file__  # the line of the user, not one of ours
     assert found.doubtful
     assert [one.name for one in found.checks if one.doubtful] == ["contact point spacing"]
     for text in (repr(found), found._repr_html_(), found.summary()["checks"], found.to_dataframe()["checks"].iloc[-1]):
-        assert "doubtful: contact point spacing 3.17 (limit 1.2)" in text
+        assert "doubtful: contact point spacing" in text
     with pytest.warns(wc.DoubtfulResult, match="sweep of 2 shots, doubtful at 92.5 m/s; worst: doubtful: contact"):
         shots = wc.sweep([wc.setup("S-720", 92.5, **SMALL, **COARSE), wc.setup("S-720", 92.5, **SMALL)])
     assert shots.doubtful
@@ -330,7 +270,8 @@ def test_a_bracket_on_a_doubtful_shot_says_so():
     good, bad = (Indicator("viscous energy", value, 0.25, "", "share", 0.1) for value in (0.05, 0.31))
     shots = [Shot(v, 0.0, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (one,)) for v, outcome, one in
              ((90.0, "stopped", bad), (110.0, "perforated", good), (100.0, "stopped", bad))]  # fmt: skip
-    found = wc.CriticalVelocityResult(wc.fabric("S-720"), Limit(100.0, 110.0, tuple(shots)))
+    target = Target(None, wc.setup("S-720", 100.0), "", "S-720", from_file=False)
+    found = wc.CriticalVelocityResult(target, Limit(100.0, 110.0, tuple(shots)))
     assert found.doubtful
     assert found.bracket_checks == "doubtful stopped shot at 100 m/s (viscous energy 0.310 (limit 0.25))"
     assert found.bracket_checks in repr(found)
@@ -344,71 +285,40 @@ def test_a_bracket_on_a_doubtful_shot_says_so():
     assert mixed.bracket_checks == "doubtful stopped shot at 120 m/s (viscous energy 0.310 (limit 0.25))"
 
 
-def test_a_coupon(tmp_path):
-    found = wc.coupon("S-720", "uniaxial", direction="warp", length="20 mm", width="10 mm", strain=0.01, steps=2)
-    assert found.outcome == "complete"
-    assert found.to_dataframe()["load_of_a_yarn_N"].iloc[-1] > 0
-    assert found.to_vtk(tmp_path) == tmp_path / "coupon.pvd"
-    assert "load" in found.plot().axes[0].get_ylabel()
-    with pytest.raises(InputError, match="test = 'shear': must be one of bias_extension"):
-        wc.coupon("S-720", "shear")
-    with pytest.raises(InputError, match="breadth = 1: must be one of cells"):
-        wc.coupon("S-720", "picture_frame", breadth=1)
-
-
-def test_a_pulled_yarn():
-    found = wc.coupon("S-726", "pull_out", displacement="0.3 mm", crossings=10, crossover_friction=0.0,
-                      crossover_cohesion="0.5 N")  # fmt: skip
-    assert found.outcome == "complete"
-    assert found.plateau == pytest.approx(5.0, rel=0.03)
-    assert found.summary()["peak_load_N"] == found.peak == found.to_dataframe()["load_N"].max()
-    assert "load" in found.plot().axes[0].get_ylabel()
-    with pytest.raises(InputError, match="length = 1: must be one of crossings, displacement"):
-        wc.coupon("S-726", "pull_out", length=1)
-    with pytest.raises(InputError, match="displacement: is missing"):
-        wc.coupon("S-726", "pull_out")
-
-
-def test_a_critical_velocity():
-    with pytest.warns(wc.DoubtfulResult, match="critical velocity"):  # much artificial viscosity on a panel so small
-        found = wc.critical_velocity("S-720", tolerance="20 m/s", residual_shots=3, scan=False, opening="40 mm")
-    low, high = found.bracket
-    assert low < found.velocity < high <= low + 20
-    assert found.fit is not None
-    assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(s.strike_velocity for s in found.limit.shots)
-    assert found.plot().axes[0].get_title(loc="left") == "S-720"
-    with pytest.raises(InputError, match="opening: must be left out beside a set-up"):
-        wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1)
+def test_coupons_as_tables_and_figures(tmp_path):
+    strip = wc.coupon("S-720", "uniaxial", direction="warp", length="20 mm", width="10 mm", strain="1 %", steps=2)
+    assert strip.outcome == "complete"
+    assert strip.to_dataframe()["load_of_a_yarn_N"].iloc[-1] > 0
+    assert strip.to_vtk(tmp_path) == tmp_path / "coupon.pvd"
+    pulled = wc.coupon("S-726", "pull_out", displacement="0.3 mm", crossings=10, crossover_friction=0.0,
+                       crossover_cohesion="0.5 N")  # fmt: skip
+    assert pulled.plateau == pytest.approx(5.0, rel=0.03)
+    assert pulled.summary()["peak_load_N"] == pulled.peak == pulled.to_dataframe()["load_N"].max()
+    assert all("load" in found.plot().axes[0].get_ylabel() for found in (strip, pulled))
 
 
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
 def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     """Of a set-up and of keywords the same; without scatter V50 is the limit; shots are kept and taken again."""
     panel = {"plies": 2, "ply_gap": "0.1 mm", "opening": "40 mm", "elements_per_crossover": 1}
-    search = {"tolerance": "10 m/s", "residual_shots": 0, "scan": False}
-    found = wc.critical_velocity("S-720", **search, **panel)
-    again = wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **search)
-    ignored = {"end_time": "1 us", "snapshot_interval": "1 us"}  # as in input files
-    assert found.bracket == wc.critical_velocity("S-720", **search, **panel, **ignored).bracket
-    assert found.bracket == again.bracket
+    search = {"tolerance": "10 m/s", "residual_shots": 3, "scan": False}
+    found = wc.critical_velocity("S-720", **search, **panel, end_time="1 us", snapshot_interval="1 us")  # not used
+    assert found.bracket == wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **search).bracket
+    low, high = found.bracket
+    assert low < found.velocity < high <= low + 10
+    assert found.fit is not None
     assert found.summary()["plies"] == 2
+    assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(s.strike_velocity for s in found.limit.shots)
     assert found.plot().axes[0].get_title(loc="left") == "2 x S-720"
-    alike = {"shots": 12, "batch": 6, "shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0, "folder": tmp_path}
+    alike = {"shots": 8, "batch": 4, "weibull_shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0, "out": tmp_path}
     curve = wc.v50("S-720", **alike, **panel)
     assert curve.v50 == pytest.approx(found.velocity, abs=10.0)
-    assert curve.interval[0] <= curve.v50 <= curve.interval[1]
-    assert curve.summary()["shots"] == 12 == len(curve.to_dataframe())
+    assert curve.summary()["shots"] == 8 == len(curve.to_dataframe())
     assert curve.plot().axes[1].get_ylabel() == "residual velocity [m/s]"
-    before = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
-    assert wc.v50("S-720", **alike, **panel).study == curve.study
-    assert {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()} == before
-    with pytest.raises(InputError, match="history: must be left out"):
-        wc.v50("S-720", history={"warp": [0.0]})
-    with pytest.raises(InputError, match="the yarns do not fail"):
-        wc.v50("S-720", yarn_failure=False, folder=tmp_path)
+    before = {file: file.stat().st_mtime_ns for file in (tmp_path / "runs").iterdir()}
+    assert wc.v50("S-720", **alike, **panel, resume=True).study == curve.study
+    assert {file: file.stat().st_mtime_ns for file in (tmp_path / "runs").iterdir()} == before
 
 
 def test_kept_results_do_not_depend_on_the_interface():
-    from fabrics import source_code
-
     assert not any("api" in file.parts for file in source_code.closure(["weavecell.analysis.assumed_range"]))

@@ -11,7 +11,39 @@ from itertools import pairwise
 
 import numpy as np
 
-TITLE = 70
+EVERY, FIRST, SECOND, BELOW = slice(None), slice(1), slice(1, 2), slice(1, None)
+TEN, REAL5 = (10,) * 8, (20,) * 5
+# word: columns of the cards below its title, the last one repeated; TEN of words that are not named
+DYNA = {"*NODE": [(8, 16, 16, 16)], "*ELEMENT_SHELL": [(8,) * 6], "*DEFINE_CURVE": [TEN, (20, 20)]}
+RADIOSS = {
+    "MAT/LAW58": [(20, 20), REAL5, (20, 20, 20, 20, 10, 10), REAL5, (10, 10, 20, 20, 20, 20), (10, 10, 20)],
+    "MAT/LAW1": [(20, 20), (20, 20)],
+    "PROP/TYPE16": [(10,) * 3, REAL5, (10, 10, 20, 20, 10, 10), (20, 20, 20, 10, 10, 10, 10), (20, 20, 20, 20, 10)],
+    "PROP/TYPE1": [(10,) * 5, REAL5, (10, 10, 20, 20, 10, 10, 10)],
+    "PART": [(10, 10)], "FUNCT": [(20, 20)], "GRNOD/NODE": [(10,) * 10], "GRNOD/PART": [(10,) * 10],
+    "SURF/PART": [(10,) * 10], "INIVEL/TRA": [(20, 20, 20, 10, 10)],
+    "RBODY": [(10, 10, 10, 10, 20, 10, 10, 10, 10), (20,) * 3, (20,) * 3, (10,)],
+    "INTER/TYPE7": [
+        (10,) * 10, (20, 20, 20, 20, 10), (20, 20, 20, 20, 10, 10), REAL5, (7, 1, 1, 1, 20, 10, 20, 20, 20),
+        (10, 10, 20, 10, 10, 10, 20, 10),
+    ],
+    "NODE": [(10, 20, 20, 20)], "SHELL": [(10,) * 5], "FAIL/FABRIC": [(20, 20, 20, 20, 10, 10), (20,)],
+}  # fmt: skip
+CONTACT = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"
+REFERENCES = (  # word, its cards, fields of these, kind of the ids among which they are
+    ("*ELEMENT_SHELL", EVERY, SECOND, "PART"), ("*ELEMENT_SHELL", EVERY, slice(2, None), "NODE"),
+    ("*PART", FIRST, SECOND, "SECTION"), ("*PART", FIRST, slice(2, 3), "MAT"),
+    ("*PART_INERTIA", FIRST, SECOND, "SECTION"), ("*PART_INERTIA", FIRST, slice(2, 3), "MAT"),
+    ("*PART_INERTIA", SECOND, slice(5, 6), "NODE"), ("*SET_NODE_LIST", BELOW, EVERY, "NODE"),
+    ("*SET_PART_LIST", BELOW, EVERY, "PART"), ("*BOUNDARY_SPC_SET", FIRST, FIRST, "SET_NODE"),
+    ("*MAT_FABRIC", slice(5, 6), slice(3), "DEFINE"), (CONTACT, FIRST, FIRST, "SET_PART"),
+    (CONTACT, FIRST, SECOND, "PART"),
+    ("SHELL", EVERY, BELOW, "NODE"), ("PART", EVERY, FIRST, "PROP"), ("PART", EVERY, SECOND, "MAT"),
+    ("GRNOD/NODE", EVERY, EVERY, "NODE"), ("GRNOD/PART", EVERY, EVERY, "PART"), ("SURF/PART", EVERY, EVERY, "PART"),
+    ("INTER/TYPE7", FIRST, FIRST, "GRNOD"), ("INTER/TYPE7", FIRST, SECOND, "SURF"),
+    ("INIVEL/TRA", FIRST, slice(3, 4), "GRNOD"), ("RBODY", FIRST, FIRST, "NODE"),
+    ("RBODY", FIRST, slice(5, 6), "GRNOD"),
+)  # fmt: skip
 
 
 def columns(line, widths):
@@ -23,168 +55,89 @@ def columns(line, widths):
     return [float(each) if each else None for each in found]
 
 
-def title(line):
-    assert line.isascii()
-    assert 0 < len(line.strip()) <= TITLE, line
-    return line.strip()
+def blocks(lines, mark, comment):
+    """[word, lines below it] of a deck."""
+    found = []
+    for line in lines:
+        if line.startswith(mark):
+            found.append((line, []))
+        elif not line.startswith(comment):
+            found[-1][1].append(line)
+    return found
 
 
-def unique(numbers):
-    numbers = [int(each) for each in numbers]
-    assert len(set(numbers)) == len(numbers)
-    assert min(numbers) > 0
-    return set(numbers)
+def rows_of(body, layout, titled):
+    if titled:
+        title = body.pop(0).strip()
+        assert title.isascii()
+        assert 0 < len(title) <= 70, title
+    return [columns(line, layout[min(n, len(layout) - 1)]) for n, line in enumerate(body)]
 
 
-# --- LS-DYNA --------------------------------------------------------------------------------------------------------
-
-DYNA = {"*NODE": (8, 16, 16, 16), "*ELEMENT_SHELL": (8,) * 6}
+def defined_in(cards, ids, words):
+    """{kind: its ids}, each once and above 0, among which all are that the cards of a code refer to."""
+    defined = {kind: {int(each) for each in numbers} for kind, numbers in ids.items()}
+    for kind, numbers in ids.items():
+        assert len(defined[kind]) == len(numbers), kind
+        assert min(defined[kind]) > 0
+    for word, rows, fields, kind in REFERENCES:
+        if word.startswith("*") == words.startswith("*"):
+            named = {field for block in cards[word] for row in block[rows] for field in row[fields]}
+            assert named, word
+            assert named <= defined[kind], word
+    return defined
 
 
 def dyna(text):
     """{material: (warp, weft, shear)}, each (n, 2), with (DATTYP of warp)."""
-    blocks, lines = [], [line for line in text.splitlines() if not line.startswith("$")]
-    assert lines[0] == "*KEYWORD"
-    assert lines[-1] == "*END"
-    assert all(len(line) <= 80 for line in text.splitlines())
-    for line in lines[1:-1]:
-        if line.startswith("*"):
-            blocks.append((line, []))
-        else:
-            blocks[-1][1].append(line)
-    ids, cards = defaultdict(list), defaultdict(list)
-    for word, body in blocks:
-        if word.endswith("_TITLE") or word in ("*TITLE", "*PART", "*PART_INERTIA"):
-            title(body.pop(0))
+    lines, cards, ids = text.splitlines(), defaultdict(list), defaultdict(list)
+    assert all(len(line) <= 80 for line in lines)
+    lines = [line for line in lines if not line.startswith("$")]
+    assert (lines[0], lines[-1]) == ("*KEYWORD", "*END")
+    for word, body in blocks(lines[1:-1], "*", "$"):
+        titled = word.endswith("_TITLE") or word in ("*TITLE", "*PART", "*PART_INERTIA")
         word = word.removesuffix("_TITLE")
-        if word == "*DEFINE_CURVE":
-            head, points = columns(body[0], (10,) * 8), [columns(line, (20, 20)) for line in body[1:]]
-            cards["curves"].append((head, np.array(points)))
-            ids[word].append(head[0])
-        elif word in DYNA:
-            cards[word] = np.array([columns(line, DYNA[word]) for line in body])
-            ids[word] = list(cards[word][:, 0])
-        else:
-            rows = [columns(line, (10,) * 8) for line in body]
-            cards[word].append(rows)
-            kind = word.replace("_LIST", "").replace("_INERTIA", "")
-            if kind.startswith(("*SET", "*PART", "*SECTION")) and rows:
-                ids[kind].append(rows[0][0])
-            elif word.startswith("*MAT"):
-                ids["*MAT"].append(rows[0][0])
-    defined = {kind: unique(numbers) for kind, numbers in ids.items() if kind != "*TITLE"}
-    _dyna_references(cards, defined)
-    curves = {int(head[0]): (points, head[6]) for head, points in cards["curves"]}
-    return {int(rows[0][0]): tuple(curves[int(n)] for n in rows[5][:3]) for rows in cards["*MAT_FABRIC"]}
-
-
-def _dyna_references(cards, defined):
-    nodes, parts = defined["*NODE"], defined["*PART"]
-    assert set(cards["*ELEMENT_SHELL"][:, 1]) == parts
-    assert set(cards["*ELEMENT_SHELL"][:, 2:].ravel()) <= nodes
-    for rows in [*cards["*PART"], *cards["*PART_INERTIA"]]:
-        assert rows[0][1] in defined["*SECTION_SHELL"]
-        assert rows[0][2] in defined["*MAT"]
-    assert cards["*PART_INERTIA"][0][1][5] in nodes
-    for rows in cards["*SET_NODE_LIST"]:
-        assert {n for row in rows[1:] for n in row} <= nodes
-    assert {rows[0][0] for rows in cards["*BOUNDARY_SPC_SET"]} == defined["*SET_NODE"]
-    assert {n for row in cards["*SET_PART_LIST"][0][1:] for n in row} <= parts
+        rows = rows_of(body, DYNA.get(word, [TEN]), titled)
+        cards[word].append(rows)
+        kind = re.match(r"\*(NODE|ELEMENT|PART|SECTION|MAT|DEFINE|SET_NODE|SET_PART)", word)
+        if kind:
+            ids[kind[1]] += [row[0] for row in (rows if kind[1] in ("NODE", "ELEMENT") else rows[:1])]
+    defined = defined_in(cards, ids, "*")
+    assert {row[1] for rows in cards["*ELEMENT_SHELL"] for row in rows} == defined["PART"]
+    assert {rows[0][0] for rows in cards["*BOUNDARY_SPC_SET"]} == defined["SET_NODE"]
     for rows in cards["*MAT_FABRIC"]:
         assert [len(row) for row in rows] == [7, 8, 8, 8, 8, 7]
         assert rows[2][5] == 14
-        assert set(rows[5][:3]) <= defined["*DEFINE_CURVE"]
-    contact = cards["*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"][0][0]
-    assert contact[0] in defined["*SET_PART"]
-    assert contact[1] in parts
-    assert contact[2:4] == [2, 3]
-
-
-# --- OpenRadioss ----------------------------------------------------------------------------------------------------
-
-REAL5 = (20,) * 5
-RADIOSS = {  # cards below the title, the last one repeated
-    "MAT/LAW58": ((20, 20), REAL5, (20, 20, 20, 20, 10, 10), REAL5, (10, 10, 20, 20, 20, 20), (10, 10, 20)),
-    "MAT/LAW1": ((20, 20), (20, 20)),
-    "PROP/TYPE16": ((10,) * 3, REAL5, (10, 10, 20, 20, 10, 10), (20, 20, 20, 10, 10, 10, 10), (20, 20, 20, 20, 10)),
-    "PROP/TYPE1": ((10,) * 5, REAL5, (10, 10, 20, 20, 10, 10, 10)),
-    "PART": ((10, 10),), "FUNCT": ((20, 20),), "GRNOD/NODE": ((10,) * 10,), "GRNOD/PART": ((10,) * 10,),
-    "SURF/PART": ((10,) * 10,), "INIVEL/TRA": ((20, 20, 20, 10, 10),),
-    "RBODY": ((10, 10, 10, 10, 20, 10, 10, 10, 10), (20,) * 3, (20,) * 3, (10,)),
-    "INTER/TYPE7": (
-        (10,) * 10, (20, 20, 20, 20, 10), (20, 20, 20, 20, 10, 10), REAL5, (7, 1, 1, 1, 20, 10, 20, 20, 20),
-        (10, 10, 20, 10, 10, 10, 20, 10),
-    ),
-}  # fmt: skip
-UNTITLED = {
-    "NODE": ((10, 20, 20, 20),), "SHELL": ((10,) * 5,),
-    "FAIL/FABRIC": ((20, 20, 20, 20, 10, 10), (20,)),
-}  # fmt: skip
+    assert cards[CONTACT][0][0][2:4] == [2, 3]
+    curves = {rows[0][0]: (np.array(rows[1:]), rows[0][6]) for rows in cards["*DEFINE_CURVE"]}
+    return {int(rows[0][0]): tuple(curves[number] for number in rows[5][:3]) for rows in cards["*MAT_FABRIC"]}
 
 
 def radioss(text):
     """{material: (rows of its card, (n, 2) shear function)}."""
-    lines = text.splitlines()
-    assert lines[0] == "#RADIOSS STARTER"
-    assert lines[-1] == "/END"
+    lines, cards, ids, numbered = text.splitlines(), defaultdict(list), defaultdict(list), {}
+    assert (lines[0], lines[-1]) == ("#RADIOSS STARTER", "/END")
     assert all(len(line.removeprefix("#")) <= 100 for line in lines)
-    blocks, kinds = [], defaultdict(list)
-    for line in lines[:-1]:
-        if line.startswith("/"):
-            blocks.append((line[1:], []))
-        elif not line.startswith("#"):
-            blocks[-1][1].append(line)
-    ids, rows_of = defaultdict(list), defaultdict(dict)
-    for head, body in blocks:
-        word, _, number = head.rpartition("/")
-        if head == "NODE":
-            word, number = head, ""
-        layout = RADIOSS.get(word) or UNTITLED.get(word)
+    for head, body in blocks(lines[:-1], "/", "#"):
+        word, _, number = (head[1:] + "/" * (head == "/NODE")).rpartition("/")
         if word == "BCS":
             assert re.fullmatch(r"   [01]{3} [01]{3} {9}0[ \d]{10}", body[1]), body
-            kinds["BCS"].append(int(body[1][20:30]))
-        if layout is None:
-            assert head.split("/")[0] in ("BEGIN", "TITLE", "BCS", "TH"), head
+            cards[word].append([[int(body[1][20:30])]])
+        if word not in RADIOSS:
+            assert head.split("/")[1] in ("BEGIN", "TITLE", "BCS", "TH"), head
             continue
-        if word in RADIOSS:
-            title(body.pop(0))
-        rows = [columns(line, layout[min(n, len(layout) - 1)]) for n, line in enumerate(body)]
-        assert len(rows) >= len(layout), head
-        name = word.split("/")[0]
-        if name not in ("SHELL", "NODE", "FAIL"):
-            ids[name].append(number)
-        rows_of[word][number] = rows
-    defined = {name: unique(numbers) for name, numbers in ids.items()}
-    _radioss_references(rows_of, defined, kinds["BCS"])
-    functions = rows_of["FUNCT"]
-    cards = rows_of["MAT/LAW58"].items()
-    return {int(number): (rows, np.array(functions[str(int(rows[7][0]))])) for number, rows in cards}
-
-
-def _radioss_references(rows_of, defined, of_boundary):
-    nodes = unique(row[0] for row in rows_of["NODE"][""])
-    elements = [row for rows in rows_of["SHELL"].values() for row in rows]
-    unique(row[0] for row in elements)
-    assert {n for row in elements for n in row[1:]} <= nodes
-    assert {int(n) for n in rows_of["SHELL"]} == defined["PART"]
-    for ((prop, material),) in rows_of["PART"].values():
-        assert prop in defined["PROP"]
-        assert material in defined["MAT"]
-    groups, surfaces = defined["GRNOD"], defined["SURF"]
-    assert set(of_boundary) <= groups
-    for rows in rows_of["GRNOD/NODE"].values():
-        assert {n for row in rows for n in row} <= nodes
-    for word in ("GRNOD/PART", "SURF/PART"):
-        assert {n for rows in rows_of[word].values() for row in rows for n in row} <= defined["PART"]
-    for rows in rows_of["INTER/TYPE7"].values():
-        assert rows[0][0] in groups
-        assert rows[0][1] in surfaces
-        assert rows[3][2] > 0
-    for rows in rows_of["INIVEL/TRA"].values():
-        assert rows[0][3] in groups
-    body = rows_of["RBODY"]["1"][0]
-    assert body[0] in nodes
-    assert body[5] in groups
-    assert body[7] == 4
-    assert body[4] > 0
-    assert {int(n) for n in rows_of["FAIL/FABRIC"]} <= defined["MAT"]
+        rows = rows_of(body, RADIOSS[word], word not in ("NODE", "SHELL", "FAIL/FABRIC"))
+        assert len(rows) >= len(RADIOSS[word]), head
+        cards[word].append(rows)
+        numbered[word, number] = rows
+        ids[word.split("/")[0]] += [row[0] for row in rows] if word in ("NODE", "SHELL") else [number]
+    defined = defined_in(cards, ids, "/")
+    parts = {int(number) for word, number in numbered if word == "SHELL"}
+    assert parts == defined["PART"]
+    assert {rows[0][0] for rows in cards["BCS"]} <= defined["GRNOD"]
+    assert defined.get("FAIL", set()) <= defined["MAT"]
+    assert all(rows[3][2] > 0 for rows in cards["INTER/TYPE7"])
+    body = cards["RBODY"][0][0]
+    assert (body[7], body[4] > 0) == (4, True)
+    laws = {number: rows for (word, number), rows in numbered.items() if word == "MAT/LAW58"}
+    return {int(n): (rows, np.array(numbered["FUNCT", str(int(rows[7][0]))])) for n, rows in laws.items()}

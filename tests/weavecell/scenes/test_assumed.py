@@ -1,7 +1,6 @@
 """A fabric file with what a data sheet gives: what is assumed is printed, recorded and shown; else one line."""
 
 import json
-import shutil
 from dataclasses import replace
 from math import acos
 from pathlib import Path
@@ -13,63 +12,59 @@ from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.families import trellis
+from tests.scene_text import merged, toml
+from tests.weavecell.session_runs import SCENES
 from weavecell.analysis.assumed_range import AssumedRange, Row
-from weavecell.commands import calibrate
+from weavecell.scenes import build, impact
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 MINE = EXAMPLES / "fabrics" / "mine.toml"
+LAW = {"a": "0.04 mm", "b": "0.05 mm N^(1/3)"}
 SHEAR = "assumed: [shear] of para-aramid yarns, its angles from width and spacing of the yarns, because mine gives none"
 CRIMP = "assumed: crimp 1.57 / 0.55 % of warp / weft (1.00 / 0.16 .. 2.52 / 1.00 %), from the thickness 0.3 mm "
 CRIMP += "(times 0.9 .. 1.1) and a warp share of the yarn heights of 0.63 (0.5 .. 0.8)"
 CRIMP_ENDS = ["thickness times 0.9", "thickness times 1.1", "warp share 0.5", "warp share 0.8"]
-SOLID = "assumed: [solid] of para-aramid yarns, because mine gives none"
 
 
-def own(folder, law='law = { a = "0.04 mm", b = "0.05 mm N^(1/3)" }'):
-    """examples/own-fabric.toml on a small panel for a short time, with a fabric file that may be changed."""
-    (folder / "fabrics").mkdir()
-    shutil.copy(MINE, folder / "fabrics")
-    text = (EXAMPLES / "own-fabric.toml").read_text().replace('"150 mm"', '"26 mm"').replace('"600 us"', '"12 us"')
-    text = text.replace("elements_per_crossover = 2", 'outputs = ["report"]\ncheckpoint_interval = "10 us"')
-    text = text.replace('law = { a = "0.04 mm", b = "0.05 mm N^(1/3)" }', law)
-    (folder / "own.toml").write_text(text)
-    return folder / "own.toml"
+@pytest.fixture
+def own(command, tmp_path):
+    """Run examples/own-fabric.toml on a small panel for a short time, with more text in its fabric file."""
+
+    def run(*changes, more=""):
+        (tmp_path / "fabrics").mkdir()
+        data = MINE.read_text().replace(*changes or ("", "")) + more
+        (tmp_path / "fabrics" / "mine.toml").write_text(data)
+        text = (EXAMPLES / "own-fabric.toml").read_text().replace('"150 mm"', '"26 mm"').replace('"600 us"', '"12 us"')
+        (tmp_path / "own.toml").write_text(text.replace("elements_per_crossover = 2", 'outputs = ["report"]'))
+        code, out, err = command("impact", "own.toml", "--out", "r")
+        assert code == 0, err
+        return out.splitlines(), json.loads((tmp_path / "r" / "summary.json").read_text())
+
+    return run
 
 
-def test_the_example_of_a_fabric_of_ones_own_runs(command, tmp_path):
-    code, out, err = command("impact", own(tmp_path), "--out", "r")
-    assert code == 0, err
-    assert out.splitlines()[:2] == [CRIMP, SHEAR]
-    told = json.loads((tmp_path / "r/summary.json").read_text())
+def test_what_is_assumed_is_printed_recorded_and_in_force(own, tmp_path):
+    out, told = own()
+    assert out[:2] == [CRIMP, SHEAR]
     assert told["provenance"]["assumed"] == f"{CRIMP}; {SHEAR}"
     around = told["assumed_range"]
     assert around["assumed"] == ["the trellis law", "the crimp"]
     assert [run["laws"] for run in around["runs"]] == ["nominal", "trellis soft", "trellis stiff", *CRIMP_ENDS]
     assert around["low_m_s"] <= told["residual_velocity_m_s"] <= around["high_m_s"]
-    assert out.splitlines()[-1].startswith("assumed laws: residual velocity ")
-    assert "What the assumed laws leave open" in (tmp_path / "r/report.html").read_text()
-    energies = told["energies_at_end_J"]
-    assert energies["shear"] > 0  # the assumed law is in force
-    assert sum(energies.values()) - 2 * energies["error"] == pytest.approx(told["strike_energy_J"], rel=1e-9)
-    page = (tmp_path / "r/report.html").read_text()
-    row = page[page.index("shear.G2") :]
-    row = row[: row.index("</tr>")]
-    assert "9.74 GPa" in row
-    assert "assumed" in row
-    assert "thesis eq. 4-49" in row
+    assert out[-2].startswith("assumed laws: residual velocity ")
+    assert told["energies_at_end_J"]["shear"] > 0
+    page = (tmp_path / "r" / "report.html").read_text()
+    assert "What the assumed laws leave open" in page
+    row = page[page.index("shear.G2") :].partition("</tr>")[0]
+    assert all(word in row for word in ("9.74 GPa", "assumed", "thesis eq. 4-49"))
 
 
-def test_nothing_is_assumed_of_what_is_given(command, tmp_path):
-    path = own(tmp_path)
-    mine = tmp_path / "fabrics/mine.toml"
-    mine.write_text(mine.read_text().replace("count =", 'crimp = "1 %"\ncount ='))
-    with mine.open("a") as file:
-        file.write('\n[shear]\nG1 = "10 MPa"\nG2 = "10 GPa"\ngamma1 = 0.2\ngamma2 = 0.5\n')
-    code, out, err = command("impact", path, "--out", "r")
-    assert code == 0, err
-    assert "assumed" not in out
-    assert "assumed_range" not in json.loads((tmp_path / "r/summary.json").read_text())
-    assert "assumed" not in json.loads((tmp_path / "r/summary.json").read_text())["provenance"]
+def test_nothing_is_assumed_of_what_is_given(own):
+    shear = '\n[shear]\nG1 = "10 MPa"\nG2 = "10 GPa"\ngamma1 = 0.2\ngamma2 = 0.5\n'
+    out, told = own("count =", 'crimp = "1 %"\ncount =', more=shear)
+    assert "assumed" not in "".join(out)
+    assert "assumed_range" not in told
+    assert "assumed" not in told["provenance"]
 
 
 @pytest.mark.parametrize(
@@ -133,48 +128,24 @@ def test_a_tight_weave_locks_just_after_its_yarns_touch():
     assert law.gamma2 == pytest.approx(law.gamma1 + trellis.LEAST_RISE)
 
 
-def test_the_calibration_of_it_is_set_up(command, tmp_path, monkeypatch):
-    """Its crossover is meshed with its overlap solved, and its 3D model can be put together."""
-    pytest.importorskip("dolfinx")
-    from unitcell3d.model import crossover as model_crossover
-
-    built, solved = calibrate.mesh.build, {}
-
-    def stop(fabric, out, **choices):
-        solved["model"] = model_crossover.CrossoverModel(built(fabric, size="coarse", domain="whole"), fabric)
-        raise InputError("enough")
-
-    monkeypatch.setattr(calibrate, "solved", stop)
-    monkeypatch.setattr(calibrate.mesh, "write", lambda *_, **__: None)
-    code, out, err = command("calibrate", MINE, "--mesh", "coarse", "--out", "r")
-    assert (code, err.splitlines()[-1]) == (2, "error: enough")
-    assert out.splitlines()[:2] == [CRIMP, SOLID]
-    assert solved["model"] is not None
-
-
 def test_a_coupon_of_yarns_of_no_family_says_that_it_has_no_shear_stiffness(command, tmp_path):
-    other = tmp_path / "other.toml"
-    other.write_text(MINE.read_text().replace("1.44 g/cm^3", "1.56 g/cm^3"))
-    law = '{ a = "0.04 mm", b = "0.05 mm N^(1/3)" }'
-    text = f'[fabric]\nfile = "other.toml"\nlaw = {law}\n[TEST]\n[run]\nsteps = 1\noutputs = []\n'
-    path = tmp_path / "scene.toml"
-    path.write_text(text.replace("[TEST]", '[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2'))
-    code, out, err = command("coupon", path, "--out", "r")
-    assert (code, out) == (2, "")
-    assert "fabric mine has no [shear] table" in err
-    path.write_text(text.replace("[TEST]", '[biaxial]\nstrain = ["0.2 %", "0.2 %"]\ncentre = 2\narm = 1'))
-    code, out, err = command("coupon", path, "--out", "r")
+    (tmp_path / "other.toml").write_text(MINE.read_text().replace("1.44 g/cm^3", "1.56 g/cm^3"))
+    table = {
+        "fabric": {"file": "other.toml", "law": LAW}, "biaxial": {"strain": ["0.2 %", "0.2 %"], "centre": 2, "arm": 1},
+        "run": {"steps": 1, "outputs": []},
+    }  # fmt: skip
+    (tmp_path / "scene.toml").write_text(toml(table))
+    code, out, err = command("coupon", "scene.toml", "--out", "r")
     assert code == 0, err
     assert out.splitlines()[0] == "no [shear] of mine: its fabric has no shear stiffness"
 
 
 @pytest.mark.parametrize("model", ["incompressible", "decoupled"])
-def test_yarns_that_are_not_compressed_need_no_law(command, tmp_path, model):
-    path = own(tmp_path, law=f'cell_model = "{model}"')
-    code, _, err = command("impact", path, "--out", "r")
-    assert code == 0, err
-    told = json.loads((tmp_path / "r/summary.json").read_text())
-    assert told["law_name"] == f"none, {model} yarns"
+def test_yarns_that_are_not_compressed_need_no_law(model):
+    scene = impact.check(
+        merged(SCENES["small"], {"fabric": {"name": None, "file": str(MINE), "cell_model": model}}), None
+    )
+    assert build.build(scene, None, "s").law_name == f"none, {model} yarns"
 
 
 def test_a_range_names_what_its_ends_rest_on():
@@ -191,10 +162,8 @@ def test_a_law_keeps_the_range_of_an_assumed_solid(tmp_path):
     law.to_json(tmp_path / "law.json")
     found = CompressionLaw.from_json(tmp_path / "law.json")
     assert found.assumed_range == law.assumed_range
-    assert [(end, each.a, each.b) for end, each in found.ends().items()] == [
-        ("soft", 5e-5, 4e-5),
-        ("stiff", 3e-5, 5e-5),
-    ]
+    ends = {end: (each.a, each.b) for end, each in found.ends().items()}
+    assert ends == {"soft": (5e-5, 4e-5), "stiff": (3e-5, 5e-5)}
     assert CompressionLaw(4e-5, 5e-5).ends() == {}
 
 

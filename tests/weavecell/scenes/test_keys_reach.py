@@ -12,7 +12,6 @@ from fabrics import catalogue
 from fabrics.units import si
 from shellfabric.cell.model import CellModel
 from tests.scene_text import merged, table_of
-from weavecell.commands import coupon
 from weavecell.results import pull_out
 from weavecell.scenes import build, of_commands, schema, supported
 from weavecell.scenes.coupon import PullOutTable
@@ -266,7 +265,7 @@ def test_keys_of_fabric_reach_the_cell_of_a_coupon():
         {"cell_model": "decoupled", "cell_profile": "straight", "fibre_slack": "0.1 %", "crossover_gap": "0.01 mm"}
     )
     fabric = catalogue.load("S-720")
-    cell = CellModel(fabric, fabric.laws, *coupon.cell_of(table))
+    cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
     assert (cell.model, cell.form, cell.profile) == ("decoupled", "variational", "straight")
     assert (cell.gap, cell.toes) == (pytest.approx(1e-5), pytest.approx((1e-3, 1e-3)))
 

@@ -13,31 +13,21 @@ import pyvista
 from fabrics.errors import InputError
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import volume
+from tests.scene_text import datasets, merged, toml
+from tests.weavecell.session_runs import SCENES
 from validation.verification.stl_noses import NOSES, errors, triangles, write
 from weavecell.scenes import impact, stl_file
 
 CUBE = Path(__file__).parents[3] / "examples" / "cube.stl"
 EDGE = 0.4e-3
-SCENE = """
-[fabric]
-name = "S-720"
-
-[projectile]
-shape = "stl"
-stl = "body.stl"
-stl_unit = "mm"
-mass = "1.1 g"
-edge_radius = "0.4 mm"
-strike_velocity = "150 m/s"
-{projectile}
-[panel]
-opening = "50 mm"
-{panel}
-[run]
-end_time = "40 us"
-checkpoint_interval = "10 us"
-outputs = []
-"""
+SHOT = SCENES["small"] | {
+    "projectile": {
+        "shape": "stl", "stl": "body.stl", "stl_unit": "mm", "mass": "1.1 g", "edge_radius": "0.4 mm",
+        "strike_velocity": "150 m/s",
+    },
+    "panel": {"opening": "50 mm"},
+    "run": {"end_time": "40 us", "checkpoint_interval": "10 us", "outputs": []},
+}  # fmt: skip
 
 
 def facets():
@@ -55,41 +45,25 @@ def ascii_file(path, corners):
     return path
 
 
-def changed(corners, **what):
-    """The cube with a change of its corners."""
-    return {
-        "open": corners[1:],
-        "turned inside out": corners[:, ::-1],
-        "one turned over": np.concatenate([corners[:1, ::-1], corners[1:]]),
-        "a sheet inside": np.concatenate([corners, corners[:1], corners[:1, ::-1]]),
-        "beside its axis": np.add(corners, [5, 0, 0]),
-        "in inches": corners / 25.4,
-        "nothing": corners[:0],
-        "not a number": np.where(corners == corners.max(), np.nan, corners),
-    }[what["by"]]
-
-
-REFUSED = {
-    "open": "is not closed: 3 edges have one triangle",
-    "turned inside out": "its triangles face inwards",
-    "one turned over": "has normals that point both ways: 3 edges between such triangles",
-    "a sheet inside": "is not the surface of a body: 3 edges have more than two triangles",
-    "beside its axis": "its z axis, x = y = 0, must lie in the body",
-    "in inches": "is 0.2895 mm wide and 0.2047 mm long in mm; must be a body of 0.5 to 100 mm: see projectile.stl_unit",
-    "nothing": "holds no triangles; must be an STL file, ASCII or binary",
-    "not a number": "holds no triangles",
-}
-
-
-@pytest.mark.parametrize("what", REFUSED)
-def test_a_bad_file_is_refused_in_one_line(command, tmp_path, what):
-    path = ascii_file(tmp_path / "body.stl", changed(facets(), by=what))
-    (tmp_path / "scene.toml").write_text(SCENE.format(projectile="", panel=""))
-    code, _, err = command("impact", "scene.toml", "--out", "out")
-    assert code == 2
-    assert err.startswith(f"error: {path.name}: {REFUSED[what]}")
-    assert err.count("\n") == 1
-    assert not (tmp_path / "out").exists()
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda c: c[1:], "is not closed: 3 edges have one triangle"),
+        (lambda c: c[:, ::-1], "its triangles face inwards"),
+        (lambda c: np.concatenate([c[:1, ::-1], c[1:]]), "has normals that point both ways: 3 edges between such"),
+        (lambda c: np.concatenate([c, c[:1], c[:1, ::-1]]), "is not the surface of a body: 3 edges have more than two"),
+        (lambda c: np.add(c, [5, 0, 0]), "its z axis, x = y = 0, must lie in the body"),
+        (lambda c: c / 25.4, "is 0.2895 mm wide and 0.2047 mm long in mm; must be a body of 0.5 to 100 mm: see "),
+        (lambda c: c[:0], "holds no triangles; must be an STL file, ASCII or binary"),
+        (lambda c: np.where(c == c.max(), np.nan, c), "holds no triangles"),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):
+    path = ascii_file(tmp_path / "body.stl", change(facets()))
+    with pytest.raises(InputError) as problem:
+        stl_file.solid(path, "mm", EDGE)
+    assert str(problem.value).startswith(f"{path}: {said}")
+    assert "\n" not in str(problem.value)
 
 
 @pytest.mark.parametrize("content", [b"", b"no STL file", b"solid x\n", bytes(84), bytes(range(256)) * 9])
@@ -99,9 +73,6 @@ def test_what_is_no_stl_file(tmp_path, content, capfd, caplog):
     with pytest.raises(InputError, match=r"body.stl: (holds no triangles|is )"):
         stl_file.surface(path, "mm")
     assert (caplog.text, *capfd.readouterr()) == ("", "", ""), "VTK has reported it too"
-
-
-def test_no_file(tmp_path):
     with pytest.raises(InputError, match="cannot be read; must be an STL file"):
         stl_file.surface(tmp_path / "nowhere.stl", "mm")
 
@@ -120,9 +91,8 @@ def test_text_and_binary_hold_the_same_body(tmp_path):
 
 def test_a_name_gives_mass_and_edge_radius():
     """The rest of a fragment simulator is in the file."""
-    told = {"name": "FSP 1.10 g", "shape": "stl", "stl": str(CUBE), "stl_unit": "mm", "strike_velocity": "90 m/s"}
-    made = impact.check({"fabric": {"name": "S-720"}, "projectile": told, "panel": {"opening": "50 mm"},
-                         "run": {"end_time": "60 us"}}, None)  # fmt: skip
+    changes = {"name": "FSP 1.10 g", "stl": str(CUBE), "mass": None, "edge_radius": None}
+    made = impact.check(merged(SHOT, {"projectile": changes}), None)
     assert made.projectile.mass == pytest.approx(1.10e-3)
     assert made.projectile.edge_radius == pytest.approx(0.3e-3)
     assert made.projectile.diameter == pytest.approx(5.2e-3 * 2**0.5)
@@ -164,12 +134,10 @@ def test_sharp_edges_are_rounded_and_round_ones_kept(tmp_path):
     assert not round_.sharp
 
 
-def test_an_interrupted_run_goes_on_bit_for_bit(command, tmp_path, monkeypatch):
-    """And the folder holds what is needed to repeat it."""
-    from tests.weavecell.commands.test_impact import datasets, interrupt_at
-
+def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(command, interrupted, tmp_path):
+    """The folder holds what is needed to repeat the run."""
     (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
-    (tmp_path / "scene.toml").write_text(SCENE.format(projectile='yaw = "20 deg"', panel=""))
+    (tmp_path / "scene.toml").write_text(toml(merged(SHOT, {"projectile": {"yaw": "20 deg"}})))
     code, out, _ = command("impact", "scene.toml", "--out", "whole")
     assert code == 0
     assert "projectile: a body from an STL file of 1.1 g and 7.354 mm" in out
@@ -178,33 +146,15 @@ def test_an_interrupted_run_goes_on_bit_for_bit(command, tmp_path, monkeypatch):
     assert not told["mirror_x"]
     assert told["provenance"]["projectile_stl"].endswith(" mm 0.0004")
     assert (tmp_path / "whole" / "projectile.stl").read_bytes() == CUBE.read_bytes()
-    with monkeypatch.context() as interrupted:
-        interrupt_at(interrupted, 0.5)
+    with interrupted(0.5):
         assert command("impact", "scene.toml", "--out", "part")[0] == 130
+    ascii_file(tmp_path / "body.stl", facets() * [1, 1, 1.01])
+    code, _, err = command("impact", "scene.toml", "--out", "part", "--resume")
+    assert code == 2
+    assert "checkpoint" in err
+    (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
     stl_file._solid.cache_clear()
     stl_file._surface.cache_clear()
     assert command("impact", "scene.toml", "--out", "part", "--resume")[0] == 0
     one, other = (datasets(tmp_path / name / "histories.h5") for name in ("whole", "part"))
     assert one == other
-
-
-def test_another_file_is_another_run(command, tmp_path, monkeypatch):
-    from tests.weavecell.commands.test_impact import interrupt_at
-
-    (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
-    (tmp_path / "scene.toml").write_text(SCENE.format(projectile="", panel='symmetry = "quarter"'))
-    with monkeypatch.context() as interrupted:
-        interrupt_at(interrupted, 0.5)
-        assert command("impact", "scene.toml", "--out", "out")[0] == 130
-    ascii_file(tmp_path / "body.stl", facets() * [1, 1, 1.01])
-    code, _, err = command("impact", "scene.toml", "--out", "out", "--resume")
-    assert code == 2
-    assert "checkpoint" in err
-
-
-def test_a_symmetry_that_the_body_has_not_is_refused(command, tmp_path):
-    ascii_file(tmp_path / "body.stl", facets() + np.where(facets()[..., :1] > 0, [0.5, 0, 0], [0, 0, 0]))
-    (tmp_path / "scene.toml").write_text(SCENE.format(projectile="", panel='symmetry = "quarter"'))
-    code, _, err = command("impact", "scene.toml", "--out", "out")
-    assert code == 2
-    assert "panel.symmetry = 'quarter': must be whole for this shot" in err

@@ -40,6 +40,17 @@ class Series:
     shots: float
     share: float
 
+    def words(self) -> str:
+        """What they come to in a sentence."""
+        if not self.share:
+            return "No short series of tests has a result: the zone of mixed outcomes is too wide."
+        return (
+            f"A series of tests up and down, at most {MOST} shots, V50 of the {PAIRS} fastest stops and {PAIRS} "
+            f"slowest perforations within {SPAN:g} m/s, finds {self.mean:.1f} m/s, standard deviation "
+            f"{self.deviation:.1f}, 95 % of them between {self.low:.1f} and {self.high:.1f}; "
+            f"{100 * self.share:.0f} % have a result, after {self.shots:.1f} shots."
+        )
+
 
 def series(curve: Curve, seed: int = 1, count: int = SERIES) -> Series:
     """Fire `count` series on a fitted curve; the same seed gives the same."""

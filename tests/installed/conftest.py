@@ -1,0 +1,90 @@
+"""The wheel, and an environment in which it alone is installed: made once, and shared by the processes of a session."""
+
+import fcntl
+import os
+import shutil
+import site
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from tests.installed.packages import FILES, ROOT
+
+META = ("pyproject.toml", "README.md", "LICENSE")
+BUILD = "from setuptools.build_meta import build_sdist, build_wheel; build_wheel({0!r}); build_sdist({0!r})"
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory):
+    """A function that gives a folder of the session, filled by make(folder) in the first process that asks for it."""
+    base = tmp_path_factory.getbasetemp()
+    base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+    def folder(name, make):
+        with open(base / f"{name}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (base / name / "made").exists():
+                shutil.rmtree(base / name, ignore_errors=True)
+                (base / name).mkdir()
+                make(base / name)
+                (base / name / "made").touch()
+        return base / name
+
+    return folder
+
+
+@pytest.fixture(scope="session")
+def built(shared):
+    """Folder with wheel and source distribution, built from a copy of the files, so that no earlier build gets in."""
+
+    def make(folder):
+        for path in [*FILES, *map(Path, META)]:
+            (folder / "source" / path).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / path, folder / "source" / path)
+        done = run_in(folder / "source", sys.executable, "-c", BUILD.format(str(folder)))
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    return shared("built", make)
+
+
+@pytest.fixture(scope="session")
+def installed(built, shared):
+    """run(program, *arguments, at=folder) of a new environment without the checkout, whose `packages` are a folder.
+
+    What weavecell needs is seen by a .pth file that names the folders of this environment. Python does not read the
+    .pth files in there, so that an editable installation of the checkout is not seen.
+    """
+
+    def make(folder):
+        subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", str(folder)], check=True)
+        pip = [str(folder / "bin" / "python"), "-m", "pip", "install", "--quiet", "--no-deps", "--no-index"]
+        done = run_in(folder, *pip, *map(str, built.glob("*.whl")))
+        assert done.returncode == 0, done.stderr
+        [packages] = folder.glob("lib/python*/site-packages")
+        (packages / "test-environment.pth").write_text("\n".join(site.getsitepackages()) + "\n")
+
+    folder = shared("environment", make)
+    [packages] = folder.glob("lib/python*/site-packages")
+    return SimpleNamespace(run=runner(folder / "bin"), packages=packages)
+
+
+@pytest.fixture(params=["editable", "wheel"])
+def user(request):
+    """run(program, *arguments, at=folder) of either installation."""
+    return request.getfixturevalue("installed").run if request.param == "wheel" else runner(Path(sys.executable).parent)
+
+
+def runner(binaries):
+    """run(program, *arguments, at=folder) of the programs in the folder `binaries`."""
+    return lambda program, *arguments, at: run_in(at, str(binaries / program), *map(str, arguments))
+
+
+def run_in(folder, *command):
+    """A program that has run in a folder, with one thread and without the paths of this process."""
+    dropped = ("PYTHONPATH", "PYTHONHOME", "NUMBA_CACHE_DIR", "VIRTUAL_ENV")
+    environment = {name: value for name, value in os.environ.items() if name not in dropped}
+    environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=3000)

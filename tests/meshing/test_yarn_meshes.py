@@ -1,0 +1,331 @@
+"""Meshes of a crossover and of woven patches: volumes, orientation, fibres and bars, symmetry, surfaces, node grids."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hexahedra import volumes
+
+from fabrics import catalogue
+from meshing import crossover as mesher
+from meshing import patch
+from meshing.grid import tributary_areas
+
+WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
+WARP, WEFT = 0, 1
+SMALL = (3, 2, 1)
+SIZES = ((6, 4, 2), (12, 8, 4), (24, 16, 8))
+
+
+def mesh(name="S-720", size="coarse", **choices):
+    return mesher.build(catalogue.load(name), size=size, **choices)
+
+
+def woven(name="S-720", count=(3, 4), size=SMALL, **choices):
+    return patch.build(catalogue.load(name), count, size=size, **choices)
+
+
+def lengths(made, yarn):
+    """Polygon length of each fibre line (ny+1, nz+1)."""
+    return np.linalg.norm(np.diff(made.points[made.grids[yarn]], axis=0), axis=-1).sum(axis=0)
+
+
+@pytest.mark.parametrize("kind", ["sine", "ellipse"])
+@pytest.mark.parametrize("name", WOVEN)
+def test_every_hexahedron_is_right_side_out_and_the_yarns_hold_their_fibres(name, kind):
+    """In a quarter of a crossover (half a yarn, half of its fibres), in a whole one, and in two crossings a yarn."""
+    for crossings, share, made in (
+        (0.5, 0.5, mesh(name, (6, 5, 2), section=kind)),
+        (1, 1, mesh(name, (6, 5, 2), section=kind, domain="whole")),
+        (2, 1, woven(name, (2, 2), (6, 5, 2), section=kind)),
+    ):
+        volume = volumes(made.points, made.hexes)
+        assert volume.min() > 0
+        assert made.min_scaled_jacobian > (0.8 if kind == "sine" else 0.4)
+        for number, family in enumerate(made.families):
+            length, area = crossings * made.S0[family], share * made.fibre_area[family]
+            assert volume[made.yarn == number].sum() == pytest.approx(length * area / made.Vf0[family], rel=0.03)
+            of_section = made.bar_area[number].reshape(len(made.grids[number]) - 1, -1)
+            assert of_section.min() > 0
+            assert of_section.sum(axis=1) == pytest.approx(area, rel=1e-12)
+            assert lengths(made, number) == pytest.approx(length, rel=2e-3)
+
+
+def test_worst_scaled_jacobian_of_a_sine_section_is_that_of_its_steepest_slopes():
+    """Vertical edges, slope a along and b across: 1 / sqrt((1 + a^2)(1 + b^2)) where both are largest."""
+    crossover = mesh(size=(32, 32, 2))
+    expected = []
+    for section, w, h in zip(crossover.sections, crossover.w, crossover.h0):
+        a, b = np.pi * h / (2 * w), np.pi * section.thickness / (2 * section.width)
+        expected.append(1 / np.sqrt((1 + a * a) * (1 + b * b)))
+    assert crossover.min_scaled_jacobian == pytest.approx(min(expected), rel=5e-3)
+
+
+@pytest.mark.parametrize("name", ["S-720", "S-731"])
+@pytest.mark.parametrize("kind", ["sine", "ellipse"])
+def test_yarn_volume_is_its_length_times_its_area(name, kind):
+    """V -> S0 A_s / Vf0 with order two: only the polygon of the section differs from the lens."""
+    errors = []
+    for size in SIZES:
+        crossover = mesh(name, size, section=kind, domain="whole")
+        volume = volumes(crossover.points, crossover.hexes)
+        volumes_of_yarns = [volume[crossover.yarn == yarn].sum() for yarn in (WARP, WEFT)]
+        expected = np.multiply(crossover.S0, crossover.fibre_area) / crossover.Vf0
+        errors.append(1 - volumes_of_yarns / expected)
+    errors = np.array(errors)
+    assert np.all(errors > 0)
+    assert np.all(errors[-1] < (1e-3 if kind == "sine" else 2e-3))
+    assert np.allclose(np.log2(errors[:-1] / errors[1:]), 2, atol=0.2)
+
+
+def test_all_fibres_have_the_length_of_the_yarn():
+    """Every fibre line has one length, and it tends to S0 / 2 with order two."""
+    for yarn in (WARP, WEFT):
+        errors = []
+        for size in SIZES:
+            crossover = mesh("S-731", size)
+            length = lengths(crossover, yarn)
+            assert np.ptp(length) < 1e-12 * length.mean()
+            errors.append(1 - length.mean() / (crossover.S0[yarn] / 2))
+        assert 0 < errors[-1] < 1e-4
+        assert np.allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.05)
+
+
+def test_bars_are_edges_along_the_fibre():
+    crossover = mesh(domain="whole")
+    edges = {tuple(pair) for i, j in ((0, 1), (3, 2), (4, 5), (7, 6)) for pair in crossover.hexes[:, [i, j]]}
+    assert edges == {tuple(pair) for yarn in (WARP, WEFT) for pair in crossover.bars[yarn]}
+    for yarn, axis in ((WARP, 0), (WEFT, 1)):
+        along = np.diff(crossover.points[crossover.bars[yarn]], axis=1)[:, 0]
+        assert np.all(along[:, axis] > 0)
+        assert np.allclose(along[:, 1 - axis], 0, atol=1e-18)
+        assert np.all(crossover.fibre[crossover.yarn == yarn][:, axis] > 0.8)
+    assert np.allclose(np.linalg.norm(crossover.fibre, axis=1), 1)
+
+
+def test_tributary_areas_are_the_nodal_shares_of_the_polygon():
+    y = np.array([0.0, 1.0, 3.0])
+    z = np.linspace(-1, 1, 3) * np.array([[2.0], [1.0], [0.5]])
+    # thickness 4, 2, 1; strips 0..0.5, 0.5..2, 2..3; a quarter, a half and a quarter of each through the thickness
+    strips = np.array([(4 + 3) / 2 * 0.5, (3 + 2) / 2 * 0.5 + (2 + 1.5) / 2, (1.5 + 1) / 2])
+    assert tributary_areas(y, z) == pytest.approx(np.outer(strips, [0.25, 0.5, 0.25]))
+    assert tributary_areas(y, z).sum() == pytest.approx((4 + 2) / 2 + (2 + 1) / 2 * 2)
+
+
+@pytest.mark.parametrize("kind", ["sine", "ellipse"])
+def test_the_whole_is_the_quarter_mirrored_twice(kind):
+    quarter, whole = mesh("S-726", section=kind), mesh("S-726", section=kind, domain="whole")
+    for yarn in (WARP, WEFT):
+        nx, ny, _ = (n - 1 for n in quarter.grids[yarn].shape)
+        part, full = quarter.points[quarter.grids[yarn]], whole.points[whole.grids[yarn]]
+        assert full.shape[:2] == (2 * nx + 1, 2 * ny + 1)
+        along, across = (1 if yarn == WARP else -1) * np.array([(-1, 1, 1), (1, -1, 1)]) * (1, 1, 1 - 2 * yarn)
+        assert np.array_equal(full[nx:, ny:], part)
+        assert np.allclose(full[nx::-1, ny:], part * along, rtol=0, atol=1e-18)
+        assert np.allclose(full[nx:, ny::-1], part * across, rtol=0, atol=1e-18)
+        areas, all_areas = (
+            made.bar_area[yarn][: np.prod(made.grids[yarn].shape[1:])].reshape(made.grids[yarn].shape[1:])
+            for made in (quarter, whole)
+        )
+        assert np.allclose(all_areas[ny + 1 :], areas[1:], rtol=1e-12)
+        assert np.allclose(all_areas[ny], 2 * areas[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("domain", ["quarter", "whole"])
+def test_the_faces_of_a_yarn_close_its_volume(domain):
+    """Divergence theorem on the outward faces: sum of x . n A = 3 V, and the vector area is zero."""
+    crossover = mesh(domain=domain)
+    volume = volumes(crossover.points, crossover.hexes)
+    for yarn, name in ((WARP, "warp"), (WEFT, "weft")):
+        quads = np.concatenate([q for key, q in crossover.faces.items() if key.startswith(name)])
+        corners = crossover.points[quads]
+        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
+        # The flux of x through a bilinear face: the mean of its corners is not exact, its own 2 x 2 Gauss rule is.
+        flux = 0.0
+        for u in (-1, 1) / np.sqrt(3):
+            for v in (-1, 1) / np.sqrt(3):
+                shape = np.array([(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)]) / 4
+                du = np.array([-(1 - v), 1 - v, 1 + v, -(1 + v)]) / 4
+                dv = np.array([-(1 - u), -(1 + u), 1 + u, 1 - u]) / 4
+                x, xu, xv = (np.einsum("a,qax->qx", weight, corners) for weight in (shape, du, dv))
+                flux += np.einsum("qx,qx->", x, np.cross(xu, xv))
+        assert np.abs(normal.sum(axis=0)).max() < 1e-12 * np.abs(normal).sum()
+        assert flux / 3 == pytest.approx(volume[crossover.yarn == yarn].sum(), rel=1e-10)
+
+
+def test_groups_of_the_quarter_and_of_the_whole():
+    crossover, whole = mesh(), mesh(domain="whole")
+    nx, ny, nz = (n - 1 for n in crossover.grids[WARP].shape)
+    groups, points = crossover.groups, crossover.points
+    for yarn, along, across in (("warp", "symx", "symy"), ("weft", "symy", "symx")):
+        for part, count in (("contact", nx * ny), ("plate", nx * ny), ("tip", nx * nz)):
+            assert groups[f"{yarn}_{part}"].shape == (count, 4)
+        assert len(groups[f"{yarn}_end"]) == (ny + 1) * (nz + 1) == len(groups[f"{yarn}_{along}"])
+        assert len(groups[f"{yarn}_{across}"]) == (nx + 1) * (nz + 1)
+    assert len(groups) == 12
+    on_planes = {(n, axis) for n, axis in np.argwhere(points[:, :2] == 0).tolist()}
+    assert on_planes == {
+        (n, axis) for axis, key in ((0, "symx"), (1, "symy")) for y in ("warp", "weft") for n in groups[f"{y}_{key}"]
+    }
+    parts = ("contact", "plate", "tip", "end", "start")
+    assert set(whole.groups) == {f"{yarn}_{part}" for yarn in ("warp", "weft") for part in parts}
+    for axis, yarn in enumerate(("warp", "weft")):
+        assert points[groups[f"{yarn}_end"], axis] == pytest.approx(crossover.w[axis], rel=1e-14)
+        for part, side in (("end", 1), ("start", -1)):
+            assert whole.points[whole.groups[f"{yarn}_{part}"], axis] == pytest.approx(side * whole.w[axis], rel=1e-14)
+
+
+def test_grids_hold_every_node_once_in_its_place():
+    crossover = mesh("S-731", (5, 4, 3))
+    assert sorted(np.concatenate([g.ravel() for g in crossover.grids])) == list(range(len(crossover.points)))
+    for yarn, axis in ((WARP, 0), (WEFT, 1)):
+        grid = crossover.points[crossover.grids[yarn]]
+        assert grid.shape[:3] == (6, 5, 4)
+        assert np.all(np.diff(grid[..., axis], axis=0) > 0)
+        assert np.all(np.diff(grid[..., 1 - axis], axis=1) > 0)
+        assert np.all(np.diff(grid[..., 2], axis=2) > 0)
+        assert np.array_equal(np.unique(crossover.hexes[crossover.yarn == yarn]), np.unique(crossover.grids[yarn]))
+        middle = grid[:, :, 0, 2] / 2 + grid[:, :, -1, 2] / 2
+        height = (middle[0] - middle[-1]) * (1 if yarn == WARP else -1)
+        assert height == pytest.approx(crossover.h0[yarn], rel=1e-12)
+    warp, weft = (crossover.points[grid][..., 2].mean() for grid in crossover.grids)
+    assert warp > weft
+
+
+def test_named_sizes_are_those_of_a_quarter():
+    for size, shape in (("coarse", (9, 7, 3)), ("medium", (17, 13, 5)), ("fine", (25, 19, 7))):
+        assert mesh(size=size).grids[WARP].shape == shape
+    assert mesh(size="coarse", domain="whole").grids[WEFT].shape == (17, 13, 3)
+
+
+# --- patches --------------------------------------------------------------------------------------------------------
+
+
+def test_yarns_go_over_and_under_like_a_chequerboard_at_their_spacing():
+    """z = +-h cos(pi (x - x of the first crossing) / 2 w), up where the numbers of warp and weft have an even sum."""
+    weave = woven("S-731", (3, 4))
+    assert weave.names == ("warp_1", "warp_2", "warp_3", "weft_1", "weft_2", "weft_3", "weft_4")
+    assert weave.extent == pytest.approx((8 * weave.w[0], 6 * weave.w[1]))
+    places = [2 * w * (np.arange(n) - (n - 1) / 2) for w, n in zip(weave.w, (4, 3))]  # of the crossings along each
+    for number, family in enumerate(weave.families):
+        place = number - 3 * family
+        grid = weave.points[weave.grids[number]]
+        line = grid[:, grid.shape[1] // 2].mean(axis=1)
+        along, across = line[:, family], line[:, 1 - family]
+        assert across == pytest.approx(places[1 - family][place], abs=1e-18)
+        assert along[[0, -1]] == pytest.approx(np.array([-0.5, 0.5]) * weave.extent[family], rel=1e-12)
+        up = (1 if place % 2 == 0 else -1) * (1 if family == WARP else -1)
+        z = up * weave.h0[family] * np.cos(np.pi * (along - places[family][0]) / (2 * weave.w[family]))
+        assert line[:, 2] == pytest.approx(z, abs=1e-12 * weave.h0[family])
+
+
+def test_a_yarn_is_one_body_from_end_to_end():
+    """Its nodes are one grid, no two in one place, shared by the bricks on both sides of every section."""
+    weave = woven()
+    for number, grid in enumerate(weave.grids):
+        cells = 4 if weave.families[number] == 0 else 3
+        assert grid.shape == (2 * SMALL[0] * cells + 1, 2 * SMALL[1] + 1, SMALL[2] + 1)
+        hexes = weave.hexes[weave.yarn == number]
+        assert np.array_equal(np.unique(hexes), np.sort(grid.ravel()))
+        assert set(np.bincount(hexes.ravel())[grid[1:-1].ravel()]) == {2, 4}
+        assert len(np.unique(np.round(weave.points[grid.ravel()], 12), axis=0)) == grid.size
+
+
+def test_yarns_of_a_family_stand_side_by_side():
+    """Lenses apart; the blunt edges of conforming warps meet where no gap is asked for, and leave it where one is."""
+    for choices, gap in (({"section": "sine"}, None), ({}, 0.0), ({"gap": 2e-5}, 2e-5)):
+        weave = woven("S-745", (2, 2), **choices)
+        across = [weave.points[grid][..., 1 - family] for grid, family in zip(weave.grids, weave.families)]
+        warps, wefts = (high.min() - low.max() for low, high in (across[:2], across[2:]))
+        assert wefts > 0
+        assert warps > 0 if gap is None else warps == pytest.approx(gap, abs=1e-12)
+
+
+def test_one_crossing_is_the_whole_crossover():
+    """Where neither has to shift the yarns (here both sections are densified) they are one mesh."""
+    fabric = catalogue.load("S-731")
+    one, other = patch.build(fabric, (1, 1), size=(4, 3, 2)), mesher.build(fabric, domain="whole", size=(4, 3, 2))
+    assert abs(other.shift) < 1e-11
+    assert np.allclose(one.points, other.points, rtol=0, atol=1e-11)
+    assert np.array_equal(one.hexes, other.hexes)
+    for name, quads in other.faces.items():
+        yarn, part = name.split("_")
+        assert np.array_equal(one.faces[f"{yarn}_1_{part}"], quads)
+
+
+def test_the_cell_of_four_crossovers_fits_itself():
+    """Opposite ends of 2 x 2 are translations of each other: periodic."""
+    weave = woven(count=(2, 2))
+    for number, family in enumerate(weave.families):
+        grid = weave.points[weave.grids[number]]
+        step = np.zeros(3)
+        step[family] = weave.extent[family]
+        assert np.allclose(grid[-1], grid[0] + step, rtol=0, atol=1e-18)
+
+
+def test_groups_are_named_by_yarn_and_by_family():
+    weave = woven(count=(2, 3))
+    groups, parts = weave.groups, ("contact", "plate", "tip", "end", "start")
+    assert set(groups) == {f"{yarn}_{part}" for yarn in (*weave.names, "warp", "weft") for part in parts}
+    assert len(groups["warp_2_contact"]) == 3 * 6 * 4  # crossings, elements along and across
+    assert len(groups["weft_contact"]) == 3 * 2 * 6 * 4
+    assert groups["warp_end"].tolist() == sorted([*groups["warp_1_end"], *groups["warp_2_end"]])
+    assert weave.points[groups["warp_end"], 0] == pytest.approx(weave.extent[0] / 2)
+    assert weave.points[groups["weft_start"], 1] == pytest.approx(-weave.extent[1] / 2)
+    shells = woven(count=(2, 3), end_shells=2e-5).shells
+    assert weave.shells == {}
+    assert set(shells) == {f"{yarn}_{part}" for yarn in weave.names for part in ("end", "start")}
+    assert all(np.array_equal(quads, weave.faces[name]) for name, quads in shells.items())
+
+
+def test_contact_faces_look_at_the_crossing_yarn_and_plates_away():
+    """Over a crossing the contact face is the lower one, under it the upper one."""
+    weave = woven("S-731", (2, 2))
+    for number, family in enumerate(weave.families):
+        for part, sign in (("contact", 1), ("plate", -1)):
+            corners = weave.points[weave.faces[f"{weave.names[number]}_{part}"]]
+            normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])[:, 2]
+            middle = corners.mean(axis=1)
+            cell = [np.floor(middle[:, axis] / (2 * weave.w[axis])).astype(int) + 1 for axis in (0, 1)]
+            over = (cell[0] + cell[1]) % 2 == family
+            assert np.array_equal(normal < 0, over if sign == 1 else ~over)
+
+
+# --- what the facets overlap by ------------------------------------------------------------------------------------
+
+
+def thrown(face, points, places):
+    """Heights of bilinear facets (q, 4) above places (n, 2), by search: NaN off them."""
+    z = np.full(len(places), np.nan)
+    for corners in points[face]:
+        low, high = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+        inside = np.all((places >= low) & (places < high), axis=1)
+        s, t = ((places[inside] - low) / (high - low)).T
+        for corner in corners:
+            right, far = corner[:2] > (low + high) / 2
+            z_part = (s if right else 1 - s) * (t if far else 1 - t) * corner[2]
+            z[inside] = np.where(np.isnan(z[inside]), 0, z[inside]) + z_part
+    return z
+
+
+@pytest.mark.parametrize("domain", ["quarter", "whole"])
+def test_least_gap_is_that_of_points_thrown_on_the_facets(domain):
+    made = mesh("S-745", (5, 4, 2), domain=domain)
+    corners = np.meshgrid(*(np.unique(made.points[:, axis].round(12)) for axis in (0, 1)))
+    inside = 0.999999 * np.stack(corners, axis=-1).reshape(-1, 2)
+    places = np.concatenate([np.random.default_rng(3).uniform(-1, 1, (2000, 2)) * made.w, inside])
+    warp, weft = (thrown(made.groups[f"{name}_contact"], made.points, places) for name in ("warp", "weft"))
+    gap = np.nanmin(warp - weft)
+    assert made.least_gap == pytest.approx(gap, rel=1e-3)
+
+
+def test_facets_overlap_by_their_sag_alone():
+    """Conforming smooth sections touch everywhere: what is left is the facets' sag, a quarter at half the size."""
+    gaps = [mesh("S-728", (4 * n, 3 * n, n)).least_gap for n in (2, 4, 8)]
+    assert -1e-6 < gaps[0] < 0
+    assert [a / b for a, b in pairwise(gaps)] == pytest.approx([4, 4], rel=0.2)
+
+
+def test_a_patch_has_the_gap_of_its_crossing():
+    one = mesh("S-728", (4, 3, 1)).least_gap
+    assert woven("S-728", (2, 3), (4, 3, 1)).least_gap == pytest.approx(one, rel=1e-6)

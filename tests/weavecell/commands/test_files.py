@@ -1,0 +1,181 @@
+"""What the files of a run hold: documented keys alone, fronts of the histories, and a ParaView series of their sums."""
+
+import json
+from dataclasses import is_dataclass
+from fnmatch import fnmatchcase
+
+import h5py
+import numpy as np
+import pytest
+import pyvista
+
+import weavecell as wc
+from fabrics.errors import InputError
+from shellfabric.output.histories import EDGES
+from shellfabric.output.wave_fronts import fronts
+from tests.weavecell.session_runs import SCENES, fired, set_up
+from weavecell.results import json_file, keys, paraview
+from weavecell.results.impact import ImpactRecord
+
+OF_THE_RUN = {"title", "law_name", "wall_time", "ns_per_element_step"}
+SLIP = ("slip_warp_m", "slip_weft_m")
+
+
+def find(path, table):
+    """The first of the keys that a path, by / or by dots, is documented as; a * is one level. None if there is none."""
+    parts = path.replace(".", "/").split("/")
+    for key in table:
+        pattern = key.name.replace(".", "/").split("/")
+        if len(parts) == len(pattern) and all(map(fnmatchcase, parts, pattern)):
+            return key
+    return None
+
+
+def leaves(value, table, path=""):
+    """Paths of the entries of a summary; a documented table is an entry."""
+    for name, inner in value.items():
+        key = f"{path}.{name}" if path else name
+        if isinstance(inner, dict) and find(key, table) is None:
+            yield from leaves(inner, table, key)
+        else:
+            yield key
+
+
+@pytest.mark.parametrize("name", ["impact", "pack", "sliding", "coupon", "pull-out"])
+def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(results, name):
+    folder, impact = results(name).folder, name not in ("coupon", "pull-out")
+    summary = json_file.read_summary(folder / "summary.json")
+    table = (*keys.SHARED, *(keys.IMPACT if impact else keys.COUPON))
+    assert [key for key in leaves(summary, table) if find(key, table) is None] == []
+    scalars, attributes = {key.name for key in table}, []
+
+    def see(name, item):
+        attributes.extend(f"{name}/{key}" for key in item.attrs if not isinstance(item, h5py.Dataset))
+        if isinstance(item, h5py.Dataset):
+            assert set(item.attrs) == {"unit"}
+            key = find(name, keys.DATASETS if impact else keys.COUPON_DATASETS)
+            assert key is not None, name
+            assert key.unit in ("", item.attrs["unit"]), name
+
+    with h5py.File(folder / "histories.h5") as file:
+        file.visititems(see)
+        assert [key for key in file.attrs if key not in scalars and find(key, keys.ATTRIBUTES) is None] == []
+    assert [name for name in attributes if find(name, keys.ATTRIBUTES) is None] == []
+
+
+def test_energies_of_the_solvers_are_documented_and_drawn():
+    from shellfabric.solver.pack_solver import BETWEEN_PLIES, ENERGIES, SLIP_WORK
+    from weavecell.report import pictures
+
+    for name in (*ENERGIES, *BETWEEN_PLIES, *SLIP_WORK, "error"):
+        assert find(name, keys.ENERGIES) is not None, name
+    assert set(ENERGIES) - {"formulation_residual"} == {name for name, _, _ in pictures.ENERGIES}
+
+
+def test_a_quantity_has_its_unit_at_the_end_of_its_key():
+    units = {"m/s": "m_s", "kg": "kg", "s": "s", "m": "m", "N": "N", "J": "J", "rad": "rad"}
+    for key in (*keys.SHARED, *keys.IMPACT):
+        if key.unit in units and not key.name.endswith(".*"):
+            assert key.name.endswith((f"_{units[key.unit]}", "_ns")), key.name
+
+
+def test_another_format_is_refused(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.attrs["format"] = "weavecell impact 1"
+    with pytest.raises(InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 7'"):
+        ImpactRecord.read(tmp_path / "a.h5")
+    (tmp_path / "s.json").write_text('{"format": "weavecell summary 9"}')
+    with pytest.raises(InputError, match="format = 'weavecell summary 9': must be 'weavecell summary 2'"):
+        json_file.read_summary(tmp_path / "s.json")
+
+
+def test_fronts_are_read_off_what_is_read_back(results):
+    file = results("impact").folder / "histories.h5"
+    (measured,) = ImpactRecord.read(file).measured
+    again = {f"{front.family}-{front.kind}": front.speed for front in fronts(measured)}
+    assert set(again) == {f"{f}-{k}" for f in ("warp", "weft") for k in ("longitudinal", "transverse")}
+    assert 800 < again["warp-longitudinal"] < again["weft-longitudinal"] < 4000  # the weft has less crimp
+    with h5py.File(file) as content:
+        group = content["measured/00"]
+        assert sorted(group["edges"]) == sorted(EDGES)
+        assert [name.split("-")[1] for name in sorted(group["yarns"])] == ["warp", "warp", "weft"]
+        for inner in group["yarns"].values():
+            np.testing.assert_array_equal(inner["strain"][()], inner["tension"][()] / inner.attrs["EA"])
+        for name, speed in again.items():
+            np.testing.assert_equal(speed, group["fronts"][name].attrs["speed"])
+
+
+def assert_same(one, other, at):
+    """That two records are equal, through objects, tables and tuples."""
+    if is_dataclass(one):
+        one, other = vars(one), vars(other)
+    if isinstance(one, dict):
+        assert set(one) == set(other), at
+        for key in set(one) - OF_THE_RUN:
+            assert_same(one[key], other[key], f"{at}.{key}")
+    elif isinstance(one, tuple):
+        assert len(one) == len(other), at
+        for number, (left, right) in enumerate(zip(one, other)):
+            assert_same(left, right, f"{at}.{number}")
+    else:
+        np.testing.assert_array_equal(one, other, at)
+
+
+@pytest.mark.parametrize("name", ["impact", "pack", "sliding"])
+def test_the_record_in_a_file_is_that_of_the_python_interface(results, name):
+    """Plies, cuts, histories, bar, block and slip, to the last bit."""
+    assert_same(ImpactRecord.read(results(name).folder / "histories.h5"), fired(name).record, "")
+
+
+def test_measuring_changes_nothing_else():
+    (one,) = wc.sweep([set_up({key: table for key, table in SCENES["ply"].items() if key != "history"})])
+    other = fired("impact")
+    assert (one.record.outcome, one.record.steps, one.record.measured) == (other.outcome, other.record.steps, ())
+    for name in ("nodes", "tension"):
+        ours, theirs = (getattr(shot.record.final[0], name) for shot in (one, other))
+        np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("name", ["impact", "pack", "sliding"])
+def test_fields_of_paraview_add_up_to_the_histories(results, name):
+    folder = results(name).folder
+    record = ImpactRecord.read(folder / "histories.h5")
+    summary = json.loads((folder / "summary.json").read_text())
+    whole = 2 ** (summary["mirror_x"] + summary["mirror_y"])
+    series = paraview.read_series(folder / "panel.pvd")
+    assert len(series) >= 3
+    for file, time in series:
+        grid = pyvista.read(file)
+        (sample,) = np.flatnonzero(np.isclose(record.time, time, rtol=1e-9, atol=0))
+        for ply in range(record.count):
+            part = grid.extract_cells(grid.cell_data["ply"] == ply + 1)
+            push = whole * np.dot(part["projectile_pressure_Pa"], part["area_m2"])
+            assert push == pytest.approx(record.plies["push"][sample, ply], rel=1e-6, abs=1e-3)
+            failed = whole * (part["failed_segments_warp"].sum() + part["failed_segments_weft"].sum())
+            assert failed == pytest.approx(record.plies["failed_yarns"][sample, ply])
+            assert np.any(part["failed_segments_warp"]) == np.any(part["failed_warp"])
+    assert [key for key in paraview.PRESSURES if key in grid.point_data] == list(
+        paraview.PRESSURES[: 4 if name == "pack" else 1]
+    )
+    assert [key in grid.point_data for key in SLIP] == 2 * [name == "sliding"]
+    if name == "sliding":
+        assert max(np.abs(grid[key]).max() for key in SLIP) == summary["pulled_out_length_m"] > 0
+
+
+def test_vtk_reads_what_was_written(tmp_path):
+    random = np.random.default_rng(1)
+    nodes, quads = random.normal(size=(12, 3)), np.array([[0, 1, 4, 3], [1, 2, 5, 4], [6, 7, 10, 9]])
+    tension, failed = random.normal(size=(3, 2)), np.array([[0, 0, 0], [1, 0, 0], [1, 1, 1]], bool)
+    values = paraview.cell_values(tension, failed) | {"ply": np.array([1, 1, 2], np.int8)}
+    pressure, segments = random.normal(size=(12, 4)).astype(np.float32), random.normal(size=(12, 2))
+    at_nodes = paraview.node_values(pressure, random.normal(size=12), segments, np.empty((12, 0)))
+    paraview.write_grid(tmp_path / "a.vtu", nodes, paraview.topology(quads), values, at_nodes, 0.25)
+    grid = pyvista.read(tmp_path / "a.vtu")
+    assert (grid.points.dtype, set(grid.celltypes)) == (float, {pyvista.CellType.QUAD})
+    for found, given in (
+        (grid.points, nodes), (grid.cells.reshape(-1, 5)[:, 1:], quads), (grid["tension_weft_N"], tension[:, 1]),
+        (grid["failed_yarns"], [0, 1, 2]), (grid["failed_warp"], [0, 1, 1]), (grid["ply"], [1, 1, 2]),
+        (grid["rear_pressure_Pa"], pressure[:, 2]), (grid["failed_segments_weft"], segments[:, 1]),
+        (grid.field_data["projectile_z_m"], [0.25]),
+    ):  # fmt: skip
+        assert np.array_equal(found, given)

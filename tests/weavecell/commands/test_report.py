@@ -1,0 +1,158 @@
+"""The report of an impact: every chapter is there, nothing is fetched, no text lies on another, and what is said."""
+
+import re
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+import weavecell
+from fabrics import catalogue
+from fabrics.errors import InputError
+from meshing.pictures_style import plots
+from shellfabric.panel.quality import Indicator
+from tests.weavecell.session_runs import fired
+from weavecell.report import chapters, pictures
+from weavecell.report.shot import chapters_shot, tables_shot
+from weavecell.results import provenance
+from weavecell.results.impact import ImpactRecord
+
+
+@pytest.fixture
+def record():
+    return fired("impact").record
+
+
+@pytest.fixture
+def page(results):
+    return (results("impact").folder / "report.html").read_text("utf-8")
+
+
+def test_all_chapters_are_there_and_nothing_is_fetched(page):
+    ids, tags = re.findall(r'<[^>]* id="([^"]*)"', page), re.findall(r"<([a-z]+)", page)
+    links = re.findall(r'<[^>]* (?:src|href|srcset|data|action|poster)="([^"]*)"', page)
+    assert ids == ["impact", "panel-mesh", "measures", "cell", "assumptions", "checks", "sources", "making"]
+    assert [link for link in links if link.startswith("#")] == [f"#{key}" for key in ids]
+    assert all(link.startswith(("data:image/", "#")) for link in links)
+    assert tags.count("img") == 10
+    assert not {"script", "link"} & set(tags)
+    text = re.sub(r"data:image/[a-z+]+;base64,[A-Za-z0-9+/=]+", "", page)
+    for word in ("http", "@import", "url("):
+        assert word not in text
+    assert page.index('<details class="folded">') > page.index('id="sources"')
+
+
+def test_text_is_escaped_and_every_source_reported(page):
+    assert "a &lt;small&gt; &amp; thin panel" in page
+    assert "<small>" not in page
+    for key, entry in catalogue.load("S-720").sources.items():
+        assert f'<td data-column="key">{key}</td>' in page
+        assert f'<td data-column="value">{entry["value"]}</td>' in page
+
+
+def test_the_outcome_is_one_line(record):
+    said = chapters_shot.outcome
+    through = replace(record, outcome="perforated", residual_velocity=50.0)
+    assert said(through).startswith("Perforated: COMPLETE PENETRATION, 155 m/s, residual velocity 50.0 m/s")
+    held = replace(
+        record, outcome="stopped", residual_velocity=0.0, failed_segments=np.zeros(len(record.time)),
+        max_deflection=7.5e-3, peak_tension=np.array([[0.3, 0.98]]) * record.strength,
+        checks=(Indicator("energy error", 0.1, 0.01),),
+    )  # fmt: skip
+    assert said(held) == (
+        "Stopped: PARTIAL PENETRATION, 155 m/s, back-face deflection 7.5 mm, peak tension 98 % of the strength (weft). "
+        "DOUBTFUL: energy error."
+    )
+    assert said(replace(record, outcome="unstable", failure_message="a node flies")).startswith("UNSTABLE at 155 m/s")
+    assert tables_shot.residual(held) == "residual velocity 0 m/s"
+
+
+def texts(figure):
+    """[(text, its extent in pixels)] of all that is written in a figure."""
+    figure.canvas.draw()
+    found = [*figure.texts, *(text for legend in figure.legends for text in legend.get_texts())]
+    for axes in figure.axes:
+        if not axes.get_visible():
+            continue
+        found += [*axes.texts, axes.title, axes._left_title, axes._right_title]
+        found += axes.get_legend().get_texts() if axes.get_legend() else []
+        for axis in (axes.xaxis, axes.yaxis):
+            if axes.axison and axis.get_visible():
+                low, high = sorted(axis.get_view_interval())
+                ticks = axis.get_major_ticks()
+                found += [axis.label, *(tick.label1 for tick in ticks if low <= tick.get_loc() <= high)]
+    return [(t.get_text(), t.get_window_extent()) for t in found if t.get_visible() and t.get_text()]
+
+
+@pytest.mark.parametrize("scale", [1e-3, 20.0])
+def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, scale):
+    """Pictures of four shots, and of the cell, with the narrowest and the widest numbers."""
+    names = []
+
+    def render(draw, *arguments, kind="svg"):
+        names.append(draw.__name__)
+        with plots() as pyplot:
+            figure = draw(pyplot, *arguments)
+            found, (width, height) = texts(figure), figure.bbox.size
+        for text, box in found:
+            assert min(box.x0, box.y0, width - box.x1, height - box.y1) > -1, text
+        for (one, a), (other, b) in combinations(found, 2):
+            across, up = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
+            assert min(across, up) < 2, (one, other)
+        return b""
+
+    monkeypatch.setattr(pictures, "render", render)
+    changes = {name: scale * getattr(record, name) for name in ("velocity", "deflection", "contact_force")}
+    for name in ("energies", "plies"):
+        changes[name] = {key: scale * values for key, values in getattr(record, name).items()}
+    shots = [replace(record, title=f"{168 + k} m/s, published law", **changes) for k in range(4)]
+    chapters_shot.chapter(shots)
+    fabric = catalogue.load("S-720")
+    chapters.cell(fabric, {"fitted law": fabric.laws, "published law": fabric.laws})
+    assert names == ["histories", "cuts", "panels", "energies", "reactions", "cell"]
+
+
+def test_another_file_is_refused_and_a_failing_record_leaves_nothing(record, tmp_path):
+    with pytest.raises(TypeError):
+        replace(record, time=object()).write(tmp_path / "histories.h5")
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "histories.h5").write_text("not HDF5")
+    with pytest.raises(InputError, match="not a readable HDF5 file"):
+        ImpactRecord.read(tmp_path / "histories.h5")
+
+
+def test_pictures_repeat_to_the_byte(record):
+    runs = {"a": (record.time, record.velocity)}
+    assert pictures.render(pictures.velocity, runs) == pictures.render(pictures.velocity, runs)
+
+
+def test_stamp_tells_versions_and_no_paths(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    stamp = provenance.stamp("a scene")
+    assert (stamp["weavecell"], stamp["scene"]) == (weavecell.__version__, "a scene")
+    assert f"numpy {np.__version__}" in stamp["packages"]
+    assert "matplotlib" in stamp["packages"]
+    assert stamp["threads"].startswith("OMP_NUM_THREADS 1")
+    assert not [value for key, value in stamp.items() if value.startswith("/") or " /" in value]
+
+
+def test_parts_of_the_energy_picture_add_up():
+    """The equilibrium form's forces do other work than the yarns store; the picture shows the work."""
+    energies = {
+        "kinetic_projectile": np.array([10.0, 4.0]),
+        "yarn_strain": np.array([0.0, 6.5]),
+        "formulation_residual": np.array([0.0, -0.5]),
+    }
+    drawn = chapters_shot.parts(energies)
+    assert drawn["kinetic_projectile"] + drawn["yarn_strain"] == pytest.approx([10.0, 10.0])
+    assert energies["yarn_strain"][1] == 6.5
+
+
+def test_a_cut_shows_an_oblique_projectile_where_it_is(record):
+    aside = np.array([2e-3, 0.0, 0.0])
+    shape = replace(record.final[0], projectile_position=record.final[0].projectile_position + aside)
+    oblique = replace(record, half_energy=(shape,), final=(shape,))
+    straight = replace(record, half_energy=record.final)
+    views = [chapters_shot.cut_view(each, each.cuts[-1], "") for each in (straight, oblique)]
+    np.testing.assert_allclose(views[1].projectile - views[0].projectile, [[2e-3, 0.0]] * len(views[0].projectile))

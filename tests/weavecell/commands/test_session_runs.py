@@ -1,0 +1,250 @@
+"""One run of each command: its folder, and its numbers against the Python interface, its files and its report."""
+
+import csv
+import html
+import json
+import re
+from dataclasses import asdict
+from importlib.util import find_spec
+from math import isclose, isnan
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import weavecell as wc
+from fabrics.compression import CompressionLaw
+from fabrics.friction.pull_out import PullOutLaw
+from fabrics.surface import ResponseSurface
+from tests.scene_text import merged
+from tests.weavecell.session_runs import RUNS, SCENES, fired, set_up, small_calibration
+from weavecell.analysis.uncertainty import sobol
+from weavecell.report import crossover_cases
+from weavecell.results.impact import ImpactRecord
+
+IMPACTS = ("impact", "pack", "sliding")
+SOLID = pytest.mark.skipif(find_spec("dolfinx") is None, reason="without dolfinx")
+
+
+def named(runs):
+    """A case for each run."""
+    cases = [pytest.param(name, marks=SOLID if RUNS[name].get("solid") else ()) for name in runs]
+    return pytest.mark.parametrize("name", cases)
+
+
+def summary_of(run, name):
+    return json.loads((run.folder / RUNS[name].get("summary", "summary.json")).read_text())
+
+
+def rows_of(file):
+    return list(csv.DictReader(file.read_text("utf-8").splitlines()))
+
+
+@named(RUNS)
+def test_a_command_ends_well_and_leaves_its_folder(results, name):
+    run, told = results(name), RUNS[name]
+    assert run.code == 0, run.err
+    assert "error" not in run.err
+    assert "written to r\n" in run.out
+    assert sorted(path.name for path in run.folder.iterdir()) == told["folder"].split()
+    if "scene.toml" in told["folder"].split():
+        assert (run.folder / "scene.toml").read_text() == (run.folder.parent / "scene.toml").read_text()
+    if "pictures" in told:
+        assert sorted(path.stem for path in (run.folder / "pictures").iterdir()) == told["pictures"].split()
+    stamp = run.folder / "provenance.json"
+    stamp = json.loads(stamp.read_text()) if stamp.exists() else summary_of(run, name)["provenance"]
+    assert {"commit", "packages", "processor"} <= set(stamp)
+
+
+@named(RUNS)
+def test_no_picture_is_empty(results, name):
+    for path in results(name).folder.rglob("*.png"):
+        with Image.open(path) as picture:
+            assert np.ptp(np.asarray(picture.convert("L"))) > 100, path
+    for path in results(name).folder.rglob("*.svg"):
+        assert path.read_text("utf-8").count("<path") > 20, path
+
+
+def numbers(value, at=""):
+    """{path: number} of a summary, through its tables and lists, without times of the computer."""
+    if isinstance(value, dict):
+        parts = value.items()
+    elif isinstance(value, (list, tuple, np.ndarray)):
+        parts = enumerate(value)
+    else:
+        number = isinstance(value, (int, float, np.number)) and not isnan(value)
+        return {at: float(value)} if number and "wall_time" not in at and "element_step_time" not in at else {}
+    found = {}
+    for key, part in parts:
+        found |= numbers(part, f"{at}.{key}")
+    return found
+
+
+def limit(_):
+    found = wc.critical_velocity(set_up(SCENES["limit"]), residual_shots=4)
+    shots = sorted(found.limit.shots, key=lambda shot: shot.strike_velocity)
+    entries = [{"strike_velocity_m_s": s.strike_velocity, "residual_velocity_m_s": s.residual_velocity} for s in shots]
+    return found.summary() | {"bracket_m_s": found.bracket, "lambert_jonas": asdict(found.fit), "shots": entries}
+
+
+def swept(_):
+    shots = [{"strike_velocity": v, "mass": mass} for v in ("90 m/s", "150 m/s") for mass in ("3 g", "2 g")]
+    found = wc.sweep([set_up(merged(SCENES["plies"], {"projectile": shot})) for shot in shots])
+    return {"rows": [shot.record.summary() for shot in found]}
+
+
+def frame(_):
+    found = wc.coupon("S-720", "picture_frame", shear_angle="24 deg", crossovers=4, steps=4).summary()
+    units = {"shear stress": "shear_stress_Pa", "trellis law": "trellis_law_Pa", "shear angle": "shear_angle_rad"}
+    return found | {"at_end": {key: {"value": found[name]} for key, name in units.items()}}
+
+
+def calibrated(folder):
+    with small_calibration():
+        found = wc.calibrate(wc.fabric("S-720", linear_density="nominal"), mesh="coarse", out=folder).summary()
+    ends = {f"{name}_interval_m{unit}": [found[f"{name}_interval_{end}"] for end in ("low", "high")]
+            for name, unit in (("a", ""), ("b", "_N^(1/3)"))}  # fmt: skip
+    return {"law": found | ends}
+
+
+def pulled(_):
+    from meshing import crossover
+    from unitcell3d.cases import pull_out
+    from unitcell3d.model.crossover import Numerics
+
+    fabric = wc.fabric("S-720", linear_density="nominal")
+    mesh = crossover.build(fabric, size=(3, 2, 2), domain="whole")
+    record = pull_out.pull_out(mesh, fabric, [5e-6, 9e-6], numerics=Numerics(friction=0.15))
+    return {"found": crossover_cases.SUMMARIES["pull-out"](fabric, record)}
+
+
+def sampled(_):
+    from unitcell3d.identify import response_surface
+
+    fabric = wc.fabric("S-720", linear_density="nominal")
+    found = response_surface.sample(fabric, d1=(0, 1e-5), d2=(0, 8e-6), points=(5, 5), size="coarse")
+    errors = {key: {"rms": error.rms, "largest": error.largest} for key, error in found.errors.items()}
+    return {"error_of_left_out_lines": errors, "equilibria": found.solves}
+
+
+IN_PYTHON = {
+    **{name: lambda _, name=name: fired(name).summary() for name in IMPACTS},
+    "draws": lambda _: wc.draws(set_up(SCENES["small"]), 3, seed=4).summary(),
+    "critical-velocity": limit,
+    "v50": lambda _: wc.v50(set_up(SCENES["small"]), shots=8, batch=4, seed=2).summary(),
+    "sensitivity": lambda folder: {
+        "indices": list(map(asdict, sobol.study(set_up(SCENES["plies"]), [90.0], samples=2, folder=folder)))
+    },
+    "sweep": swept,
+    "coupon": frame,
+    "pull-out": lambda _: wc.coupon("S-726", "pull_out", **SCENES["pull"]["pull_out"]).summary(),
+    "export": lambda folder: {"error_over_strength": [wc.export(set_up(SCENES["plies"]), "lsdyna", folder).summary()]},
+    "calibrate": calibrated,
+    "crossover": pulled,
+    "surface": sampled,
+}
+
+
+@named(IN_PYTHON)
+@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult", "ignore:one sliding ply", "ignore:unique with")
+def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
+    """To 12 digits, of the same input."""
+    told, found = numbers(summary_of(results(name), name)), numbers(IN_PYTHON[name](tmp_path))
+    both = set(told) & set(found)
+    assert len(both) >= (4 if name == "export" else 7)
+    assert [key for key in sorted(both) if not isclose(told[key], found[key], rel_tol=1e-12, abs_tol=1e-15)] == []
+
+
+@named(IMPACTS)
+def test_the_record_of_an_impact_has_the_numbers_of_its_summary(results, name):
+    record = ImpactRecord.read(results(name).folder / "histories.h5")
+    told, found = numbers(summary_of(results(name), name)), numbers(record.summary())
+    assert len(found) > 50
+    assert {key: told[key] for key in found} == found
+    assert record.energy_error_max < 5e-3
+
+
+TABLES = {  # run: its table of shots, and what a column is in the list of shots of the summary
+    "critical-velocity": ("shots.csv", "shots", {
+        "strike velocity [m/s]": "strike_velocity_m_s", "residual velocity [m/s]": "residual_velocity_m_s",
+    }),
+    "sweep": ("sweep.csv", "rows", {key: key for key in ("residual_velocity_m_s", "areal_density_kg_m2", "outcome")}),
+}  # fmt: skip
+
+
+@named(TABLES)
+def test_a_table_has_the_shots_of_the_summary(results, name):
+    file, key, columns = TABLES[name]
+    rows, shots = rows_of(results(name).folder / file), summary_of(results(name), name)[key]
+    for column, entry in columns.items():
+        values = [row[column] for row in rows]
+        if entry != "outcome":
+            values = [pytest.approx(float(value), abs=6e-5) for value in values]
+        assert [shot[entry] for shot in shots] == values
+
+
+def test_tables_of_drawn_shots_have_the_means_of_their_summaries(results):
+    told, rows = summary_of(results("draws"), "draws"), rows_of(results("draws").folder / "draws.csv")
+    velocities = [float(row["residual_velocity_m_s"]) for row in rows]
+    assert told["residual_velocity_mean_m_s"] == pytest.approx(np.mean(velocities), rel=1e-8)
+    told, rows = summary_of(results("v50"), "v50"), rows_of(results("v50").folder / "shots.csv")
+    assert told["perforated"] == sum(row["outcome"] == "perforated" for row in rows)
+    assert told["curves"]["probit"]["V50"] == told["v50_m_s"]
+    told, rows = summary_of(results("sensitivity"), "sensitivity"), rows_of(results("sensitivity").folder / "sobol.csv")
+    first = [value for one in told["indices"] for value in one["first"]]
+    assert [float(row["first order"]) for row in rows] == pytest.approx(first, abs=6e-4)
+
+
+@SOLID
+def test_files_of_the_3d_crossover_are_read_back(results):
+    told, folder = summary_of(results("calibrate"), "calibrate"), results("calibrate").folder
+    law = CompressionLaw.from_json(folder / "law.json")
+    assert (law.a, law.b) == pytest.approx((told["law"]["a_m"], told["law"]["b_m_N^(1/3)"]), rel=1e-12)
+    found, file = (
+        summary_of(results("crossover"), "crossover")["found"],
+        results("crossover").folder.parent / "law.json",
+    )
+    slip = PullOutLaw.from_json(file)
+    assert list(slip.F_c) == pytest.approx(found["contact forces in slip [N]"])
+    assert slip.mu_eff == pytest.approx(found["effective coefficient, mu_eff [-]"])
+    assert CompressionLaw.from_json(file).a == pytest.approx(4.5e-5)
+    surface = ResponseSurface.read(results("surface").folder / "surface.h5")
+    assert np.allclose([surface.d1, surface.d2], [np.linspace(0, 1e-5, 5), np.linspace(0, 8e-6, 5)])
+    # the shell's cell is another model of the same crossover: near, and not the same
+    assert 0 < summary_of(results("surface"), "surface")["rms_from_the_shells_cell_N"]["T1"] < 10
+
+
+def of_shot(s):
+    yield f"still moving with {s['residual_velocity_m_s']:.1f} m/s"
+    yield f"absorbed energy [J] {s['absorbed_energy_J']:.2f} "
+    yield f"largest back-face deflection [mm] {1e3 * s['max_deflection_m']:.2f} "
+    yield f"{s['peak_tension_warp_N']:.1f} ({100 * s['peak_tension_warp_over_strength']:.0f} %)"
+    yield f"energy error, of the strike energy [%] {100 * s['energy_error_max']:.3f} "
+    if "pulled_out_length_m" in s:
+        lengths = f"{1e3 * s['pulled_out_length_m']:.3g} {1e3 * s['largest_window_m']:.3g}"
+        yield f" 1 {s['pulled_out_segments']} {lengths} {s['crossover_friction_work_J']:.3g} "
+        yield f"{100 * s['crossover_friction_work_J'] / s['strike_energy_J']:.3g} % of the strike energy"
+    if "back_face_signature_mm" in s:
+        yield f"Back-face signature: {s['back_face_signature_mm']:.1f} mm"
+
+
+SAID = {
+    **dict.fromkeys(IMPACTS, of_shot),
+    "draws": lambda s: [f"{s['residual_velocity_mean_m_s']:.4g} ± {s['residual_velocity_error_m_s']:.4g} m/s"],
+    "v50": lambda s: [f"probit V50 {s['v50_m_s']:.4g} {s['v50_low_m_s']:.4g} {s['v50_high_m_s']:.4g} "],
+    "sensitivity": lambda s: [f"{one['mean']:.1f} ± {one['deviation']:.1f} " for one in s["indices"]],
+    "coupon": lambda s: [f"shear stress {1e-6 * s['at_end']['shear stress']['value']:.4g} MPa", "shear angle 24 °"],
+    "pull-out": lambda s: [f"peak load {s['peak_load_N']:.4g} N", f"plateau load {s['plateau_load_N']:.4g} N"],
+    "export": lambda s: [f"biaxial plane {100 * s['error_over_strength'][0]['rms']:.1f} %"],
+    "calibrate": lambda s: [f"fitted {1e3 * s['law']['a_m']:.4f} ({1e3 * s['law']['a_interval_m'][0]:.4f} to "],
+    "surface": lambda s: [f"{s['equilibria']} equilibria", f"{s['error_of_left_out_lines']['T1']['rms']:.3g} "],
+}
+
+
+@named(SAID)
+def test_the_report_has_the_numbers_of_the_summary(results, name):
+    (page,) = results(name).folder.glob("*.html")
+    text = re.sub(r"<style.*?</style>|<[^>]+>", " ", page.read_text("utf-8"), flags=re.DOTALL)
+    text = " ".join(html.unescape(text).split())
+    for words in SAID[name](summary_of(results(name), name)):
+        assert words in text

@@ -1,0 +1,114 @@
+"""`weavecell sweep`, `v50`, `sensitivity` and `compare`: tables, resuming, and limits against the number of plies."""
+
+import csv
+import json
+import shutil
+
+import pytest
+
+from shellfabric.impact.ballistic_limit import Limit, Shot
+from tests.scene_text import toml
+from tests.weavecell.session_runs import SCENES
+from weavecell.analysis import limit_search
+from weavecell.analysis import sweep as analysis
+from weavecell.api import sweeps
+from weavecell.results import progress
+
+
+def rows(folder):
+    return list(csv.DictReader((folder / "sweep.csv").read_text().splitlines()))
+
+
+def test_a_row_of_mixed_outcomes_has_the_middle_of_the_zone(monkeypatch):
+    outcomes = {90.0: "stopped", 95.0: "perforated", 100.0: "stopped", 101.0: "perforated"}
+    shots = [Shot(velocity, 0.0, name, 1e-4, 0, (1.0, 1.0), 0.0, 0.1) for velocity, name in outcomes.items()]
+    found = Limit(100.0, 101.0, tuple(shots))
+    monkeypatch.setattr(limit_search, "search", lambda *_, **__: type("Search", (), {"limit": found}))
+    row = analysis.limit(None, 1.0)
+    assert (row["outcome"], row["critical_velocity_m_s"]) == (analysis.MIXED, 97.5)
+    assert (row["lower_m_s"], row["upper_m_s"]) == (95.0, 100.0)
+    found = Limit(100.0, 101.0, (shots[0], shots[-1], shots[2]))
+    row = analysis.limit(None, 1.0)
+    assert (row["outcome"], row["critical_velocity_m_s"]) == ("single limit", 100.5)
+
+
+def test_progress_without_a_terminal(monkeypatch, capsys):
+    """A batch job sees a line every half minute, and one at the end."""
+    clock = iter((0.0, 10.0, 31.0, 31.0, 40.0, 50.0))
+    monkeypatch.setattr(progress.time, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(progress, "shown", True)
+    monkeypatch.setattr(progress, "shown", True)
+    with progress.bar("3 x shot") as advance:
+        for share in (0.1, 0.5, 0.9):
+            advance(share, f"{share:g}")
+    assert capsys.readouterr().err.splitlines() == ["3 x shot: 50 %, 0.5", "3 x shot: 50.0 s"]
+
+
+def test_values_are_numbers_truth_values_or_texts():
+    assert sweeps.parse("panel.plies=2, 4") == ("panel.plies", [2, 4])
+    assert sweeps.parse("projectile.strike_velocity=100 m/s,1e2") == ("projectile.strike_velocity", ["100 m/s", 100.0])
+    assert sweeps.parse("panel.yarn_failure=true") == ("panel.yarn_failure", [True])
+
+
+def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp_path):
+    made = results("sweep")
+    found = rows(made.folder)
+    assert [(row["projectile.strike_velocity"], row["projectile.mass"]) for row in found] == [
+        ("90 m/s", "3 g"), ("90 m/s", "2 g"), ("150 m/s", "3 g"), ("150 m/s", "2 g"),
+    ]  # fmt: skip
+    assert "projectile.strike_velocity = 90 m/s, projectile.mass = 3 g: " in made.out
+    folder = shutil.copytree(made.folder, tmp_path / "r")
+    kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
+    more = ("--over", "projectile.strike_velocity=90 m/s,120 m/s,150 m/s", "--over", "projectile.mass=3 g,2 g")
+    assert command("sweep", folder / "scene.toml", *more, "--out", "r", "--jobs", 2, "--resume")[0] == 0
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    assert rows(folder)[:2] == found[:2]
+    assert len(rows(folder)) == 6
+
+
+def test_the_limit_and_v50_against_the_number_of_plies(command, tmp_path):
+    """Against areal density; two plies stop more than one, and V50 of eight shots is near the limit."""
+    (tmp_path / "scene.toml").write_text(toml(SCENES["plies"]))
+    words = ("sweep", "scene.toml", "--jobs", 1, "--over")
+    limit = ("panel.plies=1,2", "--quantity", "critical-velocity", "--tolerance", "10 m/s", "--out", "limit")
+    assert command(*words, *limit)[0] == 0
+    one, two = rows(tmp_path / "limit")
+    assert float(two["areal_density_kg_m2"]) == pytest.approx(2 * float(one["areal_density_kg_m2"]))
+    assert float(one["upper_m_s"]) < float(two["lower_m_s"])
+    assert command(*words, "panel.plies=1", "--quantity", "v50", "--shots", 8, "--out", "v50")[0] == 0
+    (row,) = rows(tmp_path / "v50")
+    assert float(row["v50_m_s"]) == pytest.approx(float(one["lower_m_s"]), rel=0.25)
+    assert row["shots"] == "8"
+
+
+def test_a_v50_study_says_what_it_found(results):
+    run = results("v50")
+    assert run.out.count(" with 95 % confidence") == 2
+    assert "projectile: a cylinder of 3 g and 5.5 mm" in run.out
+    assert "A series of tests up and down" in (run.folder / "v50.html").read_text()
+
+
+def test_sensitivities_of_an_input_file_are_those_of_its_pack(results):
+    folder = results("sensitivity").folder
+    assert {one["velocity"] for one in json.loads((folder / "sobol.json").read_text())["indices"]} == {90.0}
+    assert "2 x S-720: Sobol indices" in (folder / "sobol.html").read_text()
+
+
+def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
+    fired = "velocity [m/s], outcome, residual velocity [m/s]\n60, PP,\n140, CP, 100\n150, CP, 120\n"
+    (tmp_path / "tests.csv").write_text(fired)
+    (tmp_path / "scene.toml").write_text(toml(SCENES["limit"]))
+    words = ("compare", "tests.csv", "scene.toml", "--tolerance", "10 m/s", "--jobs", 1, "--out", "r")
+    code, out, err = command(*words)
+    assert code == 0, err
+    told = json.loads((tmp_path / "r" / "comparison.json").read_text())
+    assert told["tests"] == 3
+    assert 60 < told["tested_V50_m_s"] < 140
+    shots = list(csv.DictReader((tmp_path / "r" / "shots.csv").read_text().splitlines()))
+    assert [row["tested"] for row in shots] == ["stopped", "perforated", "perforated"]
+    assert told["outcomes_that_agree"] == sum(row["tested"] == row["computed"] for row in shots)
+    off = [float(row["computed residual velocity [m/s]"]) - v for row, v in zip(shots[1:], (100, 120))]
+    assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
+    assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
+    files = ["comparison.json", "comparison.svg", "scene.toml", "shots.csv"]
+    assert sorted(path.name for path in (tmp_path / "r").iterdir()) == files

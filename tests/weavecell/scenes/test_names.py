@@ -1,0 +1,88 @@
+"""Projectiles and backings by name: data that agree with each other, and stand for what is not given."""
+
+from dataclasses import fields
+from math import pi
+
+import numpy as np
+import pytest
+from test_keys_reach import SHOT
+
+import weavecell as wc
+from fabrics import backings, projectiles
+from fabrics.materials import load
+from fabrics.units import si
+from weavecell.scenes import build, impact
+
+NAMES = projectiles.list_names()
+GRAIN = 64.79891e-6  # [kg]
+SHAPES = {"FSP": "chisel", "RCC": "flat", "sphere": "sphere"}
+
+
+def scene(**keys):
+    return impact.check(SHOT | {"projectile": {"strike_velocity": "90 m/s"} | keys}, "s.toml")
+
+
+def made(**keys):
+    return build.setup(build.build(scene(**keys), "s.toml", "s"), "s.toml").projectile
+
+
+def volume(projectile):
+    """[m3] of the closed surface that is drawn of it, from its facets by the divergence theorem."""
+    rings = projectile.surface()
+    a, b, c, d = rings[:-1, :-1], rings[1:, :-1], rings[1:, 1:], rings[:-1, 1:]
+    return sum(abs(np.einsum("ijk,ijk->ij", p, np.cross(q, r)).sum()) for p, q, r in ((a, b, c), (a, c, d))) / 6
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_projectile_is_what_its_name_says(name):
+    """Of steel within 1 %: facets have up to 0.3 % less volume, rounded edges up to 0.7 %, lengths three digits."""
+    body, (kind, _, size) = made(name=name), name.partition(" ")
+    shape, data = projectiles.entry(name)
+    assert shape == body.shape == SHAPES[kind]
+    assert all(entry["source"] and entry["status"] in projectiles.STATUSES for entry in data.values())
+    assert body.mass / volume(body) == pytest.approx(projectiles.density(), rel=0.01)
+    assert projectiles.density() == pytest.approx(7850)
+    if kind == "FSP":
+        assert body.mass == pytest.approx(si(size, "kg"))
+        assert body.flat_width / (2 * body.radius) == pytest.approx(0.47, abs=0.003)
+        assert si(data["mass_tolerance"]["value"], "kg") == pytest.approx(0.03 / 1.1 * body.mass, rel=0.03)
+    elif kind == "RCC":
+        assert body.mass == pytest.approx(float(size.split()[0]) * GRAIN, rel=1e-3)
+        assert body.length == 2 * body.radius
+    else:
+        assert 2 * body.radius == pytest.approx(si(size, "m"))
+        assert body.mass == pytest.approx(projectiles.density() * pi / 6 * si(size, "m") ** 3, rel=1e-3)
+
+
+def test_what_is_given_goes_before_the_data_of_the_name():
+    """Another nose keeps what both have."""
+    plain, other = made(name="FSP 1.10 g"), made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2)
+    assert (plain.mass, other.mass, other.friction) == pytest.approx((1.10e-3, 1.13e-3, 0.2))
+    assert (other.radius, other.length, other.flat_width) == (plain.radius, plain.length, plain.flat_width)
+    dome, ball = (made(name="FSP 1.10 g", shape=shape) for shape in ("hemisphere", "sphere"))
+    assert (dome.mass, dome.radius, dome.length, dome.edge_radius) == (
+        plain.mass, plain.radius, plain.length, plain.edge_radius,
+    )  # fmt: skip
+    assert (ball.mass, ball.radius, ball.length) == (plain.mass, plain.radius, None)
+    assert dome.flat_width is None is ball.flat_width
+
+
+def test_editors_do_not_ask_for_what_the_name_says(tool):
+    table = tool("reference_pages").json_schema(impact.Scene)["$defs"]["ProjectileTable"]
+    assert table["required"] == ["strike_velocity"]
+    assert table["anyOf"] == [{"required": ["name"]}, {"required": ["mass", "diameter"]}, {"required": ["stl"]}]
+
+
+@pytest.mark.parametrize("name", backings.list_names())
+def test_a_backing_is_its_material(name):
+    """A key beside the name replaces its number."""
+    material = wc.setup("S-728", 100.0, backing=name).backing.material
+    other = wc.setup("S-728", 100.0, backing={"material": name, "yield_stress": "0.1 MPa"}).backing.material
+    for field in fields(material):
+        wanted = getattr(backings.load(name), field.name)
+        assert getattr(material, field.name) == pytest.approx(wanted, rel=1e-12)
+        assert getattr(other, field.name) == pytest.approx(1e5 if field.name == "yield_stress" else wanted, rel=1e-12)
+    assert material != load("backing")
+    assert name in wc.backings()
+    written = impact.check(SHOT | {"backing": {"material": name}}, None).backing
+    assert (written.rate_exponent, written.min_size) == (material.rate_exponent, None)

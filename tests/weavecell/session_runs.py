@@ -1,0 +1,96 @@
+"""The runs of session_runs.toml: made when they are first asked for, kept for all tests; and set-ups of their inputs.
+
+A scene is by its name in SCENES, a run by its name in RUNS; the fixture `results` of conftest.py makes runs.
+"""
+
+import contextlib
+import copy
+import fcntl
+import io
+import json
+import shlex
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+from unittest import mock
+
+import weavecell as wc
+from tests.scene_text import toml
+
+_TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+SCENES, RUNS = _TABLES["scene"], _TABLES["run"]
+SHORT = {"warp only": (1, 0), "equibiaxial": (1, 1)}  # paths of a calibration
+
+
+@contextlib.contextmanager
+def small_calibration():
+    """Calibrations on the least of meshes, along two paths."""
+    from unitcell3d.identify import calibrate as solver
+
+    small = {"size": (2, 2, 2), "plates_size": (2, 2, 2), "paths": SHORT}
+    one = lambda fabric, *, run=solver.calibrate, **more: run(fabric, **more | small)  # noqa: E731
+    all_of = lambda fabrics, *, run=solver.calibrate_all, **more: run(fabrics, **more | small)  # noqa: E731
+    with mock.patch.multiple(solver, calibrate=one, calibrate_all=all_of):
+        yield
+
+
+class Run(NamedTuple):
+    """What a command left: its folder and exit code, and what it printed."""
+
+    folder: Path
+    code: int
+    out: str
+    err: str
+
+
+def made(name, folder):
+    """The Run of a name, in `folder`; other processes wait until it is made, and then read it."""
+    folder.mkdir(exist_ok=True)
+    with open(folder / "lock", "w") as lock, contextlib.chdir(folder):
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        printed = folder / "printed.json"
+        if not printed.exists():
+            write_inputs(name)
+            printed.write_text(json.dumps(_called(name)))
+        return Run(folder / "r", *json.loads(printed.read_text()))
+
+
+def write_inputs(name):
+    """Write the files that a run reads to this folder."""
+    run = RUNS[name]
+    scene = {"scene.toml": toml(SCENES[run["scene"]])} if "scene" in run else {}
+    for file, text in (scene | run.get("files", {})).items():
+        Path(file).write_text(text)
+
+
+def _called(name):
+    """(exit code, standard output, standard error) of a run in this folder and process."""
+    from weavecell.cli import app
+
+    out, err, code = io.StringIO(), io.StringIO(), None
+    within = small_calibration() if name == "calibrate" else contextlib.nullcontext()
+    with within, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            app.main([*shlex.split(RUNS[name]["words"]), "--out", "r"])
+        except SystemExit as leaving:
+            code = leaving.code
+    return code, out.getvalue(), err.getvalue()
+
+
+def set_up(table):
+    """The set-up of the table of an input file, by the Python interface."""
+    table = copy.deepcopy(table)
+    fabric, velocity = table["fabric"].pop("name"), table["projectile"].pop("strike_velocity")
+    options = table.pop("fabric") | table.pop("panel") | table.pop("run") | table
+    for key in ("title", "outputs", "checkpoint_interval"):
+        options.pop(key, None)
+    if "history" in options:
+        options["history"].pop("report_positions", None)
+    return wc.setup(fabric, velocity, **options)
+
+
+@cache
+def fired(name):
+    """The ShotResult of a run of `weavecell impact`, by the Python interface."""
+    return wc.sweep([set_up(SCENES[RUNS[name]["scene"]])])[0]

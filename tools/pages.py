@@ -1,0 +1,188 @@
+"""What the documentation takes from code and from the data of studies: whole pages, and what stands between two marks.
+
+    python tools/pages.py [--check]
+
+Writes all of it, or, with --check, names the pages that are out of date and ends with 1. A mark is a comment of
+Markdown, `<!-- NAME of tools/pages.py --> ... <!-- end of NAME -->`. A page that needs dolfinx is left as it is where
+that is not installed.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+DOCS, DATA = ROOT / "docs", ROOT / "docs" / "reports" / "data"
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+
+import architecture  # noqa: E402
+import file_formats  # noqa: E402
+import glossary  # noqa: E402
+import keys_page  # noqa: E402
+
+from validation.claims import page as claims  # noqa: E402
+from validation.claims.judge import MISSED, REPRODUCED  # noqa: E402
+from validation.marked_page import markdown  # noqa: E402
+
+QUANTITIES = ("critical velocity", "residual velocity", "absorbed energy", "peak tension")
+PACKS = (("2", "S-726"), ("2", "S-728"), ("4", "S-728"))
+TESTED = 110  # [m/s] at which a ply of S-726 was perforated
+
+
+def table(name: str) -> list[dict[str, str]]:
+    """Rows of a file of docs/reports/data."""
+    with open(DATA / name, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def converged() -> dict[str, dict[str, list[dict[str, str]]]]:
+    """{fabric: {quantity: its rows, of rising velocity or of warp and weft}} of convergence.csv."""
+    found: dict = {}
+    for row in table("convergence.csv"):
+        name = next(name for name in QUANTITIES if row["quantity"].startswith(name))
+        found.setdefault(row["fabric"], {}).setdefault(name, []).append(row)
+    return found
+
+
+def percent(number: float) -> str:
+    """An error of the mesh, in bold if it is above 10 %."""
+    return f"**{number:+.1f}**" if abs(number) > 10 else f"{number:+.1f}"
+
+
+def mesh_errors() -> str:
+    """Of one ply with one element per crossover, and of packs on their default mesh: convergence.md has these alone."""
+    rows = [["target", *QUANTITIES]]
+    for fabric, of in converged().items():
+        off = {name: [100 * (float(r["1 per crossover"]) / float(r["limit"]) - 1) for r in of[name]] for name in of}
+        rows.append([fabric, *(" / ".join(map(percent, off[name])) for name in QUANTITIES)])
+    lines = (DOCS / "reports" / "convergence.md").read_text("utf-8").splitlines()
+    for plies, fabric in PACKS:
+        cells = [line.strip("| ").split(" | ") for line in lines if line.startswith(f"| {plies} | {fabric} |")]
+        V, warp, weft, energy = (percent(float(row[9].strip("* "))) for row in cells if len(row) == 11)
+        rows.append([f"{plies} plies, {fabric}", V, "", f"at 1.5: {energy}", f"{warp} / {weft}"])
+    return f"\n\n{markdown(rows)}\n"
+
+
+def limits_of_meshes() -> list[float]:
+    """[m/s] middles of the intervals of S-726 with 1, 2, ... elements per crossover."""
+    rows = table("published-critical-velocities.csv")
+    return [0.5 * (float(row["stops at [m/s]"]) + float(row["perforates at [m/s]"])) for row in rows]
+
+
+def tested_ply() -> str:
+    """The ply of S-726 beside its test."""
+    rows = [["elements per crossover", "computed, m/s", f"above {TESTED} m/s", "above the middle, 103 m/s"]]
+    for n, V in enumerate(limits_of_meshes(), 1):
+        name = f"{n} (default)" if n == 1 else f"{n}"
+        rows.append([name, f"{V:.1f}", f"{100 * (V / TESTED - 1):.1f} %", f"{100 * (V / 103 - 1):.1f} %"])
+    return f"\n\n{markdown(rows)}\n"
+
+
+def tested_ply_in_words() -> str:
+    low, high = (100 * (pick(limits_of_meshes()) / TESTED - 1) for pick in (min, max))
+    values = ", ".join(f"{V:.1f}" for V in limits_of_meshes())
+    return f"{values} m/s with 1 to 4 elements per crossover, {low:.0f} to {high:.0f} % above the perforating test"
+
+
+def critical_velocities() -> str:
+    """Of one ply of the six fabrics, beside the shots of the captions."""
+    rows = [["fabric", "1 element per crossover", "4 elements", "simulated in the thesis"]]
+    shots = [row for row in table("published-shots.csv") if row["kind"] == "caption, one ply"]
+    for fabric, of in converged().items():
+        (row,) = of["critical velocity"]
+        at = {
+            end: [row["strike velocity [m/s]"] for row in shots if (row["fabric"], row["thesis"]) == (fabric, end)]
+            for end in ("stops", "perforates")
+        }
+        ends = f"{max(at['stops'], key=float)} to {min(at['perforates'], key=float)}"
+        rows.append([fabric, *(f"{float(row[f'{n} per crossover']):.0f}" for n in (1, 4)), ends])
+    return f"\n\n{markdown(rows)}\n"
+
+
+def decided_claims() -> str:
+    """How many claims of the thesis are reproduced, in short."""
+    counts = claims.counts(claims.of_thesis(claims.read(DATA / "claims.csv")))
+    decided = counts[REPRODUCED] + counts[MISSED]
+    reproduced = f"{counts[REPRODUCED]} are reproduced ({100 * counts[REPRODUCED] / decided:.0f} %)"
+    return f"of the {decided} that are decided, {reproduced} and {counts[MISSED]} missed"
+
+
+def all_claims() -> str:
+    """The counts of the ledger in words."""
+    rows = claims.read(DATA / "claims.csv")
+    text = f"""`python -m validation claims` checks {claims.sentence(rows)}. Claims on shots at one ply are checked in
+    four variants of the model as well. {claims.variants_sentence(rows)}."""
+    return "\n\n" + textwrap.fill(" ".join(text.split()), 118, break_on_hyphens=False) + "\n\n"
+
+
+def case_columns() -> str | None:
+    """Columns of the records of 3D cases, where dolfinx is there."""
+    try:
+        return "\n\n" + markdown(file_formats.case_file()) + "\n"
+    except ModuleNotFoundError:
+        return None
+
+
+def of_files(rows: Callable) -> Callable[[], str]:
+    """A table of docs/reference/files.md, as between its marks."""
+    return lambda: "\n\n" + markdown(rows()) + "\n"
+
+
+# page -> {name of a mark: text between it and its end}, or the text of the whole page
+MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
+    "README.md": {
+        "mesh errors": mesh_errors, "tested ply": tested_ply_in_words, "claims": decided_claims,
+    },
+    "docs/validation.md": {
+        "tested ply": tested_ply, "critical velocities": critical_velocities, "claims": all_claims,
+    },
+    "docs/reference/files.md": {
+        "outputs": of_files(file_formats.outputs), "fabric": of_files(file_formats.fabric_file),
+        "surface": of_files(file_formats.surface_file), "case": case_columns,
+    },
+}  # fmt: skip
+WHOLE: dict[str, Callable[[], str]] = {
+    "docs/reference/input.md": keys_page.page,
+    "docs/developers/architecture.md": architecture.text,
+    "docs/developers/kernel-arrays.md": lambda: glossary.page(glossary.table(), glossary.tuples()),
+}
+
+
+def made(page: str) -> str:
+    """The text that a page should have."""
+    if page in WHOLE:
+        return WHOLE[page]()
+    text = (ROOT / page).read_text("utf-8")
+    for name, content in MARKED[page].items():
+        begin, end = f"<!-- {name} of tools/pages.py -->", f"<!-- end of {name} -->"
+        before, begins, rest = text.partition(begin)
+        old, ends, after = rest.partition(end)
+        if not (begins and ends):
+            raise SystemExit(f"{page} has no marks {begin} ... {end}")
+        new = content()
+        text = before + begin + (old if new is None else new) + end + after
+    return text
+
+
+def stale() -> list[str]:
+    """Pages that are out of date."""
+    return [page for page in (*WHOLE, *MARKED) if (ROOT / page).read_text("utf-8") != made(page)]
+
+
+def main() -> None:
+    """Run the command line."""
+    pages = stale()
+    if sys.argv[1:] == ["--check"]:
+        sys.exit("".join(f"out of date: {page}\n" for page in pages) or 0)
+    for page in pages:
+        (ROOT / page).write_text(made(page), "utf-8")
+        print(f"written: {page}")
+    architecture.diagram()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,200 @@
+"""Tests of a laboratory beside what is computed.
+
+The folder of `weavecell compare`
+    comparison.json      V50 of the tests, computed critical velocity, residual velocities, with intervals, provenance
+    shots.csv            every test with the computed outcome and residual velocity
+    comparison.svg       residual against strike velocity, tested and computed
+    scene.toml           the input file
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+from fabrics import files
+from fabrics.checks import FilePath
+from fabrics.fabric import Fabric
+from weavecell.api import quantities, targets
+from weavecell.api.keywords import Keywords
+from weavecell.api.result import Result, figure
+from weavecell.results import progress
+from weavecell.scenes import of_commands
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.panel.quality import Indicator
+    from weavecell.analysis.fired_tests import Comparison
+    from weavecell.scenes.target import Target
+
+__all__ = ["ComparisonResult", "compare"]
+
+
+def compare(
+    tests: FilePath, target: Fabric | FilePath | ImpactSetup, *, tolerance: float | str = "1 m/s", jobs: int = 1,
+    executor: str | Executor = "local", out: FilePath | None = None, **options: Unpack[Keywords],
+) -> ComparisonResult:  # fmt: skip
+    """Put the shots of a laboratory beside the computed ones: V50 and residual velocities, with intervals.
+
+    TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated) and, where it was
+    measured, residual velocity, each speed with its unit in the heading: "velocity [m/s]". The shots are fired at the
+    target at these velocities, and its critical velocity is found, on the mesh of the input file.
+
+    Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time, backing.after_stop,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and [accuracy] are rejected.
+
+    The folder then holds comparison.json, shots.csv, comparison.svg and scene.toml.
+
+    Parameters
+    ----------
+    tests : table of tests (*.csv), a row a shot
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    tolerance : highest stop and lowest perforation differ by this at most [m/s]
+    jobs : shots that run at the same time, as threads of this process
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
+        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    out : folder of the results; in Python None writes nothing
+    **options : beside a fabric, keywords of `setup` but history
+
+    Returns
+    -------
+    ComparisonResult
+
+    Raises
+    ------
+    InputError : a wrong table, or as `critical_velocity`
+    UndecidedError, UnstableError : as `critical_velocity`
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
+    >>> found = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
+    >>> found.comparison.agree
+    2
+    """
+    from shellfabric.impact import ballistic_limit
+    from weavecell.analysis import fired_tests
+
+    width = quantities.above_zero(tolerance, "m/s", "tolerance")
+    fired = fired_tests.FiredTests.read(Path(tests))
+    panel = targets.of(target, options, of_commands.LIMITS)
+    beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
+    with targets.folder_of(out) as folder:
+        with panel.named():
+            struck = panel.setup.target()
+            with progress.bar(f"{panel.title}, critical velocity") as advance:
+                limit = ballistic_limit.critical_velocity(
+                    struck, tolerance=width, report=lambda share, _: advance(share), **beside
+                )
+            with progress.bar("Shots of the tests") as advance:
+                strikes = sorted({float(velocity) for velocity in fired.velocity})
+                shots = ballistic_limit.shoot(struck, strikes, report=lambda share, _: advance(share), **beside)
+        computed = tuple(shots[strikes.index(velocity)] for velocity in fired.velocity)
+        result = ComparisonResult(panel, fired_tests.compare(fired, computed, limit))
+        if folder is not None:
+            result.save(folder)
+    result.warn()
+    return result
+
+
+@dataclass(frozen=True, repr=False)
+class ComparisonResult(Result):
+    """Tests of a laboratory beside computed shots; the table has a row a test.
+
+    Parameters
+    ----------
+    target : `weavecell.scenes.target.Target` that was shot at
+    comparison : `weavecell.analysis.fired_tests.Comparison`
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
+    >>> found = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
+    >>> list(found.to_dataframe()["computed"])
+    ['stopped', 'perforated']
+    """
+
+    target: Target
+    comparison: Comparison
+
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Each quality check of the computed shot in which it is worst."""
+        from shellfabric.panel import quality
+
+        return quality.worst(shot.checks for shot in self.comparison.shots)
+
+    def summary(self) -> dict[str, Any]:
+        """V50 of the tests, computed critical velocity, residual velocities, with intervals."""
+        return {"fabric": self.target.title, "projectile": self.target.projectile} | self.comparison.summary()
+
+    def _columns(self):
+        from weavecell.report import checks
+
+        tests, shots = self.comparison.tests, self.comparison.shots
+        return {
+            "velocity [m/s]": tests.velocity,
+            "tested": ["perforated" if hit else "stopped" for hit in tests.perforated],
+            "computed": [shot.outcome for shot in shots],
+            "tested residual velocity [m/s]": tests.residual,
+            "computed residual velocity [m/s]": self.comparison.computed_residual,
+            "checks": [checks.status(shot.checks) for shot in shots],
+        }
+
+    def plot(self) -> Figure:
+        """A matplotlib figure: residual against strike velocity [m/s], tested and computed."""
+        from weavecell.report import pictures
+
+        return figure(pictures.tested_and_computed, self.target.title, self.comparison)
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder."""
+        from weavecell.report import pictures
+        from weavecell.results import json_file, provenance
+
+        out, text = Path(out), self.target.text
+        if text:
+            files.write(out / "scene.toml", text)
+        files.write(out / "shots.csv", self.to_dataframe().to_csv(index=False, float_format="%.6g"))
+        stamp = provenance.stamp(text, setup=self.target.setup)
+        content = {"format": "weavecell comparison 1", **self.summary(), "provenance": stamp}
+        json_file.write(out / "comparison.json", content)
+        picture = pictures.render(pictures.tested_and_computed, self.target.title, self.comparison)
+        files.write(out / "comparison.svg", picture)
+
+    def __str__(self) -> str:
+        from weavecell.report import checks
+
+        found = self.comparison
+        limit, count = found.limit, len(found.shots)
+        lines = [
+            f"{self.target.title}: computed critical velocity {limit.velocity:.1f} m/s ({limit.low:.2f} to "
+            f"{limit.high:.2f})"
+        ]
+        if found.curve is None:
+            lines.append("tests: all of one outcome, which gives no V50")
+        else:
+            low, high = found.curve.intervals["V50"]
+            off = 100 * (limit.velocity / found.curve.V50 - 1)
+            lines.append(
+                f"tests: V50 {found.curve.V50:.1f} m/s ({low:.1f} to {high:.1f} with 95 % confidence, probit); the "
+                f"computed critical velocity is {off:+.1f} % off"
+            )
+        lines.append(f"outcome as tested in {found.agree} of {count} shots")
+        residual = found.difference()
+        if residual["mean"] is not None:
+            low, high = residual["low"], residual["high"]
+            lines.append(
+                f"residual velocity, computed less tested, {residual['shots']} shots: mean {residual['mean']:+.1f} m/s "
+                f"({low:+.1f} to {high:+.1f} with 95 % confidence), rms {residual['rms']:.1f} m/s"
+            )
+        doubtful = sum(checks.status(shot.checks) == checks.DOUBTFUL for shot in found.shots)
+        if doubtful:
+            lines.append(f"doubtful: {doubtful} of {count} computed shots (shots.csv)")
+        return "\n".join(lines)

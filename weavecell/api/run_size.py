@@ -1,0 +1,96 @@
+"""What an impact would take: elements, steps, memory and time, and what is assumed of it. Nothing is run.
+
+The CPU time of a step is that of `COSTS`, measured on one core (one ply of S-720, 2 and 4 plies of S-726 and S-728,
+S-726 with sliding crossovers, clay and gelatine; 60 to 600 us): intact plies cost the lower value, torn ones up to
+the higher. A run ends earlier where the projectile stops or has passed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, prod
+from typing import TYPE_CHECKING, Any
+
+from weavecell.api.result import Result
+
+if TYPE_CHECKING:
+    from shellfabric.impact.simulation import ImpactSetup
+
+# lowest and highest CPU time [s] of an element and step
+COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9), "sliding crossovers": (60e-9, 160e-9)}
+OF_A_BRICK = 850e-9, 1000e-9
+
+
+@dataclass(frozen=True, repr=False)
+class RunSize(Result):
+    """What an impact would take.
+
+    Parameters
+    ----------
+    title : of the impact
+    elements, bricks : of all plies, and of the block behind them
+    steps, time_step : number at most, and length [s]
+    memory : [bytes]
+    cpu_time : (lowest, highest) [s] if the run goes on to its end time
+    assumed : lines that name what is assumed
+
+    Examples
+    --------
+    >>> size = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us", check=True)
+    >>> size.elements, size.steps
+    (49, 55)
+    """
+
+    title: str
+    elements: int
+    bricks: int
+    steps: int
+    time_step: float
+    memory: float
+    cpu_time: tuple[float, float]
+    assumed: tuple[str, ...]
+
+    @classmethod
+    def of(cls, setup: ImpactSetup, title: str, assumed: tuple[str, ...]) -> RunSize:
+        """Of a set-up.
+
+        Raises
+        ------
+        InputError : values that do not go together
+        """
+        from shellfabric.plies import memory
+
+        pack = setup.target()
+        backing = pack.plies[0].backing
+        bricks, steps = prod(backing.count) if backing else 0, ceil(setup.end_time / pack.time_step)
+        kind = "pack" if setup.plies > 1 else "one ply" if setup.crossovers is None else "sliding crossovers"
+        cpu_time = [steps * (c * pack.elements + b * bricks) for c, b in zip(COSTS[kind], OF_A_BRICK)]
+        needed = memory.needed(pack.plies, setup.snapshots, written=True)
+        return cls(title, pack.elements, bricks, steps, pack.time_step, needed, (cpu_time[0], cpu_time[1]), assumed)
+
+    def summary(self) -> dict[str, Any]:
+        """All of it, names with units."""
+        low, high = self.cpu_time
+        return {
+            "elements": self.elements,
+            "bricks": self.bricks,
+            "steps": self.steps,
+            "time_step_s": self.time_step,
+            "memory_bytes": self.memory,
+            "cpu_time_low_s": low,
+            "cpu_time_high_s": high,
+            "assumed": "; ".join(self.assumed),
+        }
+
+    def _columns(self):
+        return {name: [value] for name, value in self.summary().items()}
+
+    def __str__(self) -> str:
+        low, high = self.cpu_time
+        block = f" and {self.bricks:,} bricks" if self.bricks else ""
+        lines = [
+            f"{self.title}: nothing is run",
+            f"{self.elements:,} elements{block}, at most {self.steps:,} steps of {1e9 * self.time_step:.3g} ns",
+            f"memory {1e-6 * self.memory:.0f} MB; {low:.2g} to {high:.2g} s of CPU time if it goes on to its end time",
+        ]
+        return "\n".join([*lines, *self.assumed])

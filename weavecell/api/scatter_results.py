@@ -1,0 +1,396 @@
+"""Results of studies of scatter: V50, drawn panels, Sobol indices.
+
+The folders that `save` writes, beside runs/ with a file for each run
+    of a V50        v50.csv (curves), shots.csv, v50.json, v50.png, v50.html, scene.toml
+    of draws        draws.csv, summary.csv (means), summary.json, summary.png, summary.html, scene.toml
+    of Sobol indices    sobol.csv, sobol.json, sobol.png, sobol.html, scene.toml
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from fabrics import files
+from fabrics.checks import FilePath
+from weavecell.api.result import Result, figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+    from weavecell.analysis.uncertainty.draws import Draws
+    from weavecell.analysis.uncertainty.sobol import Indices
+    from weavecell.analysis.uncertainty.v50 import Study
+    from weavecell.scenes.target import Target
+
+__all__ = ["DrawsResult", "SensitivityResult", "V50Result"]
+
+
+class _Study(Result):
+    """What results of many runs of one target share; a derived class has target, wall_time and what stands here."""
+
+    name: ClassVar[str]  # of its files
+    target: Target
+    wall_time: float
+
+    def title(self) -> str:
+        """Of picture and page."""
+        raise NotImplementedError
+
+    def headline(self) -> list[str]:
+        """Lines on the terminal before the remarks."""
+        return []
+
+    def remarks(self) -> list[str]:
+        """Sentences of the terminal and of the page."""
+        raise NotImplementedError
+
+    def table(self) -> DataFrame:
+        """What the study comes to."""
+        raise NotImplementedError
+
+    def content(self) -> dict[str, Any]:
+        """Of the record."""
+        raise NotImplementedError
+
+    def draw(self, pyplot: Any) -> Figure:
+        """The picture."""
+        raise NotImplementedError
+
+    def plot(self) -> Figure:
+        """A matplotlib figure."""
+        return figure(self.draw)
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder."""
+        from weavecell.report import study_page
+
+        out = Path(out)
+        if self.target.text:
+            files.write(out / "scene.toml", self.target.text)
+        study_page.write(
+            out, self.name, self.title(), self.table(), self.remarks(), self.content(), self.draw, self.target.setup,
+            self.wall_time,
+        )  # fmt: skip
+
+    def __str__(self) -> str:
+        return "\n".join((*self.headline(), *self.remarks()))
+
+
+@dataclass(frozen=True, repr=False)
+class V50Result(_Study):
+    """The probability of perforation of panels or packs whose yarns differ in strength; the table has a row a shot.
+
+    Parameters
+    ----------
+    study : `weavecell.analysis.uncertainty.v50.Study`, with shots, fitted curves and the limit without scatter
+    target : `weavecell.scenes.target.Target` that was shot at
+    seed, batch : of the shots
+    wall_time : [s]
+
+    Examples
+    --------
+    >>> found = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
+    >>> low, high = found.interval
+    >>> low < found.v50 < high
+    True
+    """
+
+    study: Study
+    target: Target
+    seed: int
+    batch: int
+    wall_time: float
+    name: ClassVar[str] = "v50"
+
+    @property
+    def v50(self) -> float:
+        """[m/s] that half of the panels stop, of the probit."""
+        return float(self.study.curves["probit"].V50)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """[m/s] of V50, at the level of the curve's confidence."""
+        low, high = self.study.curves["probit"].intervals["V50"]
+        return float(low), float(high)
+
+    def summary(self) -> dict[str, Any]:
+        """V50 with its interval, the curve's standard deviation, the limit without scatter, and V50 of test series."""
+        return self.study.summary()
+
+    def _columns(self):
+        shots = self.study.shots
+        units = {"velocity": "strike_velocity_m_s", "residual": "residual_velocity_m_s"}
+        names = ("number", "velocity", "residual", "perforated", "modulus", "crimp_warp", "crimp_weft", "balance")
+        columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
+        weakest = {f"weakest_{yarn}": [shot.weakest[k] for shot in shots] for k, yarn in enumerate(("warp", "weft"))}
+        return columns | weakest
+
+    def title(self) -> str:
+        return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
+
+    def headline(self) -> list[str]:
+        return [
+            f"V50 ({link}) {curve.V50:.1f} m/s, {curve.intervals['V50'][0]:.1f} to {curve.intervals['V50'][1]:.1f} m/s "
+            f"with {100 * curve.confidence:g} % confidence"
+            for link, curve in self.study.curves.items()
+        ]
+
+    def remarks(self) -> list[str]:
+        study, scatter = self.study, self.study.scatter
+        through = [shot.velocity for shot in study.shots if shot.perforated]
+        stopped = [shot.velocity for shot in study.shots if not shot.perforated]
+        low, high = study.deterministic
+        remarks = [
+            f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
+            f"{len(study.shots)} shots in rounds of {self.batch}, {len(through)} perforated, seed {self.seed}; slowest "
+            f"perforation {min(through):.1f} m/s, fastest stop {max(stopped):.1f} m/s; worst energy balance "
+            f"{100 * max(shot.balance for shot in study.shots):.2g} %.",
+            f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm; standard deviation of the modulus "
+            f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
+            "V0 and V100 are where 1 % and 99 % perforate.",
+            study.series.words(),
+        ]
+        if study.curves["probit"].separated:
+            remarks.append(
+                "No stop is faster than a perforation: the shots are too few to tell the scatter of the limit."
+            )
+        if study.doubtful:
+            counts = Counter(name for shot in study.shots for name in shot.doubtful)
+            names = ", ".join(f"{name} in {count}" for name, count in counts.most_common())
+            remarks.append(
+                f"{study.doubtful} of {len(study.shots)} shots are doubtful; checks beyond their limits: {names}."
+            )
+        if study.fit is not None:
+            remarks.append(f"Residual velocities, Lambert-Jonas: {study.fit.words()}.")
+        if (zones := self._zones()) is not None:
+            text = ", ".join(f"{side:g} up to {until:g}" for until, side in zones)
+            remarks.append(f"Sides of the elements in crossovers, by the distance from the impact point: {text}.")
+        return remarks + [f"Note: {note}." for note in self.target.setup.notes]
+
+    def _zones(self):
+        from weavecell.analysis.uncertainty import v50
+
+        return v50.graded(self.target.setup).grading
+
+    def table(self) -> DataFrame:
+        """V0, V50, V100 and standard deviation of each fitted curve, with their intervals."""
+        from pandas import DataFrame
+
+        rows = []
+        for link, curve in self.study.curves.items():
+            rows += [(link, key, getattr(curve, key), *curve.intervals[key]) for key in ("V0", "V50", "V100")]
+            scale = curve.deviation / curve.s if curve.s else 1.0
+            interval = (scale * value for value in curve.intervals["s"])
+            rows.append((link, "standard deviation", curve.deviation, *interval))
+        return DataFrame(rows, columns=["curve", "quantity", "value [m/s]", "low, 95 % [m/s]", "high, 95 % [m/s]"])
+
+    def content(self) -> dict[str, Any]:
+        from weavecell.analysis.uncertainty import inputs
+
+        study = self.study
+        curves = {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()}
+        return {
+            **study.summary(),
+            "plies": self.target.setup.plies,
+            "projectile": self.target.projectile,
+            "deterministic": study.deterministic,
+            "series": asdict(study.series),
+            "lambert_jonas": study.fit and asdict(study.fit),
+            "scatter": asdict(study.scatter),
+            "grading": self._zones(),
+            "curves": curves,
+            "inputs": [asdict(entry) for name in ("weibull", "spread") for entry in inputs.table(name).values()],
+        }
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Probability of perforation and residual velocity against strike velocity [m/s]."""
+        from weavecell.report import pictures_uncertainty
+
+        return pictures_uncertainty.perforation(pyplot, self.study, self.title())
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder."""
+        super().save(out)
+        shots = self.to_dataframe()
+        shots.insert(2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")])
+        files.write(Path(out) / "shots.csv", shots.to_csv(index=False, float_format="%.8g"))
+
+
+@dataclass(frozen=True, repr=False)
+class DrawsResult(_Study):
+    """Shots at panels or packs whose yarns differ in strength; `to_dataframe` has a row a draw.
+
+    Parameters
+    ----------
+    study : `weavecell.analysis.uncertainty.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
+    target : `weavecell.scenes.target.Target` that was shot at
+    wall_time : [s]
+
+    Examples
+    --------
+    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2)
+    >>> found.study.outcomes["in flight"]
+    2
+    """
+
+    study: Draws
+    target: Target
+    wall_time: float
+    name: ClassVar[str] = "summary"
+
+    def summary(self) -> dict[str, Any]:
+        """Mean, standard deviation and standard error of each quantity, and the probability of perforation."""
+        return self.study.summary()
+
+    def _columns(self):
+        units = {"residual_velocity": "m_s", "absorbed_energy": "J", "time": "s"}
+        units |= {"peak_tension_warp": "N", "peak_tension_weft": "N"}
+        columns = self.study.columns()
+        return {f"{name}_{units[name]}" if name in units else name: values for name, values in columns.items()}
+
+    def title(self) -> str:
+        return f"{self.target.shot_title}: {len(self.study.draws)} draws of yarn strength"
+
+    def table(self) -> DataFrame:
+        """Mean, standard error and standard deviation of each quantity."""
+        from pandas import DataFrame
+
+        from weavecell.analysis.uncertainty.draws import QUANTITIES
+
+        rows = []
+        for name, (unit, words) in QUANTITIES.items():
+            of = self.study.estimate(name)
+            rows.append((words, unit, of.mean, of.error, of.deviation))
+        return DataFrame(rows, columns=["quantity", "unit", "mean", "standard error", "standard deviation"])
+
+    def remarks(self) -> list[str]:
+        from weavecell.analysis.uncertainty.draws import CONFIDENCE
+
+        study, scatter = self.study, self.study.scatter
+        remarks = [
+            f"{words}: {mean:.4g} ± {error:.4g} {unit} (mean and standard error), scatter {deviation:.4g}"
+            for words, unit, mean, error, deviation in self.table().itertuples(index=False)
+        ]
+        share, low, high = study.probability()
+        outcomes = ", ".join(f"{count} {outcome}" for outcome, count in study.outcomes.items() if count)
+        remarks += [
+            f"probability of perforation {share:.2f}, {low:.2f} to {high:.2f} with {100 * CONFIDENCE:g} % confidence "
+            f"(Wilson); {outcomes}",
+            f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm, seed {study.seed}; every yarn of "
+            f"every ply is drawn and the whole panel computed; worst energy balance "
+            f"{100 * max(draw.balance for draw in study.draws):.2g} %",
+        ]
+        return remarks + [f"Note: {note}." for note in self.target.setup.notes]
+
+    def content(self) -> dict[str, Any]:
+        return self.study.summary()
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Residual velocities of the draws, and how their mean settles."""
+        from weavecell.report import pictures_uncertainty
+
+        return pictures_uncertainty.draws(pyplot, self.study, self.title())
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder."""
+        super().save(out)
+        files.write(Path(out) / "draws.csv", self.to_dataframe().to_csv(index=False, float_format="%.9g"))
+
+
+@dataclass(frozen=True, repr=False)
+class SensitivityResult(_Study):
+    """Sobol indices of an impact over the uncertainties of its input.
+
+    Parameters
+    ----------
+    indices : of each strike velocity and quantity, `weavecell.analysis.uncertainty.sobol.Indices`
+    target : `weavecell.scenes.target.Target` that was shot at
+    samples, seed : of the rows that were run
+    wall_time : [s]
+
+    Examples
+    --------
+    >>> shot = {"opening": "20 mm", "end_time": "10 us"}
+    >>> found = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, **shot)
+    >>> [one.quantity for one in found.indices]
+    ['velocity', 'peak tension']
+    """
+
+    indices: tuple[Indices, ...]
+    target: Target
+    samples: int
+    seed: int
+    wall_time: float
+    name: ClassVar[str] = "sobol"
+
+    def _rows(self):
+        from weavecell.analysis.uncertainty import inputs
+
+        return self.samples * (len(inputs.table("range")) + 2)
+
+    def title(self) -> str:
+        return f"{self.target.title}: Sobol indices, {self._rows()} rows"
+
+    def summary(self) -> dict[str, Any]:
+        """Total order index of each input, by quantity and strike velocity."""
+        return {
+            f"{of.quantity.replace(' ', '_')}_{of.velocity:g}_m_s_{name}": float(total)
+            for of in self.indices
+            for name, total in zip(of.names, of.total)
+        }
+
+    def _columns(self):
+        return {name: column.tolist() for name, column in self.table().items()}
+
+    def remarks(self) -> list[str]:
+        from weavecell.analysis.uncertainty import sobol
+
+        remarks = [
+            f"{of.quantity}, struck at {of.velocity:g} m/s: {of.mean:.1f} ± {of.deviation:.1f} "
+            f"{sobol.QUANTITIES[of.quantity]} (mean and standard deviation); {100 * of.perforated:.0f} % perforated"
+            for of in self.indices
+        ]
+        velocities = len({of.velocity for of in self.indices})
+        remarks.append(f"{self.samples} base samples, {self._rows()} rows of {velocities} shots, seed {self.seed}.")
+        return remarks + [f"Note: {note}." for note in self.target.setup.notes]
+
+    def table(self) -> DataFrame:
+        """First and total order index of each input with its interval."""
+        from pandas import DataFrame
+
+        from weavecell.analysis.uncertainty import inputs
+        from weavecell.report.pictures_uncertainty import LABELS
+
+        entries = inputs.table("range")
+        rows = [
+            {
+                "strike velocity [m/s]": of.velocity,
+                "quantity": of.quantity,
+                "input": LABELS.get(name, name),
+                "range [%]": f"±{100 * entries[name].value:g}",
+                "status of the range": entries[name].status,
+                "first order": of.first[k],
+                "± 95 %": of.first_half[k],
+                "total order": of.total[k],
+                "total order ± 95 %": of.total_half[k],
+            }
+            for of in self.indices
+            for k, name in enumerate(of.names)
+        ]
+        return DataFrame(rows)
+
+    def content(self) -> dict[str, Any]:
+        from weavecell.analysis.uncertainty import inputs
+
+        ranges = [asdict(entry) for entry in inputs.table("range").values()]
+        return {"indices": [asdict(of) for of in self.indices], "inputs": ranges}
+
+    def draw(self, pyplot: Any) -> Figure:
+        """First and total order index of each input."""
+        from weavecell.report import pictures_uncertainty
+
+        return pictures_uncertainty.indices(pyplot, self.indices, self.title())

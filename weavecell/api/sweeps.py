@@ -1,0 +1,333 @@
+"""Sweeps: several shots, or an input file over values of its keys.
+
+The folder of `weavecell sweep`
+    scene.toml      the input file
+    sweep.csv       a row for each combination
+    sweep.json      the same, and provenance
+    sweep.png       the quantity against the first key
+    runs/           a file for each finished run, from which `--resume` goes on
+"""
+
+from __future__ import annotations
+
+import itertools
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+from fabrics import files, run_cache
+from fabrics.checks import FilePath
+from fabrics.errors import InputError
+from fabrics.executors import as_done, open_executor
+from fabrics.fabric import Fabric
+from weavecell.api import quantities, targets
+from weavecell.api.result import Result, figure, plain
+from weavecell.api.shots import ShotResult, shapes_of
+from weavecell.results import progress
+from weavecell.scenes import impact as scenes
+from weavecell.scenes import of_commands, schema, supported
+from weavecell.scenes.target import Target, read
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.panel.quality import Indicator
+
+__all__ = ["SweepResult", "SweepTable", "sweep"]
+
+
+def sweep(
+    target: Fabric | FilePath | Iterable[ImpactSetup], *, over: list[str] | Mapping[str, Sequence[Any]] | None = None,
+    quantity: str = "shot", tolerance: float | str = "1 m/s", shots: int = 60, seed: int = 1, jobs: int = 1,
+    executor: str | Executor = "local", out: FilePath | None = None, resume: bool = False,
+) -> Any:  # fmt: skip
+    """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50 of each.
+
+    All combinations are checked before the first is computed. Ignored keys of the input file: title,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50 projectile.strike_velocity,
+    run.end_time and backing.after_stop; [history] and [accuracy] are rejected.
+
+    The folder then holds sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies), scene.toml, and
+    runs/, a file for each finished run.
+
+    Parameters
+    ----------
+    target : input file of a ply or pack, or name of a fabric or its file; in Python also set-ups of `setup`, of which
+        each is fired as `shoot` does
+    over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in Python also a dict
+    quantity : what is computed of each: shot, critical-velocity or v50
+    tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most [m/s]
+    shots : of a V50, number of shots
+    seed : of a V50, of all that is drawn
+    jobs : number of runs in parallel; 1 runs them in this process one after the other
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
+        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    out : folder of the results; in Python None writes nothing
+    resume : whether to take finished runs from the folder; those of another version of the code are computed again
+
+    Returns
+    -------
+    SweepTable, a row for each combination; of set-ups SweepResult, in their order, in which an unstable shot has the
+    outcome "unstable". Doubtful shots of set-ups warn, all in one `DoubtfulResult`
+
+    Raises
+    ------
+    InputError : a wrong key or value, a set-up that cannot be run, jobs below 1, or no such executor
+
+    Examples
+    --------
+    >>> setups = [wc.setup("S-720", velocity, opening="20 mm", end_time="10 us") for velocity in (100, 150)]
+    >>> [round(shot.residual_velocity) for shot in wc.sweep(setups)]
+    [99, 148]
+    >>> table = wc.sweep("S-720", over={"panel.opening": ["20 mm"], "run.end_time": ["5 us", "10 us"]})
+    >>> [row["outcome"] for row in table.rows]
+    ['in flight', 'in flight']
+    """
+    if not isinstance(target, (Fabric, str, Path)):
+        return _of_setups(target, jobs, executor)
+    from weavecell.analysis import sweep as analysis
+    from weavecell.analysis.uncertainty import inputs
+
+    width = quantities.above_zero(tolerance, "m/s", "tolerance")
+    wanted = analysis.Wanted(quantity, width, shots, seed)
+    keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
+    if not keys:
+        raise InputError("is missing", key="over", allowed=OVER)
+    check = of_commands.SWEEP if quantity == "shot" else of_commands.LIMITS
+    combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
+    panels = [read(str(target), Path(out or "."), check, changes=changes) for changes in combinations]
+    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
+        beside: dict[str, Any] = {"folder": runs, "executor": executor, "jobs": jobs}
+        with panels[0].named(), progress.bar(f"{len(panels)} x {quantity}") as advance:
+            if quantity == "v50":
+                rows = []
+                for number, panel in enumerate(panels):
+                    report = lambda share, words, n=number: advance((n + share) / len(panels), words)  # noqa: E731
+                    rows.append(analysis.v50_of(panel.setup, wanted, report=report, **beside))
+            else:
+                rows = run_cache.results(
+                    analysis.point, [(inputs.alone(panel.setup), wanted) for panel in panels],
+                    report=lambda done, total: advance(done / total, f"{done} of {total}"), **beside,
+                )  # fmt: skip
+        table = tuple(
+            changes | {"areal_density_kg_m2": panel.setup.areal_density} | row
+            for changes, panel, row in zip(combinations, panels, rows)
+        )
+        result = SweepTable(quantity, tuple(keys), table, tuple(panels))
+        if folder is not None:
+            result.save(folder)
+    return result
+
+
+OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'
+
+
+def parse(text: str) -> tuple[str, list[Any]]:
+    """(key, values) of a text such as "panel.plies=2,4,8" or "projectile.strike_velocity=100 m/s,150 m/s".
+
+    Raises
+    ------
+    InputError : a text of another form
+    """
+    key, mark, values = text.partition("=")
+    if not mark or not key.strip() or not all(value.strip() for value in values.split(",")):
+        raise InputError(key="over", value=text, allowed=OVER)
+    return key.strip(), [_value(value.strip()) for value in values.split(",")]
+
+
+def _value(text):
+    """A number or a truth value as in TOML; any other text as it is."""
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+    return value if isinstance(value, (bool, int, float, str)) else text
+
+
+@dataclass(frozen=True, repr=False)
+class SweepTable(Result):
+    """An input file over values of its keys.
+
+    Parameters
+    ----------
+    quantity : "shot", "critical-velocity" or "v50"
+    keys : of the input file
+    rows : {key or name of a result: value} of each combination
+    targets : the Target of each
+
+    Examples
+    --------
+    >>> table = wc.sweep("S-720", over=["run.end_time=5 us,10 us"])
+    >>> len(table.to_dataframe())
+    2
+    """
+
+    quantity: str
+    keys: tuple[str, ...]
+    rows: tuple[dict[str, Any], ...]
+    targets: tuple[Target, ...]
+
+    def summary(self) -> dict[str, Any]:
+        """Number of rows of each outcome."""
+        outcomes = [row["outcome"] for row in self.rows]
+        return {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
+
+    def _columns(self):
+        names = dict.fromkeys(name for row in self.rows for name in row)
+        return {name: [row.get(name) for row in self.rows] for name in names}
+
+    def _drawn(self, pyplot):
+        from weavecell.analysis.sweep import QUANTITIES
+        from weavecell.report import pictures_uncertainty
+
+        x, words = self._abscissa()
+        columns = QUANTITIES[self.quantity]
+        return pictures_uncertainty.sweep(pyplot, x, words, self.rows, self.keys[1:], columns)
+
+    def _abscissa(self):
+        """(values, label) of the first key: numbers with their unit, areal densities for numbers of plies, or texts."""
+        key = self.keys[0]
+        if key == "panel.plies":
+            return [row["areal_density_kg_m2"] for row in self.rows], "areal density [kg/m²]"
+        values = []
+        for panel in self.targets:
+            value = panel.case.scene
+            for part in key.split("."):
+                value = getattr(value, part)
+            values.append(value)
+        if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+            return [str(row[key]) for row in self.rows], key
+        unit = schema.unit_of(supported.entries(scenes.Scene)[key])
+        return values, f"{key} [{unit}]" if unit not in (None, "1") else key
+
+    def plot(self) -> Figure:
+        """A matplotlib figure: the quantity against the first key."""
+        return figure(self._drawn)
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder."""
+        from weavecell.report import pictures
+        from weavecell.results import json_file, provenance
+
+        out, first = Path(out), self.targets[0]
+        files.write(out / "scene.toml", first.text)
+        files.write(out / "sweep.csv", self.to_dataframe().to_csv(index=False))
+        stamp = provenance.stamp(first.text, setup=first.setup)
+        json_file.write(out / "sweep.json", {"quantity": self.quantity, "rows": self.rows, "provenance": stamp})
+        files.write(out / "sweep.png", pictures.render(self._drawn, kind="png"))
+
+    def __str__(self) -> str:
+        from weavecell.analysis import sweep as analysis
+
+        column, ends, _ = analysis.QUANTITIES[self.quantity]
+        lines = []
+        for row in self.rows:
+            value = row.get(column)
+            words = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
+            if ends and row["outcome"] == analysis.MIXED:
+                words += f" from {row[ends[0]]:.1f} to {row[ends[1]]:.1f} m/s"
+            doubt = ", doubtful" if row.get("checks") == "doubtful" else ""
+            lines.append(f"{', '.join(f'{key} = {row[key]}' for key in self.keys)}: {words}{doubt}")
+        return "\n".join(lines)
+
+
+def _of_setups(setups, jobs, executor):
+    """The SweepResult of set-ups."""
+    given = [(each,) for each in setups]
+    found: dict[int, ShotResult] = {}
+    with open_executor(executor, jobs) as pool:
+        for index, (shot, _) in as_done(pool, _fire, given):
+            found[index] = shot
+    result = SweepResult(tuple(found[index] for index in range(len(given))))
+    result.warn()
+    return result
+
+
+def _fire(setup):
+    """(ShotResult, why it became unstable or "") of a set-up, in a process of a sweep."""
+    from shellfabric.impact import simulation
+    from weavecell.results.impact import ImpactRecord
+
+    result, problem = simulation.fired(setup)
+    panel = targets.of(setup, {}, of_commands.IMPACT)
+    record = ImpactRecord.of(result, panel.shot_title, panel.law_name, problem)
+    return ShotResult(record, shapes_of(result.snapshots), setup.fabric, targets.assumed_of(setup)), problem
+
+
+@dataclass(frozen=True, repr=False)
+class SweepResult(Result, Sequence):
+    """Results of several shots, in their order; an unstable one has the outcome "unstable".
+
+    Parameters
+    ----------
+    shots : tuple of ShotResult
+
+    Examples
+    --------
+    >>> shots = wc.sweep([wc.setup("S-720", 150, opening="20 mm", end_time="10 us")])
+    >>> len(shots), shots[0].outcome
+    (1, 'in flight')
+    """
+
+    shots: tuple[ShotResult, ...]
+
+    def __len__(self) -> int:
+        return len(self.shots)
+
+    @overload
+    def __getitem__(self, index: int) -> ShotResult: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[ShotResult, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> ShotResult | tuple[ShotResult, ...]:
+        return self.shots[index]
+
+    def __iter__(self) -> Iterator[ShotResult]:
+        return iter(self.shots)
+
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Each quality check of the shot in which it is worst, without unstable shots."""
+        from shellfabric.panel import quality
+
+        return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
+
+    def _what(self):
+        some = [f"{shot.strike_velocity:g} m/s" for shot in self.shots if shot.doubtful and shot.outcome != "unstable"]
+        return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(some)}; worst"
+
+    def summary(self) -> dict[str, Any]:
+        """Number of shots of each outcome and of doubtful ones, and the worst checks in words."""
+        outcomes: list[str] = [shot.outcome for shot in self.shots]
+        found: dict[str, Any] = {"shots": len(self.shots)}
+        found |= {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
+        return found | {"doubtful": sum(shot.doubtful for shot in self.shots), "checks": self.checks_text}
+
+    def _columns(self):
+        rows = [{key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots]
+        names = dict.fromkeys(name for row in rows for name in row)
+        return {name: [row.get(name) for row in rows] for name in names}
+
+    def plot(self) -> Figure:
+        """A matplotlib figure: residual against strike velocity [m/s]."""
+
+        def draw(pyplot):
+            figure, axes = pyplot.subplots(figsize=(7.2, 4.4))
+            for outcome in dict.fromkeys(shot.outcome for shot in self.shots):
+                some = [shot for shot in self.shots if shot.outcome == outcome]
+                axes.plot(
+                    [shot.strike_velocity for shot in some],
+                    [shot.residual_velocity for shot in some],
+                    "o",
+                    label=outcome,
+                )
+            axes.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
+            axes.legend()
+            return figure
+
+        return figure(draw)

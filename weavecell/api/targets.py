@@ -1,0 +1,154 @@
+"""What the studies of many shots fire at: a fabric with keywords, an input file, or a set-up."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from fabrics import assumed, catalogue, run_cache
+from fabrics.checks import FilePath
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.surface import ResponseSurface
+from fabrics.variants import with_linear_density
+from weavecell.api import keywords, quantities
+from weavecell.results import out_folder
+from weavecell.scenes import target as targets
+from weavecell.scenes.schema import InlineLaw
+from weavecell.scenes.target import Target
+
+if TYPE_CHECKING:
+    from shellfabric.impact.simulation import ImpactSetup
+    from weavecell.scenes.supported import Support
+
+STRIKES = 92.5, 170.0  # [m/s] of the sensitivities of a fabric
+RUNS = "runs"  # folder of finished runs
+ANY_VELOCITY = 100.0  # [m/s] of a set-up whose strike velocity is not used
+
+
+def of(
+    target: Fabric | FilePath | ImpactSetup | None, options: Mapping[str, Any],
+    support: Support | Callable[..., Support], velocity: float | str | None = None, *, history: bool = False,
+) -> Target:  # fmt: skip
+    """The target of a study.
+
+    Parameters
+    ----------
+    target : a set-up, the path of an input file, or a fabric as of `weavecell.setup`
+    **options : keywords of `weavecell.setup` beside a fabric; none beside the others
+    support : what the study does with the keys of an input file
+    velocity : [m/s] at which a fabric is struck; of a study that chooses it None
+    history : whether [history] means something to the study
+
+    Raises
+    ------
+    InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file
+    """
+    from shellfabric.impact.simulation import ImpactSetup
+
+    chosen = {key: value for key, value in options.items() if value is not None}
+    beside = chosen if velocity is None else chosen | {"velocity": velocity}
+    if isinstance(target, ImpactSetup):
+        _refuse(beside, "a set-up")
+        return Target(None, target, "", target.title, from_file=False)
+    if isinstance(target, (str, os.PathLike)) and targets.is_input_file(str(target)):
+        _refuse(beside, "an input file")
+        return targets.read(str(target), Path.cwd(), support)
+    if isinstance(target, str) and not target.endswith(".toml") and target not in catalogue.list_names():
+        raise InputError(key="TARGET", value=target, allowed=targets.ALLOWED + ", ".join(catalogue.list_names()))
+    if "history" in chosen and not history:
+        raise InputError(key="history", allowed=targets.NO_HISTORY["history"])
+    panel = made(target, ANY_VELOCITY if velocity is None else velocity, chosen)
+    for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
+        targets.build.LOG.info(line)
+    return panel
+
+
+def made(fabric: Fabric | FilePath | None, velocity: float | str, options: Mapping[str, Any]) -> Target:
+    """What `weavecell.setup` describes, with the input file that says the same where one can. Its notes are warnings.
+
+    Parameters
+    ----------
+    fabric, velocity, options : as of `setup`
+
+    Raises
+    ------
+    InputError : as `setup`
+    """
+    from weavecell.scenes import build
+
+    own = None if fabric is None else as_fabric(fabric)
+    scene, written = keywords.scene(None if own is None else own.name, velocity, options)
+    surface = options.get("surface")
+
+    def of_table(table, _):
+        """Fabric, surface and laws of a table [fabric], with the objects among the keywords in place of their names."""
+        named = table.file or (table.name if own is None or table.name != own.name else None)
+        law = options.get("law") if table.law == scene.fabric.law and named is None else table.law
+        if isinstance(law, InlineLaw) or isinstance(table.law, InlineLaw):
+            law = CompressionLaw(table.law.a, table.law.b, table.law.form)
+        fabric = build.damaged(assumed.with_shear(as_fabric(named or own)), table)
+        cell = build.surface_of(table, fabric, None, surface if isinstance(surface, ResponseSurface) else None)
+        laws = quantities.laws(fabric, law) if cell is None and table.cell_model == "compressible" else None
+        if scene.panel.plies > 1:
+            fabric = build.with_ply_contact(fabric, options.get("ply_contact"), law)
+        name = "3D response surface" if cell is not None else laws[0].provenance if laws else table.cell_model
+        return fabric, cell, laws, name
+
+    try:
+        fabrics, plies = build.lay_up(scene, of_table)
+        first, cell, laws, law_name = fabrics[0]
+        case = build.Case("", first, laws, law_name, scene, cell, plies)
+        ply = build.setup(case, None)
+    except InputError as problem:
+        raise keywords.named(problem) from None
+    if options.get("snapshot_interval") is None:
+        ply = replace(ply, snapshot_interval=None)
+    folder = str(Path(__file__).parent)
+    line_of_the_user = next(n for n, frame in enumerate(inspect.stack(0)) if not frame.filename.startswith(folder))
+    for note in ply.notes:
+        warnings.warn(note, stacklevel=line_of_the_user + 1)
+    return Target(case, ply, keywords.text(written, fabric), ply.title, from_file=False)
+
+
+def assumed_of(setup: ImpactSetup) -> tuple[str, ...]:
+    """Lines that name what is assumed of the fabrics of a set-up."""
+    return tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric))
+
+
+def as_fabric(given: Fabric | FilePath) -> Fabric:
+    """A Fabric as it is; that of a name or file with the linear densities of the runs of the thesis."""
+    return given if isinstance(given, Fabric) else with_linear_density(catalogue.load(given), "effective")
+
+
+def _refuse(options, beside):
+    for key in options:
+        raise InputError(key=key, allowed=f"left out beside {beside}, which has it")
+
+
+@contextmanager
+def kept_runs(folder: Path | None, resume: bool) -> Iterator[Path]:
+    """The folder of finished runs, emptied but to `resume`; one that goes with the block where nothing is written."""
+    with TemporaryDirectory() as spare:
+        runs = Path(spare) if folder is None else folder / RUNS
+        if not resume:
+            run_cache.RunCache(runs).clear()
+        yield runs
+
+
+def folder_of(out: FilePath | None, resume: bool = False) -> AbstractContextManager[Path | None]:
+    """The folder of a study's results, held until the block ends; None where nothing is written.
+
+    Raises
+    ------
+    InputError : it cannot be written to, or another run writes to it
+    """
+    return nullcontext(None) if out is None else out_folder.held(Path(out), resume)

@@ -1,0 +1,159 @@
+"""Commands of the command line made from functions of the Python interface.
+
+Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their default; the help is
+the text of the docstring, that of an option what the section Parameters says. The result is printed, and a doubtful one
+is exit code 3 where --strict is given. Two defaults differ: a command uses all cores, and computes the range over
+assumed laws.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import tomllib
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from fabrics.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
+from weavecell.api.result import Result
+from weavecell.commands.options import CORES, RESULTS
+from weavecell.report import checks
+
+DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
+ARGUMENTS = ("target", "tests")
+METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER"}
+SHORT = {"out": "-o"}
+OF_PYTHON = ("test", "velocity")  # positional parameters of a fabric, which an input file says
+OF_ONE_RUN = ("impact", "coupon")  # whose folder is named after the input file alone
+LEAST = {"jobs": 1, "seed": 0}
+_SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
+_ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
+
+
+def command(function: Callable[..., Any], name: str, example: str, *keywords: str) -> Callable[..., None]:
+    """The function that typer makes the command `name` of.
+
+    Parameters
+    ----------
+    function : returns a `weavecell.api.result.Result`; one with a parameter `out` writes the result there
+    example : arguments that its help ends with
+    keywords : of `weavecell.setup` that are options beside the function's own; lists are written as in a file
+    """
+    text, meanings = documented(function)
+    parameters = [
+        p for p in inspect.signature(function).parameters.values()
+        if p.kind is not p.VAR_KEYWORD and (p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY)
+    ]  # fmt: skip
+    required = [p.name for p in parameters if p.default is p.empty and p.name not in ("out", "tests")]
+
+    def call(strict: bool, **values: Any) -> None:
+        if values.get("out", "") is None:
+            stems = [Path(values[key]).stem for key in required]
+            values["out"] = RESULTS / "-".join(stems if name in OF_ONE_RUN else [name, *stems])
+        chosen = {key: value for key, value in values.items() if value not in (None, [])}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
+            try:
+                chosen |= {key: _listed(chosen[key]) for key in keywords if key in chosen}
+                result = function(**chosen)
+            except UnstableError as problem:
+                if problem.result is not None and "out" in values:
+                    print(problem.result, f"written to {values['out']}", sep="\n", flush=True)
+                raise
+            except InputError as problem:
+                raise _of_option(problem, values) from None
+        print(result)
+        if isinstance(result, Result):
+            if "out" in values and not values.get("check"):
+                print(f"written to {values['out']}", flush=True)
+            checks.report(result.checks, strict)
+        elif strict and result.doubtful:  # done before
+            raise DoubtfulError("the result is doubtful")
+
+    strict = Annotated[bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit.")]
+    signature = [_parameter(p, meanings.get(p.name, "")) for p in parameters]
+    signature += [_parameter(_keyword(key), _escaped(_meaning(key))) for key in keywords]
+    signature.append(inspect.Parameter("strict", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=strict))
+    made: Any = call
+    made.__signature__ = inspect.Signature(signature)
+    made.__annotations__ = {p.name: p.annotation for p in signature}
+    made.__doc__, made.epilog = text, f"Example: [bold]weavecell {name} {example}[/bold]"
+    return made
+
+
+def _keyword(key):
+    return inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation="str | None")
+
+
+def _meaning(key):
+    """What a keyword of `weavecell.setup` means: the title of its field in the schema."""
+    from weavecell.api import keywords
+    from weavecell.scenes import impact, supported
+
+    return supported.entries(impact.Scene)[f"{keywords.tables()[key]}.{key}"].title
+
+
+def _listed(text):
+    """A list as it stands in a file; any other text as it is."""
+    if not text.lstrip().startswith("["):
+        return text
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def documented(function: Callable) -> tuple[str, dict[str, str]]:
+    """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets written for rich.
+
+    "as of `other`" is what the docstring of that function of the same module says.
+    """
+    text, *sections = _SECTION.split(inspect.getdoc(function) or "")
+    meanings: dict[str, str] = {}
+    for names, meaning in _ENTRY.findall(sections[0] if sections else ""):
+        other = re.fullmatch(r"as of `(\w+)`", meaning)
+        known = documented(inspect.unwrap(function).__globals__[other[1]])[1] if other else {}
+        words = _escaped(" ".join(meaning.split()).split("; in Python")[0])
+        meanings |= {name: known.get(name, words) for name in names.split(", ")}
+    return "\n\n".join(_escaped(" ".join(part.split())) for part in text.split("\n\n")), meanings
+
+
+def _escaped(text):
+    return text.replace("[", "\\[")
+
+
+def _parameter(parameter, meaning):
+    """A parameter as typer takes it; one that is left out has the function's own default."""
+    name, default = parameter.name, parameter.default
+    default = default if default is None else DEFAULTS.get(name, default)
+    kinds = parameter.annotation.split(" | ")
+    kind = next((kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds), str)
+    kind = str if "str" in kinds or "FilePath" in kinds else kind
+    kind = list[str] if kinds[0].startswith("list[") else kind
+    settings: dict[str, Any] = {"help": meaning, "metavar": METAVARS.get(name), "min": LEAST.get(name)}
+    if name in ARGUMENTS:
+        settings["metavar"] = name.upper() if name != "target" else "FILE|FABRIC" if "fabric" in meaning else "FILE"
+        annotation: Any = Annotated[kind, typer.Argument(**settings)]
+        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation)
+    if default is parameter.empty:
+        default = None if name == "out" else ...
+    word = "--" + name.replace("_", "-")
+    words = [f"{word}/--no-{word[2:]}" if default is True else word, *(SHORT[key] for key in SHORT if key == name)]
+    annotation = Annotated[kind if default is not None else kind | None, typer.Option(*words, **settings)]
+    default = parameter.empty if default is ... else default
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+
+
+def _of_option(problem, names):
+    """An InputError of a parameter, with the option that has its value."""
+    if problem.key not in names or problem.file is not None:
+        return problem
+    key = "--" + problem.key.replace("_", "-")
+    message = str(problem).removeprefix(f"{problem.key} = {problem.value!r}: ").removeprefix(f"{problem.key}: ")
+    renamed = InputError(f"{key} = {problem.value!r}: {message}" if problem.value is not None else f"{key}: {message}")
+    renamed.key, renamed.value, renamed.allowed = key, problem.value, problem.allowed
+    return renamed
