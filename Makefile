@@ -33,7 +33,7 @@ nightly:  ## all that takes too long for a test, one after the other; goes on af
 validate: test-slow ledger  ## the long tests, and the ledger of the thesis's claims
 
 ledger: setup  ## all claims of the thesis, slow ones and variants too: fails where a verdict is not the recorded one
-	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
+	$(RUN) validation claims --slow --out $(RESULTS)/validate
 
 convergence: setup  ## S-720 on four meshes: limits and observed orders, in results/convergence
 	$(RUN) validation.verification.mesh_convergence S-720 --out $(RESULTS)/convergence
@@ -46,9 +46,9 @@ figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
 
 charts: setup  ## docs/reports/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
-	$(RUN) weavecell cost-accuracy --all --out $(RESULTS)/charts --page docs/reports/charts.md
-	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/reports/stability.md
-	$(RUN) weavecell cost-accuracy --scene crossover --out $(RESULTS)/chart-crossover
+	$(RUN) validation cost-accuracy --out $(RESULTS)/charts --page docs/reports/charts.md
+	$(RUN) validation stability --out $(RESULTS)/stability --page docs/reports/stability.md
+	$(RUN) validation crossover --out $(RESULTS)/chart-crossover
 	cp $(RESULTS)/chart-crossover/crossover.md docs/reports/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/reports/figures/
 

@@ -26,7 +26,7 @@ from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-from weavecell.report.marked_page import markdown, put
+from validation.marked_page import markdown, put
 
 MARKS = "<!-- table of benchmarks/default_mesh.py -->", "<!-- end of the table -->"
 MESHES = {

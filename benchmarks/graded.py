@@ -25,13 +25,13 @@ from shell import machine, publish
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from fabrics.variants import with_straight_yarns
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
+from validation.models.variants import with_straight_yarns
 
 ZONES = {
     "1": None,

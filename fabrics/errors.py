@@ -9,8 +9,7 @@ DoubtfulError (3): a run has ended with a quality indicator beyond its limit, an
 from __future__ import annotations
 
 import difflib
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 
@@ -170,12 +169,3 @@ class DoubtfulResult(UserWarning):
     ...         print(str(problem)[:24])
     S-720, critical velocity
     """
-
-
-def run_program(main: Callable[[], object]) -> None:
-    """Run the main function of a program (`python -m ...`): an error of ours is one line, and its exit code."""
-    try:
-        main()
-    except WeavecellError as problem:
-        print(marked(problem), file=sys.stderr)
-        sys.exit(problem.exit_code)

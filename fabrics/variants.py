@@ -8,10 +8,9 @@ number for both families or a pair (warp, weft), and so is a factor. Sources sta
 | linear density, of the data sheet or of the runs of the thesis | `with_linear_density` |
 | values of the yarns (crimp, modulus, ...) | `with_yarns`, `scale_yarns` |
 | areal density at constant stiffness of the yarns | `scale_areal_density` |
-| nearly straight yarns | `with_straight_yarns` |
 | compression laws | `scale_laws` |
 | trellis shear | `with_shear`, `scale_shear` |
-| solid laws of the 3D crossover | `with_solids`, `scale_solids` |
+| solid laws of the 3D crossover | `with_solids` |
 | warp and weft exchanged | `rotated_90` |
 
 Laws that are assumed by fibre family: `fabrics.assumed`. Which cell a fabric is solved with (compressible,
@@ -20,7 +19,7 @@ incompressible, decoupled) is a choice of the model: `shellfabric.cell.model.Cel
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -28,7 +27,6 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric, pair
 
 Value: TypeAlias = float | Iterable[float]
-NEARLY_STRAIGHT = 1e-6  # [-] crimp: the thickness of the fabric is that of its crimp, and must not be zero
 
 
 def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
@@ -72,16 +70,6 @@ def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:
         E=tuple(yarn.E / factor for yarn in fabric.weave.yarns),
         linear_density=tuple(yarn.linear_density * factor for yarn in fabric.weave.yarns),
     )
-
-
-def with_straight_yarns(fabric: Fabric, crimp: Value = NEARLY_STRAIGHT) -> Fabric:
-    """Yarns of next to no crimp, with a trellis of the same stiffness per width.
-
-    The fabric gets thinner with its crimp, and the stress of the trellis acts on the thickness: its moduli grow by the
-    ratio of the thicknesses.
-    """
-    straight = fabric.with_yarns(crimp=crimp)
-    return scale_shear(straight, fabric.weave.thickness / straight.weave.thickness)
 
 
 def scale_laws(fabric: Fabric, a: float = 1.0, b: float = 1.0) -> Fabric:
@@ -130,17 +118,6 @@ def with_solids(fabric: Fabric, **values: Value) -> Fabric:
         replace(law, **{name: two[k] for name, two in pairs.items()}) for k, law in enumerate(_solids(fabric))
     )
     return replace(fabric, solid_laws=(warp, weft))
-
-
-def scale_solids(fabric: Fabric, factors: Mapping[str, float]) -> Fabric:
-    """Values of the solid laws, each times a factor [-]; `factors` by the fields of `SolidLaw`.
-
-    Raises
-    ------
-    InputError : the fabric has no solid laws
-    """
-    laws = _solids(fabric)
-    return with_solids(fabric, **{name: tuple(getattr(law, name) * f for law in laws) for name, f in factors.items()})
 
 
 def rotated_90(fabric: Fabric) -> Fabric:

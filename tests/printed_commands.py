@@ -15,8 +15,8 @@ GUIDE = (
 PAGES = ("README.md", *(f"docs/{name}.md" for name in GUIDE))
 _BLOCK = re.compile(r"^( *)(`{3,})(\{?\w*)[^\n]*\n(.*?)^\1\2", re.MULTILINE | re.DOTALL)
 _FILE = re.compile(r"`([\w./-]+\.(?:toml|csv))`")
-_OUTPUTS = {"out", "screenshot", "movie", "page"}
-_INPUT = re.compile(r"\.(toml|csv|json|h5|tg3|msh)$|^results/")
+_OUTPUTS = {"out", "screenshot", "movie"}
+_INPUT = re.compile(r"\.(toml|csv|json|h5|msh)$|^results/")
 
 
 class Printed(NamedTuple):

@@ -19,8 +19,9 @@ from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write
 from validation.program import save
+from validation.published import calibration
 from validation.published.biaxial_glass import model_comparison, options
-from weavecell.commands import biaxial, calibrate_all
+from weavecell.commands import biaxial
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 REPORTS = Path(__file__).parents[1] / "docs" / "reports" / "figures"
@@ -56,7 +57,7 @@ def glass(_):
 def laws(_):
     """The catalogue's laws over the published ones."""
     with TemporaryDirectory() as folder:
-        calibrate_all.command(Path(folder), size="coarse", jobs=1, executor="local", resume=False)
+        calibration.command(Path(folder), size="coarse", jobs=1, executor="local", resume=False)
         keep(Path(folder) / "summary.png", "calibration-catalogue.png", REPORTS)
 
 

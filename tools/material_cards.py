@@ -13,11 +13,11 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 import weavecell as wc  # noqa: E402
+from validation.marked_page import markdown, put  # noqa: E402
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth  # noqa: E402
 from weavecell.analysis.material_card.laws import CrimpExchange, UncoupledCurves  # noqa: E402
 from weavecell.analysis.material_card.mismatch import Mismatch  # noqa: E402
 from weavecell.report import deck_folder  # noqa: E402
-from weavecell.report.marked_page import markdown, put  # noqa: E402
 
 LAWS = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExchange}
 CARDS = {  # code: what a card begins and ends with

@@ -22,11 +22,11 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 import architecture  # noqa: E402
 import file_formats  # noqa: E402
 import glossary  # noqa: E402
+import keys_page  # noqa: E402
 
 from validation.claims import page as claims  # noqa: E402
 from validation.claims.judge import MISSED, REPRODUCED  # noqa: E402
-from weavecell.commands import keys_page  # noqa: E402
-from weavecell.report.marked_page import markdown  # noqa: E402
+from validation.marked_page import markdown  # noqa: E402
 
 QUANTITIES = ("critical velocity", "residual velocity", "absorbed energy", "peak tension")
 PACKS = (("2", "S-726"), ("2", "S-728"), ("4", "S-728"))
@@ -114,8 +114,8 @@ def decided_claims() -> str:
 def all_claims() -> str:
     """The counts of the ledger in words."""
     rows = claims.read(DATA / "claims.csv")
-    text = f"""`weavecell validate` checks {claims.sentence(rows)}. Claims on shots at one ply are checked in four
-    variants of the model as well. {claims.variants_sentence(rows)}."""
+    text = f"""`python -m validation claims` checks {claims.sentence(rows)}. Claims on shots at one ply are checked in
+    four variants of the model as well. {claims.variants_sentence(rows)}."""
     return "\n\n" + textwrap.fill(" ".join(text.split()), 118, break_on_hyphens=False) + "\n\n"
 
 

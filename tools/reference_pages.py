@@ -69,11 +69,32 @@ def cli():
     return "\n\n".join([HEAD, *(section(*each) for each in commands(typer.main.get_command(program()), "weavecell"))])
 
 
+def json_schema(model):
+    """The JSON Schema of a scene file as it is written: quantities are texts with a unit.
+
+    Parameters
+    ----------
+    model : Scene or CouponScene
+    """
+    from weavecell.scenes import supported
+
+    schema, meanings = model.model_json_schema(), {entry.title for entry in supported.entries(model).values()}
+    for table in (schema, *schema["$defs"].values()):
+        for entry in table["properties"].values():
+            unit = entry.pop("unit", None)
+            if unit is not None:
+                entry.pop("default", None)  # a number
+            if entry.get("title") in meanings:
+                ends = f" [{unit}]" if unit else ""
+                entry["description"] = f"{entry.pop('title')}{ends}; {entry['description']}"
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    return schema
+
+
 def schemas():
     """{name of the file: JSON Schema}"""
     from weavecell.scenes.coupon import CouponScene
     from weavecell.scenes.impact import Scene
-    from weavecell.scenes.reference import json_schema
 
     return {f"{name}.schema.json": json_schema(model) for name, model in (("scene", Scene), ("coupon", CouponScene))}
 

@@ -16,20 +16,21 @@ from __future__ import annotations
 
 import argparse
 import csv
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from inspect import Parameter, signature
 from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
-from fabrics.errors import run_program
+from fabrics.errors import WeavecellError, marked
 from fabrics.files import replace_whole, write_whole
 from meshing.pictures_style import plots
 from validation.commits import computed
-from weavecell.report.marked_page import put
+from validation.marked_page import put
 
 NOTES = {
-    "chain": "folder of `weavecell calibrate --all --fit-solid`",
+    "chain": "folder of `python -m validation calibration --fit-solid`",
     "executor": "local, mpi or dask",
     "jobs": "cases beside each other",
     "out": "folder of what is written, and of kept results",
@@ -37,21 +38,31 @@ NOTES = {
 }
 
 
-def program(main: Callable[..., object], **notes: str) -> None:
+def program(main: Callable[..., object], words: Sequence[str] = (), **notes: str) -> None:
     """Run the main function of a module with the options of the command line; an error of ours is one line.
 
     Parameters
     ----------
-    main : of the module that is run
+    main : of the module that is run; a number that it returns is the exit code
+    words : name of a program of `python -m validation`, and its arguments; those of the process by default
     notes : what --help says of a parameter, where NOTES does not
     """
-    run_program(lambda: main(**options(main, NOTES | notes)))
+    name, *arguments = words or ("",)
+
+    try:
+        code: Any = main(**options(main, NOTES | notes, arguments if words else None, name))
+    except WeavecellError as problem:
+        print(marked(problem), file=sys.stderr)
+        code = problem.exit_code
+    sys.exit(code or 0)
 
 
-def options(main: Callable[..., object], notes: Mapping[str, str], arguments: Sequence[str] | None = None) -> Any:
+def options(
+    main: Callable[..., object], notes: Mapping[str, str], arguments: Sequence[str] | None = None, program: str = ""
+) -> Any:
     """{parameter: value} from the arguments of the command line; those of the process by default."""
     module = main.__globals__  # type: ignore[attr-defined]
-    name = module["__spec__"].name.removesuffix(".__main__")
+    name = f"validation {program}" if program else module["__spec__"].name.removesuffix(".__main__")
     text = next(part for part in module["__doc__"].split("\n\n") if "python -m" not in part)
     parser = argparse.ArgumentParser(prog=f"python -m {name}", description=text)
     for parameter in signature(main, eval_str=True).parameters.values():

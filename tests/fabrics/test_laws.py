@@ -7,8 +7,9 @@ import pytest
 from scipy.integrate import quad
 
 from fabrics import catalogue
-from fabrics.compression import CompressionLaw, RatioLaw, imbalance
+from fabrics.compression import CompressionLaw
 from fabrics.friction.pull_out import PullOutLaw
+from unitcell3d.identify.ratio_law import RatioLaw, imbalance
 
 S720 = CompressionLaw(4.5e-5, 5.8e-5)
 FORCES = np.array([1e-6, 0.01, 0.5, 2.0, 30.0, 400.0, 1e5])

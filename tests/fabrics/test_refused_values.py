@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fabrics import assumed, catalogue, variants
-from fabrics.compression import CompressionLaw, RatioLaw
+from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
@@ -16,6 +16,7 @@ from fabrics.surface import ResponseSurface
 from fabrics.trellis import touching_angle
 from fabrics.weave import height_from_length
 from fabrics.yarn import WeavingDamage
+from unitcell3d.identify.ratio_law import RatioLaw
 from validation.models import variants as comparison
 
 S720, S726, GLASS = (catalogue.load(name) for name in ("S-720", "S-726", "glass-balanced"))

@@ -52,7 +52,7 @@ def test_linear_density(fabric):
 
 
 def test_straight_yarns_keep_the_shear_force_per_width(fabric):
-    thin = variants.with_straight_yarns(fabric)
+    thin = comparison.with_straight_yarns(fabric)
     assert thin.weave.thickness < 0.05 * fabric.weave.thickness
     for angle in (0.05, 0.3, 0.8):
         forces = [one.shear.stress(angle) * one.weave.thickness for one in (fabric, thin)]
@@ -72,7 +72,7 @@ def test_trellis_and_laws(fabric):
 def test_solids(fabric):
     changed = variants.with_solids(fabric, Vf0=(0.6, 0.55))
     assert [law.Vf0 for law in changed.solid_laws] == [0.6, 0.55]
-    stiff = variants.scale_solids(fabric, {"E_c": 2.0})
+    stiff = comparison.scale_solids(fabric, {"E_c": 2.0})
     for before, after in zip(fabric.solid_laws, stiff.solid_laws):
         assert after.transverse_modulus(0.75) == pytest.approx(2 * before.transverse_modulus(0.75), rel=1e-12)
 

@@ -9,7 +9,7 @@ regularised form
 is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
 say in it. A fit of the printed form would depend on a force cut-off. Two more fits say what one law leaves out: one of
 each yarn to its own compression at the crossing, and one that depends on the tension ratio too
-(`fabrics.compression.RatioLaw`), the one to use where one law leaves more than `ONE_LAW`. The compression d_c holds
+(`ratio_law`), the one to use where one law leaves more than `ONE_LAW`. The compression d_c holds
 also what closes between the yarns where their sections do not conform; each yarn's own does not. Plates give another
 curve than stretching does: they flatten slack yarns. That curve is the contact law of plies of a pack (`contact`).
 """
@@ -25,13 +25,14 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from fabrics.checks import FilePath, FloatArray
-from fabrics.compression import CompressionLaw, RatioLaw, imbalance
+from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.files import write_whole
 from fabrics.ply_law import PlyLaw
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.platen_misfit import rising
+from unitcell3d.identify.ratio_law import RatioLaw, imbalance
 from unitcell3d.solver.history import History
 
 PLATES = "plates"

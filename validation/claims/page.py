@@ -17,7 +17,7 @@ from fabrics.files import write_whole
 from validation.claims import judge, variants
 from validation.claims.claims import TOPICS
 from validation.claims.judge import MISSED, REPRODUCED, VERDICTS
-from weavecell.report.marked_page import markdown
+from validation.marked_page import markdown
 
 Table = Sequence[dict[str, str]]
 DATA = "data/claims.csv"

@@ -29,6 +29,7 @@ from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
+from validation.models import variants as comparison
 from validation.models.cable import smith
 from validation.models.cable.model import CableNet
 from validation.models.cable.solver import run as run_cable
@@ -61,7 +62,7 @@ def cloth(
     fabric = variants.scale_yarns(fabric, E=modulus, failure_strain=strain, crimp=crimp)
     fabric = variants.scale_areal_density(fabric, mass)
     if straight:
-        fabric = variants.with_straight_yarns(fabric)
+        fabric = comparison.with_straight_yarns(fabric)
     elif crimps:
         fabric = variants.with_yarns(fabric, crimp=crimps)
     return variants.with_shear(fabric, **shear) if shear else fabric

@@ -18,8 +18,8 @@ from validation.claims import claims as data
 from validation.claims import runner, variants
 from validation.claims.claims import Claim
 from validation.claims.judge import Record
+from validation.marked_page import markdown, put
 from validation.program import program
-from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
 BEGIN, END = "<!-- verdicts of validation.claims.sliding -->\n", "<!-- end of verdicts -->"

@@ -1,1 +1,1 @@
-"""The commands that need `validation`: cost-accuracy charts, stability maps, claims ledger."""
+"""The programs of `python -m validation`: cost against error, stability, claims, calibration of the catalogue."""

@@ -1,6 +1,15 @@
-"""The ledger of the thesis's claims from the command line: run, table, page.
+"""The ledger of the thesis's claims: every claim that is a number, an order, a trend, a shape or an outcome, checked.
 
-The folder of `weavecell validate`
+    python -m validation claims --topics impact1 cell
+
+A missed claim is a result, not an error; a result other than the recorded one ends with exit code 1. Claims that rest
+on shots at one ply are checked as computed and in four variants: the cell formulation of the thesis, nominal denier, 2
+elements per crossover, elastic-plastic bored projectile.
+
+Topics: geom, compr, yarn, cell, shear, wave, impact1, impactN, gap, biaxial, bias, sens, slip, pencil, cost, failmode,
+future.
+
+The folder
     ledger.csv     every claim with its verdict, our number beside the thesis's
     ledger.json    shares by topic, claims that are missed, provenance
     runs/, records/  what is done, from which --resume goes on
@@ -18,41 +27,28 @@ from validation.claims import claims as data
 from validation.claims import page as claims_page
 from validation.claims import runner, summary, variants
 from validation.claims.judge import DATA, MISSED, NOT_BUILT, NOT_COMPARABLE, NOT_TESTABLE, WRONG
+from weavecell.commands.options import CORES
 from weavecell.results import json_file, out_folder, progress, provenance
 
+NOTES = {"topics": "those to check; all if none is given", "slow": "also the checks that take minutes each",
+         "no_variants": "as computed alone, not in the variants"}  # fmt: skip
 _COLUMNS_OF_VERDICTS = (MISSED, WRONG, DATA, NOT_COMPARABLE, NOT_BUILT, NOT_TESTABLE)
 
 
-def validate(
-    out: Path,
-    *,
-    topics: Sequence[str],
-    slow: bool,
-    jobs: int,
-    resume: bool,
-    executor: str = "local",
-    vary: bool = False,
-    page: Path | None = None,
-) -> int:
+def main(
+    *, topics: Sequence[str] = (), slow: bool = False, no_variants: bool = False, jobs: int = CORES,
+    executor: str = "local", resume: bool = False, out: Path = Path("results/validate"), page: Path | None = None,
+) -> int:  # fmt: skip
     """Run the ledger; returns the exit code: 1 where a verdict is not the recorded one, else 0, for a miss is a result.
-
-    Parameters
-    ----------
-    out : Path of the folder to write to
-    topics : of claims.TOPICS; all where there are none
-    slow : also do the slow checks
-    jobs, executor : as of `fabrics.executors.open_executor`
-    resume : go on from what is in the folder
-    vary : also check the claims that rest on shots in their variants
-    page : file of the documentation to write as well, with its data beside it; of all topics only
 
     Raises
     ------
     InputError : an unknown topic, or a page of some topics; nothing has been written
     """
+    vary = not no_variants
     chosen, left_out = data.select(data.load(), topics, slow)
     if page is not None and topics:
-        raise InputError(key="--page", value=page, allowed="without --topic: the page has the claims of all topics")
+        raise InputError(key="--page", value=page, allowed="without --topics: the page has the claims of all topics")
     out_folder.claim(out, resume)
     began, cpu = time.perf_counter(), _cpu_time()
     with progress.bar(f"{len(chosen)} claims") as advance:
@@ -66,7 +62,7 @@ def validate(
     json_file.write(out / "ledger.json", _summary(claims, records, shares, stamp, seconds, cpu))
     if page is not None:
         options = ["--slow"] * slow + ["--no-variants"] * (not vary)
-        command = " ".join(["weavecell validate", *options, f"--page {page}"])
+        command = " ".join(["python -m validation claims", *options, f"--page {page}"])
         cost = f"{seconds / 60:.0f} minutes with {jobs} processes, {cpu / 60:.0f} minutes of processor time"
         cost = "taken up from stored runs (--resume)" if resume else cost
         rows = claims_page.rows(claims, records)

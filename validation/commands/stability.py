@@ -1,6 +1,10 @@
-"""Maps of where each method fails, found by running it.
+"""Maps of where each method fails, found by running it, and the margins of the defaults.
 
-Folder of `weavecell stability --map NAME`, or `--all`
+    python -m validation stability time-step
+
+All maps if none is named.
+
+The folder
     stability-NAME.png      the map
     NAME.csv, NAME-edges.csv   one row a point; one row an edge of a default
     stability.json          edges and margins, provenance
@@ -14,35 +18,15 @@ from dataclasses import asdict
 from pathlib import Path
 
 from validation.commands import studies
+from weavecell.commands.options import CORES
 
 
-def stability_command(
-    names: Sequence[str],
-    out: Path | None,
-    *,
-    everything: bool = False,
-    quick: bool = False,
-    page: Path | None = None,
-    jobs: int = 1,
-    executor: str = "local",
-    resume: bool = False,
-) -> None:
-    """Run maps, write their tables and pictures to the folder `out`, and print the margins of the defaults.
-
-    Parameters
-    ----------
-    names : of validation.verification.stability.study.NAMES
-    out : folder, or None
-    everything : all maps
-    quick : fewer points
-    page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package, from
-        which the page also tells of the maps that were run before
-    jobs, executor : as of `fabrics.executors.open_executor`
-    resume : begin with the points of an interrupted run
-    """
-    studies.run(
-        KIND, names, out, everything=everything, page=page, quick=quick, jobs=jobs, executor=executor, resume=resume
-    )
+def main(
+    maps: Sequence[str] = (), *, quick: bool = False, jobs: int = CORES, executor: str = "local", resume: bool = False,
+    out: Path | None = None, page: Path | None = None,
+) -> None:  # fmt: skip
+    """Run maps, write their tables and pictures to the folder `out`, and print the margins of the defaults."""
+    studies.run(KIND, maps, out, page=page, quick=quick, jobs=jobs, executor=executor, resume=resume)
 
 
 def _tell(found):
@@ -72,5 +56,5 @@ def _modules():
 
 
 KIND = studies.Kind(
-    _modules, "stability", "--map", "Stability", "points", "stability", "stability", "maps", _tell, _plain
+    _modules, "stability", "maps", "Stability", "points", "stability", "stability", "maps", _tell, _plain
 )

@@ -1,4 +1,4 @@
-"""What `weavecell cost-accuracy` and `weavecell stability` share: run some or all studies of a kind, and write them."""
+"""What `cost-accuracy` and `stability` share: run some or all studies of a kind, and write them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from fabrics.errors import InputError
 from validation.verification.study import known
 from weavecell.results import json_file, out_folder, progress, provenance
 
@@ -24,14 +23,13 @@ class Kind:
         study.NAMES; study.load(name); study.run(name, folder, quick=, resume=, report=, ...) -> result with .key
         tables.write(result, folder, made); tables.kept(name, folder); tables.read(study, folder) -> (result, made)
         pictures.draw(result, path); page.write([(result, made)], path, command)
-    command, option : of the command line, and its option that names a study, as "--map"
+    command, option : of the command line, and its argument that names studies
     title : of the progress bar
     units : what a study has many of, "cases" or "points"; its folder of kept results as well
     folder : of results of several studies
     prefix : of the names of pictures, and of the folder of a single study
     key : of the results in the record of a command
     tell, plain : what prints a result, and what makes it a dict for the record
-    besides : further names that the option takes
     """
 
     modules: Callable[[], tuple[Any, Any, Any, Any]]
@@ -44,35 +42,27 @@ class Kind:
     key: str
     tell: Callable[[Any], object]
     plain: Callable[[Any], dict]
-    besides: tuple[str, ...] = ()
 
 
-def run(
-    kind: Kind, names: Sequence[str], out: Path | None, *, everything: bool = False, page: Path | None = None,
-    **options: Any,
-) -> None:  # fmt: skip
+def run(kind: Kind, names: Sequence[str], out: Path | None, *, page: Path | None = None, **options: Any) -> None:
     """Run studies one after the other, write tables, pictures and a record, and print what each found.
 
     Parameters
     ----------
-    names : of studies
+    names : of studies; none for all
     out : folder, or None for the default
-    everything : all studies
     page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package, from
         which the page also tells of the studies that were run before
     options : as of study.run
 
     Raises
     ------
-    InputError : a name of no study, or none is named
+    InputError : a name of no study
     """
     study, tables, pictures, _ = kind.modules()
-    there = (*study.NAMES, *kind.besides)
     for name in names:
-        known(kind.option, name, there)
-    if not names and not everything:
-        raise InputError(f"say --all, or which {kind.option}: {', '.join(there)}")
-    names = study.NAMES if everything else names
+        known(kind.option, name, study.NAMES)
+    names = names or study.NAMES
     out = out or Path("results") / (kind.folder if len(names) > 1 else f"{kind.prefix}-{names[0]}")
     out_folder.claim(out, options.get("resume", False))
     found = []
@@ -104,4 +94,4 @@ def _renew_page(kind, found, page, stamp):
             pictures.draw(result, path)
         else:
             path.unlink(missing_ok=True)
-    page_of.write(there, page, f"weavecell {kind.command} --all --page {page}")
+    page_of.write(there, page, f"python -m validation {kind.command} --page {page}")

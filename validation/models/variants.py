@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.variants import scale_laws, scale_yarns, with_shear
+from fabrics.variants import Value, scale_laws, scale_shear, scale_yarns, with_shear, with_solids
+
+NEARLY_STRAIGHT = 1e-6  # [-] crimp: the thickness of the fabric is that of its crimp, and must not be zero
 
 
 def with_law_form(fabric: Fabric, form: str) -> Fabric:
@@ -41,3 +44,24 @@ def homogenised(fabric: Fabric, n: float) -> Fabric:
     if fabric.shear is not None:
         coarse = with_shear(coarse, G1=fabric.shear.G1 / n, G2=fabric.shear.G2 / n)
     return scale_laws(coarse, n, n ** (4 / 3))
+
+
+def with_straight_yarns(fabric: Fabric, crimp: Value = NEARLY_STRAIGHT) -> Fabric:
+    """Yarns of next to no crimp, with a trellis of the same stiffness per width.
+
+    The fabric gets thinner with its crimp, and the stress of the trellis acts on the thickness: its moduli grow by the
+    ratio of the thicknesses.
+    """
+    straight = fabric.with_yarns(crimp=crimp)
+    return scale_shear(straight, fabric.weave.thickness / straight.weave.thickness)
+
+
+def scale_solids(fabric: Fabric, factors: Mapping[str, float]) -> Fabric:
+    """Values of the solid laws, each times a factor [-]; `factors` by the fields of `SolidLaw`.
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws
+    """
+    laws = with_solids(fabric).solid_laws
+    return with_solids(fabric, **{name: tuple(getattr(law, name) * f for law in laws) for name, f in factors.items()})

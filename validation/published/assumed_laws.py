@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 import weavecell as wc
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
+from validation.marked_page import markdown
 from validation.program import program, publish_all, write_csv
 from weavecell.analysis.assumed_range import AssumedRange
-from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 if TYPE_CHECKING:

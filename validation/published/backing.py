@@ -22,10 +22,10 @@ from fabrics import backings, run_cache
 from fabrics.files import replace_whole
 from shellfabric.backing.block import Backing
 from shellfabric.projectile.projectile import Projectile
+from validation.marked_page import markdown
 from validation.models.bare_impact import Strike, strike
 from validation.program import program, publish, write_csv
 from weavecell.report import pictures, pictures_body
-from weavecell.report.marked_page import markdown
 
 CLAY = "Roma Plastilina No. 1"
 BALL = Projectile(mass=1.0, shape="sphere", radius=31.75e-3)

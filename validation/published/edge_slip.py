@@ -18,8 +18,8 @@ from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, RED,
 from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup, run
 from shellfabric.panel.boundary import Grip, PullIn
+from validation.marked_page import markdown
 from validation.program import program, publish, save, write_tables
-from weavecell.report.marked_page import markdown
 
 MARKS = "<!-- tables of validation.published.edge_slip -->", "<!-- end of the tables -->"
 LATE = 200e-6

@@ -24,8 +24,8 @@ import weavecell as wc
 from fabrics import run_cache
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
+from validation.marked_page import markdown
 from validation.program import program, publish_all
-from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 HERE = Path(__file__).parent

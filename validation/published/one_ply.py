@@ -25,9 +25,9 @@ from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup, run
 from shellfabric.output.histories import Histories, HistoryRequest
 from shellfabric.output.wave_fronts import Front, fronts
+from validation.marked_page import markdown
 from validation.program import program, publish_all, write_csv
 from validation.published.shots import CAPTIONS, TESTED, TESTS
-from weavecell.report.marked_page import markdown
 from weavecell.report.pictures import ENERGIES, render
 from weavecell.results import provenance
 

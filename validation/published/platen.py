@@ -25,8 +25,8 @@ from unitcell3d.identify.platen_misfit import closures, platen_misfit
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps
+from validation.marked_page import markdown
 from validation.program import program, publish, save, write_tables
-from weavecell.report.marked_page import markdown
 
 MARKS = "<!-- tables of validation.published.platen -->", "<!-- end of the tables -->"
 HEAD = (

@@ -27,9 +27,9 @@ from fabrics.errors import InputError
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
+from validation.marked_page import markdown
 from validation.program import program, publish, write_records
 from validation.published.packs import study as packs
-from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel

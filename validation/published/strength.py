@@ -15,8 +15,8 @@ from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup, run
+from validation.marked_page import markdown
 from validation.program import program, publish, write_csv
-from weavecell.report.marked_page import markdown
 from weavecell.results.impact import ImpactRecord
 
 FABRIC = "S-726"

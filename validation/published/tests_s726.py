@@ -22,8 +22,8 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.projectile import Projectile
+from validation.marked_page import markdown, put
 from validation.program import program, write_records
-from weavecell.report.marked_page import markdown, put
 
 FABRIC, TESTS = "S-726", {96.0: "stops", 110.0: "perforates"}  # [m/s]: outcome of the test
 WORDS = {"stopped": "stops", "perforated": "perforates"}

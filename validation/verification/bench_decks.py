@@ -22,11 +22,11 @@ from shellfabric.cell.model import CellTable
 from shellfabric.cell.surface_cell import potential
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
+from validation.marked_page import markdown
 from validation.program import program, publish
 from weavecell.analysis import discretisation
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth
 from weavecell.analysis.material_card.laws import CrimpExchange, Law, UncoupledCurves
-from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 END, TIMES, TABLE, FLOOR = 200e-6, (50e-6, 100e-6, 200e-6), 201, 0.05

@@ -20,10 +20,10 @@ import numpy as np
 from fabrics import run_cache
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
+from validation.marked_page import markdown
 from validation.program import program, publish
 from validation.verification import drawn_shots
 from weavecell.analysis import discretisation
-from weavecell.report.marked_page import markdown
 
 COUNT, SEED = 40, 808
 MARKS = "<!-- table of validation.verification.discretisation -->", "<!-- end of discretisation -->"

@@ -18,8 +18,8 @@ from scipy.stats import binom
 import weavecell as wc
 from fabrics.checks import FloatArray
 from fabrics.variants import scale_shear, scale_yarns
+from validation.marked_page import markdown
 from validation.program import program, publish
-from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 NOISE, SEED, RANGE = 0.02, 1, (0.5, 1.0, 2.0)

@@ -20,9 +20,9 @@ from meshing import crossover
 from meshing.pictures_style import COLOURS, INK, WARP, WEFT
 from unitcell3d.cases import pull_out
 from unitcell3d.model.crossover import Numerics
+from validation.marked_page import markdown
 from validation.program import marks, program, publish, publish_all, save
 from validation.verification.study import known
-from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 

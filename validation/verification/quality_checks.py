@@ -14,10 +14,10 @@ from pathlib import Path
 from fabrics import run_cache
 from shellfabric.impact import simulation
 from shellfabric.panel.quality import LIMITS, NOTES
+from validation.marked_page import markdown
 from validation.program import marks, program, publish
 from validation.verification.stability import study
 from validation.verification.stability.core import STABLE, WRONG
-from weavecell.report.marked_page import markdown
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
 

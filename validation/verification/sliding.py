@@ -25,11 +25,11 @@ from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
 from shellfabric.solver.pack_solver import PackSolver
+from validation.marked_page import markdown, put
 from validation.models import cell_scaling
 from validation.program import program, save
 from validation.verification import sliding_pull_out as pulls
 from validation.verification.study import known
-from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
 MARKS = "<!-- tables of validation.verification.sliding -->", "<!-- end of sliding -->"

@@ -14,7 +14,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction
-from weavecell.report.marked_page import markdown
+from validation.marked_page import markdown
 
 PULL_MU, CROSSINGS, COHESION = (0.0, 0.1, 0.2, 0.3), (10, 20), 0.1  # [-], [-], [N]
 LOADS, COUNTS, MU = (0.0, 100.0, 200.0, 400.0), (10, 20, 30), 0.2  # [N] on all crossing yarns of a strip, [-], [-]

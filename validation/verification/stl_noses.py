@@ -21,9 +21,9 @@ from fabrics.checks import FloatArray
 from shellfabric.impact import simulation
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import Solid
+from validation.marked_page import markdown, put
 from validation.program import program
 from weavecell.api import runs
-from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 from weavecell.scenes import stl_file
 

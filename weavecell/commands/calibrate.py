@@ -19,12 +19,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fabrics import lazy
-from fabrics.errors import InputError
 from weavecell.commands import options
 
 with lazy.imports():
     from fabrics import assumed, checks
-    from weavecell.commands import calibrate_all, calibrate_chain, calibrate_solid, mesh
+    from weavecell.commands import calibrate_solid, mesh
     from weavecell.report import chapters
     from weavecell.report import page as report_page
     from weavecell.results import json_file, out_folder, progress, provenance
@@ -48,12 +47,7 @@ PlatenCurveOption = Annotated[
 
 @options.example("weavecell calibrate S-720 --mesh coarse")
 def calibrate(
-    fabric: Annotated[
-        str | None, typer.Argument(metavar="[FABRIC]", help="A name of the catalogue, or the path of a fabric file.")
-    ] = None,
-    all: Annotated[
-        bool, typer.Option("--all", help="Every fabric of the catalogue, side by side in one table.")
-    ] = False,
+    name: options.FabricArgument,
     size: options.MeshOption = options.Size.medium,
     jobs: options.JobsOption = options.CORES,
     executor: options.ExecutorOption = "local",
@@ -64,10 +58,6 @@ def calibrate(
             "--fit-solid", help="First fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves."
         ),
     ] = False,
-    page: Annotated[
-        Path | None,
-        typer.Option(help="With --all --fit-solid: put tables and pictures into this page too.", metavar="PAGE.md"),
-    ] = None,
     friction: options.FrictionOption = 0.0,
     out: options.OutOption = None,
     resume: options.ResumeOption = False,
@@ -77,23 +67,8 @@ def calibrate(
     The curve of --platen-curve is a CSV file headed, for example, "pressure \\[MPa], thickness \\[mm]": one ply between
     flat platens, loading only, at least five rows. A finished path is kept at once, for --resume.
     """
-    if all == (fabric is not None):
-        raise InputError("give either a fabric or --all")
-    if page is not None and not (all and fit_solid):
-        raise InputError("--page goes with --all --fit-solid")
+    out = out or options.RESULTS / f"calibrate-{Path(name).stem}"
     choices: dict[str, Any] = {"size": size.value, "friction": friction, "jobs": jobs, "executor": executor}
-    if fabric is not None:
-        _one(fabric, out or options.RESULTS / f"calibrate-{Path(fabric).stem}", plates, fit_solid, resume, choices)
-    elif plates is not None:
-        raise InputError("--platen-curve goes with one fabric")
-    elif fit_solid:
-        calibrate_chain.command(out or options.RESULTS / "calibrate-chain", resume=resume, page=page, **choices)
-    else:
-        calibrate_all.command(out or options.RESULTS / "calibrate-all", resume=resume, **choices)
-
-
-def _one(name, out, plates, fit_solid, resume, choices):
-    """Calibrate one fabric, its solid first where it is to be fitted, write what came of it and print the law."""
     fabric = mesh.with_3d_data(name)
     solid = None
     curve = calibrate_solid.curve_for(fabric, plates) if plates is not None or fit_solid else None
@@ -101,7 +76,7 @@ def _one(name, out, plates, fit_solid, resume, choices):
     if curve is not None:
         solid = calibrate_solid.fit(fabric, curve, out, resume=resume)
         fabric = assumed.given(solid.fabric, "solid")
-    built = mesh.build(fabric, size=choices["size"], domain="whole")
+    built = mesh.build(fabric, size=size.value, domain="whole")
     mesh.write(built, out, fabric=fabric)
     done = assumed_range(fabric, solved(fabric, out, resume=resume, **choices), out, **choices)
     tell(done)

@@ -11,6 +11,7 @@ from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import dynamic_relaxation, quasistatic
 from shellfabric.coupon.solver import no_fold
+from validation.models import variants as comparison
 
 
 class Chain:
@@ -129,7 +130,7 @@ def test_the_middle_of_a_cross_is_the_cell(strain):
 def straight(trellis=True):
     """Straight yarns with a soft trellis: what the closed form of the bias test is for."""
     fabric = catalogue.load("S-728").with_effective_density()
-    thin = variants.with_straight_yarns(fabric)
+    thin = comparison.with_straight_yarns(fabric)
     G = 0.3 * thin.shear.G1
     fabric = variants.with_shear(thin, G1=G, G2=G, gamma1=0.12, gamma2=0.7)
     return CellModel(fabric, model="decoupled", form="variational").table(61)

@@ -3,10 +3,10 @@
 import pytest
 from panels import make_panel, table
 
-from fabrics import variants
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import time_step
 from shellfabric.panel.model import Numerics
+from validation.models import variants as comparison
 
 
 def test_without_viscosity_a_ring_is_followed():
@@ -16,7 +16,7 @@ def test_without_viscosity_a_ring_is_followed():
 
 
 def test_taut_cloth_is_distinguished_from_crimped():
-    straight = CellModel(variants.with_straight_yarns(table().model.fabric), model="decoupled").table(26)
+    straight = CellModel(comparison.with_straight_yarns(table().model.fabric), model="decoupled").table(26)
     assert straight.tautness() > 0.95
     assert table().tautness() < 0.35
     assert time_step.share(straight, 0.1) == time_step.share(straight, 0.0) == pytest.approx(0.965)

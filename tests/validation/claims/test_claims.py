@@ -14,7 +14,7 @@ from validation.claims import judge, runner, summary, variants
 from validation.claims.checks import CHECKS, Check
 from validation.claims.claims import Claim, Condition
 from validation.claims.registry import Run
-from validation.commands.claims import validate
+from validation.commands import claims as claims_command
 
 RECORDED = Path(__file__).parents[3] / "docs" / "reports" / "data" / "claims.csv"
 
@@ -207,13 +207,13 @@ def test_variants_of_a_claim(computed, tmp_path):
 
 
 def test_the_command_ends_well_and_a_turned_verdict_ends_with_1(tmp_path, monkeypatch, capsys):
-    chosen = {"topics": ["geom"], "slow": False, "jobs": 1, "resume": False}
-    assert validate(tmp_path / "ledger", **chosen) == 0
+    chosen = {"topics": ["geom"], "no_variants": True, "jobs": 1}
+    assert claims_command.main(out=tmp_path / "ledger", **chosen) == 0
     topics = json.loads((tmp_path / "ledger" / "ledger.json").read_text("utf-8"))["topics"]
     assert topics["geom"]["share reproduced"] == 1.0
     with pytest.raises(InputError, match="--page"):
-        validate(tmp_path / "out", **chosen, page=tmp_path / "claims.md")
+        claims_command.main(out=tmp_path / "out", **chosen, page=tmp_path / "claims.md")
     assert not (tmp_path / "out").exists()
     monkeypatch.setattr(judge, "_unmissed", lambda claim: judge.MISSED)
-    assert validate(tmp_path / "turned", **chosen) == 1
+    assert claims_command.main(out=tmp_path / "turned", **chosen) == 1
     assert "geom-heights-s720: reproduced -> missed" in capsys.readouterr().out

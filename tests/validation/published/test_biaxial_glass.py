@@ -6,7 +6,7 @@ import pytest
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from validation.published.biaxial_glass import model_comparison, options
-from weavecell.analysis.biaxial_test.curves import at_ratio, curves, free_edge
+from validation.published.biaxial_glass.curves import at_ratio, curves, free_edge
 
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
 BALANCED_CELL, UNBALANCED_CELL = (CellModel(fabric, form="equilibrium") for fabric in (BALANCED, UNBALANCED))

@@ -15,6 +15,7 @@ from tests.weavecell.session_runs import SHORT, small_calibration
 from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import chain, solid_fit
 from unitcell3d.identify.solid_record import SolidFit
+from validation.commands import calibration
 from weavecell.commands import calibrate
 
 
@@ -66,13 +67,11 @@ def within(value, interval):
     return low <= float(value) <= high
 
 
-def test_the_catalogue_side_by_side(command, tmp_path, small):
-    words = ("calibrate", "--all", "--mesh", "coarse", "--out", "all")
-    code, out, err = command(*words, "--jobs", "2")
-    assert code == 0, err
+def test_the_catalogue_side_by_side(capsys, tmp_path, small):
     folder = tmp_path / "all"
-    everything = ["S-720", "S-726", "report.html", "summary.csv", "summary.png"]
-    assert sorted(path.name for path in folder.iterdir()) == everything
+    calibration.main(mesh="coarse", jobs=2, out=folder)
+    out = capsys.readouterr().out
+    assert {"S-720", "S-726", "report.html", "summary.csv", "summary.png"} <= {path.name for path in folder.iterdir()}
     header, rows = table(folder / "summary.csv")
     assert [row[0] for row in rows] == ["S-720", "S-726"]
     assert float(rows[0][header.index("a / published")]) == pytest.approx(float(rows[0][1]) / 0.045, abs=0.01)
@@ -81,20 +80,20 @@ def test_the_catalogue_side_by_side(command, tmp_path, small):
     # again: nothing is solved, the laws are the same to the last bit
     law = (folder / "S-720" / "law.json").read_bytes()
     (folder / "S-720" / "law.json").unlink()
-    assert command(*words, "--resume")[:2] == (0, out)
+    calibration.main(mesh="coarse", jobs=1, resume=True, out=folder)
+    assert capsys.readouterr().out == out
     assert (folder / "S-720" / "law.json").read_bytes() == law
 
 
-def test_the_chain_of_the_catalogue(command, tmp_path, monkeypatch, small, fitted):
+def test_the_chain_of_the_catalogue(capsys, tmp_path, monkeypatch, small, fitted):
     """Both laws of each fabric side by side, and on a page; a fabric without a platen law is named with the reason."""
     monkeypatch.setattr(catalogue, "list_names", lambda: ["S-720", "S-726", "glass-balanced"])
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- chain -->old<!-- end of chain -->\nafter\n")
     (tmp_path / "figures").mkdir()
-    words = ("--all", "--fit-solid", "--mesh", "coarse", "--jobs", "2", "--out", "c", "--page", page)
-    code, out, err = command("calibrate", *words)
-    assert code == 0, err
-    assert "glass-balanced: left out, since fabric glass-balanced has no areal_density_measured" in out
+    calibration.main(fit_solid=True, mesh="coarse", jobs=2, out=tmp_path / "c", page=page)
+    left_out = "glass-balanced: left out, since fabric glass-balanced has no areal_density_measured"
+    assert left_out in capsys.readouterr().out
     _, rows = table(tmp_path / "c" / "laws.csv")
     assert [row[0] for row in rows] == ["S-720", "S-726"]
     for row in rows:

@@ -11,7 +11,7 @@ import weavecell as wc
 from fabrics import backings, projectiles
 from fabrics.materials import load
 from fabrics.units import si
-from weavecell.scenes import build, impact, reference
+from weavecell.scenes import build, impact
 
 NAMES = projectiles.list_names()
 GRAIN = 64.79891e-6  # [kg]
@@ -67,8 +67,8 @@ def test_what_is_given_goes_before_the_data_of_the_name():
     assert dome.flat_width is None is ball.flat_width
 
 
-def test_editors_do_not_ask_for_what_the_name_says():
-    table = reference.json_schema(impact.Scene)["$defs"]["ProjectileTable"]
+def test_editors_do_not_ask_for_what_the_name_says(tool):
+    table = tool("reference_pages").json_schema(impact.Scene)["$defs"]["ProjectileTable"]
     assert table["required"] == ["strike_velocity"]
     assert table["anyOf"] == [{"required": ["name"]}, {"required": ["mass", "diameter"]}, {"required": ["stl"]}]
 

@@ -5,10 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from weavecell.scenes import coupon, impact, reference
+from weavecell.scenes import coupon, impact
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 TYPES = {"string": str, "number": (int, float), "integer": int, "boolean": bool, "array": list, "object": dict}
+
+
+@pytest.fixture
+def reference(tool):
+    return tool("reference_pages")
 
 
 def problems(value, schema, root, at=""):
@@ -42,7 +47,7 @@ def problems(value, schema, root, at=""):
 @pytest.mark.parametrize(
     "file", sorted([*EXAMPLES.glob("*.toml"), *EXAMPLES.glob("coupons/*.toml")]), ids=lambda file: file.stem
 )
-def test_the_schema_accepts_the_examples(file):
+def test_the_schema_accepts_the_examples(reference, file):
     schema = reference.json_schema(coupon.CouponScene if file.parent.name == "coupons" else impact.Scene)
     assert problems(tomllib.loads(file.read_text("utf-8")), schema, schema) == []
 
@@ -51,7 +56,7 @@ def test_the_schema_accepts_the_examples(file):
     ("table", "key", "value"),
     [("projectile", "mass", 0.003), ("panel", "plies", "4"), ("run", "end", "1 us"), ("fabric", "cell_model", "rigid")],
 )
-def test_the_schema_rejects(table, key, value):
+def test_the_schema_rejects(reference, table, key, value):
     schema = reference.json_schema(impact.Scene)
     scene = tomllib.loads((EXAMPLES / "S-720-stops.toml").read_text("utf-8"))
     scene[table] = scene[table] | {key: value}

@@ -10,7 +10,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from validation.claims.checks.by_hand import departure
 from validation.claims.registry import Found, check
-from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
+from validation.published.biaxial_glass.curves import at_ratio, free_edge
 
 
 @check()

@@ -12,6 +12,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
+from validation.models import variants as comparison
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -64,7 +65,7 @@ def cloth(name: str) -> tuple[Fabric, str, bool]:
     fabric = variants.with_yarns(fabric, crimp=crimp)
     soft = variants.with_shear(fabric, G2=fabric.shear.G1)
     if name == "straight":
-        return variants.with_straight_yarns(soft), "decoupled", True
+        return comparison.with_straight_yarns(soft), "decoupled", True
     return soft if name == "soft" else fabric, "compressible", name in ("locking", "soft")
 
 

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics import catalogue
-from fabrics.units import si
 from meshing.pictures_style import BLUE, FAINT, GREEN, RED
+from validation.marked_page import markdown
 from validation.program import program, save, write_csv
 from validation.published.biaxial_glass import options as studied
-from weavecell.analysis.biaxial_test.curves import curves
-from weavecell.report.marked_page import markdown
+from validation.published.biaxial_glass.curves import TOE, curves, toe_of
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -86,8 +85,7 @@ def main(
     options: bool = False,
     out: Path = Path("results/biaxial"),
 ) -> None:
-    values = tuple(si(part.strip(), "", key="--toe") for part in toe.split(","))
-    slack = values[0] if len(values) == 1 else values
+    slack = toe_of(toe)
     for name in fabrics:
         fabric = catalogue.load(name)
         results = curves(fabric, profile=profile, toe=slack)
@@ -105,6 +103,6 @@ if __name__ == "__main__":
     program(
         main,
         profile="of the yarns",
-        toe="strain that the fibres' straightening takes: 0.1 %, or one of the warp and one of the weft, 0.1 %,0.2 %",
+        toe=TOE,
         options="what the toe (0.1 % if none is given), straight segments and both change",
     )

@@ -27,9 +27,9 @@ from fabrics.compression import CompressionLaw
 from meshing.pictures_style import BLUE, GREEN, INK, ORANGE
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
+from validation.marked_page import markdown
 from validation.program import program, save, write_csv
-from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
-from weavecell.report.marked_page import markdown
+from validation.published.biaxial_glass.curves import at_ratio, free_edge
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric

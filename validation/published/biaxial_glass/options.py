@@ -23,10 +23,10 @@ from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from meshing.pictures_style import BLUE, INK, PURPLE, RED
 from shellfabric.cell.model import CellModel
-from weavecell.analysis.biaxial_test import fit
-from weavecell.analysis.biaxial_test.curves import RATIOS, Curve, at_ratio, curves
-from weavecell.analysis.biaxial_test.measured import Test
-from weavecell.report.marked_page import markdown
+from validation.marked_page import markdown
+from validation.published.biaxial_glass import fit
+from validation.published.biaxial_glass.curves import RATIOS, Curve, at_ratio, curves
+from validation.published.biaxial_glass.measured import Test
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric

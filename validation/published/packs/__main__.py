@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from meshing.pictures_style import BLUE, GREEN, ORANGE, RED
+from validation.marked_page import markdown
 from validation.program import program, publish_all, save
 from validation.published.packs import study
 from validation.published.packs.passages import AT_ONCE
 from validation.published.packs.study import GAPS
-from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 

@@ -22,9 +22,9 @@ from fabrics import catalogue
 from shellfabric.impact.simulation import ImpactSetup, Ply, run
 from shellfabric.panel.model import Numerics
 from validation.commits import computed
+from validation.marked_page import markdown, put
 from validation.program import program
 from validation.published.packs.study import kept
-from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
 SEQUENCES: tuple[tuple[int, ...], ...] = (

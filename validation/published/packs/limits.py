@@ -36,8 +36,8 @@ from shellfabric.impact.simulation import ImpactSetup, Ply
 from shellfabric.plies.model import Pack
 from shellfabric.sliding.model import CrossoverFriction
 from validation.commits import computed
+from validation.marked_page import markdown
 from validation.program import marks, program, publish, save
-from weavecell.report.marked_page import markdown
 from weavecell.results import provenance
 
 MODULE = "validation.published.packs.limits"

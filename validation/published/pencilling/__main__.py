@@ -16,9 +16,9 @@ import numpy as np
 from fabrics import run_cache
 from fabrics.errors import InputError
 from meshing.pictures_style import BLUE, GREEN, INK, ORANGE, RED, SKY, STEEL
+from validation.marked_page import markdown
 from validation.program import program, publish, save, write_csv
 from validation.published.pencilling.study import CASES, PROJECTILE, Case, fire
-from weavecell.report.marked_page import markdown
 
 BARE, TEXT = "bare block", "4 plies, 924 g/m²"
 

@@ -14,9 +14,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from validation.marked_page import markdown
 from validation.program import program, publish, write_csv
 from validation.verification.cost_accuracy import study, tables
-from weavecell.report.marked_page import markdown
 
 SHOTS = {"ply-stopped": "one ply, stopped", "ply-perforated": "one ply, perforated", "four-ply-pack": "four plies"}
 MARKS = "<!-- table of validation.verification.cost_accuracy.defaults -->", "<!-- end of the table -->"

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from validation.marked_page import markdown
 from validation.verification.cost_accuracy import tables
 from validation.verification.cost_accuracy.core import AIMED
 from validation.verification.cost_accuracy.study import PAGE
 from validation.verification.study import write_page
-from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from validation.verification.cost_accuracy.core import Chart

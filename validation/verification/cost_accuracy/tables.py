@@ -6,10 +6,10 @@ import csv
 from pathlib import Path
 
 from fabrics.errors import InputError
+from validation.marked_page import markdown
 from validation.program import write_csv
 from validation.verification.cost_accuracy.core import Chart, Entry, Quantity, Reference, Sample, Scene, fronts
 from validation.verification.richardson import Extrapolation
-from weavecell.report.marked_page import markdown
 
 SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "-": (1e2, "%"), "deg": (1.0, "°")}
 

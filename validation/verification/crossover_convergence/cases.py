@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import variants
 from fabrics.checks import IntArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
@@ -27,6 +26,7 @@ from unitcell3d.identify.calibration import samples
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps, solve_load_path
+from validation.models.variants import scale_solids
 
 TWO_FOLD, PIN, UPRIGHT, CLAMPED = "two-fold axis", "pin", "upright face", "clamped face"
 QUANTITIES = ("T1", "T2", "F_c")
@@ -87,7 +87,7 @@ def solve(fabric: Fabric, paths: dict[str, tuple[float, float]], case: Case) -> 
     dict of plain types: values {"T1, warp only": [N] ...}, law {"a", "b", "rms"} or None, wall and cpu [s], steps,
     tangents factorised, unknowns, failed {path: why it ended early}
     """
-    fabric = variants.scale_solids(fabric, dict(case.solids))
+    fabric = scale_solids(fabric, dict(case.solids))
     _warm_up(fabric)
     wall, cpu = time.perf_counter(), time.process_time()
     mesh = _mesh(fabric, case)

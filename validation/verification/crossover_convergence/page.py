@@ -7,10 +7,10 @@ from pathlib import Path
 
 from fabrics.files import write_whole
 from validation.commits import computed
+from validation.marked_page import markdown
 from validation.verification.crossover_convergence import tables
 from validation.verification.crossover_convergence.axes import METHOD
 from validation.verification.crossover_convergence.study import MEASURED, Study, measured, name
-from weavecell.report.marked_page import markdown
 
 QUESTION = "How far are forces and compression law of the 3D crossover from their limit, and what changes them?"
 CONVERGENCE = """![Distance of each force from its limit](figures/crossover-convergence.png)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from validation.marked_page import markdown
 from validation.program import program, publish, save, write_csv
 from validation.verification.mesh_convergence.pictures import compose
 from validation.verification.mesh_convergence.study import (
@@ -25,7 +26,6 @@ from validation.verification.mesh_convergence.study import (
     velocities,
 )
 from validation.verification.study import known
-from weavecell.report.marked_page import markdown
 
 MARKS = "<!-- table of validation.verification.mesh_convergence -->", "<!-- end of the table -->"
 CHECKED = "<!-- uniform meshes of validation.verification.mesh_convergence -->", "<!-- end of uniform meshes -->"

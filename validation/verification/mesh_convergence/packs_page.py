@@ -7,8 +7,8 @@ from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from validation.marked_page import markdown
 from validation.verification.mesh_convergence.study import quantity
-from weavecell.report.marked_page import markdown
 
 if TYPE_CHECKING:
     from validation.verification.mesh_convergence.packs import Case, Found

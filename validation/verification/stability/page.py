@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from validation.marked_page import markdown
 from validation.verification.stability import study
 from validation.verification.stability.core import FAILED, MARGIN_TARGET, STABLE, WRONG, Found
 from validation.verification.stability.pictures import number, pictured
 from validation.verification.study import write_page
-from weavecell.report.marked_page import markdown
 
 
 def write(maps: Sequence[tuple[Found, str]], path: Path, command: str) -> None:

@@ -52,7 +52,7 @@ def table(form: str = "variational", straight: bool = False, crossovers: int = 1
     """Table of the cell of an element of so many crossovers, squared; of straight yarns: neither crimp nor coupling."""
     fabric = catalogue.load(FABRIC).with_effective_density()
     if straight:
-        fabric = variants.with_yarns(fabric, crimp=variants.NEARLY_STRAIGHT)
+        fabric = variants.with_yarns(fabric, crimp=comparison.NEARLY_STRAIGHT)
         return CellModel(fabric, form=form, model="decoupled").table(TABLE)
     return CellModel(comparison.homogenised(fabric, crossovers) if crossovers > 1 else fabric, form=form).table(TABLE)
 

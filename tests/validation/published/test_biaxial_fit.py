@@ -6,9 +6,9 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
-from weavecell.analysis.biaxial_test.curves import at_ratio
-from weavecell.analysis.biaxial_test.fit import fit, write
-from weavecell.analysis.biaxial_test.measured import Test
+from validation.published.biaxial_glass.curves import at_ratio
+from validation.published.biaxial_glass.fit import fit, write
+from validation.published.biaxial_glass.measured import Test
 
 FABRIC = catalogue.load("glass-balanced")
 LAW = FABRIC.laws[0]

@@ -1,23 +1,23 @@
-"""python -m weavecell.analysis.biaxial_test.fit TEST.csv --fabric NAME [--predict OTHER.csv ...] [--out FOLDER]
+"""The inverse of `curves`: the compression law from one biaxial test, as the thesis takes it from k = 1.
 
-The inverse of `curves`: the constants a and b of the compression law from one biaxial test, as the thesis takes them
-from k = 1, with their confidence intervals, and what they predict at other ratios (thesis section 5.3, Figures
-5-59 to 5-64). The format of a test is described in weavecell/analysis/biaxial_test/measured.py.
+    python -m validation.published.biaxial_glass.fit TEST.csv --fabric NAME [--predict OTHER.csv ...] [--out FOLDER]
+
+The constants a and b come with their confidence intervals, and with what they predict at other ratios (thesis section
+5.3, Figures 5-59 to 5-64). The format of a test is described in validation/published/biaxial_glass/measured.py.
 
 a = exp(p) and F0 = exp(q) stay positive, and b = a F0^(1/3); residuals are tensions over the yarn's strength. Intervals
 are those of the linearised problem at 95 %; bands of a prediction hold 95 % of the curves of parameters drawn from it.
 With --origin the origin of the strains is a parameter too: the thesis names its shift as a cause of its misfit. It
-names the cosine of its yarns and their linear tension too: --profile and --toe give the cell others (see `options`).
+names the cosine of its yarns and their linear tension too: --profile and --toe give the cell others.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -26,12 +26,13 @@ from scipy.stats import t as student
 from fabrics import catalogue
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, run_program
+from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.files import replace_whole, write_whole
 from shellfabric.cell.model import CellModel
-from weavecell.analysis.biaxial_test.measured import Test
-from weavecell.analysis.biaxial_test.options import add_options
+from validation.program import program
+from validation.published.biaxial_glass.curves import TOE, toe_of
+from validation.published.biaxial_glass.measured import Test
 
 DRAWS = 200
 CONFIDENCE = 0.95
@@ -175,38 +176,30 @@ def picture(found: Fit, tests: Mapping[str, Test], path: FilePath) -> None:
     plt.close(figure)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m weavecell.analysis.biaxial_test.fit", description=__doc__.splitlines()[2]
-    )
-    parser.add_argument("test", type=Path, metavar="TEST.csv")
-    parser.add_argument("--fabric", default="glass-balanced", help="a name of the catalogue, or a fabric file")
-    parser.add_argument("--predict", type=Path, nargs="*", default=[], metavar="OTHER.csv")
-    parser.add_argument("--origin", action="store_true", help="fit the origin of the strains too")
-    parser.add_argument("--form", choices=["equilibrium", "variational"], default="equilibrium")
-    add_options(parser)
-    parser.add_argument("--out", type=Path, default=Path("results/biaxial"))
-    options = parser.parse_args()
-    fabric = catalogue.read(options.fabric) if options.fabric.endswith(".toml") else catalogue.load(options.fabric)
-    tests = {path.stem: Test.read(path) for path in (options.test, *options.predict)}
-    found = fit(fabric, tests[options.test.stem], origin=options.origin, form=options.form,
-                profile=options.profile, toe=options.toe)  # fmt: skip
-    law, strength = found.law, np.array([yarn.strength for yarn in fabric.weave.yarns])
-    found.law.to_json(options.out / f"{options.test.stem}-law.json")
-    write(found, tests, options.out / f"{options.test.stem}-fit.csv")
-    picture(found, tests, options.out / f"{options.test.stem}-fit.png")
+def main(
+    test: Path, *, fabric: str = "glass-balanced", predict: Sequence[Path] = (), origin: bool = False,
+    form: Literal["equilibrium", "variational"] = "equilibrium", profile: Literal["cosine", "straight"] = "cosine",
+    toe: str = "0", out: Path = Path("results/biaxial"),
+) -> None:  # fmt: skip
+    weave = catalogue.read(fabric) if fabric.endswith(".toml") else catalogue.load(fabric)
+    tests = {path.stem: Test.read(path) for path in (test, *predict)}
+    found = fit(weave, tests[test.stem], origin=origin, form=form, profile=profile, toe=toe_of(toe))
+    law, strength = found.law, np.array([yarn.strength for yarn in weave.weave.yarns])
+    found.law.to_json(out / f"{test.stem}-law.json")
+    write(found, tests, out / f"{test.stem}-fit.csv")
+    picture(found, tests, out / f"{test.stem}-fit.png")
     assert law.a_interval is not None
     assert law.b_interval is not None
     print(f"a = {1e3 * law.a:.4f} mm ({1e3 * law.a_interval[0]:.4f} to {1e3 * law.a_interval[1]:.4f})")
     low, b, high = (1e5 * value for value in (law.b_interval[0], law.b, law.b_interval[1]))
     print(f"b = {b:.3f} mm uN^(1/3) ({low:.3f} to {high:.3f})")
-    if options.origin:
+    if origin:
         span = " to ".join(f"{100 * end:.4f}" for end in found.shift[1])
         print(f"origin of the strains shifted by {100 * found.shift[0]:.4f} % ({span})")
-    for name, test in tests.items():
-        off = (found.tension(test.strain) - test.tension) / strength
-        print(f"{name:20} k = {test.ratio:.3g}: rms {100 * np.sqrt(np.nanmean(off**2)):.2f} % of the strength")
+    for name, one in tests.items():
+        off = (found.tension(one.strain) - one.tension) / strength
+        print(f"{name:20} k = {one.ratio:.3g}: rms {100 * np.sqrt(np.nanmean(off**2)):.2f} % of the strength")
 
 
 if __name__ == "__main__":
-    run_program(main)
+    program(main, test="TEST.csv", predict="OTHER.csv ...", origin="fit the origin of the strains too", toe=TOE)

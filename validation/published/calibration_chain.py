@@ -1,4 +1,4 @@
-"""The calibration chain of every fabric with a platen law (`weavecell calibrate --all --fit-solid`).
+"""The calibration chain of every fabric with a platen law (`python -m validation calibration --fit-solid`).
 
 Platen curve -> E_c, V_c, K_r -> biaxial paths -> (a, b), beside the law with the solid of the fabric's file.
 
@@ -17,8 +17,10 @@ from typing import TYPE_CHECKING, Any
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write, write_csv
+from validation import marked_page
+from validation.published import pictures_calibration
 from weavecell.commands import calibrate_solid
-from weavecell.report import chapters, marked_page, pictures, pictures_solid
+from weavecell.report import chapters, pictures
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.results import json_file, out_folder, progress, provenance
@@ -67,8 +69,8 @@ def command(
                                         intervals.get(fit.fabric.name, {})) for fit in fits)],
     }  # fmt: skip
     drawn = {
-        "platens": pictures.render(pictures_solid.platens, fits, kind="png"),
-        "laws": pictures.render(pictures_solid.chain, _ratios(fits, done, intervals), kind="png"),
+        "platens": pictures.render(pictures_calibration.platens, fits, kind="png"),
+        "laws": pictures.render(pictures_calibration.chain, _ratios(fits, done, intervals), kind="png"),
     }
     remarks = [f"{name}: left out, since {reason}" for name, reason in {**skipped, **failed}.items()]
     _write(out, tables, drawn, remarks, size, friction, page)
@@ -234,7 +236,8 @@ def _write_page(page, tables, drawn, captions, remarks, size, stamp):
     for name, picture in drawn.items():
         write(page.parent / "figures" / f"calibration-chain-{name}.png", picture)
     lines = [
-        f"Made by `weavecell calibrate --all --fit-solid --mesh {size}`, commit {stamp['commit']}, {stamp['date']}."
+        f"Made by `python -m validation calibration --fit-solid --mesh {size}`, commit {stamp['commit']}, "
+        f"{stamp['date']}."
     ]
     lines += remarks
     parts = ["\n".join(f"- {line}" for line in lines)]

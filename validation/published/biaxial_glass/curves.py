@@ -13,9 +13,17 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.units import si
 from shellfabric.cell.model import CellModel
 
 RATIOS = (0.5, 1.0, 2.0)
+TOE = "strain that the fibres' straightening takes: 0.1 %, or one of the warp and one of the weft, 0.1 %,0.2 %"
+
+
+def toe_of(text: str) -> Any:
+    """A strain from "0.1 %", or those of warp and weft from "0.1 %, 0.2 %"."""
+    values = tuple(si(part.strip(), "", key="--toe") for part in text.split(","))
+    return values[0] if len(values) == 1 else values
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """docs/reference/input.md: every key of input files and result files, from the schema and the declared keys.
 
-python -m weavecell.commands.keys_page [docs/reference/input.md]
+python tools/keys_page.py [docs/reference/input.md]
 """
 
 from __future__ import annotations
@@ -9,6 +9,8 @@ import inspect
 import sys
 from dataclasses import fields
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from fabrics.files import write
 from weavecell.report import deck_folder
@@ -25,7 +27,7 @@ tocdepth: 3
 
 # Input file
 
-Made by `python -m weavecell.commands.keys_page {PAGE}`; not to be edited by hand.
+Made by `python tools/keys_page.py {PAGE}`; not to be edited by hand.
 
 An input file is a [TOML](https://toml.io) file. A quantity is a string with a unit, in any unit of its dimension:
 `"92.5 m/s"`, `"300 ft/s"`: one number, with a decimal point, and one unit. Everything is checked before a run starts;

@@ -1,6 +1,6 @@
 """Every fabric of the catalogue calibrated unattended, its laws beside those that the thesis prints.
 
-Folder of `weavecell calibrate --all`
+Folder of `python -m validation calibration`
     summary.csv, summary.png, report.html   all fabrics side by side
     <fabric>/       law.json, law-warp.json, law-weft.json, calibration.json, histories of its paths (.h5)
 """
@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import write, write_csv
-from weavecell.report import chapters, pictures, pictures_solid
+from validation.published import pictures_calibration
+from weavecell.report import chapters, pictures
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.results import out_folder, progress, provenance
@@ -48,7 +49,7 @@ def command(out: Path, *, size: str, jobs: int, executor: str, resume: bool, fri
     rows = [row(fabric, found[fabric.name]) for fabric in fabrics]
     write_csv(out / "summary.csv", [COLUMNS, *rows])
     done = {name: each for name, each in found.items() if not isinstance(each, Exception)}
-    picture = pictures.render(pictures_solid.laws, done, kind="png")
+    picture = pictures.render(pictures_calibration.laws, done, kind="png")
     write(out / "summary.png", picture)
     _report(out, fabrics, rows, picture, size, friction)
     for line in rows:

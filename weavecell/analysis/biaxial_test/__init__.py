@@ -1,1 +1,0 @@
-"""A measured biaxial test: reading, curves of the cell, inverse fit of the compression law."""
