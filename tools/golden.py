@@ -27,7 +27,7 @@ from weavecell.results import pull_out
 from weavecell.scenes import build, coupon, impact, of_commands
 
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
-DIGITS, ROWS, MOST = 12, 6, 6
+DIGITS, TOLERANCE, ROWS, MOST = 12, 1e-11, 6, 6
 SKIPPED = (  # inputs, words, clocks, fields at every instant, and small differences of energies
     *("setup", "target", "coupon", "snapshots", "scatter", "wall_time", "ns_per_element_step", "seconds"),
     *("meaning", "meanings", "unit", "limit", "note", "provenance", "quads", "area", "checks", "path_laws", "sizes"),
@@ -98,8 +98,7 @@ def thinned(value):
 def same(kept, computed):
     if isinstance(kept, list) and isinstance(computed, list):
         return len(kept) == len(computed) and all(map(same, kept, computed))
-    numbers = isinstance(kept, float) and isinstance(computed, float)
-    return kept == computed or (numbers and isclose(kept, computed, rel_tol=10.0 ** (1 - DIGITS)))
+    return kept == computed or (type(kept) is type(computed) is float and isclose(kept, computed, rel_tol=TOLERANCE))
 
 
 if __name__ == "__main__":
