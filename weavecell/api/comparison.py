@@ -52,12 +52,7 @@ def compare(
     Parameters
     ----------
     tests : table of tests (*.csv), a row a shot
-    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
-    tolerance : highest stop and lowest perforation differ by this at most [m/s]
-    jobs : shots that run at the same time, as threads of this process
-    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
-        Dask scheduler at DASK_SCHEDULER_ADDRESS
-    out : folder of the results; in Python None writes nothing
+    target, tolerance, jobs, executor, out : as of `critical_velocity`
     **options : beside a fabric, keywords of `setup` but history
 
     Returns

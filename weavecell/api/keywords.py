@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, InputErrors, together
+from weavecell.scenes.target import STANDARD
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw
@@ -36,9 +37,10 @@ NOT_HERE = (
     "fabric.name", "fabric.file", "fabric.linear_density", "fabric.fibre_slack", "run.checkpoint_interval",
     "run.outputs",
 )  # fmt: skip
-DEFAULTS: dict[str, Any] = {  # of keys that the input file requires
-    "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"},
-    "opening": "203 mm",
+# of keys that the input file requires
+DEFAULTS: dict[str, Any] = {
+    "projectile": {key: value for key, value in STANDARD["projectile"].items() if key != "strike_velocity"},
+    **STANDARD["panel"],
 }
 _OBJECTS = {"fabric": ("law", "surface"), "panel": ("ply_contact",)}  # may be objects, which no file can hold
 

@@ -258,7 +258,7 @@ def v50(
 
     Parameters
     ----------
-    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    target : as of `critical_velocity`
     shots : number of shots, at least 4
     batch : shots of a round, at least 4; each round is placed by the outcomes before
     weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and below that of
@@ -267,10 +267,8 @@ def v50(
     crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : of all that is drawn
     jobs : number of runs in parallel, each in a process of its own
-    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
-        Dask scheduler at DASK_SCHEDULER_ADDRESS
-    out : folder of the results; in Python None keeps nothing
-    resume : whether to take finished shots from the folder; those of another version of the code are computed again
+    executor, out : as of `critical_velocity`
+    resume : whether to take finished runs from the folder; those of another version of the code are computed again
     **options : beside a fabric, keywords of `setup` but history
 
     Returns
@@ -324,7 +322,7 @@ def sensitivity(
 
     Parameters
     ----------
-    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    target : as of `critical_velocity`
     velocity : strike velocity [m/s], may be given again; in Python a list. That of the input file where it is left out,
         or 92.5 and 170 m/s at a fabric
     samples : N, a power of 2; N (inputs + 2) rows are run

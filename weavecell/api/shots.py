@@ -95,7 +95,12 @@ def shoot(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
-    panel = targets.of(target, options, of_commands.impact, velocity, history=True)
+    panel = targets.of(target, options, of_commands.impact, velocity, one_shot=True)
+    climbs = panel.case is not None and panel.case.scene.accuracy is not None
+    if climbs and uncertainty:
+        raise InputError(key="uncertainty", allowed="left out with [accuracy], which compares its meshes")
+    if panel.case is None and out is not None:
+        raise InputError(key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report")
     if check:
         with panel.named():
             size = RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))
@@ -107,8 +112,7 @@ def shoot(
     with targets.folder_of(out, goes_on) as folder:
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty)
-            climbed = panel.case is not None and panel.case.scene.accuracy is not None
-            if assumed_range and failure is None and not climbed and panel.setup.plies == 1:
+            if assumed_range and failure is None and not climbs and panel.setup.plies == 1:
                 result = replace(result, range=_range(panel.setup, result))
         if folder is not None:
             with progress.bar("Writing results"):
@@ -142,8 +146,6 @@ def _answer(panel, key, folder, resume, uncertainty):
     try:
         if scene is None or scene.accuracy is None:
             shot, pair = discretisation.run_pair(setup, shoot) if uncertainty else (shoot(setup)[:3], None)
-        elif uncertainty:
-            raise InputError(key="uncertainty", allowed="left out with [accuracy], which compares its meshes")
         else:
             fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
             shot, pair = discretisation.climb(setup, scene.accuracy.targets, shoot, fixed=fixed)
@@ -210,12 +212,7 @@ def draws(
     count : number of draws, at least 2
     weibull_shape : Weibull shape of the yarns' strength; that of weavecell/analysis/uncertainty/inputs.toml where it is
         not given
-    seed : of all that is drawn
-    jobs : number of runs in parallel, each in a process of its own
-    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
-        Dask scheduler at DASK_SCHEDULER_ADDRESS
-    out : folder of the results; in Python None writes nothing
-    resume : whether to take finished draws from the folder; those of another version of the code are computed again
+    seed, jobs, executor, out, resume : as of `v50`
 
     Returns
     -------
@@ -237,7 +234,7 @@ def draws(
     from weavecell.analysis.uncertainty import inputs
 
     began, scatter = time.perf_counter(), inputs.published()
-    panel = targets.of(target, {}, of_commands.DRAWS, history=True)
+    panel = targets.of(target, {}, of_commands.DRAWS, one_shot=True)
     scatter = scatter if weibull_shape is None else replace(scatter, shape=weibull_shape)
     with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
         with panel.named(), progress.bar(f"{panel.shot_title}, draws") as advance:

@@ -64,10 +64,7 @@ def sweep(
     shots : of a V50, number of shots
     seed : of a V50, of all that is drawn
     jobs : number of runs in parallel; 1 runs them in this process one after the other
-    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
-        Dask scheduler at DASK_SCHEDULER_ADDRESS
-    out : folder of the results; in Python None writes nothing
-    resume : whether to take finished runs from the folder; those of another version of the code are computed again
+    executor, out, resume : as of `v50`
 
     Returns
     -------

@@ -29,14 +29,13 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
     from weavecell.scenes.supported import Support
 
-STRIKES = 92.5, 170.0  # [m/s] of the sensitivities of a fabric
+STRIKES = 92.5, 170.0  # [m/s] of the sensitivities of a fabric, the first also of its deck
 RUNS = "runs"  # folder of finished runs
-ANY_VELOCITY = 100.0  # [m/s] of a set-up whose strike velocity is not used
 
 
 def of(
     target: Fabric | FilePath | ImpactSetup | None, options: Mapping[str, Any],
-    support: Support | Callable[..., Support], velocity: float | str | None = None, *, history: bool = False,
+    support: Support | Callable[..., Support], velocity: float | str | None = None, *, one_shot: bool = False,
 ) -> Target:  # fmt: skip
     """The target of a study.
 
@@ -46,11 +45,11 @@ def of(
     **options : keywords of `weavecell.setup` beside a fabric; none beside the others
     support : what the study does with the keys of an input file
     velocity : [m/s] at which a fabric is struck; of a study that chooses it None
-    history : whether [history] means something to the study
+    one_shot : whether what is computed is a shot, to which strike velocity and [history] mean something
 
     Raises
     ------
-    InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file
+    InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file; a shot without velocity
     """
     from shellfabric.impact.simulation import ImpactSetup
 
@@ -64,9 +63,11 @@ def of(
         return targets.read(str(target), Path.cwd(), support)
     if isinstance(target, str) and not target.endswith(".toml") and target not in catalogue.list_names():
         raise InputError(key="TARGET", value=target, allowed=targets.ALLOWED + ", ".join(catalogue.list_names()))
-    if "history" in chosen and not history:
+    if "history" in chosen and not one_shot:
         raise InputError(key="history", allowed=targets.NO_HISTORY["history"])
-    panel = made(target, ANY_VELOCITY if velocity is None else velocity, chosen)
+    if velocity is None and one_shot:
+        raise InputError("is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"')
+    panel = made(target, STRIKES[0] if velocity is None else velocity, chosen)
     for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
         targets.build.LOG.info(line)
     return panel

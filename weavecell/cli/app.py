@@ -1,7 +1,7 @@
-"""The `weavecell` command, of the functions in `weavecell.commands`.
+"""The `weavecell` command, of functions of the Python interface (`from_signature`) and of `weavecell.commands`.
 
-Each has its arguments and options as its signature, its help as its docstring, and its example (`options.example`). A
-call imports the module of its command alone, and that imports the rest lazily (`fabrics.lazy`): help comes at once.
+A function of `weavecell.commands` has its arguments and options as its signature, its help as its docstring, and its
+example (`options.example`). A call imports the module of its command alone: help comes at once.
 
 Exit codes: 0 done; 2 bad input, or a path that cannot be written to (a line on stderr for each problem, nothing
 written); 3 a run became unstable (what it had computed is kept); 130 interrupted.
@@ -133,9 +133,16 @@ def _root(
 
 
 class _Lines(logging.Handler):
-    """What is assumed goes to stdout with the results; warnings go to stderr."""
+    """What is assumed goes to stdout with the results, each line once; warnings go to stderr."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.printed: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
+        if record.levelno == logging.INFO and record.getMessage() in self.printed:
+            return
+        self.printed.add(record.getMessage())
         print(self.format(record), file=sys.stderr if record.levelno > logging.INFO else sys.stdout, flush=True)
 
 

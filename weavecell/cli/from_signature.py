@@ -18,6 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
+import weavecell
 from fabrics.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
 from weavecell.api.result import Result
 from weavecell.commands.options import CORES, RESULTS
@@ -110,13 +111,13 @@ def _listed(text):
 def documented(function: Callable) -> tuple[str, dict[str, str]]:
     """(text before the sections, {parameter: its meaning}) of a numpydoc docstring, brackets written for rich.
 
-    "as of `other`" is what the docstring of that function of the same module says.
+    "as of `other`" is what the docstring of that function of the Python interface says.
     """
     text, *sections = _SECTION.split(inspect.getdoc(function) or "")
     meanings: dict[str, str] = {}
     for names, meaning in _ENTRY.findall(sections[0] if sections else ""):
         other = re.fullmatch(r"as of `(\w+)`", meaning)
-        known = documented(inspect.unwrap(function).__globals__[other[1]])[1] if other else {}
+        known = documented(getattr(weavecell, other[1]))[1] if other else {}
         words = _escaped(" ".join(meaning.split()).split("; in Python")[0])
         meanings |= {name: known.get(name, words) for name in names.split(", ")}
     return "\n\n".join(_escaped(" ".join(part.split())) for part in text.split("\n\n")), meanings

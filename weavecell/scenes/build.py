@@ -267,6 +267,12 @@ def _side(side):
     return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
 
 
+def of_file(problem: InputError) -> bool:
+    """Whether an InputError may be of a key of an input file, and not of a parameter of a command."""
+    known = {key.rpartition(".")[2] for key in supported.entries(Scene)} | {"model", *FIELDS.values()}
+    return problem.key is None or "." in problem.key or problem.key in known
+
+
 def in_file(problem: InputError, file: FilePath | None, tables: Mapping[str, type[Table]] | None = None) -> InputError:
     """An InputError of an object that does not know its file, with the scene's file and key in it.
 

@@ -27,7 +27,6 @@ NO_HISTORY = {"history": "left out: the shots record nothing along yarns; `weave
 STANDARD = {
     "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "strike_velocity": "92.5 m/s"},
     "panel": {"opening": "203 mm"},
-    "run": {"end_time": "600 us"},
 }
 _OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
 
@@ -86,7 +85,7 @@ class Target:
 
     def in_file(self, problem: InputError) -> InputError:
         """An InputError of what an input file asks, with the file and its key in it; any other as it is."""
-        if not self.from_file or (problem.key or "").startswith("--"):
+        if not self.from_file or not build.of_file(problem):
             return problem
         return build.in_file(problem, self.name)
 
@@ -157,7 +156,7 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
 
 
 def _target(scene, name, stem, text, from_file=False):
-    case = build.build(scene, name, stem)  # which prints the projectile where it has a name or a file
+    case = build.build(scene, name, stem)  # which logs the projectile where it has a name or a file
     if scene.projectile.name is None and scene.projectile.stl is None:
         build.LOG.info(f"projectile: {words.shot_in_words(scene.projectile)}")
     return Target(case, build.setup(case, name), text, name, from_file)

@@ -21,7 +21,6 @@ from shellfabric.solver import ply_audit, ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
 ZONES = [FINER, ((7, 0.5), (INF, 1)), ((7, 0.25), (9, 0.5), (13, 1), (INF, 4)), ((8, 1 / 3), (INF, 2))]
-HALVES = ((8, 0.5), (13, 1), (INF, 2))
 
 
 def shoot(strike_velocity, end_time, side=0.06, **changes):

@@ -15,7 +15,6 @@ from shellfabric.projectile.projectile import Projectile
 STEEL = load("steel")
 ELASTIC = Isotropic(STEEL.density, STEEL.modulus, STEEL.poisson)
 AREA, LENGTH = 2.4e-5, 0.042
-UNIFORM = Bar(((LENGTH, AREA),), ELASTIC)
 C = np.sqrt(ELASTIC.modulus / ELASTIC.density)  # of an elastic wave along a slender bar
 
 

@@ -322,3 +322,11 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
 
 def test_kept_results_do_not_depend_on_the_interface():
     assert not any("api" in file.parts for file in source_code.closure(["weavecell.analysis.assumed_range"]))
+
+
+def test_a_shot_without_velocity_and_the_folder_of_a_set_up_are_refused_before_a_run(tmp_path):
+    with pytest.raises(InputError, match="velocity: is missing"):
+        wc.shoot("S-720", **SMALL)
+    with pytest.raises(InputError, match="out: must be left out beside a set-up"):
+        wc.shoot(wc.setup("S-720", 100.0, **SMALL), out=tmp_path / "r")
+    assert not (tmp_path / "r").exists()
