@@ -2,12 +2,12 @@
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
 from weavecell.analysis.fit import fit
+from weavecell.api.calibration import calibrate
+from weavecell.api.calibration_result import CalibrationResult
 from weavecell.api.comparison import ComparisonResult, compare
 from weavecell.api.coupons import CouponResult, coupon
 from weavecell.api.exports import DeckResult, export
 from weavecell.api.limit_result import CriticalVelocityResult
-from weavecell.api.quasi_static import calibrate
-from weavecell.api.quasi_static_results import CalibrationResult
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
 from weavecell.api.runs import (

@@ -24,7 +24,7 @@ from weavecell.analysis.assumed_range import AssumedRange
 from weavecell.results import provenance
 
 if TYPE_CHECKING:
-    from weavecell.api.quasi_static import MeshSize
+    from weavecell.api.calibration import MeshSize
 
 OUT = Path("results/assumed-laws")
 FABRICS = ("S-720", "S-728", "S-731")

@@ -10,7 +10,7 @@ from fabrics import assumed
 from fabrics.checks import FilePath
 from fabrics.executors import InProcess
 from fabrics.fabric import Fabric
-from weavecell.api.quasi_static_results import CalibrationResult
+from weavecell.api.calibration_result import CalibrationResult
 from weavecell.api.targets import as_fabric
 
 __all__ = ["calibrate"]
