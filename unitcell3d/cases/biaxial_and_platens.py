@@ -17,8 +17,7 @@ from fabrics.plate_curve import PLATEN_PRESSURE
 from meshing.crossover import Crossover
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.history import History
-from unitcell3d.solver.load_stepping import Steps, solve_load_path
-from unitcell3d.solver.record import Hook
+from unitcell3d.solver.load_stepping import Hook, Steps, solve_load_path
 
 MIN_PLATE_GAP = 0.5  # of the plates' distance at rest
 

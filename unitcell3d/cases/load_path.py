@@ -15,11 +15,11 @@ from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.files import read_columns
+from fabrics.record import Record, columns
 from meshing.crossover import Crossover
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver import path_following
-from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Hook, Record
+from unitcell3d.solver.load_stepping import Hook
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -98,9 +98,12 @@ def along(
     loads = [Load(tuple(map(float, corner))) for corner in places]
     found = path_following.follow(model, loads, row, rows=counts, hooks=hooks)
     return Record(
-        solver_record.columns(found.rows), MEANINGS, found.x - model.points, fabric.name, "path", found.failed,
-        {"corners": places, "failure": failure},
-    )  # fmt: skip
+        columns(found.rows),
+        MEANINGS,
+        {"fabric": fabric.name, "case": "path", "corners": places, "failure": failure},
+        {"u": found.x - model.points},
+        found.failed,
+    )
 
 
 def read(path: FilePath) -> FloatArray:

@@ -14,13 +14,13 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.record import Record, columns
 from meshing.crossover import Crossover
 from meshing.patch import Patch
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.periodic_cell import CellLoad, CellModel
 from unitcell3d.solver import path_following
-from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Hook, Record
+from unitcell3d.solver.load_stepping import Hook
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -135,13 +135,15 @@ def _followed(model, loads, counts, case, hooks):
     found = path_following.follow(model, loads, row, rows=counts, hooks=hooks)
     u = (found.x - model.points)[: len(model.crossover.points)]
     facts = {
+        "fabric": fabric.name,
+        "case": case,
         "crossings": model.crossings,
         "cell_area": fabric.weave.cell_area,
         "shell_thickness": fabric.weave.thickness,
         "width": [2 * section.half_width for section in model.crossover.sections],
         "spacing": [2 * w for w in model.w[::-1]],
     }
-    return Record(solver_record.columns(found.rows), MEANINGS, u, fabric.name, case, found.failed, facts)
+    return Record(columns(found.rows), MEANINGS, facts, {"u": u}, found.failed)
 
 
 def _by_family(pairs):

@@ -23,13 +23,13 @@ import numpy as np
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import PullOutLaw
+from fabrics.record import Record, columns
 from meshing.crossover import Crossover
 from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.pull_out import PullLoad, PullOutModel
 from unitcell3d.solver import load_stepping, path_following
-from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Hook, Record
+from unitcell3d.solver.load_stepping import Hook
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -116,10 +116,17 @@ def pull_out(
         x, failed = one.x, failed or one.failed
         if one.failed:
             break
-    facts = {"pulled": pulled, "friction": numerics.friction, "loads": len(given), "pull": pull}
+    facts = {
+        "fabric": fabric.name,
+        "case": "pull-out",
+        "pulled": pulled,
+        "friction": numerics.friction,
+        "loads": len(given),
+        "pull": pull,
+    }
     if len(pressures):
         facts["pressures"] = given
-    return Record(solver_record.columns(found), MEANINGS, x - points, fabric.name, "pull-out", failed, facts)
+    return Record(columns(found), MEANINGS, facts, {"u": x - points}, failed)
 
 
 def _transverse(displacements, pressures):
@@ -222,5 +229,5 @@ def fit(record: Record, mesh: str = "") -> PullOutLaw:
             when=f"pull {1e6 * record.facts['pull']:.4g} um",
         )
     yarn = ("warp", "weft")[int(record.facts["pulled"])]
-    provenance = f"3D crossover of {record.fabric}, {yarn} pulled" + (f", {mesh} mesh" if mesh else "")
+    provenance = f"3D crossover of {record.facts['fabric']}, {yarn} pulled" + (f", {mesh} mesh" if mesh else "")
     return PullOutLaw.fit(F_c, T_f, friction=float(record.facts["friction"]), provenance=provenance)

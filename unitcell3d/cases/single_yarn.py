@@ -18,6 +18,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.record import Record, columns
 from fabrics.yarn import Yarn
 from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints
@@ -26,8 +27,7 @@ from unitcell3d.material import solid_law
 from unitcell3d.model import submeshes
 from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
 from unitcell3d.solver import path_following
-from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Hook, Record
+from unitcell3d.solver.load_stepping import Hook
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -143,11 +143,16 @@ def pull(
     found = path_following.follow(
         model, points, lambda state, load: _row(model, yarn, crimp, state, load), rows=rows, hooks=hooks
     )
-    facts = {"yarn": family, "bars": len(model.fibres.pairs), "integration": integration, "crimp": crimp, "EA": yarn.EA}
-    return Record(
-        solver_record.columns(found.rows), MEANINGS, found.x - model.points, fabric.name,
-        f"yarn {('warp', 'weft')[family]}", found.failed, facts,
-    )  # fmt: skip
+    facts = {
+        "fabric": fabric.name,
+        "case": f"yarn {('warp', 'weft')[family]}",
+        "yarn": family,
+        "bars": len(model.fibres.pairs),
+        "integration": integration,
+        "crimp": crimp,
+        "EA": yarn.EA,
+    }
+    return Record(columns(found.rows), MEANINGS, facts, {"u": found.x - model.points}, found.failed)
 
 
 def _row(model, yarn, crimp, state, load):

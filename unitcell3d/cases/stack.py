@@ -19,6 +19,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PLATEN_PRESSURE, PlateCurve
+from fabrics.record import Record, columns
 from meshing.crossover import Crossover
 from meshing.patch import Patch
 from unitcell3d.assembly import constraints
@@ -29,8 +30,7 @@ from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
 from unitcell3d.model.periodic_cell import CellLoad
 from unitcell3d.model.shifted_stack import ShiftedModel
 from unitcell3d.solver import path_following
-from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Hook, Record
+from unitcell3d.solver.load_stepping import Hook
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -123,10 +123,15 @@ def stack_compression(
     )  # fmt: skip
     u = (found.x - model.points)[: len(model.crossover.points)]
     stacking = f"shifted by {shift[0]:g}, {shift[1]:g} crossings" if any(shift) else "aligned"
-    facts = {"plies": plies, "stacking": stacking, "shift": list(shift), "cell_area": area}
-    return Record(
-        solver_record.columns(found.rows), MEANINGS, u, fabric.name, f"{plies} plies, {stacking}", found.failed, facts
-    )
+    facts = {
+        "fabric": fabric.name,
+        "case": f"{plies} plies, {stacking}",
+        "plies": plies,
+        "stacking": stacking,
+        "shift": list(shift),
+        "cell_area": area,
+    }
+    return Record(columns(found.rows), MEANINGS, facts, {"u": u}, found.failed)
 
 
 def _model(mesh, fabric, plies, shift, numerics):

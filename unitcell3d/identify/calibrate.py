@@ -253,7 +253,7 @@ def run_job(job: Job) -> tuple[History, float]:
         history = biaxial_and_platens.biaxial(
             mesh, job.fabric, job.ratio, beyond=job.beyond, numerics=job.numerics, hooks=(on_progress,)
         )
-    return replace(history, case=job.name), time.perf_counter() - begun
+    return replace(history, facts=history.facts | {"case": job.name}), time.perf_counter() - begun
 
 
 _queue = None  # of a worker process, set once when it starts

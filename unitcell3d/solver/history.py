@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fabrics.checks import FloatArray
-from unitcell3d.solver.record import Record
+from fabrics.record import Record
 
 MEANINGS = {
     "path": "[-] share of the path",

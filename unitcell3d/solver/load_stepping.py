@@ -12,16 +12,18 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
+from fabrics.record import columns
 from unitcell3d.model.crossover import CrossoverModel, Load, YarnsModel
 from unitcell3d.solver.history import MEANINGS, History
 from unitcell3d.solver.newton import ROUGH, Equilibrium, Newton
-from unitcell3d.solver.record import Hook, columns
+
+Hook: TypeAlias = Callable[[float, dict[str, Any]], object]  # called as hook(share of the path, row)
 
 
 @dataclass(frozen=True)
@@ -109,9 +111,9 @@ def _solve_load_path(model, solver, start, end, case, stop, steps, hooks):
     share, q = states[-1]
     # the gaps belong to the last state, not to the last trial
     model.forces(q, start.towards(end, share))
-    u = model.constraints.displacement(q, start.towards(end, share).d)
-    last = dict(zip(("gaps_warp", "gaps_weft"), model.surfaces.gaps))
-    return History(columns(rows), MEANINGS, u, model.fabric.name, case, failed, last=last)
+    last = {"u": model.constraints.displacement(q, start.towards(end, share).d)}
+    last |= dict(zip(("gaps_warp", "gaps_weft"), model.surfaces.gaps))
+    return History(columns(rows), MEANINGS, {"fabric": model.fabric.name, "case": case}, last, failed)
 
 
 STOP_TOLERANCE = 2e-3  # of the quantity that ends a path

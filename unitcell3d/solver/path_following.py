@@ -18,9 +18,8 @@ import numpy as np
 
 from fabrics.errors import InputError, UnstableError
 from unitcell3d.model.crossover import YarnsModel
-from unitcell3d.solver.load_stepping import continue_to, rest_state
+from unitcell3d.solver.load_stepping import Hook, continue_to, rest_state
 from unitcell3d.solver.newton import Equilibrium, Newton
-from unitcell3d.solver.record import Hook
 
 CLOSE = 5e-4  # to the 1 of a watched quantity
 MOST_TRIALS = 12  # of a secant

@@ -38,7 +38,7 @@ def stretched(*, fabric: str, ratio: Sequence[float], size: str = "coarse", reac
     given = catalogue.load(fabric)
     mesh = mesher.build(given, size=size)
     found = biaxial_and_platens.biaxial(mesh, given, ratio, max_displacement=reach)
-    x = mesh.points + found.u
+    x = mesh.points + found.last["u"]
     lines = []
     for grid, axis, sign in zip(mesh.grids, (0, 1), (1, -1)):
         # the axis of the yarn over the plane of symmetry across it: middle of each column through the thickness

@@ -1,7 +1,7 @@
 """Cases of the 3D crossover from the command line.
 
 Folder of `weavecell crossover`
-    case.h5     every converged state: columns with their meanings (`unitcell3d.solver.record`)
+    case.h5     every converged state: columns with their meanings (`fabrics.record`)
     case.json   settings, results, provenance
     pictures/   curve.svg, deformed.png
 
@@ -202,8 +202,9 @@ def _run(name, case, out, domain, size, chosen, choices):
     indicators = _indicators(fabric, record)
     record.write(out / "case.h5")
     content = {
-        "fabric": fabric.name, "case": record.case, "domain": domain, "size": size, "rows": len(record["path"]),
-        "failed": record.failed, "facts": record.facts, "found": found, **checks.summary(indicators),
+        "fabric": fabric.name, "case": record.facts["case"], "domain": domain, "size": size,
+        "rows": len(record["path"]), "failed": record.failed, "facts": record.facts, "found": found,
+        **checks.summary(indicators),
         "provenance": provenance.stamp("", fabric),
     }  # fmt: skip
     json_file.write(out / "case.json", content)

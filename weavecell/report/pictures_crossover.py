@@ -16,8 +16,8 @@ from fabrics.plate_curve import PlateCurve
 from meshing.pictures_style import FAINT, GREEN, INK, ORANGE, WARP, WEFT
 
 if TYPE_CHECKING:
+    from fabrics.record import Record
     from meshing.mesh import YarnMesh
-    from unitcell3d.solver.record import Record
 
 UM, MPA = 1e6, 1e-6
 WINDOW = (1500, 900)
@@ -87,7 +87,7 @@ def tensions(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, fl
     upper.set_ylabel("force [N]")
     lower.set_ylabel("end displacement [µm]")
     lower.set_xlabel("share of the path [%]")
-    upper.set_title(f"{fabric.name}, {record.case}")
+    upper.set_title(f"{fabric.name}, {record.facts['case']}")
     upper.legend()
     lower.legend()
     return figure
@@ -172,7 +172,7 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     Parameters
     ----------
     mesh : meshing.mesh.YarnMesh of the domain
-    record : unitcell3d.solver.record.Record
+    record : fabrics.record.Record
     path : of the .png file
     """
     import pyvista
@@ -224,16 +224,16 @@ def _aim(scene, points):
 
 def _bodies(mesh, record, yarns):
     """((family, grid, points), ...) of the yarns, and a function that yields the images of a yarn's points."""
-    if len(record.u) == len(mesh.points):
+    if len(record.last["u"]) == len(mesh.points):
         of = mesh
-    elif record.case.startswith("yarn"):
+    elif record.facts["case"].startswith("yarn"):
         of = yarns.single_yarn_mesh(mesh, int(record.facts["yarn"]))
     else:
         plies, shift = int(record.facts["plies"]), record.facts["shift"]
         pitch = record["distance"][0] / plies if not any(shift) else _nested(mesh, record)
         step = [2 * w * part for w, part in zip(mesh.w, shift)]
         of = yarns.stacked(mesh, [(*(ply * np.array(step)), (ply - (plies - 1) / 2) * pitch) for ply in range(plies)])
-    x = of.points + record.u
+    x = of.points + record.last["u"]
     bodies = [(family, grid, x) for family, grid in zip(of.families, of.grids)]
     quarter = getattr(mesh, "domain", "") == "quarter"
     if quarter:

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from fabrics.errors import UnstableError
+from fabrics.record import Record
 from unitcell3d.cases import pull_out
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.pull_out import PullLoad, PullOutModel
-from unitcell3d.solver.record import Record
 
 MU = 0.2
 
@@ -90,4 +90,4 @@ def test_platens_press_the_yarns_together(whole, s720):
 def test_a_yarn_that_has_not_slid_has_no_law(pulled):
     columns = {name: column[pulled["mobilised"] < 0.5] for name, column in pulled.columns.items()}
     with pytest.raises(UnstableError, match="slid at 0 of 2"):
-        pull_out.fit(Record(columns, {}, pulled.u, "S-720", "pull-out", facts=pulled.facts))
+        pull_out.fit(Record(columns, {}, pulled.facts))

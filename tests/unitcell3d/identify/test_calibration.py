@@ -139,7 +139,7 @@ def numbers(found):
     return {
         (name, key): np.asarray(values).tobytes()
         for name, history in found.histories.items()
-        for key, values in (*history.columns.items(), *history.last.items(), ("u", history.u))
+        for key, values in (*history.columns.items(), *history.last.items())
         if key != "seconds"
     }
 

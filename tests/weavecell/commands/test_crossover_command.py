@@ -10,8 +10,8 @@ pytest.importorskip("dolfinx")
 
 from fabrics import catalogue
 from fabrics.plate_curve import PlateCurve
+from fabrics.record import Record
 from unitcell3d.cases import load_path
-from unitcell3d.solver.record import Record
 from weavecell.commands import crossover as commands_crossover
 from weavecell.report import crossover_cases, pictures_crossover
 

@@ -1,0 +1,112 @@
+"""The record of a run: named columns with their meanings, facts and arrays of the last state, in a file too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fabrics.checks import FilePath, FloatArray
+from fabrics.errors import InputError
+from fabrics.files import read_hdf5, write_hdf5
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+FORMAT = "weavecell record 1"
+
+
+@dataclass(frozen=True)
+class Record:
+    """n rows, such as the converged states of a path, the first of them at rest.
+
+    Parameters
+    ----------
+    columns : {name: (n, ...) SI values}
+    meanings : {name: "[unit] what it is"}
+    facts : {name: number or text} of the run, such as its fabric and its case
+    last : {name: array} of the last state, such as u, (points, 3) [m], the displacement of a mesh's nodes
+    failed : reason why the run ended before its end, "" where it did not
+    """
+
+    columns: dict[str, FloatArray]
+    meanings: dict[str, str]
+    facts: dict[str, Any] = field(default_factory=dict)
+    last: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
+    failed: str = ""
+
+    def __getitem__(self, name: str) -> FloatArray:
+        return self.columns[name]
+
+    def unit(self, name: str) -> str:
+        """The SI unit of a column, "-" of a number without one."""
+        return self.meanings[name].partition("[")[2].partition("]")[0]
+
+    def to_dataframe(self) -> DataFrame:
+        """One row per state; a column of several numbers per state gives one for each, name_0, name_1, ..."""
+        from pandas import DataFrame
+
+        flat = {name: np.reshape(values, (len(values), -1)).T for name, values in self.columns.items()}
+        ends = {name: [""] if np.ndim(self[name]) == 1 else [f"_{k}" for k in range(len(flat[name]))] for name in flat}
+        return DataFrame({name + end: part for name in flat for end, part in zip(ends[name], flat[name])})
+
+    def to_xarray(self, dimension: str = "row") -> Dataset:
+        """The columns as variables over `dimension`, with units; further axes of a column are name_1, name_2, ..."""
+        from xarray import Dataset
+
+        return Dataset(
+            {
+                name: (
+                    (dimension, *(f"{name}_{axis}" for axis in range(1, np.ndim(values)))),
+                    values,
+                    {"units": self.unit(name), "long_name": self.meanings[name].partition("] ")[2]},
+                )
+                for name, values in self.columns.items()
+            },
+            attrs=self.facts,
+        )
+
+    def write(self, path: FilePath, **notes: Any) -> None:
+        """Write as HDF5 (.h5), with notes (numbers and texts) that `notes` gives back."""
+        with write_hdf5(path, FORMAT, failed=self.failed) as file:
+            for group, values in (("facts", self.facts), ("notes", notes)):
+                file.create_group(group).attrs.update(values)
+            for name, column in self.columns.items():
+                file[f"columns/{name}"] = column
+                file[f"columns/{name}"].attrs["meaning"] = self.meanings.get(name, "")
+            for name, array in self.last.items():
+                file[f"last/{name}"] = array
+
+    @staticmethod
+    def notes(path: FilePath) -> dict[str, Any]:
+        """The notes of a file; {} where it is none of these."""
+        try:
+            with read_hdf5(path, FORMAT) as file:
+                return dict(file["notes"].attrs)
+        except InputError:
+            return {}
+
+    @classmethod
+    def read(cls, path: FilePath) -> Record:
+        """Read what `write` wrote.
+
+        Raises
+        ------
+        InputError : no such file, or another format
+        """
+        with read_hdf5(path, FORMAT, what="record") as file:
+            return cls(
+                columns={name: values[:] for name, values in file["columns"].items()},
+                meanings={name: str(values.attrs["meaning"]) for name, values in file["columns"].items()},
+                facts=dict(file["facts"].attrs),
+                last={name: values[:] for name, values in file.get("last", {}).items()},
+                failed=str(file.attrs["failed"]),
+            )
+
+
+def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, FloatArray]:
+    """{name: (n, ...)} of rows, dicts with the same keys."""
+    return {key: np.array([row[key] for row in rows]) for key in rows[0]}
