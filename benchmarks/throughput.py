@@ -26,7 +26,7 @@ from fabrics import catalogue, variants
 from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
-from weavecell.analysis.uncertainty import inputs, strengths, v50
+from weavecell.studies import inputs, strengths, v50
 
 FABRIC, OPENING, VELOCITIES = "S-720", 0.203, (120.0, 160.0)  # [m], [m/s] about V50, half of which perforate
 MESHES = {

@@ -22,9 +22,9 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact import ballistic_limit, simulation
 from unitcell3d.identify.calibrate import calibrate
-from weavecell.analysis.uncertainty import inputs, v50
 from weavecell.results import pull_out
 from weavecell.scenes import build, coupon, impact, of_commands
+from weavecell.studies import inputs, v50
 
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
 DIGITS, TOLERANCE, ROWS, MOST = 12, 1e-11, 6, 6

@@ -1,7 +1,6 @@
 # Public names and their modules: `fabrics.lazy.public` loads each when it is first used.
 from fabrics import __version__ as __version__
 from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
-from weavecell.analysis.fit import fit
 from weavecell.api.calibration import calibrate
 from weavecell.api.calibration_result import CalibrationResult
 from weavecell.api.comparison import ComparisonResult, compare
@@ -24,6 +23,7 @@ from weavecell.api.runs import (
 from weavecell.api.scatter_results import DrawsResult, SensitivityResult, V50Result
 from weavecell.api.shots import ShotResult, draws, shoot
 from weavecell.api.sweeps import SweepResult, SweepTable, sweep
+from weavecell.studies.fit import fit
 
 __all__ = [
     "CalibrationResult",

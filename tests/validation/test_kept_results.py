@@ -54,13 +54,13 @@ def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
     assert message.count(f"{before} (code ") == 2  # and that of the file
 
 
-ANALYSES = ("weavecell/__init__.py", "weavecell/analysis/")
+ANALYSES = ("weavecell/__init__.py", "weavecell/studies/")
 SHELL = ("shellfabric/solver/step_kernels.py", "shellfabric/cell/model.py", "shellfabric/plies/contact_kernels.py")
 SOLID = ("unitcell3d/solver/newton.py", "unitcell3d/contact/surface_contact_kernels.py", "meshing/crossover.py")
 CODE = {  # the code of a result: files that are among it
     "shellfabric.impact.simulation": SHELL,
     "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),
-    "weavecell.analysis.uncertainty.v50": (*SHELL, "fabrics/catalogue/S-720.toml"),
+    "weavecell.studies.v50": (*SHELL, "fabrics/catalogue/S-720.toml"),
     "validation.claims.runner": (*SHELL, *SOLID, "validation/claims/checks/impact.py"),
 }
 
@@ -73,7 +73,7 @@ def test_the_code_of_a_result_is_what_computes_it(module):
     packages = {name.split("/")[0] for name in found}
     # a report or a picture more, and nothing is computed again
     assert not any(name.startswith("weavecell/") and not name.startswith(ANALYSES) for name in found)
-    if module.startswith(("shellfabric", "weavecell.analysis.uncertainty")):
+    if module.startswith(("shellfabric", "weavecell.studies")):
         assert "unitcell3d" not in packages
 
 

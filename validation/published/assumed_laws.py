@@ -20,8 +20,8 @@ from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from validation.marked_page import markdown
 from validation.program import program, publish_all, write_csv
-from weavecell.analysis.assumed_range import AssumedRange
 from weavecell.results import provenance
+from weavecell.studies.assumed_range import AssumedRange
 
 if TYPE_CHECKING:
     from weavecell.api.calibration import MeshSize

@@ -22,7 +22,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from validation.marked_page import markdown
 from validation.program import program, publish
 from validation.verification import drawn_shots
-from weavecell.analysis import discretisation
+from weavecell.studies import mesh_uncertainty
 
 COUNT, SEED = 20, 2025
 TARGETS = (0.02, 0.05, 0.1)
@@ -71,16 +71,16 @@ def row(number: int) -> Row:
         seconds.append(time.process_time() - began)
         return None, (), problem or None, result
 
-    _, found = discretisation.climb(drawn, targets, shoot, fixed={"projectile"})
+    _, found = mesh_uncertainty.climb(drawn, targets, shoot, fixed={"projectile"})
     answer, cost = results[-1], sum(seconds) / seconds[0]
     table, finest = found.setup.table(), replace(found.setup, grading=None, elements_per_crossover=FINEST)
     try:
-        shoot(discretisation.halved(found.setup), table)
+        shoot(mesh_uncertainty.halved(found.setup), table)
     except InputError:  # of a graded mesh no element is shorter than an eighth of a crossover
         shoot(finest, table)
     strike = {"residual velocity": drawn.strike_velocity, "absorbed energy": answer.strike_energy}
     errors = dict.fromkeys(targets, 0.0)  # of what is not there
-    for one in discretisation.compare(answer, results[-1]).intervals:
+    for one in mesh_uncertainty.compare(answer, results[-1]).intervals:
         share = abs(one.other - one.value) / strike.get(one.name, one.other)
         errors[QUANTITIES[one.name]] = max(errors.get(QUANTITIES[one.name], 0.0), share)
     outcomes = answer.outcome, results[-1].outcome

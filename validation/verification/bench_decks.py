@@ -5,7 +5,7 @@
 No yarn fails in these shots. Beside the cell stand the laws of the cards, which this code runs too: the potential
 nearest to the law's stresses takes the place of the cell's, tension only. Another code with the same card should
 agree with that column. The uncertainty is of the mesh alone, from this mesh and one of half the side
-(`weavecell.analysis.discretisation`); the decks have the coarser one.
+(`weavecell.studies.mesh_uncertainty`); the decks have the coarser one.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from validation.marked_page import markdown
 from validation.program import program, publish
-from weavecell.analysis import discretisation
 from weavecell.analysis.material_card.cloth import MATCHES, Cloth
 from weavecell.analysis.material_card.laws import CrimpExchange, Law, UncoupledCurves
 from weavecell.results import provenance
+from weavecell.studies import mesh_uncertainty
 
 END, TIMES, TABLE, FLOOR = 200e-6, (50e-6, 100e-6, 200e-6), 201, 0.05
 SHOTS = {  # title: fabric, velocity [m/s], cell; those of the catalogue at three quarters of their critical velocity
@@ -74,7 +74,7 @@ def rows_of(name: str) -> list[list[str]]:
     """Rows of the table of a shot."""
     setup = setup_of(name)
     table = setup.table()
-    found = [simulation.run(setup, table=table), simulation.run(discretisation.finer(setup, table), table=table)]
+    found = [simulation.run(setup, table=table), simulation.run(mesh_uncertainty.finer(setup, table), table=table)]
     model: Any = setup.cell()
     cloth = Cloth(model)
     for law in LAWS.values():
@@ -82,8 +82,8 @@ def rows_of(name: str) -> list[list[str]]:
     fabric, velocity, cell = SHOTS[name]
     title = f"{fabric}{', decoupled' * (cell == 'decoupled')}, {velocity:g} m/s"
     return [
-        [title if k == 0 else "", words, f"{values[0]:.4g}", f"{discretisation.index(abs(values[1] - values[0])):.2g}",
-         *(f"{value:.4g}" for value in values[2:])]
+        [title if k == 0 else "", words, f"{values[0]:.4g}",
+         f"{mesh_uncertainty.index(abs(values[1] - values[0])):.2g}", *(f"{value:.4g}" for value in values[2:])]
         for k, (words, values) in enumerate(zip(row_names(), zip(*map(numbers, found))))
     ]  # fmt: skip
 

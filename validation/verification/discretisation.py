@@ -23,7 +23,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from validation.marked_page import markdown
 from validation.program import program, publish
 from validation.verification import drawn_shots
-from weavecell.analysis import discretisation
+from weavecell.studies import mesh_uncertainty
 
 COUNT, SEED = 40, 808
 MARKS = "<!-- table of validation.verification.discretisation -->", "<!-- end of discretisation -->"
@@ -72,17 +72,17 @@ def reference(setup: ImpactSetup, finer: ImpactSetup) -> ImpactSetup:
 def row(number: int) -> Row:
     """The random scene of a number, on its three meshes."""
     drawn = drawn_shots.drawn(number, SEED)
-    setup: Any = discretisation.smallest_part(replace(drawn, numerics=replace(drawn.numerics, threads=1)))
+    setup: Any = mesh_uncertainty.smallest_part(replace(drawn, numerics=replace(drawn.numerics, threads=1)))
     table = setup.table()
-    refined: Any = discretisation.finer(setup, table)
+    refined: Any = mesh_uncertainty.finer(setup, table)
     results: list[Any] = []
     seconds: list[float] = []
     for this in (setup, refined, reference(setup, refined)):
         began = time.process_time()
         results.append(simulation.run(this, table=table))
         seconds.append(time.process_time() - began)
-    pair = discretisation.compare(*results[:2])
-    finest = {one.name: one.other for one in discretisation.compare(results[0], results[2]).intervals}
+    pair = mesh_uncertainty.compare(*results[:2])
+    finest = {one.name: one.other for one in mesh_uncertainty.compare(results[0], results[2]).intervals}
     found = tuple(
         (one.name, one.unit, one.value, finest[one.name], one.uncertainty)
         for one in pair.intervals if one.name in finest

@@ -12,7 +12,7 @@ from fabrics.variants import with_linear_density
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.plies.model import STACKINGS
 from shellfabric.projectile.projectile import Projectile
-from weavecell.analysis.uncertainty import inputs
+from weavecell.studies import inputs
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric

@@ -1,1 +1,1 @@
-"""Analyses of the product: uncertainty of mesh and data, fits, fired tests, biaxial tests."""
+"""What a deck says of the cloth."""

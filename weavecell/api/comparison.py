@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.panel.quality import Indicator
-    from weavecell.analysis.fired_tests import Comparison
     from weavecell.scenes.target import Target
+    from weavecell.studies.compare import Comparison
 
 __all__ = ["ComparisonResult", "compare"]
 
@@ -73,10 +73,10 @@ def compare(
     2
     """
     from shellfabric.impact import ballistic_limit
-    from weavecell.analysis import fired_tests
+    from weavecell.studies import compare as studies_compare
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
-    fired = fired_tests.FiredTests.read(Path(tests))
+    fired = studies_compare.FiredTests.read(Path(tests))
     panel = targets.of(target, options, of_commands.LIMITS)
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
     with targets.folder_of(out) as folder:
@@ -90,7 +90,7 @@ def compare(
                 strikes = sorted({float(velocity) for velocity in fired.velocity})
                 shots = ballistic_limit.shoot(struck, strikes, report=lambda share, _: advance(share), **beside)
         computed = tuple(shots[strikes.index(velocity)] for velocity in fired.velocity)
-        result = ComparisonResult(panel, fired_tests.compare(fired, computed, limit))
+        result = ComparisonResult(panel, studies_compare.compare(fired, computed, limit))
         if folder is not None:
             result.save(folder)
     result.warn()
@@ -104,7 +104,7 @@ class ComparisonResult(Result):
     Parameters
     ----------
     target : `weavecell.scenes.target.Target` that was shot at
-    comparison : `weavecell.analysis.fired_tests.Comparison`
+    comparison : `weavecell.studies.compare.Comparison`
 
     Examples
     --------

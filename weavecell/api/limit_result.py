@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from shellfabric.impact.lambert_jonas import LambertJonas
     from shellfabric.impact.limit_scan import ScanRange
     from shellfabric.panel.quality import Indicator
-    from weavecell.analysis.assumed_range import AssumedRange
     from weavecell.scenes.target import Target
+    from weavecell.studies.assumed_range import AssumedRange
 
 __all__ = ["CriticalVelocityResult"]
 

@@ -204,8 +204,8 @@ def critical_velocity(
     (90.0, 'ok')
     """
     from shellfabric.impact.limit_scan import ScanRange
-    from weavecell.analysis import limit_search
     from weavecell.report import checks
+    from weavecell.studies import limit as limits
 
     width, began = quantities.above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
@@ -221,7 +221,7 @@ def critical_velocity(
     with targets.folder_of(out) as folder:
         try:
             with panel.named():
-                found = limit_search.search(
+                found = limits.search(
                     panel.setup, tolerance=width, residual_shots=residual_shots, scan=around if scan else None,
                     with_range=assumed_range, jobs=jobs, executor=executor, stage=stage,
                 )  # fmt: skip
@@ -262,7 +262,7 @@ def v50(
     shots : number of shots, at least 4
     batch : shots of a round, at least 4; each round is placed by the outcomes before
     weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and below that of
-        weavecell/analysis/uncertainty/inputs.toml where it is not given
+        weavecell/studies/inputs.toml where it is not given
     modulus_cov : coefficient of variation of the modulus from panel to panel
     crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : of all that is drawn
@@ -286,8 +286,8 @@ def v50(
     >>> round(found.v50, -1)  # [m/s]
     80.0
     """
-    from weavecell.analysis.uncertainty import inputs
-    from weavecell.analysis.uncertainty import v50 as analysis
+    from weavecell.studies import inputs
+    from weavecell.studies import v50 as analysis
 
     began = time.perf_counter()
     own: dict[str, Any] = {"shape": weibull_shape}
@@ -345,7 +345,7 @@ def sensitivity(
     >>> [of.quantity for of in found.indices]
     ['velocity', 'peak tension']
     """
-    from weavecell.analysis.uncertainty import sobol
+    from weavecell.studies import sobol
 
     began = time.perf_counter()
     velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-    from weavecell.analysis.uncertainty.draws import Draws
-    from weavecell.analysis.uncertainty.sobol import Indices
-    from weavecell.analysis.uncertainty.v50 import Study
     from weavecell.scenes.target import Target
+    from weavecell.studies.draws import Draws
+    from weavecell.studies.sobol import Indices
+    from weavecell.studies.v50 import Study
 
 __all__ = ["DrawsResult", "SensitivityResult", "V50Result"]
 
@@ -86,7 +86,7 @@ class V50Result(_Study):
 
     Parameters
     ----------
-    study : `weavecell.analysis.uncertainty.v50.Study`, with shots, fitted curves and the limit without scatter
+    study : `weavecell.studies.v50.Study`, with shots, fitted curves and the limit without scatter
     target : `weavecell.scenes.target.Target` that was shot at
     seed, batch : of the shots
     wall_time : [s]
@@ -172,7 +172,7 @@ class V50Result(_Study):
         return remarks + [f"Note: {note}." for note in self.target.setup.notes]
 
     def _zones(self):
-        from weavecell.analysis.uncertainty import v50
+        from weavecell.studies import v50
 
         return v50.graded(self.target.setup).grading
 
@@ -189,7 +189,7 @@ class V50Result(_Study):
         return DataFrame(rows, columns=["curve", "quantity", "value [m/s]", "low, 95 % [m/s]", "high, 95 % [m/s]"])
 
     def content(self) -> dict[str, Any]:
-        from weavecell.analysis.uncertainty import inputs
+        from weavecell.studies import inputs
 
         study = self.study
         curves = {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()}
@@ -226,7 +226,7 @@ class DrawsResult(_Study):
 
     Parameters
     ----------
-    study : `weavecell.analysis.uncertainty.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
+    study : `weavecell.studies.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
     target : `weavecell.scenes.target.Target` that was shot at
     wall_time : [s]
 
@@ -259,7 +259,7 @@ class DrawsResult(_Study):
         """Mean, standard error and standard deviation of each quantity."""
         from pandas import DataFrame
 
-        from weavecell.analysis.uncertainty.draws import QUANTITIES
+        from weavecell.studies.draws import QUANTITIES
 
         rows = []
         for name, (unit, words) in QUANTITIES.items():
@@ -268,7 +268,7 @@ class DrawsResult(_Study):
         return DataFrame(rows, columns=["quantity", "unit", "mean", "standard error", "standard deviation"])
 
     def remarks(self) -> list[str]:
-        from weavecell.analysis.uncertainty.draws import CONFIDENCE
+        from weavecell.studies.draws import CONFIDENCE
 
         study, scatter = self.study, self.study.scatter
         remarks = [
@@ -307,7 +307,7 @@ class SensitivityResult(_Study):
 
     Parameters
     ----------
-    indices : of each strike velocity and quantity, `weavecell.analysis.uncertainty.sobol.Indices`
+    indices : of each strike velocity and quantity, `weavecell.studies.sobol.Indices`
     target : `weavecell.scenes.target.Target` that was shot at
     samples, seed : of the rows that were run
     wall_time : [s]
@@ -328,7 +328,7 @@ class SensitivityResult(_Study):
     name: ClassVar[str] = "sobol"
 
     def _rows(self):
-        from weavecell.analysis.uncertainty import inputs
+        from weavecell.studies import inputs
 
         return self.samples * (len(inputs.table("range")) + 2)
 
@@ -347,7 +347,7 @@ class SensitivityResult(_Study):
         return {name: column.tolist() for name, column in self.table().items()}
 
     def remarks(self) -> list[str]:
-        from weavecell.analysis.uncertainty import sobol
+        from weavecell.studies import sobol
 
         remarks = [
             f"{of.quantity}, struck at {of.velocity:g} m/s: {of.mean:.1f} ± {of.deviation:.1f} "
@@ -362,8 +362,8 @@ class SensitivityResult(_Study):
         """First and total order index of each input with its interval."""
         from pandas import DataFrame
 
-        from weavecell.analysis.uncertainty import inputs
         from weavecell.report.pictures_uncertainty import LABELS
+        from weavecell.studies import inputs
 
         entries = inputs.table("range")
         rows = [
@@ -384,7 +384,7 @@ class SensitivityResult(_Study):
         return DataFrame(rows)
 
     def content(self) -> dict[str, Any]:
-        from weavecell.analysis.uncertainty import inputs
+        from weavecell.studies import inputs
 
         ranges = [asdict(entry) for entry in inputs.table("range").values()]
         return {"indices": [asdict(of) for of in self.indices], "inputs": ranges}

@@ -42,11 +42,11 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.panel.quality import Indicator
-    from weavecell.analysis.assumed_range import AssumedRange
-    from weavecell.analysis.discretisation import Discretisation
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Shape
     from weavecell.scenes.target import Target
+    from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.mesh_uncertainty import Discretisation
 
 __all__ = ["ShotResult", "draws", "shoot"]
 
@@ -133,7 +133,7 @@ _BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projecti
 def _answer(panel, key, folder, resume, uncertainty):
     """(ShotResult, the UnstableError that ended the run or None), of the finest mesh that [accuracy] asks for where
     there is one, or of a pair of meshes."""
-    from weavecell.analysis import discretisation
+    from weavecell.studies import mesh_uncertainty
 
     scene, setup = None if panel.case is None else panel.case.scene, panel.setup
 
@@ -145,10 +145,10 @@ def _answer(panel, key, folder, resume, uncertainty):
 
     try:
         if scene is None or scene.accuracy is None:
-            shot, pair = discretisation.run_pair(setup, shoot) if uncertainty else (shoot(setup)[:3], None)
+            shot, pair = mesh_uncertainty.run_pair(setup, shoot) if uncertainty else (shoot(setup)[:3], None)
         else:
             fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
-            shot, pair = discretisation.climb(setup, scene.accuracy.targets, shoot, fixed=fixed)
+            shot, pair = mesh_uncertainty.climb(setup, scene.accuracy.targets, shoot, fixed=fixed)
     except KeyboardInterrupt:
         kept = folder is not None and run_folder.checkpoints(folder)
         hint = "; --resume goes on from its last checkpoint" if kept else ""
@@ -185,7 +185,7 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
 
 def _range(setup, shot):
     """The AssumedRange of a shot; None where nothing is assumed, or where the user interrupts it."""
-    from weavecell.analysis import assumed_range
+    from weavecell.studies import assumed_range
 
     if not assumed_range.corners(setup.fabric, setup.laws):
         return None
@@ -210,7 +210,7 @@ def draws(
     ----------
     target : input file of a ply or pack; in Python also a set-up of `setup`
     count : number of draws, at least 2
-    weibull_shape : Weibull shape of the yarns' strength; that of weavecell/analysis/uncertainty/inputs.toml where it is
+    weibull_shape : Weibull shape of the yarns' strength; that of weavecell/studies/inputs.toml where it is
         not given
     seed, jobs, executor, out, resume : as of `v50`
 
@@ -230,8 +230,8 @@ def draws(
     >>> found.summary()["in_flight"]
     2
     """
-    from weavecell.analysis.uncertainty import draws as analysis
-    from weavecell.analysis.uncertainty import inputs
+    from weavecell.studies import draws as analysis
+    from weavecell.studies import inputs
 
     began, scatter = time.perf_counter(), inputs.published()
     panel = targets.of(target, {}, of_commands.DRAWS, one_shot=True)

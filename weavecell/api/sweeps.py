@@ -86,8 +86,8 @@ def sweep(
     """
     if not isinstance(target, (Fabric, str, Path)):
         return _of_setups(target, jobs, executor)
-    from weavecell.analysis import sweep as analysis
-    from weavecell.analysis.uncertainty import inputs
+    from weavecell.studies import inputs
+    from weavecell.studies import sweep as analysis
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
     wanted = analysis.Wanted(quantity, width, shots, seed)
@@ -178,8 +178,8 @@ class SweepTable(Result):
         return {name: [row.get(name) for row in self.rows] for name in names}
 
     def _drawn(self, pyplot):
-        from weavecell.analysis.sweep import QUANTITIES
         from weavecell.report import pictures_uncertainty
+        from weavecell.studies.sweep import QUANTITIES
 
         x, words = self._abscissa()
         columns = QUANTITIES[self.quantity]
@@ -218,7 +218,7 @@ class SweepTable(Result):
         files.write(out / "sweep.png", pictures.render(self._drawn, kind="png"))
 
     def __str__(self) -> str:
-        from weavecell.analysis import sweep as analysis
+        from weavecell.studies import sweep as analysis
 
         column, ends, _ = analysis.QUANTITIES[self.quantity]
         lines = []

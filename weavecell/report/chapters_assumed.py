@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from weavecell.report.page import Section, Table
 
 if TYPE_CHECKING:
-    from weavecell.analysis.assumed_range import AssumedRange
+    from weavecell.studies.assumed_range import AssumedRange
 
 
 def summary(found: AssumedRange | None) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from weavecell.report.page import Section, Table
 
 if TYPE_CHECKING:
-    from weavecell.analysis.discretisation import Discretisation
+    from weavecell.studies.mesh_uncertainty import Discretisation
 
 _INDEX = (
     "Uncertainty of the results {} by the grid convergence index of ASME V&V 20, from two meshes with an assumed order "

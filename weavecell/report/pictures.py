@@ -240,7 +240,7 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
 
     Parameters
     ----------
-    found : weavecell.analysis.fired_tests.Comparison
+    found : weavecell.studies.compare.Comparison
     """
     figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
     tests, strike = found.tests, found.tests.velocity

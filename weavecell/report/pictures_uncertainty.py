@@ -10,7 +10,7 @@ import numpy as np
 from fabrics.checks import FilePath
 from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, plots
-from weavecell.analysis.uncertainty import probit
+from weavecell.studies import probit
 
 LABELS = {
     "modulus": "yarn modulus",
@@ -31,7 +31,7 @@ def indices(pyplot: Any, found: Any, title: str) -> Any:
 
     Parameters
     ----------
-    found : sequence of weavecell.analysis.uncertainty.sobol.Indices
+    found : sequence of weavecell.studies.sobol.Indices
     """
     rows = -(-len(found) // 2)
     figure, axes = pyplot.subplots(rows, 2, figsize=(11, 4.1 * rows), sharey=True, squeeze=False)
@@ -60,7 +60,7 @@ def perforation(pyplot: Any, study: Any, title: str) -> Any:
 
     Parameters
     ----------
-    study : weavecell.analysis.uncertainty.v50.Study
+    study : weavecell.studies.v50.Study
     """
     V = np.array([shot.velocity for shot in study.shots])
     hit = np.array([shot.perforated for shot in study.shots])

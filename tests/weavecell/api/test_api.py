@@ -321,7 +321,7 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
 
 
 def test_kept_results_do_not_depend_on_the_interface():
-    assert not any("api" in file.parts for file in source_code.closure(["weavecell.analysis.assumed_range"]))
+    assert not any("api" in file.parts for file in source_code.closure(["weavecell.studies.assumed_range"]))
 
 
 def test_a_shot_without_velocity_and_the_folder_of_a_set_up_are_refused_before_a_run(tmp_path):

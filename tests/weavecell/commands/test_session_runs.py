@@ -18,9 +18,9 @@ from fabrics.friction.pull_out import PullOutLaw
 from fabrics.surface import ResponseSurface
 from tests.scene_text import merged
 from tests.weavecell.session_runs import RUNS, SCENES, fired, set_up, small_calibration
-from weavecell.analysis.uncertainty import sobol
 from weavecell.report import crossover_cases
 from weavecell.results.impact import ImpactRecord
+from weavecell.studies import sobol
 
 IMPACTS = ("impact", "pack", "sliding")
 SOLID = pytest.mark.skipif(find_spec("dolfinx") is None, reason="without dolfinx")

@@ -9,10 +9,10 @@ import pytest
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from tests.scene_text import toml
 from tests.weavecell.session_runs import SCENES
-from weavecell.analysis import limit_search
-from weavecell.analysis import sweep as analysis
 from weavecell.api import sweeps
 from weavecell.results import progress
+from weavecell.studies import limit as limits
+from weavecell.studies import sweep as analysis
 
 
 def rows(folder):
@@ -23,7 +23,7 @@ def test_a_row_of_mixed_outcomes_has_the_middle_of_the_zone(monkeypatch):
     outcomes = {90.0: "stopped", 95.0: "perforated", 100.0: "stopped", 101.0: "perforated"}
     shots = [Shot(velocity, 0.0, name, 1e-4, 0, (1.0, 1.0), 0.0, 0.1) for velocity, name in outcomes.items()]
     found = Limit(100.0, 101.0, tuple(shots))
-    monkeypatch.setattr(limit_search, "search", lambda *_, **__: type("Search", (), {"limit": found}))
+    monkeypatch.setattr(limits, "search", lambda *_, **__: type("Search", (), {"limit": found}))
     row = analysis.limit(None, 1.0)
     assert (row["outcome"], row["critical_velocity_m_s"]) == (analysis.MIXED, 97.5)
     assert (row["lower_m_s"], row["upper_m_s"]) == (95.0, 100.0)

@@ -14,8 +14,8 @@ from fabrics.errors import InputError
 from fabrics.families import trellis
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
-from weavecell.analysis.assumed_range import AssumedRange, Row
 from weavecell.scenes import build, impact
+from weavecell.studies.assumed_range import AssumedRange, Row
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 MINE = EXAMPLES / "fabrics" / "mine.toml"

@@ -42,8 +42,8 @@ from shellfabric.plies.numerics import PlyContact
 from validation.program import program, publish
 from validation.verification.mesh_convergence.packs_page import pages
 from validation.verification.study import known
-from weavecell.analysis.uncertainty import draws, inputs
 from weavecell.results import provenance
+from weavecell.studies import draws, inputs
 
 LEAST = 10  # [crossovers] of the first zone
 SEARCH = 20.0, 900.0  # [m/s] for the critical velocity

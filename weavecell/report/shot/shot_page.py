@@ -14,9 +14,9 @@ from weavecell.scenes.build import Case
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
-    from weavecell.analysis.assumed_range import AssumedRange
-    from weavecell.analysis.discretisation import Discretisation
     from weavecell.results.impact import ImpactRecord
+    from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.mesh_uncertainty import Discretisation
 
 
 def sections(

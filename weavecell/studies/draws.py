@@ -20,8 +20,8 @@ from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import fired
-from weavecell.analysis.uncertainty import inputs, strengths
-from weavecell.analysis.uncertainty.inputs import Scatter
+from weavecell.studies import inputs, strengths
+from weavecell.studies.inputs import Scatter
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -16,8 +16,8 @@ from fabrics.units import refused, si
 from shellfabric.impact import lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
-from weavecell.analysis.uncertainty import probit
-from weavecell.analysis.uncertainty.probit import Curve
+from weavecell.studies import probit
+from weavecell.studies.probit import Curve
 
 VELOCITY, OUTCOME, RESIDUAL = "velocity", "outcome", "residual velocity"
 OUTCOMES = {  # whether the projectile went through

@@ -32,9 +32,9 @@ from shellfabric.impact import ballistic_limit, lambert_jonas
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import boundary
-from weavecell.analysis.uncertainty import probit, protocol, strengths
-from weavecell.analysis.uncertainty.inputs import Scatter, changed_setup, published
-from weavecell.analysis.uncertainty.protocol import Series
+from weavecell.studies import probit, protocol, strengths
+from weavecell.studies.inputs import Scatter, changed_setup, published
+from weavecell.studies.protocol import Series
 
 FIRST = 0.25  # of the deterministic limit, either way
 SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed

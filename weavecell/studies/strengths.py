@@ -29,7 +29,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import grading as grading_of_panels
 from shellfabric.panel.model import Panel
 from shellfabric.plies.model import Pack
-from weavecell.analysis.uncertainty.inputs import Scatter, alone, changed_setup
+from weavecell.studies.inputs import Scatter, alone, changed_setup
 
 _SMALL = 11  # samples a side of a cell's table that no run uses
 

@@ -65,7 +65,7 @@ def table(section: str, unit: str = "") -> dict[str, Entry]:
 
 @cache
 def _entries(section, unit):
-    text = (resources.files("weavecell.analysis.uncertainty") / FILE).read_text("utf-8")
+    text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
     found = {}
     for name, row in tomllib.loads(text)[section].items():
         if row.get("status") not in STATUSES or not row.get("source"):

@@ -11,7 +11,7 @@ import weavecell as wc
 from fabrics import catalogue
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
-from weavecell.analysis.uncertainty import draws, inputs, strengths
+from weavecell.studies import draws, inputs, strengths
 
 ALIKE = replace(inputs.published(), shape=inf)
 ALIKE_BUT_STRENGTH = replace(inputs.published(), modulus=0.0, crimp=0.0)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from weavecell.analysis.uncertainty.probit import Curve
+from weavecell.studies.probit import Curve
 
 PAIRS, SPAN, STEPS, MOST = 3, 40.0, (30.0, 15.0), 12  # [-], [m/s], [m/s], [-]
 SERIES = 2000

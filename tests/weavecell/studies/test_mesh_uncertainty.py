@@ -12,8 +12,8 @@ from fabrics.errors import InputError, UnstableError
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.projectile.projectile import Projectile
-from weavecell.analysis import discretisation
 from weavecell.report import chapters_discretisation as chapters
+from weavecell.studies import mesh_uncertainty
 
 
 @pytest.fixture(scope="module")
@@ -30,30 +30,30 @@ def table(setup):
 def test_index_of_a_result_of_second_order():
     """phi = 1 + h^2: the interval of the coarser of two meshes holds the limit with the safety factor of 3."""
     coarse, fine = 1 + 0.2**2, 1 + 0.1**2
-    assert discretisation.index(coarse - fine) == pytest.approx(3 * 0.2**2)
+    assert mesh_uncertainty.index(coarse - fine) == pytest.approx(3 * 0.2**2)
 
 
 def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
-    finer = discretisation.finer(setup, table)
-    assert finer.grading == ((discretisation.REACH, 0.5), (inf, 1.0))
+    finer = mesh_uncertainty.finer(setup, table)
+    assert finer.grading == ((mesh_uncertainty.REACH, 0.5), (inf, 1.0))
     assert finer.panel(table).spacing[0] == pytest.approx(0.5 * setup.panel(table).spacing[0])
     graded = replace(setup, grading=((8, 1), (inf, 2)))
-    assert discretisation.finer(graded, table).grading == ((8.0, 0.5), (16.0, 1.0), (inf, 2.0))
-    assert discretisation.finer(replace(setup, elements_per_crossover=2), table).grading[0][1] == 0.25
+    assert mesh_uncertainty.finer(graded, table).grading == ((8.0, 0.5), (16.0, 1.0), (inf, 2.0))
+    assert mesh_uncertainty.finer(replace(setup, elements_per_crossover=2), table).grading[0][1] == 0.25
     zones = replace(setup, plies=2).meshed.grading
-    pack = discretisation.finer(replace(setup, plies=2), table)
+    pack = mesh_uncertainty.finer(replace(setup, plies=2), table)
     (near, side), *_ = zones
     assert (pack.plies, pack.grading) == (2, ((near, side / 2), *((2 * until, side) for until, side in zones)))
-    gripped = discretisation.finer(replace(setup, edge=Grip(50.0)), table)  # which no graded panel has
+    gripped = mesh_uncertainty.finer(replace(setup, edge=Grip(50.0)), table)  # which no graded panel has
     assert (gripped.grading, gripped.elements_per_crossover) == (None, 2)
     with pytest.raises(InputError, match="--uncertainty"):
-        discretisation.finer(replace(setup, elements_per_crossover=5), table)
+        mesh_uncertainty.finer(replace(setup, elements_per_crossover=5), table)
 
 
 def test_intervals_of_a_shot(setup, table):
     result = run(setup, table=table)
-    finer = run(discretisation.finer(setup, table), table=table)
-    pair = discretisation.compare(result, finer)
+    finer = run(mesh_uncertainty.finer(setup, table), table=table)
+    pair = mesh_uncertainty.compare(result, finer)
     assert pair.same_outcome
     assert pair.meshes == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")
     found = {one.name: one for one in pair.intervals}
@@ -88,7 +88,7 @@ def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_
     bump = np.sin(np.pi * t / t[-1])
     for result, size in ((one, 0.0), (other, 3.0)):
         result.step_history = np.column_stack([t, 40 * t, 40 - 20 * t / t[-1] + size * bump, 0 * t])
-    found = {each.name: each for each in discretisation.compare(one, other).intervals}
+    found = {each.name: each for each in mesh_uncertainty.compare(one, other).intervals}
     assert found["residual velocity"].value == found["residual velocity"].other == pytest.approx(20.0)
     assert found["residual velocity"].uncertainty == pytest.approx(4 * 3.0, rel=1e-3)
     assert found["absorbed energy"].uncertainty == pytest.approx(4 * 2.4 * (33**2 - 30**2) / 40**2, rel=0.02)
@@ -97,7 +97,7 @@ def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_
 def test_what_a_stopped_projectile_leaves_has_no_error(setup):
     one, other = result_of(setup, "stopped", 0.0), result_of(setup, "stopped", -0.1)
     other.step_history = np.array([[0.0, 2e-3, 5.0, 0.0]])
-    found = {each.name: each for each in discretisation.compare(one, other).intervals}
+    found = {each.name: each for each in mesh_uncertainty.compare(one, other).intervals}
     assert found["residual velocity"].uncertainty == found["absorbed energy"].uncertainty == 0.0
     assert found["peak deflection"].uncertainty == pytest.approx(4 * 1.0)
 
@@ -115,8 +115,8 @@ def climbed(setup, results, monkeypatch, targets, **fixed):
         return len(bodies), (), failure, known
 
     monkeypatch.setattr(ImpactSetup, "table", lambda self, kept: None)
-    monkeypatch.setattr(discretisation, "_can_be_meshed", lambda *_: True)
-    (run, _, _), found = discretisation.climb(setup, targets, shoot, **fixed)
+    monkeypatch.setattr(mesh_uncertainty, "_can_be_meshed", lambda *_: True)
+    (run, _, _), found = mesh_uncertainty.climb(setup, targets, shoot, **fixed)
     return run, found, bodies
 
 
@@ -170,10 +170,10 @@ def test_a_projectile_is_as_elastic_as_it_needs_to_be(setup, monkeypatch, enough
     ],
 )
 def test_the_smallest_part_of_a_panel(setup, changes, symmetry):
-    assert discretisation.smallest_part(replace(setup, symmetry="whole", **changes)).symmetry == symmetry
+    assert mesh_uncertainty.smallest_part(replace(setup, symmetry="whole", **changes)).symmetry == symmetry
 
 
 def test_outcomes_that_differ_have_no_interval(setup):
-    pair = discretisation.compare(result_of(setup, "stopped", 0.0), result_of(setup, "perforated", 12.0))
+    pair = mesh_uncertainty.compare(result_of(setup, "stopped", 0.0), result_of(setup, "perforated", 12.0))
     assert (pair.same_outcome, pair.intervals) == (False, ())
     assert "the outcome depends on the mesh: stopped, and perforated on the finer one" in chapters.words(pair)

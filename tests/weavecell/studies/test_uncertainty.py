@@ -14,7 +14,7 @@ from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.analysis.uncertainty import inputs, probit, protocol, sobol, strengths, v50
+from weavecell.studies import inputs, probit, protocol, sobol, strengths, v50
 
 OPENING = 0.0306
 

@@ -24,7 +24,7 @@ from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from shellfabric.impact.simulation import ImpactSetup, run
-from weavecell.analysis.uncertainty import inputs
+from weavecell.studies import inputs
 
 INSTANT = 200e-6
 QUANTITIES = {"velocity": "m/s", "peak tension": "N"}

@@ -5,8 +5,8 @@ import pytest
 from scipy import stats
 
 from shellfabric.impact.ballistic_limit import Limit, Shot
-from weavecell.analysis import fired_tests
-from weavecell.analysis.fired_tests import FiredTests
+from weavecell.studies import compare
+from weavecell.studies.compare import FiredTests
 
 TABLE = """# a pack, made up
 outcome, velocity [km/h], residual velocity [m/s]
@@ -39,7 +39,7 @@ def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
     """Differences of known shots, their interval by Student's t as scipy has it, and V50 of the tests."""
     tests = read(tmp_path, TABLE)
     shots = [shot(v, r) for v, r in zip(tests.velocity, (0.0, 44.0, 70.0, 15.0, 90.0))]
-    found = fired_tests.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
+    found = compare.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
     assert found.agree == 4
     off = found.difference()
     assert (off["shots"], off["mean"], off["rms"]) == (2, 2.0, pytest.approx(np.sqrt(8)))
@@ -56,7 +56,7 @@ def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
 
 def test_of_one_outcome_there_is_no_v50(tmp_path):
     tests = read(tmp_path, "velocity [m/s], outcome\n100, CP\n110, CP\n")
-    found = fired_tests.compare(tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ()))
+    found = compare.compare(tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ()))
     assert found.curve is None
     assert found.summary()["tested_V50_m_s"] is None
     assert found.difference()["mean"] is None

@@ -16,8 +16,8 @@ from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
 from shellfabric.impact.limit_scan import ScanRange
 from shellfabric.impact.simulation import ImpactSetup
-from weavecell.analysis import assumed_range
-from weavecell.analysis.assumed_range import AssumedRange
+from weavecell.studies import assumed_range
+from weavecell.studies.assumed_range import AssumedRange
 
 CURVE = (
     1.03,

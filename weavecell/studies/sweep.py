@@ -9,8 +9,8 @@ from fabrics.errors import InputError, UndecidedError, UnstableError
 from shellfabric.impact.limit_scan import ScanRange
 from shellfabric.impact.simulation import ImpactSetup, fired
 from shellfabric.panel import quality
-from weavecell.analysis import limit_search
-from weavecell.analysis.uncertainty import inputs, v50
+from weavecell.studies import inputs, v50
+from weavecell.studies import limit as limits
 
 MIXED = "mixed outcomes"
 # of a quantity: column that is plotted, columns of its lower and upper end, words
@@ -74,7 +74,7 @@ def shot(setup: ImpactSetup) -> dict[str, Any]:
 
 def limit(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
     """The critical velocity, in its bracket, or the middle of the zone of mixed outcomes where there is one."""
-    found = limit_search.search(
+    found = limits.search(
         setup, tolerance=tolerance, residual_shots=0, scan=ScanRange(), with_range=False, jobs=1, executor="local"
     ).limit
     low, high = found.mixed_zone or (found.low, found.high)
