@@ -2,14 +2,14 @@
 
 The folder of `weavecell coupon`
     scene.toml      the input file as it was given
-    histories.h5    measures, nodes and shear after every step, tensions at the end (`results.coupon.CouponRecord`)
+    histories.h5    measures, nodes and shear after every step, tensions at the end (`results.coupon`)
     summary.json    outcome, measures at the end, provenance
     pictures/       coupon.png, and curves (.svg)
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
 A pull-out is dynamic: it has no load steps and no checkpoint, its histories.h5 holds the samples of the load
-(`results.pull_out.PullOutRecord`), and load.csv holds them as text.
+(`results.pull_out`), and load.csv holds them as text.
 
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
 """
@@ -18,34 +18,36 @@ from __future__ import annotations
 
 import os
 import time
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from fabrics import assumed, run_cache
+from fabrics import assumed, files, run_cache
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
+from fabrics.record import Record
 from weavecell.api import keywords, quantities, targets
 from weavecell.api.result import Result, figure
-from weavecell.report import checks
-from weavecell.results import coupon as records
-from weavecell.results import coupon_measures, progress, pull_out, run_folder
+from weavecell.report import pictures_coupon
+from weavecell.results import coupon as coupon_results
+from weavecell.results import progress, run_folder
+from weavecell.results import pull_out as pull_out_results
 from weavecell.scenes import build, of_commands
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
+    from shellfabric.coupon.pull_out_curve import PullOutCurve
+    from shellfabric.coupon.solver import Result as Solved
     from shellfabric.panel.quality import Indicator
-    from weavecell.report.page import Section
-    from weavecell.results.coupon import CouponRecord
-    from weavecell.results.pull_out import PullOutRecord
 
 __all__ = ["CouponResult", "PullOutResult", "coupon"]
 
@@ -101,9 +103,15 @@ def coupon(
         return before  # type: ignore[return-value]
     checkpoint = None if out is None else Path(out) / "checkpoint.h5"
     goes_on = resume and checkpoint is not None and checkpoint.exists()
-    with targets.folder_of(out, goes_on) as folder, _in_file(case, file):
-        run = _pull_out if case.scene.test == "pull_out" else _relaxed
-        result, failure = run(case, text, key, checkpoint, goes_on)
+    with targets.folder_of(out, goes_on) as folder:
+        try:
+            run = _pull_out if case.scene.test == "pull_out" else _relaxed
+            result, failure = run(case, text, key, checkpoint, goes_on)
+        except InputError as problem:
+            if file is None:
+                raise
+            tables = {case.scene.test: type(case.scene.test_table)}
+            raise build.in_file(problem, file, tables) from None
         if folder is not None:
             with progress.bar("Writing results"):
                 result.save(folder)
@@ -142,286 +150,336 @@ def _case(target, test, options):
     return Case("", fabric, laws, laws[0].provenance, scene)
 
 
-@contextmanager
-def _in_file(case, file):
-    """An InputError inside this block names the input file and its key."""
-    scene = case.scene
-    try:
-        yield
-    except InputError as problem:
-        if file is None:
-            raise
-        raise build.in_file(problem, file, {scene.test: type(scene.test_table)}) from None
-
-
 def _pull_out(case, text, key, *_):
     """(PullOutResult, the UnstableError that ended the run or None)."""
     began, scene, failure = time.perf_counter(), case.scene, None
-    title = _title(case)
-    with progress.bar(title) as advance:
+    with progress.bar(_title(case)) as advance:
         hooks = [lambda solver: advance(solver.time / solver.end_time)]
         try:
-            curve = pull_out.run(_table(case), scene.pull_out, hooks, scene.fabric.bending)
+            curve = pull_out_results.run(_table(case), scene.pull_out, hooks, scene.fabric.bending)
         except UnstableError as problem:
             failure, curve = problem, problem.result
-    record = pull_out.PullOutRecord.of(
-        curve, title=title, law_name=case.law_name, failure_message=str(failure or ""),
-        wall_time=time.perf_counter() - began,
-    )  # fmt: skip
-    return PullOutResult(record, case, text, _assumed(case), key), failure
+    facts = _facts(case, failure, began) | {"outcome": "unstable" if failure else "complete"}
+    record, checks = pull_out_results.record(curve, **facts), pull_out_results.indicators(curve)
+    return PullOutResult(record, curve, case, checks, text, key), failure
 
 
 def _relaxed(case, text, key, checkpoint, goes_on):
     """(CouponResult, the UnstableError that ended the run or None), with a bar and checkpoints."""
     began, scene, table, failure = time.perf_counter(), case.scene, _table(case), None
-    stamp, title = _stamp(table, scene), _title(case)
-    states = list(records.read_states(checkpoint, stamp)) if goes_on else []
-    with progress.bar(title) as advance:
+    options, inputs, fabric = scene.run.model_dump(exclude={"outputs"}), scene.test_table, table.model.fabric
+    stamp = run_cache.stamp(
+        (scene.test, inputs.model_dump(), options, fabric.weave, fabric.shear, table.model.toes, table.potential),
+        "shellfabric.coupon.quasistatic",
+    )
+    states = coupon_results.read_states(checkpoint, stamp) if goes_on else []
+    with progress.bar(_title(case)) as advance:
 
         def keep(state):
             states.append(state)
             if checkpoint is not None:
-                records.write_states(checkpoint, stamp, states)
+                coupon_results.write_states(checkpoint, stamp, states)
             advance(state.load, f"{state.iterations} iterations")
 
         try:
-            result = coupon_measures.relaxed(
-                table, scene.test, dict(scene.test_table), **scene.run.model_dump(exclude={"outputs"}), progress=keep,
-                done=tuple(states),
-            )  # fmt: skip
+            solved = coupon_results.relaxed(
+                table, scene.test, dict(inputs), **options, progress=keep, done=tuple(states)
+            )
         except UnstableError as problem:
-            failure, result = problem, problem.result
+            failure, solved = problem, problem.result
         except KeyboardInterrupt:
             kept = checkpoint is not None and checkpoint.exists()
             raise run_folder.Interrupted("interrupted" + "; --resume goes on from its last step" * kept) from None
-    record = records.CouponRecord.of(
-        result, coupon_measures.measures(scene.test, scene.test_table, result), coupon_measures.PRESCRIBED[scene.test],
-        title=title, fabric=case.fabric.name, law_name=case.law_name, test=scene.test,
-        failure_message=str(failure or ""), wall_time=time.perf_counter() - began,
-        checks=coupon_measures.indicators(result, table, scene.run.tolerance),
-    )  # fmt: skip
-    return CouponResult(record, case, text, _assumed(case), key), failure
+    record = coupon_results.record(inputs, solved, **_facts(case, failure, began))
+    checks = coupon_results.indicators(solved, scene.run.tolerance)
+    return CouponResult(record, solved, case, checks, text, key), failure
 
 
 def _title(case):
-    from weavecell.report.coupon_page import WORDS
-
-    return case.scene.title or f"{case.fabric.name}, {WORDS[case.scene.test]}"
+    return case.scene.title or f"{case.fabric.name}, {pictures_coupon.TESTS[case.scene.test]}"
 
 
-def _assumed(case):
-    return tuple(assumed.lines(case.fabric))
+def _facts(case, failure, began):
+    """What the records of all tests begin with."""
+    return {
+        "title": _title(case),
+        "fabric": case.fabric.name,
+        "law_name": case.law_name,
+        "test": case.scene.test,
+        "failure_message": str(failure or ""),
+        "wall_time_s": time.perf_counter() - began,
+    }
 
 
 def _table(case):
     """The table of the cell."""
     from shellfabric.cell.model import CellModel
 
-    return CellModel(case.fabric, case.laws, *build.cell_of(case.scene.fabric)).table(coupon_measures.TABLE_SIZE)
+    return CellModel(case.fabric, case.laws, *build.cell_of(case.scene.fabric)).table(coupon_results.TABLE_SIZE)
 
 
-def _stamp(table, scene):
-    """Digests of all that the states of a run depend on, the code among it."""
-    fabric = table.model.fabric
-    inputs = (scene.test, scene.test_table.model_dump(), scene.run.model_dump(exclude={"outputs"}))
-    inputs += (fabric.weave, fabric.shear, table.model.toes, table.potential)
-    return run_cache.stamp(inputs, "shellfabric.coupon.quasistatic")
-
-
+@dataclass(frozen=True, repr=False)
 class _Test(Result):
-    """What the results of all tests share; a derived class has record, case, text and key, and what stands here."""
+    """What the results of all tests share.
 
-    record: Any
+    Parameters
+    ----------
+    record : `fabrics.record.Record`, a row a load step, or a sample of a pull-out
+    solved : what the solver returned
+    case : `weavecell.scenes.build.Case` of the test
+    checks : quality checks
+    text : of the input file, "" where there is none
+    key : of the run, by which it is not repeated
+    """
+
+    record: Record
+    solved: Any
     case: Case
-    text: str
-    key: str
+    checks: tuple[Indicator, ...] = ()
+    text: str = ""
+    key: str = ""
 
     @property
     def outcome(self) -> str:
         """ "complete", "yarn at its strength" or "unstable"."""
-        return self.record.outcome
+        return self.record.facts["outcome"]
 
     @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks of the test."""
-        return self.record.checks
+    def assumed(self) -> tuple[str, ...]:
+        """Lines that name the laws that are assumed."""
+        return tuple(assumed.lines(self.case.fabric))
+
+    _caption: ClassVar[str]  # of the table
+    _lead: ClassVar[Callable[[Any], str]]  # the sentence at the top of the report
+    _lines: ClassVar[Callable[[Any], list[str]]]  # what the test came to, as printed
+    _write_histories: ClassVar[Callable[[Any, Path], None]]
+    figures: ClassVar[Callable[[Any], dict[str, tuple[str, Callable, tuple]]]]
+    table: ClassVar[Callable[[Any], DataFrame]]
 
     def _what(self):
-        return self.record.title
+        return self.record.facts["title"]
 
-    def _lines(self) -> list[str]:
-        """What the test came to."""
-        raise NotImplementedError
+    def _columns(self):
+        return {_named(name, self.record.unit(name)): values for name, values in self.record.columns.items()}
 
-    def _chapter(self) -> Section:
-        """The chapter of the report."""
-        raise NotImplementedError
-
-    def _lead(self) -> str:
-        """The sentence at the top of the report."""
-        raise NotImplementedError
+    def _content(self):
+        """Of summary.json."""
+        return self.record.facts
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but the checkpoint."""
-        from weavecell.report import coupon_page, page
-        from weavecell.results import provenance, run_folder
+        from weavecell.report import chapters, checks, page, pictures
+        from weavecell.results import json_file, provenance
 
-        out, outputs = Path(out), self.case.scene.run.outputs
-        stamp = provenance.stamp(self.text, self.case.fabric)
-        more = checks.summary(self.checks) | {"run_key": self.key}
-        run_folder.write(out, self.text, self.record, more, stamp)
+        out, case, facts, outputs = Path(out), self.case, self.record.facts, self.case.scene.run.outputs
+        stamp = provenance.stamp(self.text, case.fabric)
+        if self.text:
+            files.write(out / "scene.toml", self.text)
+        self._write_histories(out)
+        content = self._content() | checks.summary(self.checks) | {"run_key": self.key, "provenance": stamp}
+        json_file.write_summary(out / "summary.json", content)
         if not outputs:
             return
-        section = self._chapter()
+        figures = []
+        for name, (caption, draw, arguments) in self.figures().items():
+            kind = "png" if draw is pictures_coupon.cloth else "svg"
+            figures.append(page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name))
+        table = self.table()
+        rows = tuple(tuple(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) for row in table.values)
+        tables = (page.Table(tuple(table), rows, self._caption, numeric=tuple(table)[-1:]),)
+        stopped = f"The run was stopped: {facts['failure_message']}." if facts["failure_message"] else ""
+        test = pictures_coupon.TESTS[facts["test"]]
+        section = page.Section("coupon", test.capitalize(), stopped, tuple(figures), tables)
         if "pictures" in outputs:
             page.write_pictures([section], out / "pictures")
-        if "report" in outputs:
-            report = coupon_page.page(self.case, self.record, section, stamp, self._lead(), self._lines())
-            page.write(report, out / "report.html")
+        if "report" not in outputs:
+            return
+        model, tone = case.scene.fabric.cell_model, "unstable" if self.outcome == "unstable" else "stopped"
+        cards = (
+            chapters.fabric_card(case.fabric),
+            chapters.law_card(case.laws[0], source=case.law_name if model == "compressible" else model),
+            page.Card(test, self.outcome, tuple(" ".join(line.split()) for line in self._lines()), tone),
+        )
+        sections = (
+            section,
+            chapters.cell(case.fabric, {case.law_name: case.laws}, model, **chapters.options(case.scene.fabric)),
+            checks.section(self.checks),
+            chapters.sources(case.fabric),
+            chapters.making(stamp, {"test": facts["wall_time_s"]}),
+        )
+        footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
+        page.write(page.Report(facts["title"], self._lead(), (cards,), sections, footer), out / "report.html")
 
     def __str__(self) -> str:
-        return "\n".join((f"{self.record.title}: {self.outcome}", *self._lines()))
-
-
-@dataclass(frozen=True, repr=False)
-class CouponResult(_Test):
-    """A quasi-static test on a piece of fabric.
-
-    Parameters
-    ----------
-    record : `weavecell.results.coupon.CouponRecord`
-    case : `weavecell.scenes.build.Case` of the test
-    text : of the input file, "" where there is none
-    assumed : lines that name the laws that are assumed
-    key : of the run, by which it is not repeated
-
-    Examples
-    --------
-    >>> frame = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
-    >>> [round(float(angle), 3) for angle in frame.record.prescribed]  # [rad]
-    [0.044, 0.087]
-    """
-
-    record: CouponRecord
-    case: Case
-    text: str = ""
-    assumed: tuple[str, ...] = ()
-    key: str = ""
-
-    def _lines(self):
-        from weavecell.report import coupon_page
-
-        return coupon_page.lines(self.record)
-
-    def _chapter(self):
-        from weavecell.report import coupon_page
-
-        return coupon_page.chapter(self.record, self.case.scene.run.tolerance)
-
-    def _lead(self):
-        steps = len(self.record.prescribed)
-        return (
-            f"A coupon of {self.record.fabric}, {self.record.elements} elements, in {steps} load steps, each relaxed "
-            f"to {self.case.scene.run.tolerance:g} of the reaction."
-        )
-
-    def summary(self) -> dict[str, Any]:
-        """Outcome, the checks in words, and every quantity at the end with its unit."""
-        found = {key: value for key, value in self.record.summary().items() if key != "at_end"}
-        found |= {"checks": self.checks_text}
-        return found | {name: float(values[-1]) for name, values in self._columns().items()}
-
-    def _columns(self):
-        record = self.record
-        columns = {_named(record.prescribed_name, record.prescribed_unit): record.prescribed}
-        return columns | {_named(name, unit): values for name, (unit, values) in record.measures.items()}
-
-    def plot(self) -> Figure:
-        """A matplotlib figure: the quantities of the test in the unit of the first, against what is prescribed."""
-        from weavecell.report import pictures_coupon
-
-        name, (unit, _) = next(iter(self.record.measures.items()))
-        chosen = [each for each, (other, _) in self.record.measures.items() if other == unit]
-        return figure(pictures_coupon.curves, self.record, chosen, name)
-
-    def to_vtk(self, folder: FilePath) -> Path:
-        """Write the fabric after every load step for ParaView: coupon.pvd with coupon-NNNN.vtu; returns its path."""
-        from weavecell.results import paraview
-
-        folder, files = Path(folder), {}
-        folder.mkdir(parents=True, exist_ok=True)
-        cells = paraview.topology(self.record.quads)
-        for step, (x, shear) in enumerate(zip(self.record.x, self.record.shear)):
-            name = f"coupon-{step:04d}.vtu"
-            nodes = np.column_stack([x, np.zeros(len(x))])
-            paraview.write_grid(folder / name, nodes, cells, {"shear_angle_rad": np.asarray(shear, float)})
-            files[name] = float(step + 1)
-        paraview.write_series(folder / "coupon.pvd", files)
-        return folder / "coupon.pvd"
+        return "\n".join((f"{self.record.facts['title']}: {self.outcome}", *self._lines()))
 
 
 def _named(name, unit):
     return name.replace(" ", "_") + ("" if unit == "1" else f"_{unit}")
 
 
-@dataclass(frozen=True, repr=False)
+class CouponResult(_Test):
+    """A quasi-static test on a piece of fabric.
+
+    Parameters
+    ----------
+    record : `fabrics.record.Record`, a row a load step: what is prescribed, then what is measured
+    solved : `shellfabric.coupon.solver.Result`
+    case : `weavecell.scenes.build.Case` of the test
+    checks : quality checks
+    text : of the input file, "" where there is none
+    key : of the run, by which it is not repeated
+
+    Examples
+    --------
+    >>> frame = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
+    >>> [round(float(angle), 3) for angle in frame.record["shear angle"]]  # [rad]
+    [0.044, 0.087]
+    """
+
+    solved: Solved
+    _caption = "After each load step"
+
+    def _lead(self):
+        facts, tolerance = self.record.facts, self.case.scene.run.tolerance
+        return (
+            f"A coupon of {facts['fabric']}, {facts['elements']} elements, in {facts['steps']} load steps, each "
+            f"relaxed to {tolerance:g} of the reaction."
+        )
+
+    def _lines(self):
+        facts, last = self.record.facts, pictures_coupon.last(self.record)
+        return [
+            *(f"{name:<34}{text}" for name, text in last.items()),
+            f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
+            f"most, {facts['wall_time_s']:.1f} s",
+        ]
+
+    def summary(self) -> dict[str, Any]:
+        """Outcome, the checks in words, and every quantity at the end with its unit."""
+        last = {name: float(values[-1]) for name, values in self._columns().items()}
+        return self.record.facts | {"checks": self.checks_text} | last
+
+    def _content(self):
+        record = self.record
+        last = {name: {"value": values[-1], "unit": record.unit(name)} for name, values in record.columns.items()}
+        return record.facts | {"at_end": last}
+
+    def _write_histories(self, out):
+        coupon_results.write(out / "histories.h5", self.record, self.solved)
+
+    def table(self) -> DataFrame:
+        """All load steps, in the units of the report, with residual (out-of-balance force over the reaction)."""
+        states = self.solved.states
+        frame = pictures_coupon.shown(self.record)
+        frame["residual"] = [f"{state.residual:.1e}" for state in states]
+        frame["iterations"] = [state.iterations for state in states]
+        return frame
+
+    def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
+        """{file: (caption, function that draws it, its arguments beside pyplot)}."""
+        record, tolerance = self.record, self.case.scene.run.tolerance
+        figures: dict[str, tuple[str, Callable, tuple]] = {
+            "coupon": (
+                "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.",
+                pictures_coupon.cloth, (record, self.solved),
+            )
+        }  # fmt: skip
+        for name, beginnings, label, caption in pictures_coupon.CURVES[record.facts["test"]]:
+            drawn = [measure for measure in record.columns if measure.startswith(beginnings)]
+            figures[name] = caption, pictures_coupon.curves, (record, drawn, label)
+        caption = (
+            "Dynamic relaxation: out-of-balance force on the free nodes over the reaction; lines end the load steps."
+        )
+        return figures | {"relaxation": (caption, pictures_coupon.relaxation, (self.solved, tolerance))}
+
+    def plot(self) -> Figure:
+        """A matplotlib figure: the quantities of the test in the unit of the first, against what is prescribed."""
+        record = self.record
+        first, *others = list(record.columns)[1:]
+        names = [first, *(name for name in others if record.unit(name) == record.unit(first))]
+        return figure(pictures_coupon.curves, record, names, first)
+
+    def to_vtk(self, folder: FilePath) -> Path:
+        """Write the fabric after every load step for ParaView: coupon.pvd with coupon-NNNN.vtu; returns its path."""
+        from weavecell.results import paraview
+
+        folder, times = Path(folder), {}
+        folder.mkdir(parents=True, exist_ok=True)
+        cells = paraview.topology(self.solved.coupon.quads)
+        for step, state in enumerate(self.solved.states):
+            nodes = np.column_stack([state.x, np.zeros(len(state.x))])
+            name = f"coupon-{step:04d}.vtu"
+            shear = {"shear_angle_rad": self.solved.shear(step)}
+            paraview.write_grid(folder / name, nodes, cells, shear)
+            times[name] = float(step + 1)
+        paraview.write_series(folder / "coupon.pvd", times)
+        return folder / "coupon.pvd"
+
+
 class PullOutResult(_Test):
     """A yarn drawn out of held crossovers.
 
     Parameters
     ----------
-    record : `weavecell.results.pull_out.PullOutRecord`
-    case, text, assumed, key : as of `CouponResult`
+    record : `fabrics.record.Record`, a row a sample of the load
+    solved : `shellfabric.coupon.pull_out_curve.PullOutCurve`
+    case, checks, text, key : as of `CouponResult`
     """
 
-    record: PullOutRecord
-    case: Case
-    text: str = ""
-    assumed: tuple[str, ...] = ()
-    key: str = ""
-
-    def _lines(self):
-        return self.record.lines()
-
-    def _chapter(self):
-        from weavecell.report import coupon_page
-
-        return coupon_page.pull_out_chapter(self.record)
+    solved: PullOutCurve
+    _caption = ""
 
     def _lead(self):
-        return f"One yarn of {self.record.fabric} drawn through {self.record.curve.coupon.crossings} held crossovers."
+        facts = self.record.facts
+        return f"One yarn of {facts['fabric']} drawn through {facts['crossings']} held crossovers."
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
-        super().save(out)
-        self.record.write_csv(Path(out) / "load.csv")
+    def _rows(self):
+        """{what it is: text with its unit}."""
+        curve, plateau = self.solved, self.plateau
+        return {
+            "displacement of the crosshead": f"{1e3 * curve.displacement[-1]:.4g} mm",
+            "peak load": f"{curve.peak:.4g} N",
+            "plateau load": "not reached" if plateau is None else f"{plateau:.4g} N",
+            "slip length at the peak": f"{1e3 * curve.slip_length:.4g} mm",
+            "crossovers that the yarn's end has left": f"{curve.left[-1]} of {curve.coupon.crossings}",
+            "work of friction": f"{1e3 * curve.friction_work[-1]:.4g} mJ",
+            "energy error over the work": f"{100 * curve.energy_error:.2g} %",
+        }
+
+    def _lines(self):
+        return [f"{name:<44}{text}" for name, text in self._rows().items()]
 
     @property
     def peak(self) -> float:
         """[N] highest load."""
-        return self.record.curve.peak
+        return self.solved.peak
 
     @property
     def plateau(self) -> float | None:
         """[N] mean load while all crossovers slide; None where they never all do."""
-        return self.record.curve.plateau
+        return self.solved.plateau
 
     def summary(self) -> dict[str, Any]:
         """Set-up, loads, slip length and work of friction, each with its unit; the checks in words."""
-        return self.record.summary() | {"checks": self.checks_text}
+        return self.record.facts | {"checks": self.checks_text}
 
-    def _columns(self):
-        columns = {
-            "time_s": "time",
-            "displacement_m": "displacement",
-            "load_N": "load",
-            "crossovers_in_slip": "sliding",
-        }
-        columns |= {"crossovers_left": "left", "friction_work_J": "friction_work"}
-        return {name: getattr(self.record.curve, key) for name, key in columns.items()}
+    def table(self) -> DataFrame:
+        """What it came to."""
+        from pandas import DataFrame
+
+        return DataFrame(self._rows().items(), columns=["quantity", "value"])
+
+    def _write_histories(self, out):
+        pull_out_results.write(out / "histories.h5", self.record)
+        load = self.record.to_dataframe().rename(columns=lambda name: f"{name} [{self.record.unit(name)}]")
+        files.write(out / "load.csv", load.to_csv(index=False, float_format="%.9g"))
+
+    def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
+        """As of `CouponResult`."""
+        caption = "Load on the pulled yarn; below: crossovers that it slides through, and those that its end has left."
+        return {"load": (caption, pictures_coupon.pull_out, (self.solved,))}
 
     def plot(self) -> Figure:
         """A matplotlib figure: the load, and the crossovers in slip and left, against the displacement."""
-        from weavecell.report import pictures_coupon
-
-        return figure(pictures_coupon.pull_out, self.record)
+        return figure(pictures_coupon.pull_out, self.solved)

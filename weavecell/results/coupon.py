@@ -1,169 +1,185 @@
-"""What a test on a coupon leaves, in HDF5: its record (histories.h5), and the states to go on from (checkpoint.h5).
+"""A quasi-static test on a coupon: what is measured after each load step, and its files in HDF5.
 
-Layout of the record: attributes of the root for scalars and texts; /histories with one value a load step; /coupon with
-the fabric at rest; /states with nodes and shear angles after every step; /final with the tensions of the yarns at the
-end; /relaxation with the out-of-balance force of every iteration. Every dataset has the attribute "unit".
+Layout of histories.h5: attributes of the root for scalars and texts; /histories with one value a load step; /coupon
+with the fabric at rest; /states with nodes and shear angles after every step; /final with the tensions of the yarns at
+the end; /relaxation with the out-of-balance force of every iteration. Every dataset has the attribute "unit".
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.checks import FilePath
+from fabrics.checks import FilePath, FloatArray
 from fabrics.files import read_hdf5, write_hdf5
-from weavecell.results import keys
+from fabrics.record import Record
+from shellfabric.coupon import quasistatic
 from weavecell.results.hdf5_file import put
 
 if TYPE_CHECKING:
+    from shellfabric.cell.model import CellTable
     from shellfabric.coupon.dynamic_relaxation import State
     from shellfabric.coupon.solver import Result
+    from shellfabric.panel.quality import Indicator
 
-FORMAT = "weavecell coupon 2"
-_CHECKPOINT = "weavecell coupon checkpoint 3"
-# attribute of the record: attribute of the file, and key of summary.json
-_SCALARS = {
-    "title": "title",
-    "fabric": "fabric",
-    "law_name": "law_name",
-    "test": "test",
-    "prescribed_name": "prescribed_name",
-    "prescribed_unit": "prescribed_unit",
-    "outcome": "outcome",
-    "failure_message": "failure_message",
-    "elements": "elements",
-    "wall_time": "wall_time_s",
+FORMAT, CHECKPOINT = "weavecell coupon 2", "weavecell coupon checkpoint 3"
+TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
+PRESCRIBED = {  # by each test: name, unit
+    "bias_extension": ("elongation", "m"),
+    "picture_frame": ("shear angle", "rad"),
+    "uniaxial": ("strain of the strip", "1"),
+    "biaxial": ("strain of the cross", "1"),
 }
 _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
 
-@dataclass(frozen=True)
-class CouponRecord:
-    """One test on one coupon.
+def relaxed(table: CellTable, test: str, inputs: Mapping[str, Any], **options: Any) -> Result:
+    """The Result of a quasi-static test: `inputs` by the keys of its table, options as of its function."""
+    named = {"cells" if key == "crossovers" else key: value for key, value in inputs.items()}
+    return getattr(quasistatic, test)(table, **named, **options)
+
+
+def record(inputs: Any, solved: Result, **facts: Any) -> Record:
+    """The record of a test, a row a load step: first what is prescribed, then what is measured.
 
     Parameters
     ----------
-    title, fabric, law_name : for the reader
-    test : of scenes.coupon.TESTS
-    prescribed_name, prescribed_unit : what was prescribed
-    outcome : "complete", "yarn at its strength" or "unstable"
-    failure_message : why an unstable run was ended; "" for others
-    elements : woven quadrilaterals
-    floor : [N] reaction below which the coupon counts as unloaded
-    wall_time : [s]
-    prescribed : (k,) its value at each step
-    measures : {name: (unit, (k,))} of `coupon_measures`
-    energies : {"yarns", "trellis": (k,)} [J]
-    residual, iterations : (k,) out-of-balance force over the reaction [-], and what it took
-    points, quads, warp, weft, grips : of the coupon at rest
-    x : (k, n, 2) [m] nodes
-    shear : (k, q) [rad]
-    tension : ((e1,), (e2,)) [N] at the end
-    relaxation : (iterations of all steps, 2) [N] out-of-balance force and reaction
-    checks : tuple of shellfabric.panel.quality.Indicator; kept in summary.json alone
+    inputs : table of the test in the input file
+    solved : `shellfabric.coupon.solver.Result`
+    facts : further ones that come first, the name of the test among them
     """
+    test = facts["test"]
+    measure = {"bias_extension": _bias, "picture_frame": _frame, "uniaxial": _uniaxial, "biaxial": _biaxial}[test]
+    name, unit = PRESCRIBED[test]
+    measures = {name: (unit, solved.prescribed)} | measure(inputs, solved)
+    return Record(
+        columns={name: values for name, (_, values) in measures.items()},
+        meanings={name: f"[{unit}] {name}" for name, (unit, _) in measures.items()},
+        facts={
+            **facts,
+            "prescribed_name": name,
+            "prescribed_unit": unit,
+            "outcome": solved.outcome,
+            "elements": len(solved.coupon.quads),
+            "steps": len(solved.prescribed),
+            "iterations": sum(state.iterations for state in solved.states),
+            "residual_max": max(state.residual for state in solved.states),
+        },
+    )
 
-    title: str
-    fabric: str
-    law_name: str
-    test: str
-    prescribed_name: str
-    prescribed_unit: str
-    outcome: str
-    failure_message: str
-    elements: int
-    floor: float
-    wall_time: float
-    prescribed: np.ndarray
-    measures: dict
-    energies: dict
-    residual: np.ndarray
-    iterations: np.ndarray
-    points: np.ndarray
-    quads: np.ndarray
-    warp: np.ndarray
-    weft: np.ndarray
-    grips: np.ndarray
-    x: np.ndarray
-    shear: np.ndarray
-    tension: tuple
-    relaxation: np.ndarray
-    checks: tuple = ()
 
-    @classmethod
-    def of(
-        cls, result: Result, measures: dict[str, tuple[str, np.ndarray]], prescribed: tuple[str, str], **scalars: Any
-    ) -> CouponRecord:
-        """The record of a `shellfabric.coupon.solver.Result`; `prescribed` is (name, unit)."""
-        coupon, states = result.coupon, result.states
-        x = np.array([state.x for state in states])
-        return cls(
-            **scalars, prescribed_name=prescribed[0], prescribed_unit=prescribed[1],
-            outcome=result.outcome, elements=len(coupon.quads),
-            floor=result.force_floor,
-            prescribed=result.prescribed, measures=measures,
-            energies=dict(zip(("yarns", "trellis"), np.array([state.energies for state in states]).T)),
-            residual=np.array([state.residual for state in states]),
-            iterations=np.array([state.iterations for state in states]),
-            points=coupon.points, quads=coupon.quads, warp=coupon.edges[0], weft=coupon.edges[1], grips=result.grips,
-            x=x, shear=np.array([coupon.shear_angles(nodes) for nodes in x]), tension=coupon.tensions(x[-1]),
-            relaxation=np.concatenate([state.history for state in states]),
-        )  # fmt: skip
+def _bias(inputs, solved):
+    size, shear_angles = quasistatic.bias_size(solved), [solved.shear(step) for step in range(len(solved.states))]
+    zones = quasistatic.zones(solved.coupon, *size)
+    angles = [
+        np.array([0.5 * pi - gamma[zones == number].mean() for gamma in shear_angles])
+        for number in range(len(quasistatic.ZONES))
+    ]
+    rigid = [0.5 * pi - quasistatic.inextensible_shear(*size, elongation) for elongation in solved.prescribed]
+    concentration = [quasistatic.concentration(gamma, zones == 2) for gamma in shear_angles]
+    return {
+        "load": ("N", np.abs(solved.force(1, 1))),
+        **{f"angle in zone {zone}": ("rad", angle) for zone, angle in zip(quasistatic.ZONES, angles)},
+        "B less the mean of A and C": ("rad", angles[1] - 0.5 * (angles[0] + angles[2])),
+        "zone C, yarns that do not stretch": ("rad", np.array(rigid)),
+        "shear concentration": ("1", np.array(concentration)),
+    }
 
-    def summary(self) -> dict[str, Any]:
-        """The scalars of the record, and the last of what was measured, as a dict."""
-        return {key: getattr(self, name) for name, key in _SCALARS.items()} | {
-            "steps": len(self.prescribed),
-            "iterations": int(self.iterations.sum()),
-            "residual_max": float(self.residual.max()),
-            "at_end": {self.prescribed_name: {"value": float(self.prescribed[-1]), "unit": self.prescribed_unit}}
-            | {name: {"value": float(values[-1]), "unit": unit} for name, (unit, values) in self.measures.items()},
-        }
 
-    def write(self, path: FilePath) -> None:
-        """Write the record, whole or not at all."""
-        with write_hdf5(path, FORMAT) as file:
-            for name, key in _SCALARS.items():
-                file.attrs[key] = getattr(self, name)
-            put(file, f"histories/{self.prescribed_name}", self.prescribed, self.prescribed_unit)
-            for name, (unit, values) in self.measures.items():
-                put(file, f"histories/{name}", values, unit)
-            for name, values in self.energies.items():
-                put(file, f"histories/energy of the {name}", values, "J")
-            put(file, "histories/residual", self.residual, "1")
-            put(file, "histories/iterations", self.iterations, "1")
-            for name, unit in keys.units(keys.COUPON_MESH).items():
-                put(file, f"coupon/{name}", getattr(self, name), unit)
-            put(file, "states/x", self.x, "m", compression="gzip", shuffle=True)
-            put(file, "states/shear", self.shear, "rad", compression="gzip", shuffle=True)
-            for name, values in zip(("warp", "weft"), self.tension):
-                put(file, f"final/tension_{name}", values, "N")
-            put(file, "relaxation", self.relaxation, "N")
+def _frame(inputs, solved):
+    stress, law = ("Pa", quasistatic.frame_stress(solved)), solved.coupon.table.model.fabric.shear
+    known = {} if law is None else {"trellis law": ("Pa", law.stress(solved.prescribed))}
+    return {"shear stress": stress} | known
+
+
+def _uniaxial(inputs, solved):
+    weave, along = solved.coupon.weave, 0 if inputs.direction == "warp" else 1
+    size = np.ptp(solved.coupon.points, axis=0)
+    yarns = round(float(size[1]) / (2 * weave.w[1 - along]))
+    strain = quasistatic.middle_strain(solved, 0.2 * (size if along == 0 else size[::-1]))
+    load = solved.force(1, 0)
+    return {
+        "load": ("N", load),
+        "load of a yarn": ("N", load / yarns),
+        "strain in the middle, along": ("1", strain[:, along]),
+        "strain in the middle, across": ("1", strain[:, 1 - along]),
+    }
+
+
+def _biaxial(inputs, solved):
+    strains = quasistatic.middle_strain(solved, [0.6 * inputs.centre * w for w in solved.coupon.weave.w])
+    measures = {}
+    for family, load, strain in zip(("warp", "weft"), (solved.force(1, 0), solved.force(3, 1)), strains.T):
+        measures[f"load of a {family} yarn"] = "N", load / inputs.centre
+        measures[f"strain in the middle, {family}"] = "1", strain
+    cell = solved.coupon.table.model.solve(*(1 + strains.T))
+    return measures | {f"cell at these strains, {f}": ("N", cell[N]) for f, N in (("warp", "N1"), ("weft", "N2"))}
+
+
+def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
+    """Quality indicators of a test; the load step in which a yarn fails may go beyond its strength."""
+    from shellfabric.panel import quality
+
+    coupon = solved.coupon
+    peaks = [float(tension.max()) for tension in coupon.tensions(solved.states[-1].x)]
+    if solved.outcome == "yarn at its strength":
+        peaks = [min(peak, yarn.strength) for peak, yarn in zip(peaks, coupon.weave.yarns)]
+    return quality.of_coupon(coupon.table, peaks, max(state.residual for state in solved.states), tolerance)
+
+
+def write(path: FilePath, record: Record, solved: Result) -> None:
+    """Write histories.h5, whole or not at all."""
+    coupon, states = solved.coupon, solved.states
+    x: FloatArray = np.array([state.x for state in states])
+    energies = zip(("yarns", "trellis"), np.transpose([state.energies for state in states]))
+    datasets = {
+        **{f"histories/{name}": (values, record.unit(name)) for name, values in record.columns.items()},
+        **{f"histories/energy of the {part}": (values, "J") for part, values in energies},
+        "histories/residual": ([state.residual for state in states], "1"),
+        "histories/iterations": ([state.iterations for state in states], "1"),
+        "coupon/points": (coupon.points, "m"),
+        "coupon/quads": (coupon.quads, "1"),
+        "coupon/warp": (coupon.edges[0], "1"),
+        "coupon/weft": (coupon.edges[1], "1"),
+        "coupon/grips": (solved.grips, "1"),
+        **{f"final/tension_{f}": (T, "N") for f, T in zip(("warp", "weft"), coupon.tensions(x[-1]))},
+        "relaxation": (np.concatenate([state.history for state in states]), "N"),
+    }
+    with write_hdf5(path, FORMAT) as file:
+        file.attrs.update(record.facts)
+        for name, (values, unit) in datasets.items():
+            put(file, name, values, unit)
+        put(file, "states/x", x, "m", compression="gzip", shuffle=True)
+        shear = np.array([coupon.shear_angles(nodes) for nodes in x])
+        put(file, "states/shear", shear, "rad", compression="gzip", shuffle=True)
 
 
 def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:
     """Keep the states of a run under way; `stamp` (`fabrics.run_cache`) is that of its scene and of the code."""
-    with write_hdf5(path, _CHECKPOINT, **stamp) as file:
+    with write_hdf5(path, CHECKPOINT, **stamp) as file:
         for number, state in enumerate(states):
             for name, unit in _STATE.items():
                 put(file, f"{number:05d}/{name}", getattr(state, name), unit)
 
 
-def read_states(path: FilePath, stamp: Mapping[str, str]) -> tuple[State, ...]:
-    """The states that `write_states` wrote; InputError if there are none, or those of another scene or other code."""
+def read_states(path: FilePath, stamp: Mapping[str, str]) -> list[State]:
+    """The states that `write_states` wrote.
+
+    Raises
+    ------
+    InputError : there are none, or those of another scene or other code
+    """
     from shellfabric.coupon.dynamic_relaxation import State
 
-    with read_hdf5(path, _CHECKPOINT) as file:
+    with read_hdf5(path, CHECKPOINT) as file:
         run_cache.check_stamp(file.attrs, stamp, path, of="scene")
-        found = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
-    return tuple(
-        State(
-            load=float(values.pop("load")), residual=float(values.pop("residual")), settled=True,
-            energies=tuple(values.pop("energies")), **values,
-        )
-        for values in found
-    )  # fmt: skip
+        groups = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
+    scalars: dict[str, Any] = {"load": float, "residual": float, "energies": tuple}
+    return [
+        State(settled=True, **{name: scalars.get(name, np.asarray)(values) for name, values in group.items()})
+        for group in groups
+    ]
