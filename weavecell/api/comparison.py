@@ -34,9 +34,15 @@ __all__ = ["ComparisonResult", "compare"]
 
 
 def compare(
-    tests: FilePath, target: Fabric | FilePath | ImpactSetup, *, tolerance: float | str = "1 m/s", jobs: int = 1,
-    executor: str | Executor = "local", out: FilePath | None = None, **options: Unpack[Keywords],
-) -> ComparisonResult:  # fmt: skip
+    tests: FilePath,
+    target: Fabric | FilePath | ImpactSetup,
+    *,
+    tolerance: float | str = "1 m/s",
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    **options: Unpack[Keywords],
+) -> ComparisonResult:
     """Put the shots of a laboratory beside the computed ones: V50 and residual velocities, with intervals.
 
     TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated) and, where it was

@@ -53,9 +53,13 @@ _CODE = "shellfabric.coupon.quasistatic", "shellfabric.coupon.pull_out"
 
 
 def coupon(
-    target: Fabric | FilePath, test: str | None = None, *, out: FilePath | None = None, resume: bool = False,
+    target: Fabric | FilePath,
+    test: str | None = None,
+    *,
+    out: FilePath | None = None,
+    resume: bool = False,
     **options: Any,
-) -> CouponResult | PullOutResult:  # fmt: skip
+) -> CouponResult | PullOutResult:
     """Test a piece of fabric: bias extension, picture frame, uniaxial or biaxial tension, or a yarn pull-out.
 
     All but the pull-out are quasi-static. The folder then holds report.html, summary.json, histories.h5, pictures/ and
@@ -295,9 +299,10 @@ class CouponResult(Result):
         figures: dict[str, tuple[str, Callable, tuple]] = {
             "coupon": (
                 "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.",
-                pictures_coupon.cloth, (record, self.solved),
+                pictures_coupon.cloth,
+                (record, self.solved),
             )
-        }  # fmt: skip
+        }
         for name, beginnings, label, caption in pictures_coupon.CURVES[record.facts["test"]]:
             drawn = [measure for measure in record.columns if measure.startswith(beginnings)]
             figures[name] = caption, pictures_coupon.curves, (record, drawn, label)

@@ -41,10 +41,18 @@ __all__ = ["SweepResult", "SweepTable", "sweep"]
 
 
 def sweep(
-    target: Fabric | FilePath | Iterable[ImpactSetup], *, over: list[str] | Mapping[str, Sequence[Any]] | None = None,
-    quantity: str = "shot", tolerance: float | str = "1 m/s", shots: int = 60, seed: int = 1, jobs: int = 1,
-    executor: str | Executor = "local", out: FilePath | None = None, resume: bool = False,
-) -> Any:  # fmt: skip
+    target: Fabric | FilePath | Iterable[ImpactSetup],
+    *,
+    over: list[str] | Mapping[str, Sequence[Any]] | None = None,
+    quantity: str = "shot",
+    tolerance: float | str = "1 m/s",
+    shots: int = 60,
+    seed: int = 1,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    resume: bool = False,
+) -> Any:
     """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50 of each.
 
     All combinations are checked before the first is computed. Ignored keys of the input file: title,
@@ -97,16 +105,15 @@ def sweep(
     support = of_commands.SWEEP if quantity == "shot" else of_commands.LIMITS
     combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
     panels = [read(str(target), Path(out or "."), support, changes=changes) for changes in combinations]
-    with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume) as run:
-        beside: dict[str, Any] = {"folder": run.runs, "executor": executor, "jobs": jobs}
+    with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor) as run:
         if quantity == "v50":  # whose shots run in parallel, one V50 after the other
             rows = [
-                studies.row(panel.setup, wanted, report=run.part(number, len(panels)), **beside)
+                studies.row(panel.setup, wanted, report=run.report(number, len(panels)), **run.runs)
                 for number, panel in enumerate(panels)
             ]
         else:
             setups = [(inputs.alone(panel.setup), wanted) for panel in panels]
-            rows = run_cache.results(studies.row, setups, report=run.count, **beside)
+            rows = run_cache.results(studies.row, setups, report=run.report(), **run.runs)
         table = tuple(
             changes | {"areal_density_kg_m2": panel.setup.areal_density} | row
             for changes, panel, row in zip(combinations, panels, rows)

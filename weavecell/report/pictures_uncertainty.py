@@ -70,9 +70,14 @@ def perforation(pyplot: Any, study: Any, title: str) -> Any:
     left, right = V.min() - 2, V.max() + 2
     edges = probit.band(V, hit, curve, _PROBABILITIES)
     axis.fill_betweenx(
-        _PROBABILITIES, np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right), color=BLUE, alpha=0.18,
-        lw=0, label=f"{100 * curve.confidence:g} % of the probit",
-    )  # fmt: skip
+        _PROBABILITIES,
+        np.maximum(edges[:, 0], left),
+        np.minimum(edges[:, 1], right),
+        color=BLUE,
+        alpha=0.18,
+        lw=0,
+        label=f"{100 * curve.confidence:g} % of the probit",
+    )
     grid = np.linspace(left, right, 400)
     axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
     axis.plot(grid, study.curves["logit"].probability(grid), color=GREEN, ls="--", label="logit")

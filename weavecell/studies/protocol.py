@@ -61,9 +61,13 @@ def series(curve: Curve, seed: int = 1, count: int = SERIES) -> Series:
         return Series(*(float("nan"),) * 4, shots=float(MOST), share=0.0)
     low, high = np.quantile(results, (0.025, 0.975))
     return Series(
-        float(results.mean()), float(results.std(ddof=1)), float(low), float(high),
-        float(np.mean([shots for _, shots in found])), results.size / count,
-    )  # fmt: skip
+        float(results.mean()),
+        float(results.std(ddof=1)),
+        float(low),
+        float(high),
+        float(np.mean([shots for _, shots in found])),
+        results.size / count,
+    )
 
 
 def one(curve: Curve, random: np.random.Generator) -> tuple[float | None, int]:

@@ -206,7 +206,9 @@ def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path)
         beside = v50.study(setup, scatter, folder=tmp_path / "b", executor=workers, **arguments)
     assert alone == beside
     told = []
-    again = v50.study(setup, scatter, folder=tmp_path / "a", report=lambda share, text: told.append(share), **arguments)
+    again = v50.study(
+        setup, scatter, folder=tmp_path / "a", report=lambda done, total: told.append(done / total), **arguments
+    )
     assert again == alone
     assert told == [0.5, 1.0]  # nothing was run again: a report of each round as it is found on disk
 
