@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import itertools
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 from fabrics import run_cache
 from fabrics.checks import FilePath
@@ -180,8 +180,9 @@ class SweepTable(StudyResult):
         return {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
 
     def _columns(self):
-        names = dict.fromkeys(name for row in self.rows for name in row)
-        return {name: [row.get(name) for row in self.rows] for name in names}
+        from pandas import DataFrame
+
+        return DataFrame(self.rows)
 
     def draw(self, pyplot: Any) -> Figure:
         """The quantity against the first key."""
@@ -267,17 +268,8 @@ class SweepResult(Result, Sequence):
     def __len__(self) -> int:
         return len(self.shots)
 
-    @overload
-    def __getitem__(self, index: int) -> ShotResult: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> tuple[ShotResult, ...]: ...
-
-    def __getitem__(self, index: int | slice) -> ShotResult | tuple[ShotResult, ...]:
+    def __getitem__(self, index: Any) -> Any:
         return self.shots[index]
-
-    def __iter__(self) -> Iterator[ShotResult]:
-        return iter(self.shots)
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
@@ -287,8 +279,10 @@ class SweepResult(Result, Sequence):
         return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
 
     def _what(self):
-        some = [f"{shot.strike_velocity:g} m/s" for shot in self.shots if shot.doubtful and shot.outcome != "unstable"]
-        return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(some)}; worst"
+        strikes = [
+            f"{shot.strike_velocity:g} m/s" for shot in self.shots if shot.doubtful and shot.outcome != "unstable"
+        ]
+        return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(strikes)}; worst"
 
     def summary(self) -> dict[str, Any]:
         """Number of shots of each outcome and of doubtful ones, and the worst checks in words."""
@@ -301,9 +295,9 @@ class SweepResult(Result, Sequence):
         }
 
     def _columns(self):
-        rows = [{key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots]
-        names = dict.fromkeys(name for row in rows for name in row)
-        return {name: [row.get(name) for row in rows] for name in names}
+        from pandas import DataFrame
+
+        return DataFrame({key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots)
 
     def plot(self) -> Figure:
         """A matplotlib figure: residual against strike velocity [m/s]."""
