@@ -73,8 +73,8 @@ def compare(
     --------
     >>> from pathlib import Path
     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
-    >>> found = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
-    >>> found.comparison.agree
+    >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
+    >>> comparison.comparison.agree
     2
     """
     from shellfabric.impact import ballistic_limit
@@ -115,8 +115,8 @@ class ComparisonResult(StudyResult):
     --------
     >>> from pathlib import Path
     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
-    >>> found = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
-    >>> list(found.to_dataframe()["computed"])
+    >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
+    >>> list(comparison.to_dataframe()["computed"])
     ['stopped', 'perforated']
     """
 

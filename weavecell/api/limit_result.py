@@ -58,9 +58,9 @@ class CriticalVelocityResult(StudyResult):
 
     Examples
     --------
-    >>> found = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
-    >>> low, high = found.bracket
-    >>> low < found.velocity < high
+    >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
+    >>> low, high = limit.bracket
+    >>> low < limit.velocity < high
     True
     """
 

@@ -208,8 +208,8 @@ def critical_velocity(
 
     Examples
     --------
-    >>> found = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
-    >>> round(found.velocity, -1), found.bracket_checks  # [m/s]
+    >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
+    >>> round(limit.velocity, -1), limit.bracket_checks  # [m/s]
     (90.0, 'ok')
     """
     from shellfabric.impact.limit_scan import ScanRange
@@ -300,8 +300,8 @@ def v50(
 
     Examples
     --------
-    >>> found = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
-    >>> round(found.v50, -1)  # [m/s]
+    >>> curve = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
+    >>> round(curve.v50, -1)  # [m/s]
     80.0
     """
     from weavecell.studies import inputs
@@ -360,8 +360,8 @@ def sensitivity(
 
     Examples
     --------
-    >>> found = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, opening="20 mm", end_time="10 us")
-    >>> [of.quantity for of in found.indices]
+    >>> sensitivity = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, opening="20 mm", end_time="10 us")
+    >>> [of.quantity for of in sensitivity.indices]
     ['velocity', 'peak tension']
     """
     from weavecell.studies import sobol

@@ -130,9 +130,9 @@ def assumed_of(setup: ImpactSetup) -> tuple[str, ...]:
     return tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric))
 
 
-def as_fabric(given: Fabric | FilePath) -> Fabric:
+def as_fabric(fabric: Fabric | FilePath) -> Fabric:
     """A Fabric as it is; that of a name or file with the linear densities of the runs of the thesis."""
-    return given if isinstance(given, Fabric) else with_linear_density(catalogue.load(given), "effective")
+    return fabric if isinstance(fabric, Fabric) else with_linear_density(catalogue.load(fabric), "effective")
 
 
 def _refuse(options, beside):

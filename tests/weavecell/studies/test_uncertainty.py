@@ -248,4 +248,4 @@ def test_one_series_by_hand():
             return 0.5
 
     # 230 P, 200 S, 215 P, 200 S, 215 P, 200 S: stops 200 x 3, perforations 215, 215, 230
-    assert protocol.one(Sure(), Draws()) == (pytest.approx((3 * 200 + 215 + 215 + 230) / 6), 6)
+    assert protocol.one_series(Sure(), Draws()) == (pytest.approx((3 * 200 + 215 + 215 + 230) / 6), 6)
