@@ -19,7 +19,7 @@ import typer
 from fabrics import units
 from fabrics.errors import InputError
 from weavecell.commands import mesh, options
-from weavecell.report import chapters, pictures, pictures_surface
+from weavecell.report import chapters, pictures
 from weavecell.report import page as report_page
 from weavecell.results import json_file, out_folder, progress, provenance
 
@@ -161,6 +161,8 @@ def _differences(surface, cell):
 
 
 def _chapter(found, interpolant, cell):
+    from weavecell.report import pictures_surface
+
     surface = found.surface
     differences = {} if cell is None else _differences(surface, cell)
     rows = []
