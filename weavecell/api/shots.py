@@ -237,10 +237,8 @@ def draws(
     began, scatter = time.perf_counter(), inputs.published()
     panel = targets.of(target, {}, of_commands.DRAWS, one_shot=True)
     scatter = scatter if weibull_shape is None else replace(scatter, shape=weibull_shape)
-    with targets.study(panel, f"{panel.shot_title}, draws", out, resume) as run:
-        study = analysis.study(
-            panel.setup, scatter, count, folder=run.runs, seed=seed, jobs=jobs, executor=executor, report=run.count
-        )
+    with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor) as run:
+        study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
         result = run.saved(DrawsResult(study, panel, time.perf_counter() - began))
     unstable = len(study.draws) - len(study.counted)
     if unstable:
