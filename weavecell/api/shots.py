@@ -318,11 +318,11 @@ class ShotResult(Result):
         -------
         path : of panel.pvd
         """
-        from weavecell.results import paraview
+        from weavecell.results import vtk
 
         folder, final = Path(folder), self.record.final
         before = [plies for plies in self.shapes if plies[0].t < final[0].t]
-        paraview.write_panel(folder, [*before, final], self.record.quads)
+        vtk.write_panel(folder, [*before, final], self.record.quads)
         return folder / "panel.pvd"
 
     def save(self, out: FilePath) -> None:
