@@ -284,9 +284,7 @@ class _Test(Result):
         for name, (caption, draw, arguments) in self.figures().items():
             kind = "png" if draw is pictures_coupon.cloth else "svg"
             figures.append(page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name))
-        table = self.table()
-        rows = tuple(tuple(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) for row in table.values)
-        tables = (page.Table(tuple(table), rows, self._caption, numeric=tuple(table)[-1:]),)
+        tables = (page.Table.of(self.table(), self._caption),)
         stopped = f"The run was stopped: {facts['failure_message']}." if facts["failure_message"] else ""
         test = pictures_coupon.TESTS[facts["test"]]
         section = page.Section("coupon", test.capitalize(), stopped, tuple(figures), tables)

@@ -9,7 +9,7 @@ The folder of `weavecell critical-velocity`
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +18,6 @@ from fabrics import files
 from fabrics.checks import FilePath
 from weavecell.api.result import Result, figure
 from weavecell.report import chapters_assumed, checks
-from weavecell.results import json_file, provenance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,16 +32,16 @@ if TYPE_CHECKING:
 
 __all__ = ["CriticalVelocityResult"]
 
-_COLUMNS = {
-    "strike velocity [m/s]": lambda shot: f"{shot.strike_velocity:.4f}",
-    "outcome": lambda shot: shot.outcome,
-    "residual velocity [m/s]": lambda shot: f"{shot.residual_velocity:.4f}",
-    "time [s]": lambda shot: f"{shot.time:.6e}",
-    "failed yarn segments": lambda shot: f"{shot.failed}",
-    "peak warp tension [N]": lambda shot: f"{shot.peak_tension[0]:.3f}",
-    "peak weft tension [N]": lambda shot: f"{shot.peak_tension[1]:.3f}",
-    "energy error [-]": lambda shot: f"{shot.balance:.3e}",
-    "checks": lambda shot: checks.status(shot.checks),
+_CSV = {  # heading: column of `to_dataframe`, format
+    "strike velocity [m/s]": ("strike_velocity_m_s", "{:.4f}"),
+    "outcome": ("outcome", "{}"),
+    "residual velocity [m/s]": ("residual_velocity_m_s", "{:.4f}"),
+    "time [s]": ("end_time_s", "{:.6e}"),
+    "failed yarn segments": ("failed_yarn_segments", "{}"),
+    "peak warp tension [N]": ("peak_tension_warp_N", "{:.3f}"),
+    "peak weft tension [N]": ("peak_tension_weft_N", "{:.3f}"),
+    "energy error [-]": ("energy_error_max", "{:.3e}"),
+    "checks": ("status", "{}"),
 }
 
 
@@ -119,27 +118,32 @@ class CriticalVelocityResult(Result):
         return name if self.bracket_checks == checks.OK else f"{name}: the limit rests on a {self.bracket_checks}"
 
     def summary(self) -> dict[str, Any]:
-        """Velocity, bracket, number of shots; doubtful shots that the limit rests on, and the worst checks of all."""
-        low, high = self.bracket
-        entries: dict[str, Any] = {
-            "fabric": self.target.setup.name,
-            "plies": self.target.setup.plies,
+        """The entries of critical-velocity.json (docs/reference/files.md), but of the shots their number and the worst
+        checks of all in words, and what is assumed."""
+        return self._facts() | {"checks": self.checks_text} | self._what_is_assumed()
+
+    def _facts(self):
+        limit, setup = self.limit, self.target.setup
+        return {
+            "fabric": setup.name,
+            "plies": setup.plies,
+            "projectile": self.target.projectile,
+            "law_name": self.target.law_name,
             "critical_velocity_m_s": self.velocity,
-            "stop_m_s": low,
-            "perforation_m_s": high,
-            "shots": len(self.limit.shots),
+            "bracket_m_s": [limit.low, limit.high],
+            "single_limit": limit.single,
+            "highest_stop_m_s": limit.highest_stop,
+            "lowest_perforation_m_s": limit.lowest_perforation,
+            "mixed_zone_m_s": limit.mixed_zone,
+            "scan": self.scan and asdict(self.scan),
+            "lambert_jonas": self.fit and asdict(self.fit),
+            "shots": len(limit.shots),
             "bracket_checks": self.bracket_checks,
-            "checks": self.checks_text,
+            "wall_time_s": self.wall_time,
         }
-        if self.mixed_zone is not None:
-            entries |= dict(zip(("lowest_perforation_m_s", "highest_stop_m_s"), self.mixed_zone))
-        return entries | self._what_is_assumed()
 
     def _columns(self):
-        units = {"strike_velocity": "m_s", "residual_velocity": "m_s", "time": "s"}
-        columns = {f"{name}_{unit}": [getattr(shot, name) for shot in self.shots] for name, unit in units.items()}
-        outcomes = [shot.outcome for shot in self.shots]
-        return columns | {"outcome": outcomes, "checks": [checks.words(shot.checks) for shot in self.shots]}
+        return table_of(self.shots)
 
     def plot(self) -> Figure:
         """A matplotlib figure: residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
@@ -150,46 +154,37 @@ class CriticalVelocityResult(Result):
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
         from weavecell.report import pictures
+        from weavecell.results import json_file, provenance
 
-        out, found = Path(out), self.limit
+        out, shots = Path(out), self.to_dataframe().to_dict("records")
+        for shot in shots:
+            shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
+            shot["checks"] = shot.pop("status")
         write_shots(out, self.target, self.shots)
         content = {
             "format": "weavecell critical velocity 3",
-            "fabric": self.target.setup.name,
-            "plies": self.target.setup.plies,
-            "projectile": self.target.projectile,
-            "law_name": self.target.law_name,
-            "critical_velocity_m_s": self.velocity,
-            "bracket_m_s": [found.low, found.high],
-            "single_limit": found.single,
-            "highest_stop_m_s": found.highest_stop,
-            "lowest_perforation_m_s": found.lowest_perforation,
-            "mixed_zone_m_s": found.mixed_zone,
-            "scan": self.scan and asdict(self.scan),
-            "lambert_jonas": self.fit and asdict(self.fit),
-            "shots": [_entry(shot) for shot in self.shots],
-            "bracket_checks": self.bracket_checks,
+            **self._facts(),
+            "shots": shots,
             **checks.summary(self.checks),
             **chapters_assumed.summary(self.range),
-            "wall_time_s": self.wall_time,
             "provenance": provenance.stamp(self.target.text, setup=self.target.setup),
         }
         json_file.write(out / "critical-velocity.json", content)
-        picture = pictures.render(pictures.residual_velocity, self.target.title, found, self.fit, self.shots)
+        picture = pictures.render(pictures.residual_velocity, self.target.title, self.limit, self.fit, self.shots)
         files.write(out / "residual-velocity.svg", picture)
 
     def __str__(self) -> str:
-        title, found, count = self.target.title, self.limit, len(self.limit.shots)
-        if found.single:
-            lines = [f"{title}: critical velocity {found.velocity:.1f} m/s"]
-            lines.append(f"stops at {found.low:.2f} m/s, perforates at {found.high:.2f} m/s; {count} shots")
+        title, limit, count = self.target.title, self.limit, len(self.limit.shots)
+        if limit.mixed_zone is None:
+            lines = [f"{title}: critical velocity {limit.velocity:.1f} m/s"]
+            lines.append(f"stops at {limit.low:.2f} m/s, perforates at {limit.high:.2f} m/s; {count} shots")
         else:
-            low, high = found.lowest_perforation, found.highest_stop
-            inside = [shot.perforated for shot in found.shots if low <= shot.strike_velocity <= high]
+            low, high = limit.mixed_zone
+            inside = [shot.perforated for shot in limit.shots if low <= shot.strike_velocity <= high]
+            perforate, stop = inside.count(True), inside.count(False)
             lines = [f"{title}: no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s"]
             lines.append(f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {count} shots")
-            through = sum(inside)
-            lines.append(f"{len(inside)} shots in this zone: {through} perforate, {len(inside) - through} stop")
+            lines.append(f"{len(inside)} shots in this zone: {perforate} perforate, {stop} stop")
         if self.bracket_checks != checks.OK:
             lines.append(f"the limit rests on a {self.bracket_checks}")
         if self.fit is not None:
@@ -199,23 +194,30 @@ class CriticalVelocityResult(Result):
         return "\n".join(lines)
 
 
-def write_shots(out: Path, target: Target, shots: Iterable[Shot]) -> None:
+def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
+    """{name with unit: value of each shot}; "checks" are in words, "status" is "ok", "noted" or "doubtful"."""
+    warp, weft = zip(*(shot.peak_tension for shot in shots)) if shots else ((), ())
+    return {
+        "strike_velocity_m_s": [shot.strike_velocity for shot in shots],
+        "residual_velocity_m_s": [shot.residual_velocity for shot in shots],
+        "outcome": [shot.outcome for shot in shots],
+        "end_time_s": [shot.time for shot in shots],
+        "failed_yarn_segments": [shot.failed for shot in shots],
+        "peak_tension_warp_N": warp,
+        "peak_tension_weft_N": weft,
+        "energy_error_max": [shot.balance for shot in shots],
+        "wall_time_s": [shot.wall_time for shot in shots],
+        "checks": [checks.words(shot.checks) for shot in shots],
+        "status": [checks.status(shot.checks) for shot in shots],
+    }
+
+
+def write_shots(out: Path, target: Target, shots: Sequence[Shot]) -> None:
     """Write shots.csv, and scene.toml where the target has a text; of a search that did not end too."""
+    from pandas import DataFrame
+
     if target.text:
         files.write(out / "scene.toml", target.text)
-    files.write_csv(out / "shots.csv", [_COLUMNS, *([text(shot) for text in _COLUMNS.values()] for shot in shots)])
-
-
-def _entry(shot):
-    """A shot for critical-velocity.json."""
-    return {
-        "strike_velocity_m_s": shot.strike_velocity,
-        "residual_velocity_m_s": shot.residual_velocity,
-        "outcome": shot.outcome,
-        "end_time_s": shot.time,
-        "failed_yarn_segments": shot.failed,
-        "peak_tension_N": shot.peak_tension,
-        "energy_error_max": shot.balance,
-        "wall_time_s": shot.wall_time,
-        "checks": checks.status(shot.checks),
-    }
+    columns = table_of(shots)
+    table = DataFrame({heading: map(form.format, columns[name]) for heading, (name, form) in _CSV.items()})
+    files.write(out / "shots.csv", table.to_csv(index=False))

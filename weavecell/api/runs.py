@@ -295,16 +295,12 @@ def v50(
         own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
     scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
     panel = targets.of(target, options, of_commands.LIMITS)
-    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
-        with panel.named(), progress.bar(f"{panel.title}, repeated shots") as advance:
-            study = analysis.study(
-                panel.setup, scatter, shots=shots, batch=batch, seed=seed, folder=runs, jobs=jobs, executor=executor,
-                report=advance,
-            )  # fmt: skip
-        result = V50Result(study, panel, seed, batch, time.perf_counter() - began)
-        if folder is not None:
-            result.save(folder)
-    return result
+    with targets.study(panel, f"{panel.title}, repeated shots", out, resume) as run:
+        study = analysis.study(
+            panel.setup, scatter, shots=shots, batch=batch, seed=seed, folder=run.runs, jobs=jobs, executor=executor,
+            report=run.advance,
+        )  # fmt: skip
+        return run.saved(V50Result(study, panel, seed, batch, time.perf_counter() - began))
 
 
 def sensitivity(
@@ -351,13 +347,9 @@ def sensitivity(
     velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
     panel = targets.of(target, options, of_commands.SENSITIVITY)
     own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
-    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
-        with panel.named(), progress.bar(f"{panel.title}, sensitivities") as advance:
-            indices = sobol.study(
-                panel.setup, velocities or own, samples=samples, seed=seed, folder=runs, jobs=jobs, executor=executor,
-                report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
-            )  # fmt: skip
-        result = SensitivityResult(indices, panel, samples, seed, time.perf_counter() - began)
-        if folder is not None:
-            result.save(folder)
-    return result
+    with targets.study(panel, f"{panel.title}, sensitivities", out, resume) as run:
+        indices = sobol.study(
+            panel.setup, velocities or own, samples=samples, seed=seed, folder=run.runs, jobs=jobs, executor=executor,
+            report=run.count,
+        )  # fmt: skip
+        return run.saved(SensitivityResult(indices, panel, samples, seed, time.perf_counter() - began))

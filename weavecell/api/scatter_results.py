@@ -30,31 +30,28 @@ __all__ = ["DrawsResult", "SensitivityResult", "V50Result"]
 
 
 class _Study(Result):
-    """What results of many runs of one target share; a derived class has target, wall_time and what stands here."""
+    """What results of many runs of one target share; a derived class has target and wall_time."""
 
     name: ClassVar[str]  # of its files
     target: Target
     wall_time: float
 
+    @property
     def title(self) -> str:
         """Of picture and page."""
         raise NotImplementedError
-
-    def headline(self) -> list[str]:
-        """Lines on the terminal before the remarks."""
-        return []
 
     def remarks(self) -> list[str]:
         """Sentences of the terminal and of the page."""
         raise NotImplementedError
 
     def table(self) -> DataFrame:
-        """What the study comes to."""
+        """The table of the page, with its units."""
         raise NotImplementedError
 
     def content(self) -> dict[str, Any]:
-        """Of the record."""
-        raise NotImplementedError
+        """Of the JSON file."""
+        return self.summary()
 
     def draw(self, pyplot: Any) -> Figure:
         """The picture."""
@@ -64,20 +61,29 @@ class _Study(Result):
         """A matplotlib figure."""
         return figure(self.draw)
 
+    def _lines(self):
+        return [*self.remarks(), *(f"Note: {note}." for note in self.target.setup.notes)]
+
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
-        from weavecell.report import study_page
+        from weavecell.report import chapters, page, pictures
+        from weavecell.results import json_file, provenance
 
-        out = Path(out)
+        out, table, name = Path(out), self.table(), self.name
+        stamp = provenance.stamp("", setup=self.target.setup)
         if self.target.text:
             files.write(out / "scene.toml", self.target.text)
-        study_page.write(
-            out, self.name, self.title(), self.table(), self.remarks(), self.content(), self.draw, self.target.setup,
-            self.wall_time,
-        )  # fmt: skip
+        files.write(out / f"{name}.csv", table.to_csv(index=False, float_format="%.6g"))
+        json_file.write(out / f"{name}.json", {**self.content(), "wall_time": self.wall_time, "provenance": stamp})
+        picture = page.Figure(pictures.render(self.draw, kind="png"), "png", "", name)
+        page.write_pictures([page.Section(name, self.title, figures=(picture,))], out)
+        section = page.Section(name, "Result", " ".join(self._lines()), (picture,), (page.Table.of(table),))
+        sections = (section, chapters.making(stamp, {"study": self.wall_time}))
+        footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
+        page.write(page.Report(self.title, "", (), sections, footer), out / f"{name}.html")
 
     def __str__(self) -> str:
-        return "\n".join((*self.headline(), *self.remarks()))
+        return "\n".join(self._lines())
 
 
 @dataclass(frozen=True, repr=False)
@@ -93,9 +99,9 @@ class V50Result(_Study):
 
     Examples
     --------
-    >>> found = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
-    >>> low, high = found.interval
-    >>> low < found.v50 < high
+    >>> curve = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
+    >>> low, high = curve.interval
+    >>> low < curve.v50 < high
     True
     """
 
@@ -126,29 +132,28 @@ class V50Result(_Study):
         units = {"velocity": "strike_velocity_m_s", "residual": "residual_velocity_m_s"}
         names = ("number", "velocity", "residual", "perforated", "modulus", "crimp_warp", "crimp_weft", "balance")
         columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
-        weakest = {f"weakest_{yarn}": [shot.weakest[k] for shot in shots] for k, yarn in enumerate(("warp", "weft"))}
-        return columns | weakest
+        weakest = zip(("weakest_warp", "weakest_weft"), zip(*(shot.weakest for shot in shots)))
+        return columns | dict(weakest)
 
+    @property
     def title(self) -> str:
         return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
 
-    def headline(self) -> list[str]:
-        return [
-            f"V50 ({link}) {curve.V50:.1f} m/s, {curve.intervals['V50'][0]:.1f} to {curve.intervals['V50'][1]:.1f} m/s "
-            f"with {100 * curve.confidence:g} % confidence"
-            for link, curve in self.study.curves.items()
-        ]
-
     def remarks(self) -> list[str]:
-        study, scatter = self.study, self.study.scatter
-        through = [shot.velocity for shot in study.shots if shot.perforated]
-        stopped = [shot.velocity for shot in study.shots if not shot.perforated]
+        study, scatter, shots = self.study, self.study.scatter, self.study.shots
+        perforations = [shot.velocity for shot in shots if shot.perforated]
+        stops = [shot.velocity for shot in shots if not shot.perforated]
         low, high = study.deterministic
         remarks = [
+            *(
+                f"V50 ({link}) {curve.V50:.1f} m/s, {curve.intervals['V50'][0]:.1f} to {curve.intervals['V50'][1]:.1f} "
+                f"m/s with {100 * curve.confidence:g} % confidence."
+                for link, curve in study.curves.items()
+            ),
             f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
-            f"{len(study.shots)} shots in rounds of {self.batch}, {len(through)} perforated, seed {self.seed}; slowest "
-            f"perforation {min(through):.1f} m/s, fastest stop {max(stopped):.1f} m/s; worst energy balance "
-            f"{100 * max(shot.balance for shot in study.shots):.2g} %.",
+            f"{len(shots)} shots in rounds of {self.batch}, {len(perforations)} perforated, seed {self.seed}; slowest "
+            f"perforation {min(perforations):.1f} m/s, fastest stop {max(stops):.1f} m/s; worst energy balance "
+            f"{100 * max(shot.balance for shot in shots):.2g} %.",
             f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm; standard deviation of the modulus "
             f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
             "V0 and V100 are where 1 % and 99 % perforate.",
@@ -159,17 +164,15 @@ class V50Result(_Study):
                 "No stop is faster than a perforation: the shots are too few to tell the scatter of the limit."
             )
         if study.doubtful:
-            counts = Counter(name for shot in study.shots for name in shot.doubtful)
+            counts = Counter(name for shot in shots for name in shot.doubtful)
             names = ", ".join(f"{name} in {count}" for name, count in counts.most_common())
-            remarks.append(
-                f"{study.doubtful} of {len(study.shots)} shots are doubtful; checks beyond their limits: {names}."
-            )
+            remarks.append(f"{study.doubtful} of {len(shots)} shots are doubtful; checks beyond their limits: {names}.")
         if study.fit is not None:
             remarks.append(f"Residual velocities, Lambert-Jonas: {study.fit.words()}.")
         if (zones := self._zones()) is not None:
-            text = ", ".join(f"{side:g} up to {until:g}" for until, side in zones)
-            remarks.append(f"Sides of the elements in crossovers, by the distance from the impact point: {text}.")
-        return remarks + [f"Note: {note}." for note in self.target.setup.notes]
+            sides = ", ".join(f"{side:g} up to {until:g}" for until, side in zones)
+            remarks.append(f"Sides of the elements in crossovers, by the distance from the impact point: {sides}.")
+        return remarks
 
     def _zones(self):
         from weavecell.studies import v50
@@ -182,17 +185,15 @@ class V50Result(_Study):
 
         rows = []
         for link, curve in self.study.curves.items():
-            rows += [(link, key, getattr(curve, key), *curve.intervals[key]) for key in ("V0", "V50", "V100")]
+            rows += [(link, name, getattr(curve, name), *curve.intervals[name]) for name in ("V0", "V50", "V100")]
             scale = curve.deviation / curve.s if curve.s else 1.0
-            interval = (scale * value for value in curve.intervals["s"])
-            rows.append((link, "standard deviation", curve.deviation, *interval))
+            rows.append((link, "standard deviation", curve.deviation, *(scale * s for s in curve.intervals["s"])))
         return DataFrame(rows, columns=["curve", "quantity", "value [m/s]", "low, 95 % [m/s]", "high, 95 % [m/s]"])
 
     def content(self) -> dict[str, Any]:
         from weavecell.studies import inputs
 
         study = self.study
-        curves = {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()}
         return {
             **study.summary(),
             "plies": self.target.setup.plies,
@@ -202,7 +203,9 @@ class V50Result(_Study):
             "lambert_jonas": study.fit and asdict(study.fit),
             "scatter": asdict(study.scatter),
             "grading": self._zones(),
-            "curves": curves,
+            "curves": {
+                link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()
+            },
             "inputs": [asdict(entry) for name in ("weibull", "spread") for entry in inputs.table(name).values()],
         }
 
@@ -210,7 +213,7 @@ class V50Result(_Study):
         """Probability of perforation and residual velocity against strike velocity [m/s]."""
         from weavecell.report import pictures_uncertainty
 
-        return pictures_uncertainty.perforation(pyplot, self.study, self.title())
+        return pictures_uncertainty.perforation(pyplot, self.study, self.title)
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
@@ -232,8 +235,8 @@ class DrawsResult(_Study):
 
     Examples
     --------
-    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2)
-    >>> found.study.outcomes["in flight"]
+    >>> panels = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2)
+    >>> panels.study.outcomes["in flight"]
     2
     """
 
@@ -247,11 +250,13 @@ class DrawsResult(_Study):
         return self.study.summary()
 
     def _columns(self):
-        units = {"residual_velocity": "m_s", "absorbed_energy": "J", "time": "s"}
-        units |= {"peak_tension_warp": "N", "peak_tension_weft": "N"}
-        columns = self.study.columns()
-        return {f"{name}_{units[name]}" if name in units else name: values for name, values in columns.items()}
+        from weavecell.studies.draws import QUANTITIES
 
+        units = {name: unit.replace("/", "_") for name, (unit, _) in QUANTITIES.items()} | {"time": "s"}
+        draws = [vars(draw) for draw in self.study.draws]
+        return {f"{name}_{units[name]}" if name in units else name: [d[name] for d in draws] for name in draws[0]}
+
+    @property
     def title(self) -> str:
         return f"{self.target.shot_title}: {len(self.study.draws)} draws of yarn strength"
 
@@ -261,39 +266,33 @@ class DrawsResult(_Study):
 
         from weavecell.studies.draws import QUANTITIES
 
-        rows = []
-        for name, (unit, words) in QUANTITIES.items():
-            of = self.study.estimate(name)
-            rows.append((words, unit, of.mean, of.error, of.deviation))
+        estimates = ((words, unit, self.study.estimate(name)) for name, (unit, words) in QUANTITIES.items())
+        rows = [(words, unit, of.mean, of.error, of.deviation) for words, unit, of in estimates]
         return DataFrame(rows, columns=["quantity", "unit", "mean", "standard error", "standard deviation"])
 
     def remarks(self) -> list[str]:
         from weavecell.studies.draws import CONFIDENCE
 
         study, scatter = self.study, self.study.scatter
-        remarks = [
-            f"{words}: {mean:.4g} ± {error:.4g} {unit} (mean and standard error), scatter {deviation:.4g}"
-            for words, unit, mean, error, deviation in self.table().itertuples(index=False)
-        ]
         share, low, high = study.probability()
         outcomes = ", ".join(f"{count} {outcome}" for outcome, count in study.outcomes.items() if count)
-        remarks += [
+        return [
+            *(
+                f"{words}: {mean:.4g} ± {error:.4g} {unit} (mean and standard error), scatter {deviation:.4g}."
+                for words, unit, mean, error, deviation in self.table().itertuples(index=False)
+            ),
             f"probability of perforation {share:.2f}, {low:.2f} to {high:.2f} with {100 * CONFIDENCE:g} % confidence "
-            f"(Wilson); {outcomes}",
+            f"(Wilson); {outcomes}.",
             f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm, seed {study.seed}; every yarn of "
             f"every ply is drawn and the whole panel computed; worst energy balance "
-            f"{100 * max(draw.balance for draw in study.draws):.2g} %",
+            f"{100 * max(draw.balance for draw in study.draws):.2g} %.",
         ]
-        return remarks + [f"Note: {note}." for note in self.target.setup.notes]
-
-    def content(self) -> dict[str, Any]:
-        return self.study.summary()
 
     def draw(self, pyplot: Any) -> Figure:
         """Residual velocities of the draws, and how their mean settles."""
         from weavecell.report import pictures_uncertainty
 
-        return pictures_uncertainty.draws(pyplot, self.study, self.title())
+        return pictures_uncertainty.draws(pyplot, self.study, self.title)
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
@@ -315,8 +314,8 @@ class SensitivityResult(_Study):
     Examples
     --------
     >>> shot = {"opening": "20 mm", "end_time": "10 us"}
-    >>> found = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, **shot)
-    >>> [one.quantity for one in found.indices]
+    >>> sensitivity = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, **shot)
+    >>> [indices.quantity for indices in sensitivity.indices]
     ['velocity', 'peak tension']
     """
 
@@ -327,13 +326,13 @@ class SensitivityResult(_Study):
     wall_time: float
     name: ClassVar[str] = "sobol"
 
+    @property
     def _rows(self):
-        from weavecell.studies import inputs
+        return self.samples * (len(self.indices[0].names) + 2)
 
-        return self.samples * (len(inputs.table("range")) + 2)
-
+    @property
     def title(self) -> str:
-        return f"{self.target.title}: Sobol indices, {self._rows()} rows"
+        return f"{self.target.title}: Sobol indices, {self._rows} rows"
 
     def summary(self) -> dict[str, Any]:
         """Total order index of each input, by quantity and strike velocity."""
@@ -347,16 +346,17 @@ class SensitivityResult(_Study):
         return {name: column.tolist() for name, column in self.table().items()}
 
     def remarks(self) -> list[str]:
-        from weavecell.studies import sobol
+        from weavecell.studies.sobol import QUANTITIES
 
-        remarks = [
-            f"{of.quantity}, struck at {of.velocity:g} m/s: {of.mean:.1f} ± {of.deviation:.1f} "
-            f"{sobol.QUANTITIES[of.quantity]} (mean and standard deviation); {100 * of.perforated:.0f} % perforated"
-            for of in self.indices
-        ]
         velocities = len({of.velocity for of in self.indices})
-        remarks.append(f"{self.samples} base samples, {self._rows()} rows of {velocities} shots, seed {self.seed}.")
-        return remarks + [f"Note: {note}." for note in self.target.setup.notes]
+        return [
+            *(
+                f"{of.quantity}, struck at {of.velocity:g} m/s: {of.mean:.1f} ± {of.deviation:.1f} "
+                f"{QUANTITIES[of.quantity]} (mean and standard deviation); {100 * of.perforated:.0f} % perforated."
+                for of in self.indices
+            ),
+            f"{self.samples} base samples, {self._rows} rows of {velocities} shots, seed {self.seed}.",
+        ]
 
     def table(self) -> DataFrame:
         """First and total order index of each input with its interval."""
@@ -365,14 +365,14 @@ class SensitivityResult(_Study):
         from weavecell.report.pictures_uncertainty import LABELS
         from weavecell.studies import inputs
 
-        entries = inputs.table("range")
-        rows = [
+        ranges = inputs.table("range")
+        return DataFrame(
             {
                 "strike velocity [m/s]": of.velocity,
                 "quantity": of.quantity,
                 "input": LABELS.get(name, name),
-                "range [%]": f"±{100 * entries[name].value:g}",
-                "status of the range": entries[name].status,
+                "range [%]": f"±{100 * ranges[name].value:g}",
+                "status of the range": ranges[name].status,
                 "first order": of.first[k],
                 "± 95 %": of.first_half[k],
                 "total order": of.total[k],
@@ -380,8 +380,7 @@ class SensitivityResult(_Study):
             }
             for of in self.indices
             for k, name in enumerate(of.names)
-        ]
-        return DataFrame(rows)
+        )
 
     def content(self) -> dict[str, Any]:
         from weavecell.studies import inputs
@@ -393,4 +392,4 @@ class SensitivityResult(_Study):
         """First and total order index of each input."""
         from weavecell.report import pictures_uncertainty
 
-        return pictures_uncertainty.indices(pyplot, self.indices, self.title())
+        return pictures_uncertainty.indices(pyplot, self.indices, self.title)

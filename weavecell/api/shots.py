@@ -236,15 +236,11 @@ def draws(
     began, scatter = time.perf_counter(), inputs.published()
     panel = targets.of(target, {}, of_commands.DRAWS, one_shot=True)
     scatter = scatter if weibull_shape is None else replace(scatter, shape=weibull_shape)
-    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
-        with panel.named(), progress.bar(f"{panel.shot_title}, draws") as advance:
-            study = analysis.study(
-                panel.setup, scatter, count, folder=runs, seed=seed, jobs=jobs, executor=executor,
-                report=lambda done, total: advance(done / total, f"{done} of {total} draws"),
-            )  # fmt: skip
-        result = DrawsResult(study, panel, time.perf_counter() - began)
-        if folder is not None:
-            result.save(folder)
+    with targets.study(panel, f"{panel.shot_title}, draws", out, resume) as run:
+        study = analysis.study(
+            panel.setup, scatter, count, folder=run.runs, seed=seed, jobs=jobs, executor=executor, report=run.count
+        )
+        result = run.saved(DrawsResult(study, panel, time.perf_counter() - began))
     unstable = len(study.draws) - len(study.counted)
     if unstable:
         problem = UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate")

@@ -26,7 +26,6 @@ from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult, shapes_of
-from weavecell.results import progress
 from weavecell.scenes import impact as scenes
 from weavecell.scenes import of_commands, schema, supported
 from weavecell.scenes.target import Target, read
@@ -87,37 +86,31 @@ def sweep(
     if not isinstance(target, (Fabric, str, Path)):
         return _of_setups(target, jobs, executor)
     from weavecell.studies import inputs
-    from weavecell.studies import sweep as analysis
+    from weavecell.studies import sweep as studies
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
-    wanted = analysis.Wanted(quantity, width, shots, seed)
+    wanted = studies.Wanted(quantity, width, shots, seed)
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
-    check = of_commands.SWEEP if quantity == "shot" else of_commands.LIMITS
+    support = of_commands.SWEEP if quantity == "shot" else of_commands.LIMITS
     combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
-    panels = [read(str(target), Path(out or "."), check, changes=changes) for changes in combinations]
-    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume) as runs:
-        beside: dict[str, Any] = {"folder": runs, "executor": executor, "jobs": jobs}
-        with panels[0].named(), progress.bar(f"{len(panels)} x {quantity}") as advance:
-            if quantity == "v50":
-                rows = []
-                for number, panel in enumerate(panels):
-                    report = lambda share, words, n=number: advance((n + share) / len(panels), words)  # noqa: E731
-                    rows.append(analysis.v50_of(panel.setup, wanted, report=report, **beside))
-            else:
-                rows = run_cache.results(
-                    analysis.point, [(inputs.alone(panel.setup), wanted) for panel in panels],
-                    report=lambda done, total: advance(done / total, f"{done} of {total}"), **beside,
-                )  # fmt: skip
+    panels = [read(str(target), Path(out or "."), support, changes=changes) for changes in combinations]
+    with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume) as run:
+        beside: dict[str, Any] = {"folder": run.runs, "executor": executor, "jobs": jobs}
+        if quantity == "v50":  # whose shots run in parallel, one V50 after the other
+            rows = [
+                studies.row(panel.setup, wanted, report=run.part(number, len(panels)), **beside)
+                for number, panel in enumerate(panels)
+            ]
+        else:
+            setups = [(inputs.alone(panel.setup), wanted) for panel in panels]
+            rows = run_cache.results(studies.row, setups, report=run.count, **beside)
         table = tuple(
             changes | {"areal_density_kg_m2": panel.setup.areal_density} | row
             for changes, panel, row in zip(combinations, panels, rows)
         )
-        result = SweepTable(quantity, tuple(keys), table, tuple(panels))
-        if folder is not None:
-            result.save(folder)
-    return result
+        return run.saved(SweepTable(quantity, tuple(keys), table, tuple(panels)))
 
 
 OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'
@@ -181,9 +174,10 @@ class SweepTable(Result):
         from weavecell.report import pictures_uncertainty
         from weavecell.studies.sweep import QUANTITIES
 
-        x, words = self._abscissa()
-        columns = QUANTITIES[self.quantity]
-        return pictures_uncertainty.sweep(pyplot, x, words, self.rows, self.keys[1:], columns)
+        x, label = self._abscissa()
+        return pictures_uncertainty.sweep(
+            pyplot, x, label, self.to_dataframe(), self.keys[1:], QUANTITIES[self.quantity]
+        )
 
     def _abscissa(self):
         """(values, label) of the first key: numbers with their unit, areal densities for numbers of plies, or texts."""
@@ -218,15 +212,14 @@ class SweepTable(Result):
         files.write(out / "sweep.png", pictures.render(self._drawn, kind="png"))
 
     def __str__(self) -> str:
-        from weavecell.studies import sweep as analysis
+        from weavecell.studies.sweep import MIXED, QUANTITIES
 
-        column, ends, _ = analysis.QUANTITIES[self.quantity]
-        lines = []
+        quantity, lines = QUANTITIES[self.quantity], []
         for row in self.rows:
-            value = row.get(column)
+            value = row.get(quantity.column)
             words = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
-            if ends and row["outcome"] == analysis.MIXED:
-                words += f" from {row[ends[0]]:.1f} to {row[ends[1]]:.1f} m/s"
+            if row["outcome"] == MIXED:
+                words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
             doubt = ", doubtful" if row.get("checks") == "doubtful" else ""
             lines.append(f"{', '.join(f'{key} = {row[key]}' for key in self.keys)}: {words}{doubt}")
         return "\n".join(lines)
@@ -234,25 +227,22 @@ class SweepTable(Result):
 
 def _of_setups(setups, jobs, executor):
     """The SweepResult of set-ups."""
-    given = [(each,) for each in setups]
-    found: dict[int, ShotResult] = {}
     with open_executor(executor, jobs) as pool:
-        for index, (shot, _) in as_done(pool, _fire, given):
-            found[index] = shot
-    result = SweepResult(tuple(found[index] for index in range(len(given))))
+        shots = dict(as_done(pool, _fire, [(setup,) for setup in setups]))
+    result = SweepResult(tuple(shot for _, shot in sorted(shots.items())))
     result.warn()
     return result
 
 
 def _fire(setup):
-    """(ShotResult, why it became unstable or "") of a set-up, in a process of a sweep."""
+    """The ShotResult of a set-up, in a process of a sweep."""
     from shellfabric.impact import simulation
     from weavecell.results.impact import ImpactRecord
 
     result, problem = simulation.fired(setup)
     panel = targets.of(setup, {}, of_commands.IMPACT)
     record = ImpactRecord.of(result, panel.shot_title, panel.law_name, problem)
-    return ShotResult(record, shapes_of(result.snapshots), setup.fabric, targets.assumed_of(setup)), problem
+    return ShotResult(record, shapes_of(result.snapshots), setup.fabric, targets.assumed_of(setup))
 
 
 @dataclass(frozen=True, repr=False)
@@ -301,9 +291,12 @@ class SweepResult(Result, Sequence):
     def summary(self) -> dict[str, Any]:
         """Number of shots of each outcome and of doubtful ones, and the worst checks in words."""
         outcomes: list[str] = [shot.outcome for shot in self.shots]
-        found: dict[str, Any] = {"shots": len(self.shots)}
-        found |= {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
-        return found | {"doubtful": sum(shot.doubtful for shot in self.shots), "checks": self.checks_text}
+        return {
+            "shots": len(self.shots),
+            **{name: outcomes.count(name) for name in dict.fromkeys(outcomes)},
+            "doubtful": sum(shot.doubtful for shot in self.shots),
+            "checks": self.checks_text,
+        }
 
     def _columns(self):
         rows = [{key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots]
@@ -316,13 +309,9 @@ class SweepResult(Result, Sequence):
         def draw(pyplot):
             figure, axes = pyplot.subplots(figsize=(7.2, 4.4))
             for outcome in dict.fromkeys(shot.outcome for shot in self.shots):
-                some = [shot for shot in self.shots if shot.outcome == outcome]
-                axes.plot(
-                    [shot.strike_velocity for shot in some],
-                    [shot.residual_velocity for shot in some],
-                    "o",
-                    label=outcome,
-                )
+                shots = [shot for shot in self.shots if shot.outcome == outcome]
+                velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in shots))
+                axes.plot(*velocities, "o", label=outcome)
             axes.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
             axes.legend()
             return figure

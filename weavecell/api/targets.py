@@ -7,7 +7,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from weavecell.api import keywords, quantities
-from weavecell.results import out_folder
+from weavecell.results import out_folder, progress
 from weavecell.scenes import target as targets
 from weavecell.scenes.schema import InlineLaw
 from weavecell.scenes.target import Target
@@ -135,14 +135,50 @@ def _refuse(options, beside):
         raise InputError(key=key, allowed=f"left out beside {beside}, which has it")
 
 
+@dataclass(frozen=True)
+class Study:
+    """The folders and the progress of a study under way.
+
+    Parameters
+    ----------
+    folder : of the results; None where nothing is written
+    runs : of finished runs
+    advance : called as advance(share done, text)
+    """
+
+    folder: Path | None
+    runs: Path
+    advance: Callable[..., Any]
+
+    def count(self, done: int, total: int) -> None:
+        """Progress of runs."""
+        self.advance(done / total, f"{done} of {total}")
+
+    def part(self, number: int, count: int) -> Callable[[float, str], None]:
+        """Progress of one of `count` parts of the study."""
+        return lambda share, text: self.advance((number + share) / count, text)
+
+    def saved(self, result: Any) -> Any:
+        """The result, which is written where it is wanted."""
+        if self.folder is not None:
+            result.save(self.folder)
+        return result
+
+
 @contextmanager
-def kept_runs(folder: Path | None, resume: bool) -> Iterator[Path]:
-    """The folder of finished runs, emptied but to `resume`; one that goes with the block where nothing is written."""
-    with TemporaryDirectory() as spare:
+def study(panel: Target, title: str, out: FilePath | None, resume: bool = False) -> Iterator[Study]:
+    """A study at a target with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
+
+    Raises
+    ------
+    InputError : the folder cannot be written to, or another run writes to it; any other names the target's file
+    """
+    with folder_of(out, resume) as folder, TemporaryDirectory() as spare:
         runs = Path(spare) if folder is None else folder / RUNS
         if not resume:
             run_cache.RunCache(runs).clear()
-        yield runs
+        with panel.named(), progress.bar(title) as advance:
+            yield Study(folder, runs, advance)
 
 
 def folder_of(out: FilePath | None, resume: bool = False) -> AbstractContextManager[Path | None]:

@@ -10,9 +10,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fabrics import files
 from fabrics.checks import FilePath
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _MIME = {"svg": "image/svg+xml", "png": "image/png"}
 
@@ -50,6 +54,13 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
     numeric: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, frame: DataFrame, caption: str = "") -> Table:
+        """The table of a frame, numbers with four digits."""
+        rows = frame.itertuples(index=False, name=None)
+        texts = tuple(tuple(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) for row in rows)
+        return cls(tuple(frame), texts, caption, tuple(frame.select_dtypes("number")))
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.checks import FilePath
-from fabrics.files import replace_whole
-from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, plots
+from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED
 from weavecell.studies import probit
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 LABELS = {
     "modulus": "yarn modulus",
@@ -119,49 +120,35 @@ def draws(pyplot: Any, study: Any, title: str) -> Any:
     return figure
 
 
-def sweep(pyplot: Any, x: Any, words: str, table: Any, others: Any, columns: Any) -> Any:
+def sweep(pyplot: Any, x: Sequence[Any], label: str, table: DataFrame, others: Sequence[str], quantity: Any) -> Any:
     """A quantity against the first key of a sweep, a line for each combination of the other keys.
 
     Parameters
     ----------
-    x, words : values of the first key, numbers or texts, of each row, and its label
-    table : list of rows, {column: value}
-    others : the other keys
-    columns : (column, columns of its ends or None, label)
+    x, label : values of the first key, numbers or texts, of each row, and the label of the axis
+    table : a row each
+    others : the other keys, columns of the table
+    quantity : weavecell.studies.sweep.Quantity
     """
-    column, ends, label = columns
     figure, axes = pyplot.subplots(figsize=(9, 5))
-    groups: dict[tuple, list[int]] = {}
-    for k, row in enumerate(table):
-        groups.setdefault(tuple(row[key] for key in others), []).append(k)
-    for group, members in groups.items():
-        known = [k for k in members if table[k].get(column) is not None]
-        y = np.array([table[k][column] for k in known])
-        error = None
-        if ends is not None:
-            error = [np.maximum(y - [table[k][ends[0]] for k in known], 0),
-                     np.maximum([table[k][ends[1]] for k in known] - y, 0)]  # fmt: skip
-        name = ", ".join(f"{key} = {value}" for key, value in zip(others, group))
-        axes.errorbar([x[k] for k in known], y, yerr=error, fmt="o-", ms=6, capsize=4, label=name or None)
-    axes.set(xlabel=words, ylabel=label)
+    table = table.reindex(columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ())))))
+    for values, rows in (
+        table.assign(x=x).dropna(subset=[quantity.column]).groupby(list(others) or (lambda _: 0), sort=False)
+    ):
+        y, error = rows[quantity.column], None
+        if quantity.ends is not None:
+            low, high = (rows[end] for end in quantity.ends)
+            error = np.maximum([y - low, high - y], 0)
+        name = ", ".join(f"{key} = {value}" for key, value in zip(others, np.atleast_1d(np.array(values, object))))
+        axes.errorbar(rows["x"], y, yerr=error, fmt="o-", ms=6, capsize=4, label=name or None)
+    axes.set(xlabel=label, ylabel=quantity.label)
     axes.set_ylim(bottom=0)
     if others:
         axes.legend(loc="best")
     return figure
 
 
-def save(draw: Callable[..., Any], path: FilePath, *arguments: Any) -> None:
-    """Write what draw(pyplot, *arguments) returns."""
-    with plots() as pyplot:
-        _save(draw(pyplot, *arguments), path)
-
-
 def _shares(V, hit):
     """(mean velocity, share that perforated) of each ten shots in the order of velocity."""
     parts = np.array_split(np.argsort(V), max(1, V.size // 10))
     return [V[part].mean() for part in parts], [hit[part].mean() for part in parts]
-
-
-def _save(figure, path):
-    with replace_whole(path) as beside:
-        figure.savefig(beside, dpi=110)

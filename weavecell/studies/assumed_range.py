@@ -13,6 +13,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 from fabrics import assumed
 from fabrics.compression import CompressionLaw
@@ -67,10 +68,10 @@ class AssumedRange:
         if outcomes == ["stopped"]:
             return f"stopped in all {len(self.rows)} runs {over}"
         more = f"; {' or '.join(outcomes)}" if outcomes else ""
-        known = sorted((row.velocity, row.laws) for row in self.rows if row.velocity is not None)
+        ordered = sorted((row.velocity, row.laws) for row in self.rows if row.velocity is not None)
         return (
             f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over} "
-            f"(lowest: {known[0][1]}; highest: {known[-1][1]}){more}"
+            f"(lowest: {ordered[0][1]}; highest: {ordered[-1][1]}){more}"
         )
 
     def summary(self) -> dict:
@@ -96,14 +97,16 @@ def corners(
     fabric : Fabric, completed by `fabrics.assumed`
     laws : (warp, weft) that it is run with; they carry the range of an assumed solid law
     """
-    shears = {f"trellis {end}": each for end, each in assumed.shear_ends(fabric).items()} or {"": fabric}
+    shears = {f"trellis {end}": changed for end, changed in assumed.shear_ends(fabric).items()} or {"": fabric}
     pairs: dict = {"": laws}
     if laws is not None and laws[0].assumed_range is not None:
         ends = [law.ends() or dict.fromkeys(("soft", "stiff"), law) for law in laws]
         pairs = {f"yarns {end}": (ends[0][end], ends[1][end]) for end in ("soft", "stiff")}
-    found = {", ".join(filter(None, names)): (shears[names[0]], pairs[names[1]]) for names in product(shears, pairs)}
-    found.pop("", None)
-    return found | {name: (each, laws) for name, each in assumed.crimp_ends(fabric).items()}
+    ends_of_laws = {
+        ", ".join(filter(None, names)): (shears[names[0]], pairs[names[1]]) for names in product(shears, pairs)
+    }
+    ends_of_laws.pop("", None)
+    return ends_of_laws | {name: (crimped, laws) for name, crimped in assumed.crimp_ends(fabric).items()}
 
 
 def varied(fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None) -> tuple[str, ...]:
@@ -128,15 +131,14 @@ def residual_velocity(
     on_progress : called as on_progress(share of the shots) after each
     """
 
-    def fire(name, fabric, laws):
+    def shot(changed):
         try:
-            result = simulation.run(replace(setup, fabric=fabric, laws=laws, snapshot_interval=None, history=None))
+            result = simulation.run(replace(changed, snapshot_interval=None, history=None))
         except UnstableError:
-            return Row(name, "unstable", None)
-        doubt = " (doubtful)" if quality.status(result.checks) == quality.DOUBTFUL else ""
-        return Row(name, result.outcome + doubt, float(result.residual_velocity))
+            return "unstable", None
+        return result.outcome + " (doubtful)" * doubtful(result), float(result.residual_velocity)
 
-    return _over_corners("residual velocity", setup, Row("nominal", outcome, velocity), fire, on_progress)
+    return _over_corners("residual velocity", setup, outcome, velocity, shot, on_progress)
 
 
 def critical_velocity(
@@ -154,25 +156,28 @@ def critical_velocity(
     """
     from shellfabric.impact import ballistic_limit  # with the kernels of packs, which a shot on one ply does not use
 
-    def search(name, fabric, laws):
+    def search(changed):
         try:
             limit = ballistic_limit.critical_velocity(
-                replace(setup, fabric=fabric, laws=laws).target(),
-                guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs,
-            )  # fmt: skip
+                changed.target(), guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs
+            )
         except WeavecellError as problem:
-            return Row(name, str(problem), None)
-        doubt = any(quality.status(shot.checks) == quality.DOUBTFUL for shot in limit.ends)
-        return Row(name, "bracket on a doubtful shot" if doubt else "", float(limit.velocity))
+            return str(problem), None
+        return "bracket on a doubtful shot" * any(map(doubtful, limit.ends)), float(limit.velocity)
 
-    return _over_corners("critical velocity", setup, Row("nominal", "", velocity), search, on_progress)
+    return _over_corners("critical velocity", setup, "", velocity, search, on_progress)
 
 
-def _over_corners(quantity, setup, nominal, row, on_progress):
-    """The AssumedRange of row(name, fabric, laws) over the corners; None where nothing is assumed."""
-    rows, found = [nominal], corners(setup.fabric, setup.laws)
-    for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
-        rows.append(row(name, fabric, laws))
+def doubtful(shot: Any) -> bool:
+    """Whether a quality check of a shot is beyond its limit."""
+    return quality.status(shot.checks) == quality.DOUBTFUL
+
+
+def _over_corners(quantity, setup, outcome, velocity, run, on_progress):
+    """The AssumedRange of run(set-up) -> (outcome, velocity); None where nothing is assumed."""
+    rows, changes = [Row("nominal", outcome, velocity)], corners(setup.fabric, setup.laws)
+    for number, (words, (fabric, laws)) in enumerate(changes.items(), 1):
+        rows.append(Row(words, *run(replace(setup, fabric=fabric, laws=laws))))
         if on_progress is not None:
-            on_progress(number / len(found))
-    return AssumedRange(quantity, varied(setup.fabric, setup.laws), tuple(rows)) if found else None
+            on_progress(number / len(changes))
+    return AssumedRange(quantity, varied(setup.fabric, setup.laws), tuple(rows)) if changes else None

@@ -99,46 +99,44 @@ class Comparison:
         dict with their number, and where there are two at least mean, its interval of `CONFIDENCE` by Student's t,
         and rms
         """
-        known = self.tests.perforated & np.isfinite(self.tests.residual)
-        off = (self.computed_residual - self.tests.residual)[known]
+        both = self.tests.perforated & np.isfinite(self.tests.residual)
+        off = (self.computed_residual - self.tests.residual)[both]
         if off.size < 2:
-            return {"shots": int(off.size), "mean": None, "low": None, "high": None, "rms": None}
+            return {"shots": int(off.size)} | dict.fromkeys(("mean", "low", "high", "rms"))
         half = student.ppf(0.5 + CONFIDENCE / 2, off.size - 1) * float(off.std(ddof=1)) / sqrt(off.size)
-        mean = float(off.mean())
-        return {
-            "shots": int(off.size), "mean": mean, "low": mean - half, "high": mean + half,
-            "rms": float(np.sqrt(np.mean(off**2))),
-        }  # fmt: skip
+        mean, rms = float(off.mean()), float(np.sqrt(np.mean(off**2)))
+        return {"shots": int(off.size), "mean": mean, "low": mean - half, "high": mean + half, "rms": rms}
 
     def summary(self) -> dict[str, Any]:
         """All of it as plain numbers, keys with their units."""
-        found: dict[str, Any] = {
-            "tests": len(self.shots), "outcomes_that_agree": self.agree, "confidence": CONFIDENCE,
-            "critical_velocity_m_s": self.limit.velocity, "bracket_m_s": [self.limit.low, self.limit.high],
-            "tested_V50_m_s": None, "tested_V50_interval_m_s": None, "critical_velocity_over_V50": None,
-        }  # fmt: skip
-        if self.curve is not None:
-            found["tested_V50_m_s"] = float(self.curve.V50)
-            found["tested_V50_interval_m_s"] = [float(v) for v in self.curve.intervals["V50"]]
-            found["critical_velocity_over_V50"] = float(self.limit.velocity / self.curve.V50)
-        found |= {f"residual_velocity_{name}_m_s": v for name, v in self.difference().items() if name != "shots"}
-        for name in ("tested", "computed"):
-            fit = getattr(self, name)
-            found[f"lambert_jonas_{name}"] = None if fit is None else asdict(fit)
-        return found
+        limit, curve = self.limit, self.curve
+        return {
+            "tests": len(self.shots),
+            "outcomes_that_agree": self.agree,
+            "confidence": CONFIDENCE,
+            "critical_velocity_m_s": limit.velocity,
+            "bracket_m_s": [limit.low, limit.high],
+            "tested_V50_m_s": curve and float(curve.V50),
+            "tested_V50_interval_m_s": curve and [float(v) for v in curve.intervals["V50"]],
+            "critical_velocity_over_V50": curve and float(limit.velocity / curve.V50),
+            **{f"residual_velocity_{name}_m_s": v for name, v in self.difference().items() if name != "shots"},
+            "lambert_jonas_tested": self.tested and asdict(self.tested),
+            "lambert_jonas_computed": self.computed and asdict(self.computed),
+        }
 
 
 def compare(tests: FiredTests, shots: tuple[Shot, ...], limit: Limit) -> Comparison:
     """The Comparison of tests with the computed shots at their velocities and the computed limit."""
     hit = tests.perforated
     curve = probit.fit(tests.velocity, hit, confidence=CONFIDENCE) if 0 < hit.sum() < hit.size else None
-    known = np.isfinite(tests.residual)
-    through = [shot for shot in shots if shot.perforated]
-    strike, residual = ([getattr(shot, f"{name}_velocity") for shot in through] for name in ("strike", "residual"))
-    return Comparison(
-        tests, shots, limit, curve, _fit(tests.velocity[known & hit], tests.residual[known & hit], None),
-        _fit(strike, residual, limit.velocity if limit.single else None),
-    )  # fmt: skip
+    measured = hit & np.isfinite(tests.residual)
+    perforations = [shot for shot in shots if shot.perforated]
+    strikes = [shot.strike_velocity for shot in perforations]
+    computed = _fit(
+        strikes, [shot.residual_velocity for shot in perforations], limit.velocity if limit.single else None
+    )
+    tested = _fit(tests.velocity[measured], tests.residual[measured], None)
+    return Comparison(tests, shots, limit, curve, tested, computed)
 
 
 def _fit(strike, residual, limit):
@@ -153,41 +151,42 @@ def _fit(strike, residual, limit):
 
 def _units(heading, path):
     """{column: its scale to m/s; None of outcomes} in the order of the file."""
-    found: dict[str, float | None] = {}
+    units: dict[str, float | None] = {}
     for cell in heading:
         name, _, unit = cell.partition("[")
         name, unit = name.strip(), unit.rstrip("] ")
-        if name not in (VELOCITY, OUTCOME, RESIDUAL) or name in found or (name == OUTCOME) == bool(unit):
+        if name not in (VELOCITY, OUTCOME, RESIDUAL) or name in units or (name == OUTCOME) == bool(unit):
             allowed = f"{VELOCITY} [m/s], {OUTCOME} and {RESIDUAL} [m/s], each once"
             raise InputError(file=path, key="heading", value=cell, allowed=allowed)
-        found[name] = si(f"1 {unit}", "m/s", file=path, key=name) if unit else None
+        units[name] = si(f"1 {unit}", "m/s", file=path, key=name) if unit else None
     for name in (VELOCITY, OUTCOME):
-        if name not in found:
+        if name not in units:
             raise InputError(file=path, key="heading", value=", ".join(heading), allowed=f"with a column {name}")
-    return found
+    return units
 
 
 def _row(number, values, units, path):
     """(velocity [m/s], whether it perforated, residual velocity [m/s]) of a line."""
-    cells, key = dict(zip(units, values)), f"line {number}"
+    cells, line = dict(zip(units, values)), f"line {number}"
     if len(values) != len(units):
-        raise InputError(file=path, key=key, value=", ".join(values), allowed=f"{len(units)} values")
-    word = cells[OUTCOME].lower()
-    if word not in OUTCOMES:
-        raise InputError(file=path, key=f"{key}, {OUTCOME}", value=cells[OUTCOME], allowed=" or ".join(OUTCOMES))
-    speeds = {}
-    for name in (VELOCITY, RESIDUAL):
-        text = cells.get(name, "")
-        if not text and name == RESIDUAL:
-            speeds[name] = nan
-            continue
+        raise InputError(file=path, key=line, value=", ".join(values), allowed=f"{len(units)} values")
+
+    def refusal(name, allowed):
+        return refused(cells[name], allowed, file=path, key=f"{line}, {name}")
+
+    def speed(name):
         try:
-            speeds[name] = float(text) * units[name]
+            value = float(cells[name]) * units[name]
         except ValueError:
-            raise refused(text, "a number", file=path, key=f"{key}, {name}") from None
-        if not (speeds[name] > 0 or (name == RESIDUAL and speeds[name] == 0)):
-            raise InputError(file=path, key=f"{key}, {name}", value=text, allowed="above 0")
-    through = OUTCOMES[word]
-    if not through and speeds[RESIDUAL] > 0:
-        raise InputError(file=path, key=f"{key}, {RESIDUAL}", value=cells[RESIDUAL], allowed="left out of a stop, or 0")
-    return speeds[VELOCITY], through, speeds[RESIDUAL] if through else 0.0
+            raise refusal(name, "a number") from None
+        if not (value > 0 or (name == RESIDUAL and value == 0)):
+            raise refusal(name, "above 0")
+        return value
+
+    if cells[OUTCOME].lower() not in OUTCOMES:
+        raise refusal(OUTCOME, " or ".join(OUTCOMES))
+    velocity, perforated = speed(VELOCITY), OUTCOMES[cells[OUTCOME].lower()]
+    residual = speed(RESIDUAL) if cells.get(RESIDUAL) else nan
+    if not perforated and residual > 0:
+        raise refusal(RESIDUAL, "left out of a stop, or 0")
+    return velocity, perforated, residual if perforated else 0.0

@@ -1,7 +1,7 @@
 """One scene shot many times at panels whose yarns differ in strength: mean, scatter, probability of perforation.
 
-Strengths are drawn as for the ballistic limit (`uncertainty.strengths`), from seed and number of the draw alone, so
-that nothing depends on the number of workers. All else is the scene's.
+Strengths are drawn as for V50 (`strengths`), from seed and number of the draw alone, so that nothing depends on the
+number of workers. All else is the scene's.
 
 The result of a single shot near the limit is a staircase in velocity and mesh, since yarns fail one by one; the mean
 over draws is not. It has the standard error s / sqrt(n). The share of perforations has Wilson's interval.
@@ -10,8 +10,8 @@ over draws is not. It has the standard error s / sqrt(n). The share of perforati
 from __future__ import annotations
 
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields, replace
-from math import sqrt
+from dataclasses import dataclass, replace
+from math import nan, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.simulation import ImpactSetup
 
-# of a Draw: unit, words
-QUANTITIES = {
+QUANTITIES = {  # of a Draw: unit, words
     "residual_velocity": ("m/s", "residual velocity"),
     "absorbed_energy": ("J", "absorbed energy"),
     "peak_tension_warp": ("N", "peak tension, warp"),
@@ -46,7 +45,7 @@ class Draw:
     Parameters
     ----------
     number : from 0; with the seed it determines the strengths
-    outcome : "stopped", "perforated", "in flight" or "unstable"
+    outcome : of OUTCOMES
     residual_velocity : [m/s] along the panel's normal
     absorbed_energy : [J] that the projectile has lost
     peak_tension_warp, peak_tension_weft : [N] highest of any ply over the run
@@ -79,7 +78,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Draws:
-    """What the draws came to; those that became unstable count in none of the estimates.
+    """All draws; those that became unstable count in none of the estimates.
 
     Parameters
     ----------
@@ -95,19 +94,18 @@ class Draws:
     @property
     def counted(self) -> tuple[Draw, ...]:
         """Draws that did not become unstable."""
-        return tuple(one for one in self.draws if one.outcome != "unstable")
+        return tuple(draw for draw in self.draws if draw.outcome != "unstable")
 
     def estimate(self, quantity: str) -> Estimate:
         """The Estimate of one of `QUANTITIES`; not a number of no draws, or of one its deviation."""
-        values = np.array([getattr(one, quantity) for one in self.counted])
-        nan = float("nan")
+        values = np.array([getattr(draw, quantity) for draw in self.counted])
         deviation = float(values.std(ddof=1)) if values.size > 1 else nan
         return Estimate(float(values.mean()) if values.size else nan, deviation, deviation / sqrt(max(values.size, 1)))
 
     @property
     def outcomes(self) -> dict[str, int]:
         """{outcome: number of draws} of `OUTCOMES`."""
-        return {name: sum(one.outcome == name for one in self.draws) for name in OUTCOMES}
+        return {name: sum(draw.outcome == name for draw in self.draws) for name in OUTCOMES}
 
     def probability(self) -> tuple[float, float, float]:
         """(share of perforations, low, high), with Wilson's interval of `CONFIDENCE`; (0, 0, 1) of no draws."""
@@ -115,29 +113,29 @@ class Draws:
 
         if not self.counted:
             return 0.0, 0.0, 1.0
-        found = binomtest(self.outcomes["perforated"], len(self.counted))
-        interval = found.proportion_ci(CONFIDENCE, method="wilson")
-        return float(found.statistic), float(interval.low), float(interval.high)
+        test = binomtest(self.outcomes["perforated"], len(self.counted))
+        interval = test.proportion_ci(CONFIDENCE, method="wilson")
+        return float(test.statistic), float(interval.low), float(interval.high)
 
     def summary(self) -> dict[str, Any]:
         """All of it as a flat dict of numbers, keys with their units."""
         share, low, high = self.probability()
-        found: dict[str, Any] = {
+        return {
             "draws": len(self.draws),
-            **{name.replace(" ", "_"): count for name, count in self.outcomes.items()},
-            "probability_of_perforation": share, "probability_low": low, "probability_high": high,
-            "confidence": CONFIDENCE, "seed": self.seed, "weibull_shape": self.scatter.shape,
+            **{outcome.replace(" ", "_"): count for outcome, count in self.outcomes.items()},
+            "probability_of_perforation": share,
+            "probability_low": low,
+            "probability_high": high,
+            "confidence": CONFIDENCE,
+            "seed": self.seed,
+            "weibull_shape": self.scatter.shape,
             "gauge_length_m": self.scatter.gauge_length,
-        }  # fmt: skip
-        for name, (unit, _) in QUANTITIES.items():
-            suffix = unit.replace("/", "_")
-            for part, value in vars(self.estimate(name)).items():
-                found[f"{name}_{part}_{suffix}"] = value
-        return found
-
-    def columns(self) -> dict[str, list]:
-        """{field of a Draw: its values}."""
-        return {field.name: [getattr(one, field.name) for one in self.draws] for field in fields(Draw)}
+            **{
+                f"{name}_{part}_{unit.replace('/', '_')}": value
+                for name, (unit, _) in QUANTITIES.items()
+                for part, value in vars(self.estimate(name)).items()
+            },
+        }
 
 
 def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Draw:
@@ -146,16 +144,22 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Draw:
     result, problem = fired(setup, target=drawn.pack)
     warp, weft = result.peak_tension
     return Draw(
-        number, "unstable" if problem else result.outcome, float(result.residual_velocity),
-        float(result.strike_energy - result.energies["kinetic_projectile"][-1]), float(warp), float(weft),
-        int(result.failed_segments[-1]), float(result.t[-1]), min(drawn.weakest), float(result.energy_error_max),
-    )  # fmt: skip
+        number=number,
+        outcome="unstable" if problem else result.outcome,
+        residual_velocity=float(result.residual_velocity),
+        absorbed_energy=float(result.strike_energy - result.energies["kinetic_projectile"][-1]),
+        peak_tension_warp=float(warp),
+        peak_tension_weft=float(weft),
+        failed=int(result.failed_segments[-1]),
+        time=float(result.t[-1]),
+        weakest=min(drawn.weakest),
+        balance=float(result.energy_error_max),
+    )
 
 
 def study(
     setup: ImpactSetup, scatter: Scatter, count: int, *, folder: FilePath, seed: int = 1,
-    executor: str | Executor = "local", jobs: int = 1, resume: bool = True,
-    report: Callable[[int, int], object] | None = None,
+    executor: str | Executor = "local", jobs: int = 1, report: Callable[[int, int], object] | None = None,
 ) -> Draws:  # fmt: skip
     """Shoot at `count` drawn panels.
 
@@ -166,9 +170,7 @@ def study(
     count : number of draws, at least 2
     folder : of kept runs, from which a later call goes on, also to more draws
     seed : of all that is drawn
-    executor, jobs : as of `fabrics.executors.open_executor`
-    resume : whether to take what the folder holds; else it is emptied first
-    report : called as report(number done, number of all)
+    executor, jobs, report : as of `run_cache.results`
 
     Raises
     ------
@@ -176,10 +178,8 @@ def study(
     """
     if count < 2:
         raise InputError(key="draws", value=count, allowed="at least 2")
-    alike, given = replace(scatter, modulus=0.0, crimp=0.0), inputs.alone(setup, symmetry="whole")
-    strengths.check(given, alike)
-    arguments = [(given, alike, seed, number) for number in range(count)]
-    found = run_cache.results(
-        fire, arguments, folder=folder, executor=executor, jobs=jobs, resume=resume, report=report
-    )
-    return Draws(tuple(found), scatter, seed)
+    strengths_alone, whole = replace(scatter, modulus=0.0, crimp=0.0), inputs.alone(setup, symmetry="whole")
+    strengths.check(whole, strengths_alone)
+    runs = [(whole, strengths_alone, seed, number) for number in range(count)]
+    draws = run_cache.results(fire, runs, folder=folder, executor=executor, jobs=jobs, report=report)
+    return Draws(tuple(draws), scatter, seed)

@@ -13,7 +13,6 @@ from math import inf
 from typing import Any
 
 from fabrics import variants
-from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.units import si
@@ -58,28 +57,22 @@ class Scatter:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0 and below 1")
 
 
-def table(section: str, unit: str = "") -> dict[str, Entry]:
-    """Entries of a section, by name; InputError where one lacks source or status."""
-    return dict(_entries(section, unit))
-
-
 @cache
-def _entries(section, unit):
+def table(section: str) -> dict[str, Entry]:
+    """Entries of a section, by name; InputError where one lacks source or status."""
     text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
-    found = {}
+    entries = {}
     for name, row in tomllib.loads(text)[section].items():
         if row.get("status") not in STATUSES or not row.get("source"):
             raise InputError(file=FILE, key=f"{section}.{name}", allowed="a value with its source and status")
-        length = "m" if name.endswith("length") else unit
-        found[name] = Entry(name, si(row["value"], length, file=FILE, key=name), row["source"], row["status"])
-    return found
+        value = si(row["value"], "m" if name.endswith("length") else "", file=FILE, key=name)
+        entries[name] = Entry(name, value, row["source"], row["status"])
+    return entries
 
 
 def published() -> Scatter:
     """The scatter of inputs.toml."""
-    yarn, panel = table("weibull"), table("spread")
-    values = {"shape": yarn["shape"], "gauge_length": yarn["gauge_length"], **panel}
-    return Scatter(**{name: entry.value for name, entry in values.items()})
+    return Scatter(**{name: entry.value for part in ("weibull", "spread") for name, entry in table(part).items()})
 
 
 def changed(fabric: Fabric, **factors: float) -> Fabric:
@@ -89,32 +82,16 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
     ------
     InputError : an unknown name
     """
-    f = dict.fromkeys(table("range"), 1.0)
-    unknown = set(factors) - set(f)
+    factor = dict.fromkeys(table("range"), 1.0)
+    unknown = set(factors) - set(factor)
     if unknown:
-        raise InputError(key=min(unknown), allowed=f"one of {', '.join(f)}")
-    f |= factors
-    fabric = variants.scale_yarns(
-        fabric, E=f["modulus"], failure_strain=f["failure_strain"], crimp=(f["crimp_warp"], f["crimp_weft"])
-    )
-    fabric = variants.scale_areal_density(fabric, f["areal_density"])
-    fabric = variants.scale_laws(fabric, f["compression_a"], f["compression_b"])
-    return variants.scale_shear(fabric, f["trellis_stiffness"], f["trellis_angles"])
-
-
-def changed_with_laws(
-    fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None, **factors: float
-) -> tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]:
-    """(fabric, laws) changed by `changed`; laws, which may be others than the fabric's own, are changed alike.
-
-    Raises
-    ------
-    InputError : an unknown name
-    """
-    if laws:
-        scales = (factors.get(f"compression_{name}", 1.0) for name in "ab")
-        laws = variants.scale_laws(replace(fabric, laws=laws), *scales).laws
-    return changed(fabric, **factors), laws
+        raise InputError(key=min(unknown), allowed=f"one of {', '.join(factor)}")
+    factor |= factors
+    crimp = factor["crimp_warp"], factor["crimp_weft"]
+    fabric = variants.scale_yarns(fabric, E=factor["modulus"], failure_strain=factor["failure_strain"], crimp=crimp)
+    fabric = variants.scale_areal_density(fabric, factor["areal_density"])
+    fabric = variants.scale_laws(fabric, factor["compression_a"], factor["compression_b"])
+    return variants.scale_shear(fabric, factor["trellis_stiffness"], factor["trellis_angles"])
 
 
 def alone(setup: ImpactSetup, **others: Any) -> ImpactSetup:
@@ -131,8 +108,10 @@ def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
     InputError : an unknown name
     """
 
-    def one(held):
-        fabric, laws = changed_with_laws(held.fabric, held.laws, **factors)
-        return replace(held, fabric=fabric, laws=laws)
+    laws_factors = (factors.get("compression_a", 1.0), factors.get("compression_b", 1.0))
 
-    return one(replace(setup, lay_up=tuple(map(one, setup.lay_up))))
+    def changed_ply(ply):
+        laws = ply.laws and variants.scale_laws(replace(ply.fabric, laws=ply.laws), *laws_factors).laws
+        return replace(ply, fabric=changed(ply.fabric, **factors), laws=laws)
+
+    return changed_ply(replace(setup, lay_up=tuple(map(changed_ply, setup.lay_up))))

@@ -19,18 +19,16 @@ from shellfabric.impact.simulation import ImpactSetup
 from weavecell.studies import assumed_range
 from weavecell.studies.assumed_range import AssumedRange
 
-CURVE = (
-    1.03,
-    2.0,
-)  # first and last shot of the residual velocities, times the velocity above which all shots perforate
+# strike velocities of the first and last residual shot, over the velocity above which all shots perforate
+RESIDUAL_SHOTS = 1.03, 2.0
 
 # called with a title; a context whose value is called as report(share of the work done, Shot or None)
 Stage = Callable[[str], AbstractContextManager[Callable[..., object]]]
 
 
 @dataclass(frozen=True)
-class Found:
-    """What was found.
+class LimitStudy:
+    """A ballistic limit and what follows from its shots.
 
     Parameters
     ----------
@@ -45,9 +43,9 @@ class Found:
 
 
 def search(
-    setup: ImpactSetup, *, tolerance: float, residual_shots: int, scan: ScanRange | None, with_range: bool,
-    jobs: int, executor: str | Executor, stage: Stage | None = None,
-) -> Found:  # fmt: skip
+    setup: ImpactSetup, *, tolerance: float, residual_shots: int = 0, scan: ScanRange | None, with_range: bool = False,
+    jobs: int = 1, executor: str | Executor = "local", stage: Stage = lambda title: nullcontext(lambda *_: None),
+) -> LimitStudy:  # fmt: skip
     """Bisect, scan about the bracket, fire residual shots, fit them, and repeat the search over assumed laws.
 
     Parameters
@@ -64,12 +62,10 @@ def search(
     InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`; `shots` of the latter two are
         all that had ended
     """
-    stage = stage or (lambda title: nullcontext(lambda *_: None))
-    panel, name = setup.target(), setup.title
-    beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
+    panel, beside = setup.target(), dict[str, Any](jobs=jobs, executor=executor)
     ended: list[Shot] = []
 
-    def shots(advance):
+    def reported(advance):
         def report(share, shot):
             ended.append(shot)
             advance(share, shot)
@@ -77,32 +73,32 @@ def search(
         return beside | {"report": report}
 
     try:
-        with stage(f"{name}, critical velocity") as advance:
-            limit = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **shots(advance))
+        with stage(f"{setup.title}, critical velocity") as advance:
+            limit = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **reported(advance))
         if scan is not None and scan.ladder(limit):
             with stage("Scan about the bracket") as advance:
-                limit = limit_scan.scan(panel, limit, scan, **shots(advance))
+                limit = limit_scan.scan(panel, limit, scan, **reported(advance))
         if residual_shots:
             with stage("Residual velocities") as advance:
-                strikes = max(limit.high, limit.highest_stop) * np.geomspace(*CURVE, residual_shots)
-                limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **shots(advance)))
+                strikes = max(limit.high, limit.highest_stop) * np.geomspace(*RESIDUAL_SHOTS, residual_shots)
+                limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **reported(advance)))
     except (UndecidedError, UnstableError) as problem:
         problem.shots = tuple(ended)
         raise
-    around = None
+    over_laws = None
     if with_range and not setup.lay_up and assumed_range.corners(setup.fabric, setup.laws):
         with stage("Range over the assumed laws") as advance:
-            around = assumed_range.critical_velocity(
+            over_laws = assumed_range.critical_velocity(
                 setup, limit.velocity, tolerance=tolerance, on_progress=lambda share: advance(share, None), **beside
             )
-    return Found(limit, fit(limit), around)
+    return LimitStudy(limit, residual_fit(limit), over_laws)
 
 
-def fit(limit: Limit) -> LambertJonas | None:
+def residual_fit(limit: Limit) -> LambertJonas | None:
     """Lambert-Jonas fit to the perforations, with the bracket's middle as its limit if there is a single limit; None
     where the perforations are too few."""
-    through = [shot for shot in limit.shots if shot.perforated]
-    if len(through) <= (2 if limit.single else 3):
+    perforations = [shot for shot in limit.shots if shot.perforated]
+    if len(perforations) <= (2 if limit.single else 3):
         return None
-    velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in through))
+    velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in perforations))
     return lambert_jonas.fit(*velocities, limit=limit.velocity if limit.single else None)

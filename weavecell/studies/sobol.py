@@ -29,6 +29,7 @@ from weavecell.studies import inputs
 INSTANT = 200e-6
 QUANTITIES = {"velocity": "m/s", "peak tension": "N"}
 TABLE = 101  # stretches a side of the cell's table: S-720's peaks and velocities are within 0.05 % of those with 201
+CONFIDENCE = 0.95
 _DIGITS = 12  # of a factor: what names a run
 
 
@@ -64,26 +65,23 @@ def problem(entries: Mapping[str, inputs.Entry]) -> dict[str, Any]:
     return {"num_vars": len(bounds), "names": list(entries), "bounds": bounds}
 
 
-def sample(given: Mapping[str, Any], samples: int, seed: int) -> np.ndarray:
-    """(N (D + 2), D) of a problem; `samples` N is a power of 2."""
+def sample(problem: Mapping[str, Any], samples: int, seed: int) -> np.ndarray:
+    """(N (D + 2), D) factors of a problem; `samples` N is a power of 2."""
     from SALib.sample import sobol
 
     if samples < 2 or samples & (samples - 1):
         raise InputError(key="samples", value=samples, allowed="a power of 2: 2, 4, 8, ...")
-    return sobol.sample(given, samples, calc_second_order=False, seed=seed)
+    return sobol.sample(problem, samples, calc_second_order=False, seed=seed)
 
 
-def estimate(
-    given: Mapping[str, Any], y: np.ndarray, seed: int, confidence: float = 0.95
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(first, its half width, total, its half width) of a quantity y (N (D + 2),) on a sample."""
+def estimate(problem: Mapping[str, Any], y: np.ndarray, seed: int) -> tuple[np.ndarray, ...]:
+    """(first, its half width, total, its half width), (D,) each, of a quantity y (N (D + 2),) on a sample."""
     from SALib.analyze import sobol
 
     if not np.ptp(y) > 1e-12 * np.abs(y).max():
-        return (np.full(given["num_vars"], np.nan),) * 4
-    found = sobol.analyze(given, y, calc_second_order=False, num_resamples=1000, conf_level=confidence, seed=seed)
-    first, first_half, total, total_half = (np.asarray(found[key]) for key in ("S1", "S1_conf", "ST", "ST_conf"))
-    return first, first_half, total, total_half
+        return (np.full(problem["num_vars"], np.nan),) * 4
+    indices = sobol.analyze(problem, y, calc_second_order=False, num_resamples=1000, conf_level=CONFIDENCE, seed=seed)
+    return tuple(np.asarray(indices[key]) for key in ("S1", "S1_conf", "ST", "ST_conf"))
 
 
 def shots(
@@ -97,33 +95,25 @@ def shots(
     factors : tuple of (name, factor)
     velocities : tuple of [m/s]
     """
-    given, found = inputs.changed_setup(setup, **dict(factors)), {}
-    table = given.table()  # of the cell, whatever the velocity
+    changed, values = inputs.changed_setup(setup, **dict(factors)), {}
+    table = changed.table()  # of the cell, whatever the velocity
     for velocity in velocities:
         try:
-            result: Any = run(replace(given, strike_velocity=velocity), table=table)
+            result: Any = run(replace(changed, strike_velocity=velocity), table=table)
         except UnstableError as trouble:
             changes = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
             raise UnstableError(str(trouble), when=f"of the shot at {velocity:g} m/s with {changes}") from None
-        found[velocity, "velocity"] = float(np.interp(INSTANT, result.t, np.maximum(result.v, 0.0)))
-        found[velocity, "peak tension"] = float(np.max(result.peak_tension))
-        found[velocity, "perforated"] = result.outcome == "perforated"
-    return found
+        values[velocity, "velocity"] = float(np.interp(INSTANT, result.t, np.maximum(result.v, 0.0)))
+        values[velocity, "peak tension"] = float(np.max(result.peak_tension))
+        values[velocity, "perforated"] = result.outcome == "perforated"
+    return values
 
 
 def study(
-    setup: ImpactSetup,
-    velocities: Sequence[float],
-    *,
-    samples: int,
-    folder: FilePath,
-    seed: int = 1,
-    names: Sequence[str] | None = None,
-    executor: str | Executor = "local",
-    jobs: int = 1,
-    report: Callable[[int, int], object] | None = None,
-) -> tuple[Indices, ...]:
-    """Sobol indices of all quantities at the strike velocities; a tuple of Indices.
+    setup: ImpactSetup, velocities: Sequence[float], *, samples: int, folder: FilePath, seed: int = 1,
+    executor: str | Executor = "local", jobs: int = 1, report: Callable[[int, int], object] | None = None,
+) -> tuple[Indices, ...]:  # fmt: skip
+    """Sobol indices of all quantities at the strike velocities.
 
     Parameters
     ----------
@@ -132,33 +122,28 @@ def study(
     samples : N, a power of 2
     folder : Path of the runs
     seed : of the sample and of the bootstrap
-    names : inputs to vary; all of inputs.toml if None
     executor, jobs, report : as of `run_cache.results`
 
     Raises
     ------
-    InputError, UnstableError : as `simulation.run`, or an unknown input
+    InputError, UnstableError : as `simulation.run`
     """
-    entries = inputs.table("range")
-    if names is not None:
-        for name in set(names) - set(entries):
-            raise InputError(key="names", value=name, allowed=f"one of {', '.join(entries)}")
-        entries = {name: entries[name] for name in names}
-    given = problem(entries)
-    rows = sample(given, samples, seed)
+    factors = problem(inputs.table("range"))
+    rows = sample(factors, samples, seed)
     if setup.surface is not None:
         raise InputError("a response surface holds for one fabric", key="surface", allowed="left out")
     plain = inputs.alone(setup, strike_velocity=1.0, table_size=TABLE)
     runs = [
-        (plain, tuple((name, round(float(x), _DIGITS)) for name, x in zip(entries, row)), tuple(velocities))
+        (plain, tuple((name, round(float(x), _DIGITS)) for name, x in zip(factors["names"], row)), tuple(velocities))
         for row in rows
     ]
-    found = run_cache.results(shots, runs, folder=folder, executor=executor, jobs=jobs, report=report)
-    return tuple(_indices(given, found, v, name, seed) for v in velocities for name in QUANTITIES)
+    values = run_cache.results(shots, runs, folder=folder, executor=executor, jobs=jobs, report=report)
 
+    def indices(velocity, quantity):
+        y = np.array([row[velocity, quantity] for row in values])
+        perforated = float(np.mean([row[velocity, "perforated"] for row in values]))
+        estimates = estimate(factors, y, seed)
+        names = tuple(factors["names"])
+        return Indices(velocity, quantity, names, *estimates, float(y.mean()), float(y.std()), perforated)
 
-def _indices(given, found, velocity, name, seed):
-    y = np.array([one[velocity, name] for one in found])
-    through = float(np.mean([one[velocity, "perforated"] for one in found]))
-    values = estimate(given, y, seed)
-    return Indices(velocity, name, tuple(given["names"]), *values, float(y.mean()), float(y.std()), through)
+    return tuple(indices(velocity, quantity) for velocity in velocities for quantity in QUANTITIES)

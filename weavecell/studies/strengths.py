@@ -24,7 +24,6 @@ from math import gamma, inf, log, sqrt
 import numpy as np
 
 from fabrics.errors import InputError
-from fabrics.fabric import Fabric
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import grading as grading_of_panels
 from shellfabric.panel.model import Panel
@@ -57,25 +56,20 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     ------
     InputError : yarns that do not fail, or a response surface where modulus or crimp scatter
     """
-    given = alone(setup, symmetry="whole")
-    check(given, scatter)
-    plain = replace(given, table_size=_SMALL).target().plies
-    found = [
-        draw(given.fabric_of(p), scatter, seed, number * len(plain) + p, *_yarns(one)) for p, one in enumerate(plain)
-    ]
-    factors = found[0][0]
-    if all(factor == 1 for factor in factors.values()):
-        table = given.table(kept=True)
-    else:
-        given = changed_setup(given, **factors)
-        table = given.table()
-    pack = given.target(table)
-    own = tuple(
-        replace(one, strength_factors=strengths if one.sides is None else of_lines(strengths, one))
-        for one, (_, strengths) in zip(pack.plies, found)
+    whole = alone(setup, symmetry="whole")
+    check(whole, scatter)
+    plies = replace(whole, table_size=_SMALL).target().plies
+    draws = [draw(scatter, seed, number * len(plies) + p, *_yarns(ply)) for p, ply in enumerate(plies)]
+    factors = draws[0][0]
+    alike = all(factor == 1 for factor in factors.values())
+    table = whole.table(kept=True) if alike else None
+    pack = whole.target(table) if alike else changed_setup(whole, **factors).target()
+    drawn_plies = tuple(
+        replace(ply, strength_factors=strengths if ply.sides is None else of_lines(strengths, ply))
+        for ply, (_, strengths) in zip(pack.plies, draws)
     )
-    warp, weft = (min(float(strengths[family].min()) for _, strengths in found) for family in (0, 1))
-    return Drawn(replace(pack, plies=own), factors, (warp, weft))
+    warp, weft = (min(float(strengths[family].min()) for _, strengths in draws) for family in (0, 1))
+    return Drawn(replace(pack, plies=drawn_plies), factors, (warp, weft))
 
 
 def check(setup: ImpactSetup, scatter: Scatter) -> None:
@@ -97,13 +91,12 @@ def _yarns(panel):
 
 
 def draw(
-    fabric: Fabric, scatter: Scatter, seed: int, number: int, counts: Sequence[int], lengths: Sequence[float]
+    scatter: Scatter, seed: int, number: int, counts: Sequence[int], lengths: Sequence[float]
 ) -> tuple[dict[str, float], tuple[np.ndarray, ...]]:
     """A panel's factors, from its number alone.
 
     Parameters
     ----------
-    fabric : Fabric, whose crimp bounds what is drawn
     counts : (warp, weft) yarns
     lengths : (warp, weft) [m] of a yarn in the panel
 
@@ -137,8 +130,7 @@ def _log_normal(spread, z):
 
 def of_lines(strengths: Sequence[np.ndarray], panel: Panel) -> tuple[np.ndarray, ...]:
     """(warp, weft) strength factors of the lines of a graded panel, from those of all yarns."""
-    found = []
-    for factors, x, w, lines in zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_lines[::-1]):
-        axes = np.rint(x[lines.yarn >= 0] / (2 * w))
-        found.append(grading_of_panels.weakest(factors, axes))
-    return tuple(found)
+    lines = zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_lines[::-1])
+    return tuple(
+        grading_of_panels.weakest(factors, np.rint(x[line.yarn >= 0] / (2 * w))) for factors, x, w, line in lines
+    )

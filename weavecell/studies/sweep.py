@@ -13,11 +13,21 @@ from weavecell.studies import inputs, v50
 from weavecell.studies import limit as limits
 
 MIXED = "mixed outcomes"
-# of a quantity: column that is plotted, columns of its lower and upper end, words
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is drawn of a sweep: a column, those of the ends of its interval or bracket, and the label of the axis."""
+
+    column: str
+    label: str
+    ends: tuple[str, str] | None = None
+
+
 QUANTITIES = {
-    "shot": ("residual_velocity_m_s", None, "residual velocity [m/s]"),
-    "critical-velocity": ("critical_velocity_m_s", ("lower_m_s", "upper_m_s"), "critical velocity [m/s]"),
-    "v50": ("v50_m_s", ("v50_low_m_s", "v50_high_m_s"), "V50 [m/s], 95 % interval"),
+    "shot": Quantity("residual_velocity_m_s", "residual velocity [m/s]"),
+    "critical-velocity": Quantity("critical_velocity_m_s", "critical velocity [m/s]", ("lower_m_s", "upper_m_s")),
+    "v50": Quantity("v50_m_s", "V50 [m/s], 95 % interval", ("v50_low_m_s", "v50_high_m_s")),
 }
 
 
@@ -42,17 +52,15 @@ class Wanted:
             raise InputError(key="quantity", value=self.quantity, allowed=f"one of {', '.join(QUANTITIES)}")
 
 
-def point(setup: ImpactSetup, wanted: Wanted) -> dict[str, Any]:
-    """The row of a set-up, of a shot or a critical velocity; one that cannot be computed says why in "outcome"."""
+def row(setup: ImpactSetup, wanted: Wanted, **options: Any) -> dict[str, Any]:
+    """The row of a set-up; one that cannot be computed says why in "outcome". `options` as of `v50.study`."""
     try:
-        return shot(setup) if wanted.quantity == "shot" else limit(setup, wanted.tolerance)
+        if wanted.quantity == "v50":
+            study = v50.study(setup, inputs.published(), shots=wanted.shots, seed=wanted.seed, **options)
+            return {"outcome": "fitted", **study.summary(), "checks": "doubtful" if study.doubtful else "ok"}
+        return shot(setup) if wanted.quantity == "shot" else critical_velocity(setup, wanted.tolerance)
     except (UnstableError, UndecidedError) as problem:
-        return _failed(problem)
-
-
-def _failed(problem):
-    """The row of a set-up that cannot be computed."""
-    return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
+        return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
 
 
 def shot(setup: ImpactSetup) -> dict[str, Any]:
@@ -72,27 +80,15 @@ def shot(setup: ImpactSetup) -> dict[str, Any]:
     }
 
 
-def limit(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
+def critical_velocity(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
     """The critical velocity, in its bracket, or the middle of the zone of mixed outcomes where there is one."""
-    found = limits.search(
-        setup, tolerance=tolerance, residual_shots=0, scan=ScanRange(), with_range=False, jobs=1, executor="local"
-    ).limit
-    low, high = found.mixed_zone or (found.low, found.high)
-    checks = quality.worst(one.checks for one in found.ends)
+    limit = limits.search(setup, tolerance=tolerance, scan=ScanRange()).limit
+    low, high = limit.mixed_zone or (limit.low, limit.high)
     return {
-        "outcome": "single limit" if found.single else MIXED,
+        "outcome": "single limit" if limit.single else MIXED,
         "critical_velocity_m_s": 0.5 * (low + high),
         "lower_m_s": float(low),
         "upper_m_s": float(high),
-        "shots": len(found.shots),
-        "checks": quality.status(checks),
+        "shots": len(limit.shots),
+        "checks": quality.status(quality.worst(shot.checks for shot in limit.ends)),
     }
-
-
-def v50_of(setup: ImpactSetup, wanted: Wanted, **others: Any) -> dict[str, Any]:
-    """V50 with the scatter of inputs.toml; others as of `v50.study`."""
-    try:
-        study = v50.study(setup, inputs.published(), shots=wanted.shots, seed=wanted.seed, **others)
-    except (UnstableError, UndecidedError) as problem:
-        return _failed(problem)
-    return {"outcome": "fitted", **study.summary(), "checks": "doubtful" if study.doubtful else "ok"}

@@ -134,8 +134,8 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
     """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that the set-up models."""
     numerics = replace(setup.numerics, threads=1)
-    found = ballistic_limit.critical_velocity(replace(setup, numerics=numerics).target(), tolerance=tolerance)
-    return found.low, found.high
+    limit = ballistic_limit.critical_velocity(replace(setup, numerics=numerics).target(), tolerance=tolerance)
+    return limit.low, limit.high
 
 
 def graded(setup: ImpactSetup) -> ImpactSetup:
@@ -146,22 +146,18 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     openings, impacts off the middle), oblique shots and sliding crossovers have the uniform mesh; so has
     `elements_per_crossover = 1`.
     """
-    given = setup.grading is not None or setup.elements_per_crossover is not None or setup.crossovers is not None
+    named = setup.grading is not None or setup.elements_per_crossover is not None or setup.crossovers is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
     stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
-    if setup.plies > 1 or given or not clamped or setup.projectile.obliquity or stepped:
+    if setup.plies > 1 or named or not clamped or setup.projectile.obliquity or stepped:
         return setup
-    near = first_zone(setup)
-    return replace(setup, grading=((near, 1), (2 * near, 2), (inf, 4)))
-
-
-def first_zone(ply: ImpactSetup) -> int:
-    """[crossovers] to which all that can come under the nose lies, with the crimp of nearly all drawn panels."""
-    if ply.surface is None:
+    crimped = setup
+    if setup.surface is None:
         crimp = 1 + 4 * published().crimp
-        ply = changed_setup(ply, crimp_warp=crimp, crimp_weft=crimp)  # type: ignore[assignment]
-    panel = replace(ply, elements_per_crossover=1, grading=None, symmetry="whole").panel(ply.plain_table())
-    return max(LEAST, *(ceil(far / step) + 1 for far, step in zip(panel.reach(), panel.spacing)))
+        crimped = changed_setup(setup, crimp_warp=crimp, crimp_weft=crimp)
+    panel = replace(crimped, elements_per_crossover=1, symmetry="whole").panel(crimped.plain_table())
+    near = max(LEAST, *(ceil(reach / step) + 1 for reach, step in zip(panel.reach(), panel.spacing)))
+    return replace(setup, grading=((near, 1), (2 * near, 2), (inf, 4)))
 
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
@@ -175,11 +171,7 @@ def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool)
     if low < high:
         wider = WIDER * (high - low) if scatters else 0.0
         return np.linspace(low - wider, high + wider, count + 2)[1:-1]
-    return _curve(V, hit).velocity(np.linspace(*SPREAD, count))
-
-
-def _curve(V, hit):
-    return probit.fit(V, hit)
+    return probit.fit(V, hit).velocity(np.linspace(*SPREAD, count))
 
 
 def study(
@@ -211,32 +203,25 @@ def study(
             raise InputError(key=key, value=value, allowed="at least 4")
     strengths.check(setup, scatter)
     setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)  # which name no kept shot
-    report = report or (lambda share, text: None)
+    scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
+    fired: list[Shot] = []
+
+    def reported(done, _):
+        if report is not None:
+            count = begun + done
+            report(count / shots, f"{count} shots")
+
     with open_executor(executor, jobs) as pool:
         runs: dict[str, Any] = {"folder": folder, "executor": pool, "jobs": jobs}
         (bracket,) = run_cache.results(deterministic, [(setup, tolerance)], **runs)
-        middle = 0.5 * sum(bracket)
-        found: list[Shot] = []
-        scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
-        while len(found) < shots:
-            count = min(batch, shots - len(found))
-            if found:
-                velocities = plan([s.velocity for s in found], [s.perforated for s in found], count, scatters)
+        while (begun := len(fired)) < shots:
+            count = min(batch, shots - begun)
+            if fired:
+                velocities = plan([s.velocity for s in fired], [s.perforated for s in fired], count, scatters)
             else:
-                velocities = middle * np.linspace(1 - FIRST, 1 + FIRST, count)
-            progress = _shots_done(report, len(found), shots)
-            begun = len(found)
-            found += run_cache.results(
-                fire,
-                [(setup, scatter, seed, begun + k, round(float(V), 6)) for k, V in enumerate(velocities)],
-                report=progress,
-                **runs,
-            )
-    V, hit = [s.velocity for s in found], [s.perforated for s in found]
+                velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
+            inputs = [(setup, scatter, seed, begun + k, round(float(V), 6)) for k, V in enumerate(velocities)]
+            fired += run_cache.results(fire, inputs, report=reported, **runs)
+    V, hit = [shot.velocity for shot in fired], [shot.perforated for shot in fired]
     curves = {link: probit.fit(V, hit, link=link) for link in probit.LINKS}
-    return Study(bracket, tuple(found), curves, scatter)
-
-
-def _shots_done(report: Callable[[float, str], object], begun: int, shots: int) -> Callable[[int, int], object]:
-    """Progress of one batch as progress of all shots, of which `begun` were done before it."""
-    return lambda done, total: report((begun + done) / shots, f"{begun + done} shots")
+    return Study(bracket, tuple(fired), curves, scatter)

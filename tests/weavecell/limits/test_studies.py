@@ -24,11 +24,11 @@ def test_a_row_of_mixed_outcomes_has_the_middle_of_the_zone(monkeypatch):
     shots = [Shot(velocity, 0.0, name, 1e-4, 0, (1.0, 1.0), 0.0, 0.1) for velocity, name in outcomes.items()]
     found = Limit(100.0, 101.0, tuple(shots))
     monkeypatch.setattr(limits, "search", lambda *_, **__: type("Search", (), {"limit": found}))
-    row = analysis.limit(None, 1.0)
+    row = analysis.critical_velocity(None, 1.0)
     assert (row["outcome"], row["critical_velocity_m_s"]) == (analysis.MIXED, 97.5)
     assert (row["lower_m_s"], row["upper_m_s"]) == (95.0, 100.0)
     found = Limit(100.0, 101.0, (shots[0], shots[-1], shots[2]))
-    row = analysis.limit(None, 1.0)
+    row = analysis.critical_velocity(None, 1.0)
     assert (row["outcome"], row["critical_velocity_m_s"]) == ("single limit", 100.5)
 
 

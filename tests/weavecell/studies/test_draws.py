@@ -51,7 +51,7 @@ def test_every_yarn_of_every_ply_is_drawn(setup):
     first, second = drawn.pack.plies
     for p, ply in enumerate((first, second)):
         lengths = [n * d for n, d in zip(ply.counts, ply.spacing)]
-        _, wanted = strengths.draw(ply.fabric, ALIKE_BUT_STRENGTH, 7, 6 + p, ply.yarn_counts, lengths)
+        _, wanted = strengths.draw(ALIKE_BUT_STRENGTH, 7, 6 + p, ply.yarn_counts, lengths)
         np.testing.assert_array_equal(ply.strength_factors[0], wanted[0])
     assert drawn.weakest[0] == min(ply.strength_factors[0].min() for ply in (first, second))
     assert not np.isin(second.strength_factors[0], first.strength_factors[0]).any()
@@ -85,7 +85,7 @@ def test_without_scatter_every_draw_is_the_shot_at_the_whole_panel(setup, tmp_pa
 
 def test_another_seed_gives_other_draws(setup):
     few, other = wc.draws(setup, 3), wc.draws(setup, 2, seed=2)
-    assert len(set(few.study.columns()["weakest"])) == 3
+    assert len(set(few.to_dataframe()["weakest"])) == 3
     assert other.study.draws[0].weakest != few.study.draws[0].weakest
     assert other.summary()["seed"] == 2
     assert "DrawsResult" in repr(other)
