@@ -1,7 +1,6 @@
-"""The `weavecell` command, of functions of the Python interface (`from_signature`) and of `weavecell.commands`.
+"""The `weavecell` command: each of its commands is a function of the Python interface (`from_signature`).
 
-A function of `weavecell.commands` has its arguments and options as its signature, its help as its docstring, and its
-example (`options.example`). A call imports the module of its command alone: help comes at once.
+A call imports the module of its command alone: help comes at once.
 
 Exit codes: 0 done; 2 bad input, or a path that cannot be written to (a line on stderr for each problem, nothing
 written); 3 a run became unstable (what it had computed is kept); 130 interrupted.
@@ -30,44 +29,42 @@ UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDI
 # thousands that live to the end of a command, and going through them again and again took a twentieth of its time
 COLLECT_EVERY = 10_000
 
-# name: module and function, of weavecell.commands or of the Python interface (weavecell.api), in the order of the help
-COMMANDS = {
-    "mesh": "mesh.mesh",
-    "calibrate": "calibrate.calibrate",
-    "surface": "response_surface.surface",
-    "impact": "api.shots.shoot",
-    "draws": "api.shots.draws",
-    "biaxial": "biaxial.biaxial",
-    "coupon": "api.coupons.coupon",
-    "compare": "api.comparison.compare",
-    "critical-velocity": "api.runs.critical_velocity",
-    "crossover": "crossover.crossover",
-    "sensitivity": "api.runs.sensitivity",
-    "v50": "api.runs.v50",
-    "sweep": "api.sweeps.sweep",
-    "export": "api.exports.export",
-    "view": "view.view",
+# name: module of weavecell.api and function, arguments that its help ends with, and which keywords of `weavecell.setup`
+# are options; in the order of the help
+COMMANDS: dict[str, tuple[str, ...]] = {
+    "mesh": ("meshes.mesh", "S-720 --patch 3x4 --mesh coarse --format vtu,k"),
+    "calibrate": ("calibration.calibrate", "S-720 --mesh coarse"),
+    "surface": ("surfaces.surface", "S-720 --mesh coarse --points 11"),
+    "impact": ("shots.impact", "examples/S-720-stops.toml"),
+    "draws": ("shots.draws", "examples/S-720-perforates.toml --count 20"),
+    "biaxial": ("biaxial_paths.biaxial", "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
+    "coupon": ("coupons.coupon", "examples/coupons/S-728-bias.toml"),
+    "compare": ("comparison.compare", "tests.csv examples/S-728-pack.toml"),
+    "critical-velocity": ("runs.critical_velocity", "S-720 --tolerance '1 m/s'"),
+    "crossover": ("crossovers.crossover", "S-720 --case shear --shear-angle '50 deg' --mesh coarse"),
+    "sensitivity": ("runs.sensitivity", "S-720 --samples 64", "opening"),
+    "v50": ("runs.v50", "S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
+    "sweep": ("sweeps.sweep", "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
+    "export": ("exports.export", "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
+    "view": ("lists.view", "results/S-720-stops --screenshot panel.png"),
 }
-# of commands that are functions of the Python interface: the arguments that their help ends with, and which keywords
-# of `weavecell.setup` are options
-EXAMPLES: dict[str, tuple[str, ...]] = {
-    "critical-velocity": ("S-720 --tolerance '1 m/s'",),
-    "compare": ("tests.csv examples/S-728-pack.toml",),
-    "coupon": ("examples/coupons/S-728-bias.toml",),
-    "draws": ("examples/S-720-perforates.toml --count 20",),
-    "export": ("examples/S-720-stops.toml --to lsdyna --units g-mm-ms",),
-    "impact": ("examples/S-720-stops.toml",),
-    "sensitivity": ("S-720 --samples 64", "opening"),
-    "sweep": ("pack.toml --over panel.plies=2,4,8 --quantity critical-velocity",),
-    "v50": ("S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
-}
-GROUPS = {
+GROUPS: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "fabrics": (
         "The fabrics of the catalogue.",
-        {"list": "fabrics.show_all", "show": "fabrics.show", "new": "fabrics.new"},
+        {
+            "list": ("lists.list_fabrics", ""),
+            "show": ("lists.show_fabric", "S-720 --out ."),
+            "new": ("lists.new_fabric", "mine.toml --from mine.csv"),
+        },
     ),
-    "projectiles": ("The projectiles by name.", {"list": "fabrics.projectiles", "show": "fabrics.projectile"}),
-    "backings": ("The backings by name.", {"list": "fabrics.backings", "show": "fabrics.backing"}),
+    "projectiles": (
+        "The projectiles by name.",
+        {"list": ("lists.list_projectiles", ""), "show": ("lists.show_projectile", '"FSP 1.10 g"')},
+    ),
+    "backings": (
+        "The backings by name.",
+        {"list": ("lists.list_backings", ""), "show": ("lists.show_backing", '"gelatine 10 %"')},
+    ),
 }
 
 
@@ -90,29 +87,28 @@ def program(word: str = "") -> typer.Typer:
     for name, (text, commands) in GROUPS.items():
         if not known or name == word:
             group = typer.Typer(no_args_is_help=True, help=text, rich_markup_mode="rich")
-            _fill(group, {} if listed else commands)
+            _fill(group, {} if listed else {f"{name} {key}": place for key, place in commands.items()})
             app.add_typer(group, name=name, epilog=f"Example: [bold]weavecell {name} list[/bold]")
     return app
 
 
 def _fill(group, commands, listed=False):
     """Add commands to a group by their names and places; where they are only listed, without importing them."""
-    for name, place in commands.items():
-        module, function = (place if name in EXAMPLES else f"commands.{place}").rsplit(".", 1)
+    for name, (place, *rest) in commands.items():
+        module, function = place.split(".")
         if listed:
             group.command(name, help=_summary(module, function))(lambda: None)
             continue
-        command = getattr(import_module(f"weavecell.{module}"), function)
-        if name in EXAMPLES:
-            from weavecell.cli import from_signature
+        from weavecell.cli import from_signature
 
-            command = from_signature.command(command, name, *EXAMPLES[name])
-        group.command(name, epilog=command.epilog)(command)
+        function = getattr(import_module(f"weavecell.api.{module}"), function)
+        command = from_signature.command(function, name, *rest)
+        group.command(name.rpartition(" ")[2], epilog=command.epilog)(command)
 
 
 def _summary(module, function):
     """The first paragraph of a command's docstring, from the text of its file."""
-    text = (Path(__file__).parents[1] / f"{module.replace('.', '/')}.py").read_text("utf-8")
+    text = (Path(__file__).parents[1] / "api" / f"{module}.py").read_text("utf-8")
     return re.search(rf'^def {function}\(.*?"""(.*?)(\n\n|""")', text, re.DOTALL | re.MULTILINE)[1]
 
 
