@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from fabrics.files import write
-from weavecell.report import deck_folder
+from weavecell.decks import folder
 from weavecell.results import keys
 from weavecell.scenes import build, of_commands, supported
 from weavecell.scenes.coupon import CouponScene
@@ -41,7 +41,7 @@ same with a table `[accuracy]`, *limits* are `weavecell critical-velocity` and `
 and *coupon* are the commands of these names; `sweep` and `compare` use keys as the command that they repeat."""
 COMMANDS = {
     "impact": of_commands.IMPACT, "[accuracy]": of_commands.ACCURACY, "limits": of_commands.LIMITS,
-    "sensitivity": of_commands.SENSITIVITY, "export": deck_folder.SUPPORT, "coupon": of_commands.COUPON,
+    "sensitivity": of_commands.SENSITIVITY, "export": folder.SUPPORT, "coupon": of_commands.COUPON,
 }  # fmt: skip
 RESULTS = {
     "summary.json of all runs": keys.SHARED,

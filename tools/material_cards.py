@@ -14,10 +14,10 @@ sys.path.insert(0, str(ROOT))
 
 import weavecell as wc  # noqa: E402
 from validation.marked_page import markdown, put  # noqa: E402
-from weavecell.analysis.material_card.cloth import MATCHES, Cloth  # noqa: E402
-from weavecell.analysis.material_card.laws import CrimpExchange, UncoupledCurves  # noqa: E402
-from weavecell.analysis.material_card.mismatch import Mismatch  # noqa: E402
-from weavecell.report import deck_folder  # noqa: E402
+from weavecell.decks import folder  # noqa: E402
+from weavecell.decks.cloth import MATCHES, Cloth  # noqa: E402
+from weavecell.decks.laws import CrimpExchange, UncoupledCurves  # noqa: E402
+from weavecell.decks.mismatch import Mismatch  # noqa: E402
 
 LAWS = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExchange}
 CARDS = {  # code: what a card begins and ends with
@@ -48,8 +48,8 @@ def errors(match: str) -> str:
 def card(to: str) -> str:
     """The card of S-720 in a deck, with the first points of each curve."""
     given = wc.setup("S-720", "100 m/s", opening="40 mm", elements_per_crossover=1)
-    made = deck_folder.made_of(given, to, "kg-m-s", "plane", title="S-720", source="published")
-    text = next(iter(deck_folder.CODES[to].write(made, "S-720").values()))
+    made = folder.made_of(given, to, "kg-m-s", "plane", title="S-720", source="published")
+    text = next(iter(folder.CODES[to].write(made, "S-720").values()))
     begin, end = CARDS[to]
     lines, points = [], 0
     for line in text[text.index(begin) : text.index(end)].splitlines():

@@ -24,8 +24,8 @@ from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from validation.marked_page import markdown
 from validation.program import program, publish
-from weavecell.analysis.material_card.cloth import MATCHES, Cloth
-from weavecell.analysis.material_card.laws import CrimpExchange, Law, UncoupledCurves
+from weavecell.decks.cloth import MATCHES, Cloth
+from weavecell.decks.laws import CrimpExchange, Law, UncoupledCurves
 from weavecell.results import provenance
 from weavecell.studies import mesh_uncertainty
 

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-from fabrics import files
 from fabrics.checks import FilePath
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.keywords import Keywords
-from weavecell.api.result import Result, figure
+from weavecell.api.study_result import StudyResult
 from weavecell.results import progress
 from weavecell.scenes import of_commands
 
@@ -98,7 +97,7 @@ def compare(
 
 
 @dataclass(frozen=True, repr=False)
-class ComparisonResult(Result):
+class ComparisonResult(StudyResult):
     """Tests of a laboratory beside computed shots; the table has a row a test.
 
     Parameters
@@ -142,54 +141,42 @@ class ComparisonResult(Result):
             "checks": [checks.status(shot.checks) for shot in shots],
         }
 
-    def plot(self) -> Figure:
-        """A matplotlib figure: residual against strike velocity [m/s], tested and computed."""
+    def draw(self, pyplot: Any) -> Figure:
+        """Residual against strike velocity [m/s], tested and computed."""
         from weavecell.report import pictures
 
-        return figure(pictures.tested_and_computed, self.target.title, self.comparison)
+        return pictures.tested_and_computed(pyplot, self.title, self.comparison)
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
-        from weavecell.report import pictures
-        from weavecell.results import json_file, provenance
+    def files(self) -> dict[str, Any]:
+        """As of `StudyResult`."""
+        return {
+            "comparison.json": {"format": "weavecell comparison 1", **self.summary()},
+            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "comparison.svg": None,
+        }
 
-        out, text = Path(out), self.target.text
-        if text:
-            files.write(out / "scene.toml", text)
-        files.write(out / "shots.csv", self.to_dataframe().to_csv(index=False, float_format="%.6g"))
-        stamp = provenance.stamp(text, setup=self.target.setup)
-        content = {"format": "weavecell comparison 1", **self.summary(), "provenance": stamp}
-        json_file.write(out / "comparison.json", content)
-        picture = pictures.render(pictures.tested_and_computed, self.target.title, self.comparison)
-        files.write(out / "comparison.svg", picture)
-
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """What is printed."""
         from weavecell.report import checks
 
-        found = self.comparison
-        limit, count = found.limit, len(found.shots)
+        comparison, limit, curve = self.comparison, self.comparison.limit, self.comparison.curve
         lines = [
-            f"{self.target.title}: computed critical velocity {limit.velocity:.1f} m/s ({limit.low:.2f} to "
-            f"{limit.high:.2f})"
+            f"{self.title}: computed critical velocity {limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
         ]
-        if found.curve is None:
+        if curve is None:
             lines.append("tests: all of one outcome, which gives no V50")
         else:
-            low, high = found.curve.intervals["V50"]
-            off = 100 * (limit.velocity / found.curve.V50 - 1)
+            low, high = curve.intervals["V50"]
             lines.append(
-                f"tests: V50 {found.curve.V50:.1f} m/s ({low:.1f} to {high:.1f} with 95 % confidence, probit); the "
-                f"computed critical velocity is {off:+.1f} % off"
+                f"tests: V50 {curve.V50:.1f} m/s ({low:.1f} to {high:.1f} with 95 % confidence, probit); the computed "
+                f"critical velocity is {100 * (limit.velocity / curve.V50 - 1):+.1f} % off"
             )
-        lines.append(f"outcome as tested in {found.agree} of {count} shots")
-        residual = found.difference()
+        count, residual = len(comparison.shots), comparison.difference()
+        lines.append(f"outcome as tested in {comparison.agree} of {count} shots")
         if residual["mean"] is not None:
-            low, high = residual["low"], residual["high"]
             lines.append(
-                f"residual velocity, computed less tested, {residual['shots']} shots: mean {residual['mean']:+.1f} m/s "
-                f"({low:+.1f} to {high:+.1f} with 95 % confidence), rms {residual['rms']:.1f} m/s"
+                "residual velocity, computed less tested, {shots} shots: mean {mean:+.1f} m/s ({low:+.1f} to "
+                "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
             )
-        doubtful = sum(checks.status(shot.checks) == checks.DOUBTFUL for shot in found.shots)
-        if doubtful:
-            lines.append(f"doubtful: {doubtful} of {count} computed shots (shots.csv)")
-        return "\n".join(lines)
+        doubtful = sum(checks.status(shot.checks) == checks.DOUBTFUL for shot in comparison.shots)
+        return lines + [f"doubtful: {doubtful} of {count} computed shots (shots.csv)"] * bool(doubtful)

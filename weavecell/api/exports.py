@@ -61,15 +61,15 @@ def export(
     >>> f"{100 * deck.summary()['uniaxial']:.0f} % of the strength"
     '35 % of the strength'
     """
-    from weavecell.report import deck_folder
+    from weavecell.decks import folder
 
-    deck_folder.check(to, units, match)
-    panel = targets.of(target, {}, deck_folder.SUPPORT)
+    folder.check(to, units, match)
+    panel = targets.of(target, {}, folder.SUPPORT)
     with targets.folder_of(out), panel.named():
-        made = deck_folder.made_of(panel.setup, to, units, match, title=panel.shot_title, source=panel.law_name)
+        made = folder.made_of(panel.setup, to, units, match, title=panel.shot_title, source=panel.law_name)
         stem = Path(panel.name).stem if panel.from_file else panel.setup.fabric.name
-        deck_folder.write(made, Path(out), to, stem, match, panel.text, panel.setup.fabric)
-    return DeckResult(deck_folder.CODES[to].name, {card.name: card.mismatch.numbers() for card in made.cards})
+        folder.write(made, Path(out), to, stem, match, panel.text, panel.setup.fabric)
+    return DeckResult(folder.CODES[to].name, {card.name: card.mismatch.numbers() for card in made.cards})
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,7 +101,7 @@ class DeckResult(Result):
         return {"material": list(self.errors)} | {name: [row[name] for row in rows] for name in rows[0]}
 
     def __str__(self) -> str:
-        from weavecell.report.deck_folder import ROWS, percent
+        from weavecell.decks.folder import ROWS, percent
 
         lines = [
             f"{name}: " + ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())

@@ -11,12 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics import files
-from fabrics.checks import FilePath
-from weavecell.api.result import Result, figure
+from weavecell.api.study_result import StudyResult
 from weavecell.report import chapters_assumed, checks
 
 if TYPE_CHECKING:
@@ -46,7 +43,7 @@ _CSV = {  # heading: column of `to_dataframe`, format
 
 
 @dataclass(frozen=True, repr=False)
-class CriticalVelocityResult(Result):
+class CriticalVelocityResult(StudyResult):
     """The critical velocity of a panel (ballistic limit).
 
     Parameters
@@ -145,36 +142,25 @@ class CriticalVelocityResult(Result):
     def _columns(self):
         return table_of(self.shots)
 
-    def plot(self) -> Figure:
-        """A matplotlib figure: residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
+    def draw(self, pyplot: Any) -> Figure:
+        """Residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
         from weavecell.report import pictures
 
-        return figure(pictures.residual_velocity, self.target.title, self.limit, self.fit, self.shots)
+        return pictures.residual_velocity(pyplot, self.title, self.limit, self.fit, self.shots)
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
-        from weavecell.report import pictures
-        from weavecell.results import json_file, provenance
-
-        out, shots = Path(out), self.to_dataframe().to_dict("records")
+    def files(self) -> dict[str, Any]:
+        """As of `StudyResult`."""
+        shots = self.to_dataframe().to_dict("records")
         for shot in shots:
             shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
             shot["checks"] = shot.pop("status")
-        write_shots(out, self.target, self.shots)
-        content = {
-            "format": "weavecell critical velocity 3",
-            **self._facts(),
-            "shots": shots,
-            **checks.summary(self.checks),
-            **chapters_assumed.summary(self.range),
-            "provenance": provenance.stamp(self.target.text, setup=self.target.setup),
-        }
-        json_file.write(out / "critical-velocity.json", content)
-        picture = pictures.render(pictures.residual_velocity, self.target.title, self.limit, self.fit, self.shots)
-        files.write(out / "residual-velocity.svg", picture)
+        content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
+        content |= checks.summary(self.checks) | chapters_assumed.summary(self.range)
+        return {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
 
-    def __str__(self) -> str:
-        title, limit, count = self.target.title, self.limit, len(self.limit.shots)
+    def lines(self) -> list[str]:
+        """What is printed."""
+        title, limit, count = self.title, self.limit, len(self.limit.shots)
         if limit.mixed_zone is None:
             lines = [f"{title}: critical velocity {limit.velocity:.1f} m/s"]
             lines.append(f"stops at {limit.low:.2f} m/s, perforates at {limit.high:.2f} m/s; {count} shots")
@@ -191,7 +177,7 @@ class CriticalVelocityResult(Result):
             lines.append(f"Lambert-Jonas: {self.fit.words()}, rms {self.fit.residual_rms:.1f} m/s")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
-        return "\n".join(lines)
+        return lines
 
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
@@ -212,12 +198,10 @@ def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
     }
 
 
-def write_shots(out: Path, target: Target, shots: Sequence[Shot]) -> None:
-    """Write shots.csv, and scene.toml where the target has a text; of a search that did not end too."""
+def csv_of(shots: Sequence[Shot]) -> str:
+    """Content of shots.csv; of a search that did not end too."""
     from pandas import DataFrame
 
-    if target.text:
-        files.write(out / "scene.toml", target.text)
     columns = table_of(shots)
     table = DataFrame({heading: map(form.format, columns[name]) for heading, (name, form) in _CSV.items()})
-    files.write(out / "shots.csv", table.to_csv(index=False))
+    return table.to_csv(index=False)

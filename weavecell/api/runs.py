@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import backings as backing_data
-from fabrics import catalogue
+from fabrics import catalogue, files
 from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UndecidedError, UnstableError
@@ -227,7 +227,10 @@ def critical_velocity(
                 )  # fmt: skip
         except (UndecidedError, UnstableError) as problem:
             if folder is not None:
-                limit_result.write_shots(folder, panel, sorted(problem.shots, key=lambda shot: shot.strike_velocity))
+                shots = sorted(problem.shots, key=lambda shot: shot.strike_velocity)
+                files.write(folder / "shots.csv", limit_result.csv_of(shots))
+                if panel.text:
+                    files.write(folder / "scene.toml", panel.text)
             raise
         result = CriticalVelocityResult(
             panel, found.limit, found.fit, targets.assumed_of(panel.setup), found.range, around if scan else None,

@@ -10,12 +10,9 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
-from fabrics import files
-from fabrics.checks import FilePath
-from weavecell.api.result import Result, figure
+from weavecell.api.study_result import StudyResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,65 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["DrawsResult", "SensitivityResult", "V50Result"]
 
 
-class _Study(Result):
-    """What results of many runs of one target share; a derived class has target and wall_time."""
-
-    name: ClassVar[str]  # of its files
-    target: Target
-    wall_time: float
-
-    @property
-    def title(self) -> str:
-        """Of picture and page."""
-        raise NotImplementedError
-
-    def remarks(self) -> list[str]:
-        """Sentences of the terminal and of the page."""
-        raise NotImplementedError
-
-    def table(self) -> DataFrame:
-        """The table of the page, with its units."""
-        raise NotImplementedError
-
-    def content(self) -> dict[str, Any]:
-        """Of the JSON file."""
-        return self.summary()
-
-    def draw(self, pyplot: Any) -> Figure:
-        """The picture."""
-        raise NotImplementedError
-
-    def plot(self) -> Figure:
-        """A matplotlib figure."""
-        return figure(self.draw)
-
-    def _lines(self):
-        return [*self.remarks(), *(f"Note: {note}." for note in self.target.setup.notes)]
-
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
-        from weavecell.report import chapters, page, pictures
-        from weavecell.results import json_file, provenance
-
-        out, table, name = Path(out), self.table(), self.name
-        stamp = provenance.stamp("", setup=self.target.setup)
-        if self.target.text:
-            files.write(out / "scene.toml", self.target.text)
-        files.write(out / f"{name}.csv", table.to_csv(index=False, float_format="%.6g"))
-        json_file.write(out / f"{name}.json", {**self.content(), "wall_time": self.wall_time, "provenance": stamp})
-        picture = page.Figure(pictures.render(self.draw, kind="png"), "png", "", name)
-        page.write_pictures([page.Section(name, self.title, figures=(picture,))], out)
-        section = page.Section(name, "Result", " ".join(self._lines()), (picture,), (page.Table.of(table),))
-        sections = (section, chapters.making(stamp, {"study": self.wall_time}))
-        footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
-        page.write(page.Report(self.title, "", (), sections, footer), out / f"{name}.html")
-
-    def __str__(self) -> str:
-        return "\n".join(self._lines())
-
-
 @dataclass(frozen=True, repr=False)
-class V50Result(_Study):
+class V50Result(StudyResult):
     """The probability of perforation of panels or packs whose yarns differ in strength; the table has a row a shot.
 
     Parameters
@@ -110,7 +50,6 @@ class V50Result(_Study):
     seed: int
     batch: int
     wall_time: float
-    name: ClassVar[str] = "v50"
 
     @property
     def v50(self) -> float:
@@ -139,7 +78,7 @@ class V50Result(_Study):
     def title(self) -> str:
         return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
 
-    def remarks(self) -> list[str]:
+    def lines(self) -> list[str]:
         study, scatter, shots = self.study, self.study.scatter, self.study.shots
         perforations = [shot.velocity for shot in shots if shot.perforated]
         stops = [shot.velocity for shot in shots if not shot.perforated]
@@ -172,7 +111,7 @@ class V50Result(_Study):
         if (zones := self._zones()) is not None:
             sides = ", ".join(f"{side:g} up to {until:g}" for until, side in zones)
             remarks.append(f"Sides of the elements in crossovers, by the distance from the impact point: {sides}.")
-        return remarks
+        return remarks + self.notes
 
     def _zones(self):
         from weavecell.studies import v50
@@ -190,11 +129,14 @@ class V50Result(_Study):
             rows.append((link, "standard deviation", curve.deviation, *(scale * s for s in curve.intervals["s"])))
         return DataFrame(rows, columns=["curve", "quantity", "value [m/s]", "low, 95 % [m/s]", "high, 95 % [m/s]"])
 
-    def content(self) -> dict[str, Any]:
+    def files(self) -> dict[str, Any]:
+        """As of `StudyResult`."""
         from weavecell.studies import inputs
 
-        study = self.study
-        return {
+        study, shots = self.study, self.to_dataframe()
+        shots.insert(2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")])
+        curves = {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()}
+        content = {
             **study.summary(),
             "plies": self.target.setup.plies,
             "projectile": self.target.projectile,
@@ -203,10 +145,16 @@ class V50Result(_Study):
             "lambert_jonas": study.fit and asdict(study.fit),
             "scatter": asdict(study.scatter),
             "grading": self._zones(),
-            "curves": {
-                link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()
-            },
+            "curves": curves,
             "inputs": [asdict(entry) for name in ("weibull", "spread") for entry in inputs.table(name).values()],
+            "wall_time": self.wall_time,
+        }
+        return {
+            "v50.json": content,
+            "v50.csv": self.table().to_csv(index=False, float_format="%.6g"),
+            "shots.csv": shots.to_csv(index=False, float_format="%.8g"),
+            "v50.png": None,
+            "v50.html": None,
         }
 
     def draw(self, pyplot: Any) -> Figure:
@@ -215,16 +163,9 @@ class V50Result(_Study):
 
         return pictures_uncertainty.perforation(pyplot, self.study, self.title)
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
-        super().save(out)
-        shots = self.to_dataframe()
-        shots.insert(2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")])
-        files.write(Path(out) / "shots.csv", shots.to_csv(index=False, float_format="%.8g"))
-
 
 @dataclass(frozen=True, repr=False)
-class DrawsResult(_Study):
+class DrawsResult(StudyResult):
     """Shots at panels or packs whose yarns differ in strength; `to_dataframe` has a row a draw.
 
     Parameters
@@ -243,7 +184,6 @@ class DrawsResult(_Study):
     study: Draws
     target: Target
     wall_time: float
-    name: ClassVar[str] = "summary"
 
     def summary(self) -> dict[str, Any]:
         """Mean, standard deviation and standard error of each quantity, and the probability of perforation."""
@@ -270,7 +210,7 @@ class DrawsResult(_Study):
         rows = [(words, unit, of.mean, of.error, of.deviation) for words, unit, of in estimates]
         return DataFrame(rows, columns=["quantity", "unit", "mean", "standard error", "standard deviation"])
 
-    def remarks(self) -> list[str]:
+    def lines(self) -> list[str]:
         from weavecell.studies.draws import CONFIDENCE
 
         study, scatter = self.study, self.study.scatter
@@ -286,6 +226,7 @@ class DrawsResult(_Study):
             f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm, seed {study.seed}; every yarn of "
             f"every ply is drawn and the whole panel computed; worst energy balance "
             f"{100 * max(draw.balance for draw in study.draws):.2g} %.",
+            *self.notes,
         ]
 
     def draw(self, pyplot: Any) -> Figure:
@@ -294,14 +235,19 @@ class DrawsResult(_Study):
 
         return pictures_uncertainty.draws(pyplot, self.study, self.title)
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
-        super().save(out)
-        files.write(Path(out) / "draws.csv", self.to_dataframe().to_csv(index=False, float_format="%.9g"))
+    def files(self) -> dict[str, Any]:
+        """As of `StudyResult`."""
+        return {
+            "summary.json": self.summary() | {"wall_time": self.wall_time},
+            "summary.csv": self.table().to_csv(index=False, float_format="%.6g"),
+            "draws.csv": self.to_dataframe().to_csv(index=False, float_format="%.9g"),
+            "summary.png": None,
+            "summary.html": None,
+        }
 
 
 @dataclass(frozen=True, repr=False)
-class SensitivityResult(_Study):
+class SensitivityResult(StudyResult):
     """Sobol indices of an impact over the uncertainties of its input.
 
     Parameters
@@ -324,7 +270,6 @@ class SensitivityResult(_Study):
     samples: int
     seed: int
     wall_time: float
-    name: ClassVar[str] = "sobol"
 
     @property
     def _rows(self):
@@ -345,7 +290,7 @@ class SensitivityResult(_Study):
     def _columns(self):
         return {name: column.tolist() for name, column in self.table().items()}
 
-    def remarks(self) -> list[str]:
+    def lines(self) -> list[str]:
         from weavecell.studies.sobol import QUANTITIES
 
         velocities = len({of.velocity for of in self.indices})
@@ -356,6 +301,7 @@ class SensitivityResult(_Study):
                 for of in self.indices
             ),
             f"{self.samples} base samples, {self._rows} rows of {velocities} shots, seed {self.seed}.",
+            *self.notes,
         ]
 
     def table(self) -> DataFrame:
@@ -382,11 +328,17 @@ class SensitivityResult(_Study):
             for k, name in enumerate(of.names)
         )
 
-    def content(self) -> dict[str, Any]:
+    def files(self) -> dict[str, Any]:
+        """As of `StudyResult`."""
         from weavecell.studies import inputs
 
-        ranges = [asdict(entry) for entry in inputs.table("range").values()]
-        return {"indices": [asdict(of) for of in self.indices], "inputs": ranges}
+        content = {
+            "indices": [asdict(of) for of in self.indices],
+            "inputs": [asdict(entry) for entry in inputs.table("range").values()],
+            "wall_time": self.wall_time,
+        }
+        table = self.table().to_csv(index=False, float_format="%.6g")
+        return {"sobol.json": content, "sobol.csv": table, "sobol.png": None, "sobol.html": None}
 
     def draw(self, pyplot: Any) -> Figure:
         """First and total order index of each input."""

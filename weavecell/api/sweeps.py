@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from fabrics import files, run_cache
+from fabrics import run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.executors import as_done, open_executor
@@ -26,6 +26,7 @@ from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult, shapes_of
+from weavecell.api.study_result import StudyResult
 from weavecell.scenes import impact as scenes
 from weavecell.scenes import of_commands, schema, supported
 from weavecell.scenes.target import Target, read
@@ -139,7 +140,7 @@ def _value(text):
 
 
 @dataclass(frozen=True, repr=False)
-class SweepTable(Result):
+class SweepTable(StudyResult):
     """An input file over values of its keys.
 
     Parameters
@@ -161,6 +162,11 @@ class SweepTable(Result):
     rows: tuple[dict[str, Any], ...]
     targets: tuple[Target, ...]
 
+    @property
+    def target(self) -> Target:  # type: ignore[override]
+        """The first."""
+        return self.targets[0]
+
     def summary(self) -> dict[str, Any]:
         """Number of rows of each outcome."""
         outcomes = [row["outcome"] for row in self.rows]
@@ -170,14 +176,13 @@ class SweepTable(Result):
         names = dict.fromkeys(name for row in self.rows for name in row)
         return {name: [row.get(name) for row in self.rows] for name in names}
 
-    def _drawn(self, pyplot):
+    def draw(self, pyplot: Any) -> Figure:
+        """The quantity against the first key."""
         from weavecell.report import pictures_uncertainty
         from weavecell.studies.sweep import QUANTITIES
 
-        x, label = self._abscissa()
-        return pictures_uncertainty.sweep(
-            pyplot, x, label, self.to_dataframe(), self.keys[1:], QUANTITIES[self.quantity]
-        )
+        (x, label), quantity = self._abscissa(), QUANTITIES[self.quantity]
+        return pictures_uncertainty.sweep(pyplot, x, label, self.to_dataframe(), self.keys[1:], quantity)
 
     def _abscissa(self):
         """(values, label) of the first key: numbers with their unit, areal densities for numbers of plies, or texts."""
@@ -195,23 +200,13 @@ class SweepTable(Result):
         unit = schema.unit_of(supported.entries(scenes.Scene)[key])
         return values, f"{key} [{unit}]" if unit not in (None, "1") else key
 
-    def plot(self) -> Figure:
-        """A matplotlib figure: the quantity against the first key."""
-        return figure(self._drawn)
+    def files(self) -> dict[str, Any]:
+        """As of `StudyResult`."""
+        content = {"quantity": self.quantity, "rows": self.rows}
+        return {"sweep.json": content, "sweep.csv": self.to_dataframe().to_csv(index=False), "sweep.png": None}
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
-        from weavecell.report import pictures
-        from weavecell.results import json_file, provenance
-
-        out, first = Path(out), self.targets[0]
-        files.write(out / "scene.toml", first.text)
-        files.write(out / "sweep.csv", self.to_dataframe().to_csv(index=False))
-        stamp = provenance.stamp(first.text, setup=first.setup)
-        json_file.write(out / "sweep.json", {"quantity": self.quantity, "rows": self.rows, "provenance": stamp})
-        files.write(out / "sweep.png", pictures.render(self._drawn, kind="png"))
-
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """What is printed."""
         from weavecell.studies.sweep import MIXED, QUANTITIES
 
         quantity, lines = QUANTITIES[self.quantity], []
@@ -222,7 +217,7 @@ class SweepTable(Result):
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
             doubt = ", doubtful" if row.get("checks") == "doubtful" else ""
             lines.append(f"{', '.join(f'{key} = {row[key]}' for key in self.keys)}: {words}{doubt}")
-        return "\n".join(lines)
+        return lines
 
 
 def _of_setups(setups, jobs, executor):

@@ -1,6 +1,6 @@
 """A panel or pack with a material card, a rigid projectile, contact and boundary, ready to be written for another code.
 
-Numbers are SI here; the writers (`deck_ls_dyna`, `deck_radioss`) convert them by the deck's `Units`.
+Numbers are SI here; the writers (`ls_dyna`, `radioss`) convert them by the deck's `Units`.
 Nodes, elements and parts are numbered from 1: the plies in the order in which the projectile meets them, then the
 projectile with a node of reference. Node 1 to node 2 of an element is the ply's first direction, along x: its warp, or
 the weft of a ply that is turned, which has a card of its own with warp and weft exchanged.
@@ -27,10 +27,10 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.output.snapshots import quads
 from shellfabric.panel import boundary
 from shellfabric.projectile.solid import volume
-from weavecell.analysis.material_card.cloth import Cloth
-from weavecell.analysis.material_card.laws import Law
-from weavecell.analysis.material_card.mismatch import LIMIT, Mismatch
-from weavecell.results import deck_nose
+from weavecell.decks.cloth import Cloth
+from weavecell.decks.laws import Law
+from weavecell.decks.mismatch import LIMIT, Mismatch
+from weavecell.decks.nose import mesh
 
 STEEL = 7800.0, 2e11, 0.3  # [kg/m3], [Pa], [-] of the projectile's shells: its mass is given, its contact needs these
 _TABLE = 8  # samples a side of a cell's table that nothing uses
@@ -285,7 +285,7 @@ def _nose(shot, speed, share, thickness, plies):
     start = shot.start() - shot.flight * clear / shot.flight[2]
     first = sum(len(ply.points) for ply in plies)
     corners = plies[0].points[plies[0].quads[:, [0, 2]] - 1, :2]
-    points, quads = deck_nose.mesh(shot, np.diff(corners, axis=1).min())
+    points, quads = mesh(shot, np.diff(corners, axis=1).min())
     if shot.solid is not None:
         held = volume(points, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
         if held < _SEEN * volume(shot.solid.points, shot.solid.faces):

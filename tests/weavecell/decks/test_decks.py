@@ -12,9 +12,9 @@ import pyvista
 
 import weavecell as wc
 from fabrics.errors import InputError
-from weavecell.analysis.material_card.cloth import Cloth
-from weavecell.report import deck_folder
-from weavecell.results.deck import UNITS
+from weavecell.decks import folder
+from weavecell.decks.cloth import Cloth
+from weavecell.decks.model import UNITS
 
 ROOT = Path(__file__).parents[3]
 SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
@@ -23,11 +23,11 @@ SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
 @cache
 def deck(fabric, to, match="uniaxial", **options):
     given = wc.setup(fabric, "100 m/s", opening="40 mm", elements_per_crossover=1, **options)
-    return deck_folder.made_of(given, to, "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
+    return folder.made_of(given, to, "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
 
 
 def text(made, to):
-    return deck_folder.CODES[to].write(made, "panel")
+    return folder.CODES[to].write(made, "panel")
 
 
 @cache
@@ -41,7 +41,7 @@ def close(found, wanted, of):
 
 
 @pytest.mark.parametrize("units", UNITS)
-@pytest.mark.parametrize("to", deck_folder.CODES)
+@pytest.mark.parametrize("to", folder.CODES)
 @pytest.mark.parametrize("fabric", wc.fabrics())
 def test_every_deck_is_read_back_with_the_curves_of_the_cell(fabric, to, units):
     files = text(replace(deck(fabric, to), units=UNITS[units]), to)
@@ -89,7 +89,7 @@ def test_dyna_deck_is_read_by_dynakw(tmp_path):
     assert np.allclose(np.column_stack([strain, stress]), made.cards[0].law.curves[0], rtol=1e-9)
 
 
-@pytest.mark.parametrize("to", deck_folder.CODES)
+@pytest.mark.parametrize("to", folder.CODES)
 def test_turned_plies_have_a_card_with_warp_and_weft_exchanged(to):
     made = deck("S-726", to, plies=3, stacking="alternating", symmetry="half", ply_friction=0.2)
     assert [ply.card.number for ply in made.plies] == [1, 2, 1]
@@ -191,7 +191,7 @@ def test_each_fabric_has_a_card_and_the_header_its_error():
 def test_the_python_interface_writes_the_folder(tmp_path):
     given = wc.setup("S-728", "100 m/s", opening="40 mm", plies=2, stacking="alternating")
     errors = wc.export(given, "radioss", tmp_path / "out", units="g-mm-ms").summary()
-    assert set(errors) == set(deck_folder.ROWS)
+    assert set(errors) == set(folder.ROWS)
     assert 0 < errors["rms"] < errors["largest"] < 0.2
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {"S-728_0000.rad", "S-728_0001.rad", "mapping.svg", "report.html", "summary.json"}

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
-from weavecell.analysis.material_card.cloth import MATCHES, Cloth
+from weavecell.decks.cloth import MATCHES, Cloth
 
 FLEX = 1e-3  # of LAW58: bending of its yarns, for stability alone
 _EVERY = 3  # row and column of the plane that a fit looks at

@@ -7,9 +7,9 @@ from scipy.optimize import brentq
 from fabrics import assumed, catalogue
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
-from weavecell.analysis.material_card.cloth import Cloth
-from weavecell.analysis.material_card.laws import FLEX, CrimpExchange, UncoupledCurves
-from weavecell.analysis.material_card.mismatch import Mismatch
+from weavecell.decks.cloth import Cloth
+from weavecell.decks.laws import FLEX, CrimpExchange, UncoupledCurves
+from weavecell.decks.mismatch import Mismatch
 
 
 def cloth(name="S-720", **options):

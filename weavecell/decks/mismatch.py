@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fabrics.checks import BoolArray, FloatArray
-from weavecell.analysis.material_card.cloth import Cloth
-from weavecell.analysis.material_card.laws import Law
+from weavecell.decks.cloth import Cloth
+from weavecell.decks.laws import Law
 
 LIMIT = 0.1  # of the strength: a card that is further off says so
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from weavecell.analysis.material_card.mismatch import Mismatch
+from weavecell.decks.mismatch import Mismatch
 
 PERCENT = 1e2
 

@@ -15,8 +15,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from meshing.formats.deck import fields, lines, wrapped
-from weavecell.analysis.material_card.laws import FLEX, CrimpExchange
-from weavecell.results.deck import STEEL, Card, Deck
+from weavecell.decks.laws import FLEX, CrimpExchange
+from weavecell.decks.model import STEEL, Card, Deck
 
 VERSION = 2023
 _ICOG_MAIN, _ISHELL, _BOTH, _IDEL = 4, 24, 2, 2

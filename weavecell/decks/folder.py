@@ -14,13 +14,14 @@ from typing import Any
 from fabrics import files
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
-from weavecell.analysis.material_card.cloth import MATCHES
-from weavecell.analysis.material_card.laws import CrimpExchange, UncoupledCurves
-from weavecell.analysis.material_card.mismatch import LIMIT
+from weavecell.decks import ls_dyna, model, picture, radioss
+from weavecell.decks.cloth import MATCHES
+from weavecell.decks.laws import CrimpExchange, UncoupledCurves
+from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page as report_page
-from weavecell.report import pictures, pictures_card
+from weavecell.report import pictures
 from weavecell.report.page import Card, Figure, Report, Section, Table
-from weavecell.results import deck, deck_ls_dyna, deck_radioss, json_file, provenance
+from weavecell.results import json_file, provenance
 from weavecell.scenes import target
 from weavecell.scenes.impact import SlipTable
 
@@ -30,14 +31,14 @@ class Code:
     """A code that decks are written for, with its law: the class here, the keyword there."""
 
     name: str
-    write: Callable[[deck.Deck, str], dict[str, str]]
+    write: Callable[[model.Deck, str], dict[str, str]]
     kind: Any
     keyword: str
 
 
 CODES = {
-    "lsdyna": Code("LS-DYNA", deck_ls_dyna.write, UncoupledCurves, "*MAT_FABRIC (034), FORM 14"),
-    "radioss": Code("OpenRadioss", deck_radioss.write, CrimpExchange, "/MAT/LAW58 (FABR_A)"),
+    "lsdyna": Code("LS-DYNA", ls_dyna.write, UncoupledCurves, "*MAT_FABRIC (034), FORM 14"),
+    "radioss": Code("OpenRadioss", radioss.write, CrimpExchange, "/MAT/LAW58 (FABR_A)"),
 }
 ROWS = {
     "rms": "rms over the biaxial plane", "largest": "largest over the biaxial plane",
@@ -45,11 +46,11 @@ ROWS = {
 }  # fmt: skip
 _NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
 _SIDES = [f"panel.boundary.{side}{key}" for side in ("", "warp.", "weft.") for key in SlipTable.model_fields]
-_IN_PART = "panel.boundary", "panel.ply.angle"  # refused for some of their values, the angle by `deck.build`
+_IN_PART = "panel.boundary", "panel.ply.angle"  # refused for some of their values, the angle by `model.build`
 SUPPORT = target.support(
     ignored=(*target.UNWRITTEN, "history"),
-    rejected={key: allowed for key, (allowed, _) in deck.REFUSED.items() if key not in _IN_PART}
-    | dict.fromkeys(_SIDES, deck.REFUSED["panel.boundary"][0]),
+    rejected={key: allowed for key, (allowed, _) in model.REFUSED.items() if key not in _IN_PART}
+    | dict.fromkeys(_SIDES, model.REFUSED["panel.boundary"][0]),
 )  # fmt: skip
 
 
@@ -60,21 +61,21 @@ def check(to: str, units: str, match: str) -> None:
     ------
     InputError : a code that is none of CODES, or unknown units or match
     """
-    for key, value, names in (("to", to, CODES), ("units", units, deck.UNITS), ("match", match, MATCHES)):
+    for key, value, names in (("to", to, CODES), ("units", units, model.UNITS), ("match", match, MATCHES)):
         if value not in names:
             raise InputError(key=key, value=value, allowed=" or ".join(names))
 
 
-def made_of(setup: ImpactSetup, to: str, units: str, match: str, *, title: str, source: str) -> deck.Deck:
-    """The deck of a set-up, by choices that `check` accepts; other parameters and exceptions as `deck.build`."""
+def made_of(setup: ImpactSetup, to: str, units: str, match: str, *, title: str, source: str) -> model.Deck:
+    """The deck of a set-up, by choices that `check` accepts; other parameters and exceptions as `model.build`."""
     code = CODES[to]
-    return deck.build(
+    return model.build(
         setup, partial(code.kind.of, match=match), units, title=title, source=source,
         law=f"{code.keyword}, {_NEAREST[match]}", code=code.name,
     )  # fmt: skip
 
 
-def write(made: deck.Deck, out: Path, to: str, stem: str, match: str, text: str, fabric: Any) -> None:
+def write(made: model.Deck, out: Path, to: str, stem: str, match: str, text: str, fabric: Any) -> None:
     """Write the files of the folder, each whole or not at all."""
     texts = CODES[to].write(made, stem)
     section = chapter(made)
@@ -98,14 +99,14 @@ def write(made: deck.Deck, out: Path, to: str, stem: str, match: str, text: str,
     report_page.write(page, out / "report.html")
 
 
-def chapter(made: deck.Deck) -> Section:
+def chapter(made: model.Deck) -> Section:
     """Error of the cards in a table and a plot."""
     first = made.cards[0]
     rows = tuple(
         (words, *(percent(card.mismatch.numbers()[key]) for card in made.cards)) for key, words in ROWS.items()
     )
     figure = Figure(
-        pictures.render(pictures_card.plane, first.mismatch), "svg",
+        pictures.render(picture.plane, first.mismatch), "svg",
         f"Law less cell of {first.name}, where both yarns are below their strength.", "mapping",
     )  # fmt: skip
     columns = ("over the strength", *(card.name for card in made.cards))

@@ -16,8 +16,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from meshing.formats.deck import fields, lines, wrapped
-from weavecell.analysis.material_card.laws import UncoupledCurves
-from weavecell.results.deck import STEEL, Card, Deck
+from weavecell.decks.laws import UncoupledCurves
+from weavecell.decks.model import STEEL, Card, Deck
 
 MEMBRANE, SHELL = 9, 2  # ELFORM
 SUFFIX = ".k"

@@ -1,1 +1,0 @@
-"""What a deck says of the cloth."""
