@@ -1,1 +1,1 @@
-"""The Python interface: what `import weavecell as wc` offers (`wc.fabric`, `wc.shoot`, `wc.calibrate`, ...)."""
+"""The Python interface: what `import weavecell as wc` offers (`wc.fabric`, `wc.impact`, `wc.calibrate`, ...)."""

@@ -208,9 +208,7 @@ class BiaxialResult(Result):
         columns: dict[str, Any] = {"ratio": np.repeat(list(self.paths), [len(path.strain) for path in paths])}
         strains = np.concatenate([path.strain for path in paths])
         columns |= {"warp strain [-]": strains[:, 0], "weft strain [-]": strains[:, 1]}
-        return columns | {
-            name: np.concatenate([path.response[key] for path in paths]) for key, name in COLUMNS.items()
-        }
+        return columns | {name: np.concatenate([path.response[key] for path in paths]) for key, name in COLUMNS.items()}
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
@@ -225,7 +223,7 @@ class BiaxialResult(Result):
         json_file.write(out / "biaxial.json", self.summary() | {"provenance": stamp})
         section = self._section()
         page.write_pictures([section], out / "pictures")
-        title, card = f"{fabric.name}: biaxial response", chapters.law_card(fabric.laws[0], source=self.source)
+        title, card = f"{fabric.name}: biaxial response", chapters.law_card(self.model.used_laws[0], source=self.source)
         lead = "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first "
         report = chapters.of_cell(title, lead + "yarn.", fabric, (card,), (section,), stamp, {"all": self.seconds})
         page.write(report, out / "report.html")

@@ -140,15 +140,15 @@ def crossover(
     domains = kind.domains
     if case == "stack":
         domains = ("periodic",) if any(_shift(shift)) else ("quarter",)
-    domain = domain or domains[0]
-    if domain not in domains:
-        raise InputError(key="domain", value=domain, allowed=f"{' or '.join(domains)} for this case")
+    part = domain or domains[0]
+    if part not in domains:
+        raise InputError(key="domain", value=part, allowed=f"{' or '.join(domains)} for this case")
     with targets.folder_of(out) as folder:
-        built = meshes.build(cloth, domain, size=size, section=section, gap=gap)
+        built = meshes.build(cloth, part, size=size, section=section, gap=gap)
         with progress.bar(f"{cloth.name}, {case}") as advance:
             record = run(built, hooks=[lambda share, row: advance(share)])
         text = mesh if isinstance(mesh, str) else str(mesh).strip("()")
-        result = CrossoverResult(cloth, case, built, record, domain, text, kind.summary(cloth, record))
+        result = CrossoverResult(cloth, case, built, record, part, text, kind.summary(cloth, record))
         if folder is not None:
             result.save(folder)
     if record.failed:

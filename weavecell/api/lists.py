@@ -374,7 +374,7 @@ def view(
     """
     from weavecell.report.shot.view import show
 
-    show(Path(file), *(path and Path(path) for path in (screenshot, movie)), cut)
+    show(Path(file), screenshot and Path(screenshot), movie and Path(movie), cut)
     for path in (movie, screenshot):
         if path is not None:
             logging.getLogger("weavecell").info(f"written to {path}")

@@ -142,7 +142,7 @@ def _parameter(parameter, meaning):
     kind = next((kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds), str)
     kind = str if "str" in kinds or "FilePath" in kinds else kind
     kind = list[str] if kinds[0].startswith("list[") else kind
-    metavar = METAVARS.get(name, choices and choices[1].replace('"', "").replace(", ", "|"))
+    metavar = METAVARS.get(name, choices and re.sub("[\"' ]", "", choices[1]).replace(",", "|"))
     settings: dict[str, Any] = {"help": meaning, "metavar": metavar, "min": LEAST.get(name)}
     if name in ARGUMENTS:
         settings["metavar"] = metavar or name.upper()
