@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
@@ -23,8 +23,6 @@ from validation.program import program, publish_all, write_csv
 from weavecell.results import provenance
 from weavecell.studies.assumed_range import AssumedRange
 
-if TYPE_CHECKING:
-    
 OUT = Path("results/assumed-laws")
 FABRICS = ("S-720", "S-728", "S-731")
 MESH = "coarse"

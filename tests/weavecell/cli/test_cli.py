@@ -73,8 +73,8 @@ def test_as_module_and_without_heavy_imports():
 
 def test_a_call_imports_its_own_command_alone():
     done = in_a_program("import sys\nfrom weavecell.cli import app\napp.program('view')\nprint(*sys.modules)")
-    found = {name for name in done.stdout.split() if name.startswith("weavecell.commands.")}
-    assert found == {"weavecell.commands.view", "weavecell.commands.options"}
+    found = {name for name in done.stdout.split() if name.startswith("weavecell.api.")}
+    assert found == {"weavecell.api.lists", "weavecell.api.quantities", "weavecell.api.result"}
 
 
 def test_the_log_is_plain_whatever_a_library_sets_up():
@@ -140,7 +140,7 @@ def test_an_interrupt_is_no_traceback(command, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("weavecell.commands.fabrics.print_table", interrupted)
+    monkeypatch.setattr("fabrics.catalogue.list_names", interrupted)
     assert command("fabrics", "list")[::2] == (130, "error: interrupted\n")
 
 

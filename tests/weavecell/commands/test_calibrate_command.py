@@ -9,6 +9,8 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
+from weavecell.commands import calibrate
+
 import weavecell as wc
 from fabrics import catalogue
 from tests.weavecell.session_runs import SHORT, small_calibration
@@ -16,7 +18,6 @@ from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import chain, solid_fit
 from unitcell3d.identify.solid_record import SolidFit
 from validation.commands import calibration
-from weavecell.commands import calibrate
 
 
 @pytest.fixture

@@ -8,11 +8,12 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
+from weavecell.commands import crossover as commands_crossover
+
 from fabrics import catalogue
 from fabrics.plate_curve import PlateCurve
 from fabrics.record import Record
 from unitcell3d.cases import load_path
-from weavecell.commands import crossover as commands_crossover
 from weavecell.report import crossover_cases, pictures_crossover
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
