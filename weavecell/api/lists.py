@@ -374,7 +374,8 @@ def view(
     """
     from weavecell.report.shot.view import show
 
-    show(Path(file), screenshot and Path(screenshot), movie and Path(movie), cut)
-    for path in (movie, screenshot):
+    picture, film = (None if path is None else Path(path) for path in (screenshot, movie))
+    show(Path(file), picture, film, cut)
+    for path in (film, picture):
         if path is not None:
             logging.getLogger("weavecell").info(f"written to {path}")
