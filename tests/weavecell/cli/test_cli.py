@@ -1,9 +1,11 @@
 """The command line: help with an example on every command, a fast start, version, exit codes, the catalogue."""
 
 import csv
+import inspect
 import re
 import subprocess
 import sys
+from importlib import import_module
 
 import pytest
 import typer
@@ -50,6 +52,27 @@ def test_all_commands_are_listed_with_what_they_do(command, monkeypatch):
     lines = [line.strip(" │") for line in command("--help")[1].splitlines()]
     for name, one in typer.main.get_command(app.program()).commands.items():
         assert any(line.split(None, 1) == [name, " ".join(one.help.split("\n\n")[0].split())] for line in lines), name
+
+
+def functions():
+    """(words, function of the Python interface, keywords of `setup` that are options) of each command."""
+    groups = {f"{name} {key}": place for name, (_, below) in app.GROUPS.items() for key, place in below.items()}
+    for name, (place, _, *keywords) in (app.COMMANDS | groups).items():
+        module, function = place.split(".")
+        yield name, getattr(import_module(f"weavecell.api.{module}"), function), keywords
+
+
+def test_the_options_of_a_command_are_the_parameters_of_its_function():
+    root = typer.main.get_command(app.program())
+    for words, function, keywords in functions():
+        command = root
+        for word in words.split():
+            command = command.commands[word]
+        own = {p.name for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD}
+        options = {entry.name for entry in command.params} - {"strict"}
+        assert own | set(keywords) >= options >= (own | set(keywords)) - {"test", "velocity"}, words
+        assert all(entry.help for entry in command.params), words
+        assert getattr(weavecell, function.__name__) is function
 
 
 def test_version(command):
