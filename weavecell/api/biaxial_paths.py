@@ -84,7 +84,7 @@ def biaxial(
     >>> found = wc.biaxial("S-720", ratio=["1:1"])
     >>> end = found.summary()["paths"]["1:1"]
     >>> end["failed"], [round(float(strain), 4) for strain in end["strain"]]  # [-]
-    ('warp', [0.0279, 0.0279])
+    ('weft', [0.0375, 0.0375])
     """
     from shellfabric.cell.biaxial_path import to_strength
     from shellfabric.cell.model import CellModel

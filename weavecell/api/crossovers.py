@@ -123,26 +123,13 @@ def crossover(
         "pull": pull,
         "law": law,
     }
-    if case not in CASES:
-        raise InputError(key="case", value=case, allowed=f"one of {', '.join(CASES)}")
-    if yarn not in (None, *FAMILIES):
-        raise InputError(key="yarn", value=yarn, allowed="warp or weft")
-    kind = CASES[case]
-    options = {key: value for key, value in options.items() if value is not None}
-    for key in options:
-        if key not in kind.options:
-            raise InputError(key=key, allowed=f"left out with --case {case}")
+    kind, options = _checked(case, options)
     size, gap = meshes.size(mesh), quantities.number(yarn_gap, "m", "yarn_gap")
     cloth = meshes.of_3d(fabric)
     if law is not None:  # refused before anything is computed
         compression.CompressionLaw.from_json(law).require_fabric(cloth.name, key="law", value=str(law))
     run = kind.run(cloth, **options)
-    domains = kind.domains
-    if case == "stack":
-        domains = ("periodic",) if any(_shift(shift)) else ("quarter",)
-    part = domain or domains[0]
-    if part not in domains:
-        raise InputError(key="domain", value=part, allowed=f"{' or '.join(domains)} for this case")
+    part = _domain(case, domain, shift)
     with targets.folder_of(out) as folder:
         built = meshes.build(cloth, part, size=size, section=section, gap=gap)
         with progress.bar(f"{cloth.name}, {case}") as advance:
@@ -161,6 +148,29 @@ def crossover(
         pull_out.fit(record, text).add_to(law)
     result.warn()
     return result
+
+
+def _checked(case, options):
+    """The Case of a name, and the options that were given, which are all of this case."""
+    if case not in CASES:
+        raise InputError(key="case", value=case, allowed=f"one of {', '.join(CASES)}")
+    options = {key: value for key, value in options.items() if value is not None}
+    for key in options:
+        if key not in CASES[case].options:
+            raise InputError(key=key, allowed=f"left out with --case {case}")
+    if options.get("yarn", "warp") not in FAMILIES:
+        raise InputError(key="yarn", value=options["yarn"], allowed="warp or weft")
+    return CASES[case], options
+
+
+def _domain(case, domain, shift):
+    """The part of the weave that is meshed: the one that was given, or the first that the case allows."""
+    domains = CASES[case].domains
+    if case == "stack":
+        domains = ("periodic",) if any(_shift(shift)) else ("quarter",)
+    if domain not in (None, *domains):
+        raise InputError(key="domain", value=domain, allowed=f"{' or '.join(domains)} for this case")
+    return domain or domains[0]
 
 
 @dataclass(frozen=True, repr=False)

@@ -183,7 +183,7 @@ class MeshResult(Result):
     Examples
     --------
     >>> wc.mesh("S-720", mesh="coarse").mesh.points.shape
-    (462, 3)
+    (378, 3)
     """
 
     fabric: Fabric
