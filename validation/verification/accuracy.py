@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from validation.marked_page import markdown
@@ -69,7 +69,7 @@ def row(number: int) -> Row:
         result, problem = simulation.fired(setup, table=table)
         results.append(result)
         seconds.append(time.process_time() - began)
-        return None, (), problem or None, result
+        return mesh_uncertainty.Shot(result, UnstableError(problem) if problem else None)
 
     _, found = mesh_uncertainty.climb(drawn, targets, shoot, fixed={"projectile"})
     answer, cost = results[-1], sum(seconds) / seconds[0]

@@ -34,9 +34,15 @@ __all__ = ["ComparisonResult", "compare"]
 
 
 def compare(
-    tests: FilePath, target: Fabric | FilePath | ImpactSetup, *, tolerance: float | str = "1 m/s", jobs: int = 1,
-    executor: str | Executor = "local", out: FilePath | None = None, **options: Unpack[Keywords],
-) -> ComparisonResult:  # fmt: skip
+    tests: FilePath,
+    target: Fabric | FilePath | ImpactSetup,
+    *,
+    tolerance: float | str = "1 m/s",
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    **options: Unpack[Keywords],
+) -> ComparisonResult:
     """Put the shots of a laboratory beside the computed ones: V50 and residual velocities, with intervals.
 
     TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated) and, where it was
@@ -67,8 +73,8 @@ def compare(
     --------
     >>> from pathlib import Path
     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
-    >>> found = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
-    >>> found.comparison.agree
+    >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
+    >>> comparison.comparison.agree
     2
     """
     from shellfabric.impact import ballistic_limit
@@ -109,8 +115,8 @@ class ComparisonResult(StudyResult):
     --------
     >>> from pathlib import Path
     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
-    >>> found = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
-    >>> list(found.to_dataframe()["computed"])
+    >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
+    >>> list(comparison.to_dataframe()["computed"])
     ['stopped', 'perforated']
     """
 

@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -45,8 +45,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-    from shellfabric.coupon.pull_out_curve import PullOutCurve
-    from shellfabric.coupon.solver import Result as Solved
     from shellfabric.panel.quality import Indicator
 
 __all__ = ["CouponResult", "PullOutResult", "coupon"]
@@ -55,9 +53,13 @@ _CODE = "shellfabric.coupon.quasistatic", "shellfabric.coupon.pull_out"
 
 
 def coupon(
-    target: Fabric | FilePath, test: str | None = None, *, out: FilePath | None = None, resume: bool = False,
+    target: Fabric | FilePath,
+    test: str | None = None,
+    *,
+    out: FilePath | None = None,
+    resume: bool = False,
     **options: Any,
-) -> CouponResult | PullOutResult:  # fmt: skip
+) -> CouponResult | PullOutResult:
     """Test a piece of fabric: bias extension, picture frame, uniaxial or biaxial tension, or a yarn pull-out.
 
     All but the pull-out are quasi-static. The folder then holds report.html, summary.json, histories.h5, pictures/ and
@@ -219,17 +221,23 @@ def _table(case):
 
 
 @dataclass(frozen=True, repr=False)
-class _Test(Result):
-    """What the results of all tests share.
+class CouponResult(Result):
+    """A quasi-static test on a piece of fabric.
 
     Parameters
     ----------
-    record : `fabrics.record.Record`, a row a load step, or a sample of a pull-out
-    solved : what the solver returned
+    record : `fabrics.record.Record`, a row a load step: what is prescribed, then what is measured
+    solved : `shellfabric.coupon.solver.Result`
     case : `weavecell.scenes.build.Case` of the test
     checks : quality checks
     text : of the input file, "" where there is none
     key : of the run, by which it is not repeated
+
+    Examples
+    --------
+    >>> frame = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
+    >>> [round(float(angle), 3) for angle in frame.record["shear angle"]]  # [rad]
+    [0.044, 0.087]
     """
 
     record: Record
@@ -249,94 +257,27 @@ class _Test(Result):
         """Lines that name the laws that are assumed."""
         return tuple(assumed.lines(self.case.fabric))
 
-    _caption: ClassVar[str]  # of the table
-    _lead: ClassVar[Callable[[Any], str]]  # the sentence at the top of the report
-    _lines: ClassVar[Callable[[Any], list[str]]]  # what the test came to, as printed
-    _write_histories: ClassVar[Callable[[Any, Path], None]]
-    figures: ClassVar[Callable[[Any], dict[str, tuple[str, Callable, tuple]]]]
-    table: ClassVar[Callable[[Any], DataFrame]]
+    def summary(self) -> dict[str, Any]:
+        """Outcome, the checks in words, and every quantity at the end with its unit."""
+        last = {name: float(values[-1]) for name, values in self._columns().items()}
+        return self.record.facts | {"checks": self.checks_text} | last
 
     def _what(self):
         return self.record.facts["title"]
 
     def _columns(self):
-        return {_named(name, self.record.unit(name)): values for name, values in self.record.columns.items()}
+        record = self.record
+        units = {name: f"_{record.unit(name)}".removesuffix("_1") for name in record.columns}
+        return {name.replace(" ", "_") + units[name]: values for name, values in record.columns.items()}
 
-    def _content(self):
-        """Of summary.json."""
-        return self.record.facts
-
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder, but the checkpoint."""
-        from weavecell.report import chapters, checks, page, pictures
-        from weavecell.results import json_file, provenance
-
-        out, case, facts, outputs = Path(out), self.case, self.record.facts, self.case.scene.run.outputs
-        stamp = provenance.stamp(self.text, case.fabric)
-        if self.text:
-            files.write(out / "scene.toml", self.text)
-        self._write_histories(out)
-        content = self._content() | checks.summary(self.checks) | {"run_key": self.key, "provenance": stamp}
-        json_file.write_summary(out / "summary.json", content)
-        if not outputs:
-            return
-        figures = []
-        for name, (caption, draw, arguments) in self.figures().items():
-            kind = "png" if draw is pictures_coupon.cloth else "svg"
-            figures.append(page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name))
-        tables = (page.Table.of(self.table(), self._caption),)
-        stopped = f"The run was stopped: {facts['failure_message']}." if facts["failure_message"] else ""
-        test = pictures_coupon.TESTS[facts["test"]]
-        section = page.Section("coupon", test.capitalize(), stopped, tuple(figures), tables)
-        if "pictures" in outputs:
-            page.write_pictures([section], out / "pictures")
-        if "report" not in outputs:
-            return
-        model, tone = case.scene.fabric.cell_model, "unstable" if self.outcome == "unstable" else "stopped"
-        cards = (
-            chapters.fabric_card(case.fabric),
-            chapters.law_card(case.laws[0], source=case.law_name if model == "compressible" else model),
-            page.Card(test, self.outcome, tuple(" ".join(line.split()) for line in self._lines()), tone),
-        )
-        sections = (
-            section,
-            chapters.cell(case.fabric, {case.law_name: case.laws}, model, **chapters.options(case.scene.fabric)),
-            checks.section(self.checks),
-            chapters.sources(case.fabric),
-            chapters.making(stamp, {"test": facts["wall_time_s"]}),
-        )
-        footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
-        page.write(page.Report(facts["title"], self._lead(), (cards,), sections, footer), out / "report.html")
-
-    def __str__(self) -> str:
-        return "\n".join((f"{self.record.facts['title']}: {self.outcome}", *self._lines()))
-
-
-def _named(name, unit):
-    return name.replace(" ", "_") + ("" if unit == "1" else f"_{unit}")
-
-
-class CouponResult(_Test):
-    """A quasi-static test on a piece of fabric.
-
-    Parameters
-    ----------
-    record : `fabrics.record.Record`, a row a load step: what is prescribed, then what is measured
-    solved : `shellfabric.coupon.solver.Result`
-    case : `weavecell.scenes.build.Case` of the test
-    checks : quality checks
-    text : of the input file, "" where there is none
-    key : of the run, by which it is not repeated
-
-    Examples
-    --------
-    >>> frame = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
-    >>> [round(float(angle), 3) for angle in frame.record["shear angle"]]  # [rad]
-    [0.044, 0.087]
-    """
-
-    solved: Solved
-    _caption = "After each load step"
+    def lines(self) -> list[str]:
+        """What the test came to, as printed."""
+        facts = self.record.facts
+        return [
+            *(f"{name:<34}{text}" for name, text in pictures_coupon.last(self.record).items()),
+            f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
+            f"most, {facts['wall_time_s']:.1f} s",
+        ]
 
     def _lead(self):
         facts, tolerance = self.record.facts, self.case.scene.run.tolerance
@@ -345,34 +286,12 @@ class CouponResult(_Test):
             f"relaxed to {tolerance:g} of the reaction."
         )
 
-    def _lines(self):
-        facts, last = self.record.facts, pictures_coupon.last(self.record)
-        return [
-            *(f"{name:<34}{text}" for name, text in last.items()),
-            f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
-            f"most, {facts['wall_time_s']:.1f} s",
-        ]
-
-    def summary(self) -> dict[str, Any]:
-        """Outcome, the checks in words, and every quantity at the end with its unit."""
-        last = {name: float(values[-1]) for name, values in self._columns().items()}
-        return self.record.facts | {"checks": self.checks_text} | last
-
-    def _content(self):
-        record = self.record
-        last = {name: {"value": values[-1], "unit": record.unit(name)} for name, values in record.columns.items()}
-        return record.facts | {"at_end": last}
-
-    def _write_histories(self, out):
-        coupon_results.write(out / "histories.h5", self.record, self.solved)
-
     def table(self) -> DataFrame:
         """All load steps, in the units of the report, with residual (out-of-balance force over the reaction)."""
         states = self.solved.states
-        frame = pictures_coupon.shown(self.record)
-        frame["residual"] = [f"{state.residual:.1e}" for state in states]
-        frame["iterations"] = [state.iterations for state in states]
-        return frame
+        return pictures_coupon.shown(self.record).assign(
+            residual=[f"{state.residual:.1e}" for state in states], iterations=[state.iterations for state in states]
+        )
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """{file: (caption, function that draws it, its arguments beside pyplot)}."""
@@ -380,9 +299,10 @@ class CouponResult(_Test):
         figures: dict[str, tuple[str, Callable, tuple]] = {
             "coupon": (
                 "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.",
-                pictures_coupon.cloth, (record, self.solved),
+                pictures_coupon.cloth,
+                (record, self.solved),
             )
-        }  # fmt: skip
+        }
         for name, beginnings, label, caption in pictures_coupon.CURVES[record.facts["test"]]:
             drawn = [measure for measure in record.columns if measure.startswith(beginnings)]
             figures[name] = caption, pictures_coupon.curves, (record, drawn, label)
@@ -408,14 +328,63 @@ class CouponResult(_Test):
         for step, state in enumerate(self.solved.states):
             nodes = np.column_stack([state.x, np.zeros(len(state.x))])
             name = f"coupon-{step:04d}.vtu"
-            shear = {"shear_angle_rad": self.solved.shear(step)}
-            paraview.write_grid(folder / name, nodes, cells, shear)
+            paraview.write_grid(folder / name, nodes, cells, {"shear_angle_rad": self.solved.shear(step)})
             times[name] = float(step + 1)
         paraview.write_series(folder / "coupon.pvd", times)
         return folder / "coupon.pvd"
 
+    def _write_record(self, out):
+        """Write histories.h5; the further entries of summary.json."""
+        record = self.record
+        coupon_results.write(out / "histories.h5", record, self.solved)
+        last = {name: {"value": values[-1], "unit": record.unit(name)} for name, values in record.columns.items()}
+        return {"at_end": last}
 
-class PullOutResult(_Test):
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder, but the checkpoint."""
+        from weavecell.report import chapters, checks, page, pictures
+        from weavecell.results import json_file, provenance
+
+        out, case, facts, outputs = Path(out), self.case, self.record.facts, self.case.scene.run.outputs
+        stamp = provenance.stamp(self.text, case.fabric)
+        if self.text:
+            files.write(out / "scene.toml", self.text)
+        content = facts | self._write_record(out) | checks.summary(self.checks)
+        json_file.write_summary(out / "summary.json", content | {"run_key": self.key, "provenance": stamp})
+        if not outputs:
+            return
+        figures = []
+        for name, (caption, draw, arguments) in self.figures().items():
+            kind = "png" if draw is pictures_coupon.cloth else "svg"
+            figures.append(page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name))
+        stopped = f"The run was stopped: {facts['failure_message']}." if facts["failure_message"] else ""
+        test, tables = pictures_coupon.TESTS[facts["test"]], (page.Table.of(self.table()),)
+        section = page.Section("coupon", test.capitalize(), stopped, tuple(figures), tables)
+        if "pictures" in outputs:
+            page.write_pictures([section], out / "pictures")
+        if "report" not in outputs:
+            return
+        model, tone = case.scene.fabric.cell_model, "unstable" if self.outcome == "unstable" else "stopped"
+        cards = (
+            chapters.fabric_card(case.fabric),
+            chapters.law_card(case.laws[0], source=case.law_name if model == "compressible" else model),
+            page.Card(test, self.outcome, tuple(" ".join(line.split()) for line in self.lines()), tone),
+        )
+        sections = (
+            section,
+            chapters.cell(case.fabric, {case.law_name: case.laws}, model, **chapters.options(case.scene.fabric)),
+            checks.section(self.checks),
+            chapters.sources(case.fabric),
+            chapters.making(stamp, {"test": facts["wall_time_s"]}),
+        )
+        footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
+        page.write(page.Report(facts["title"], self._lead(), (cards,), sections, footer), out / "report.html")
+
+    def __str__(self) -> str:
+        return "\n".join((f"{self.record.facts['title']}: {self.outcome}", *self.lines()))
+
+
+class PullOutResult(CouponResult):
     """A yarn drawn out of held crossovers.
 
     Parameters
@@ -425,28 +394,7 @@ class PullOutResult(_Test):
     case, checks, text, key : as of `CouponResult`
     """
 
-    solved: PullOutCurve
-    _caption = ""
-
-    def _lead(self):
-        facts = self.record.facts
-        return f"One yarn of {facts['fabric']} drawn through {facts['crossings']} held crossovers."
-
-    def _rows(self):
-        """{what it is: text with its unit}."""
-        curve, plateau = self.solved, self.plateau
-        return {
-            "displacement of the crosshead": f"{1e3 * curve.displacement[-1]:.4g} mm",
-            "peak load": f"{curve.peak:.4g} N",
-            "plateau load": "not reached" if plateau is None else f"{plateau:.4g} N",
-            "slip length at the peak": f"{1e3 * curve.slip_length:.4g} mm",
-            "crossovers that the yarn's end has left": f"{curve.left[-1]} of {curve.coupon.crossings}",
-            "work of friction": f"{1e3 * curve.friction_work[-1]:.4g} mJ",
-            "energy error over the work": f"{100 * curve.energy_error:.2g} %",
-        }
-
-    def _lines(self):
-        return [f"{name:<44}{text}" for name, text in self._rows().items()]
+    to_vtk = None  # type: ignore[assignment]  # its states are not kept
 
     @property
     def peak(self) -> float:
@@ -462,16 +410,32 @@ class PullOutResult(_Test):
         """Set-up, loads, slip length and work of friction, each with its unit; the checks in words."""
         return self.record.facts | {"checks": self.checks_text}
 
+    def _rows(self):
+        """{what it is: text with its unit}."""
+        facts, plateau = self.record.facts, self.plateau
+        return {
+            "displacement of the crosshead": f"{1e3 * facts['displacement_m']:.4g} mm",
+            "peak load": f"{self.peak:.4g} N",
+            "plateau load": "not reached" if plateau is None else f"{plateau:.4g} N",
+            "slip length at the peak": f"{1e3 * facts['slip_length_m']:.4g} mm",
+            "crossovers that the yarn's end has left": f"{facts['crossovers_left']} of {facts['crossings']}",
+            "work of friction": f"{1e3 * facts['crossover_friction_work_J']:.4g} mJ",
+            "energy error over the work": f"{100 * facts['energy_error_max']:.2g} %",
+        }
+
+    def lines(self) -> list[str]:
+        """What the test came to, as printed."""
+        return [f"{name:<44}{text}" for name, text in self._rows().items()]
+
+    def _lead(self):
+        facts = self.record.facts
+        return f"One yarn of {facts['fabric']} drawn through {facts['crossings']} held crossovers."
+
     def table(self) -> DataFrame:
         """What it came to."""
         from pandas import DataFrame
 
         return DataFrame(self._rows().items(), columns=["quantity", "value"])
-
-    def _write_histories(self, out):
-        pull_out_results.write(out / "histories.h5", self.record)
-        load = self.record.to_dataframe().rename(columns=lambda name: f"{name} [{self.record.unit(name)}]")
-        files.write(out / "load.csv", load.to_csv(index=False, float_format="%.9g"))
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """As of `CouponResult`."""
@@ -481,3 +445,9 @@ class PullOutResult(_Test):
     def plot(self) -> Figure:
         """A matplotlib figure: the load, and the crossovers in slip and left, against the displacement."""
         return figure(pictures_coupon.pull_out, self.solved)
+
+    def _write_record(self, out):
+        pull_out_results.write(out / "histories.h5", self.record)
+        load = self.record.to_dataframe().rename(columns=lambda name: f"{name} [{self.record.unit(name)}]")
+        files.write(out / "load.csv", load.to_csv(index=False, float_format="%.9g"))
+        return {}

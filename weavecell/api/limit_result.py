@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from weavecell.api import targets
 from weavecell.api.study_result import StudyResult
 from weavecell.report import chapters_assumed, checks
 
@@ -51,26 +52,29 @@ class CriticalVelocityResult(StudyResult):
     target : `weavecell.scenes.target.Target` that was shot at
     limit : `shellfabric.impact.ballistic_limit.Limit`
     fit : Lambert-Jonas fit to the perforations, or None where they are too few
-    assumed : lines that name the laws that are assumed
     range : AssumedRange of the critical velocity over the assumed laws, or None
     scan : ScanRange about the bracket, or None
     wall_time : [s]
 
     Examples
     --------
-    >>> found = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
-    >>> low, high = found.bracket
-    >>> low < found.velocity < high
+    >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
+    >>> low, high = limit.bracket
+    >>> low < limit.velocity < high
     True
     """
 
     target: Target
     limit: Limit
     fit: LambertJonas | None = None
-    assumed: tuple[str, ...] = ()
     range: AssumedRange | None = None
     scan: ScanRange | None = None
     wall_time: float = 0.0
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Lines that name the laws that are assumed."""
+        return targets.assumed_of(self.target.setup)
 
     @property
     def fabric(self) -> Fabric:

@@ -151,11 +151,20 @@ def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Un
 
 
 def critical_velocity(
-    target: Fabric | FilePath | ImpactSetup | None, *, tolerance: float | str = "1 m/s", residual_shots: int = 8,
-    scan: bool = True, scan_above: float | str = "25 %", scan_below: float | str = "10 %",
-    scan_step: float | str = "2 %", assumed_range: bool = False, jobs: int = 1, executor: str | Executor = "local",
-    out: FilePath | None = None, **options: Unpack[Keywords],
-) -> CriticalVelocityResult:  # fmt: skip
+    target: Fabric | FilePath | ImpactSetup | None,
+    *,
+    tolerance: float | str = "1 m/s",
+    residual_shots: int = 8,
+    scan: bool = True,
+    scan_above: float | str = "25 %",
+    scan_below: float | str = "10 %",
+    scan_step: float | str = "2 %",
+    assumed_range: bool = False,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    **options: Unpack[Keywords],
+) -> CriticalVelocityResult:
     """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual velocities.
 
     Further shots scan the velocities about the bracket. If one stops that is faster than one that perforates, no single
@@ -199,8 +208,8 @@ def critical_velocity(
 
     Examples
     --------
-    >>> found = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
-    >>> round(found.velocity, -1), found.bracket_checks  # [m/s]
+    >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
+    >>> round(limit.velocity, -1), limit.bracket_checks  # [m/s]
     (90.0, 'ok')
     """
     from shellfabric.impact.limit_scan import ScanRange
@@ -212,6 +221,8 @@ def critical_velocity(
     with keywords.of_group("scan", shares):
         around = ScanRange(**{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()})
     panel = targets.of(target, options, of_commands.LIMITS)
+    search: dict[str, Any] = {"residual_shots": residual_shots, "with_range": assumed_range}
+    search |= {"tolerance": width, "scan": around if scan else None, "jobs": jobs, "executor": executor}
 
     @contextmanager
     def stage(title):
@@ -221,10 +232,7 @@ def critical_velocity(
     with targets.folder_of(out) as folder:
         try:
             with panel.named():
-                found = limits.search(
-                    panel.setup, tolerance=width, residual_shots=residual_shots, scan=around if scan else None,
-                    with_range=assumed_range, jobs=jobs, executor=executor, stage=stage,
-                )  # fmt: skip
+                study = limits.search(panel.setup, **search, stage=stage)
         except (UndecidedError, UnstableError) as problem:
             if folder is not None:
                 shots = sorted(problem.shots, key=lambda shot: shot.strike_velocity)
@@ -232,10 +240,8 @@ def critical_velocity(
                 if panel.text:
                     files.write(folder / "scene.toml", panel.text)
             raise
-        result = CriticalVelocityResult(
-            panel, found.limit, found.fit, targets.assumed_of(panel.setup), found.range, around if scan else None,
-            time.perf_counter() - began,
-        )  # fmt: skip
+        wall_time = time.perf_counter() - began
+        result = CriticalVelocityResult(panel, study.limit, study.fit, study.range, search["scan"], wall_time)
         if folder is not None:
             result.save(folder)
     result.warn()
@@ -243,11 +249,20 @@ def critical_velocity(
 
 
 def v50(
-    target: Fabric | FilePath | ImpactSetup | None, *, shots: int = 100, batch: int = 10,
-    weibull_shape: float | None = None, modulus_cov: float | str | None = None, crimp_cov: float | str | None = None,
-    seed: int = 1, jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None,
-    resume: bool = False, **options: Unpack[Keywords],
-) -> V50Result:  # fmt: skip
+    target: Fabric | FilePath | ImpactSetup | None,
+    *,
+    shots: int = 100,
+    batch: int = 10,
+    weibull_shape: float | None = None,
+    modulus_cov: float | str | None = None,
+    crimp_cov: float | str | None = None,
+    seed: int = 1,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    resume: bool = False,
+    **options: Unpack[Keywords],
+) -> V50Result:
     """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with intervals.
 
     Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input file models. Without
@@ -285,8 +300,8 @@ def v50(
 
     Examples
     --------
-    >>> found = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
-    >>> round(found.v50, -1)  # [m/s]
+    >>> curve = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
+    >>> round(curve.v50, -1)  # [m/s]
     80.0
     """
     from weavecell.studies import inputs
@@ -298,19 +313,24 @@ def v50(
         own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
     scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
     panel = targets.of(target, options, of_commands.LIMITS)
-    with targets.study(panel, f"{panel.title}, repeated shots", out, resume) as run:
-        study = analysis.study(
-            panel.setup, scatter, shots=shots, batch=batch, seed=seed, folder=run.runs, jobs=jobs, executor=executor,
-            report=run.advance,
-        )  # fmt: skip
+    with targets.study(panel, f"{panel.title}, repeated shots", out, resume, jobs, executor) as run:
+        sizes = {"shots": shots, "batch": batch, "seed": seed}
+        study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
         return run.saved(V50Result(study, panel, seed, batch, time.perf_counter() - began))
 
 
 def sensitivity(
-    target: Fabric | FilePath | ImpactSetup | None, *, velocity: list[float | str] | None = None, samples: int = 64,
-    seed: int = 1, jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None,
-    resume: bool = False, **options: Unpack[Keywords],
-) -> SensitivityResult:  # fmt: skip
+    target: Fabric | FilePath | ImpactSetup | None,
+    *,
+    velocity: list[float | str] | None = None,
+    samples: int = 64,
+    seed: int = 1,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    resume: bool = False,
+    **options: Unpack[Keywords],
+) -> SensitivityResult:
     """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
 
     A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g and 5.5 mm. Of an input file
@@ -340,8 +360,8 @@ def sensitivity(
 
     Examples
     --------
-    >>> found = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, opening="20 mm", end_time="10 us")
-    >>> [of.quantity for of in found.indices]
+    >>> sensitivity = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, opening="20 mm", end_time="10 us")
+    >>> [of.quantity for of in sensitivity.indices]
     ['velocity', 'peak tension']
     """
     from weavecell.studies import sobol
@@ -350,9 +370,7 @@ def sensitivity(
     velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
     panel = targets.of(target, options, of_commands.SENSITIVITY)
     own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
-    with targets.study(panel, f"{panel.title}, sensitivities", out, resume) as run:
-        indices = sobol.study(
-            panel.setup, velocities or own, samples=samples, seed=seed, folder=run.runs, jobs=jobs, executor=executor,
-            report=run.count,
-        )  # fmt: skip
+    with targets.study(panel, f"{panel.title}, sensitivities", out, resume, jobs, executor) as run:
+        sizes = {"samples": samples, "seed": seed}
+        indices = sobol.study(panel.setup, velocities or own, **sizes, report=run.report(), **run.runs)
         return run.saved(SensitivityResult(indices, panel, samples, seed, time.perf_counter() - began))

@@ -135,6 +135,7 @@ _BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projecti
 def _answer(panel, key, folder, resume, uncertainty):
     """(ShotResult, the UnstableError that ended the run or None), of the finest mesh that [accuracy] asks for where
     there is one, or of a pair of meshes."""
+    from weavecell.results.impact import ImpactRecord
     from weavecell.studies import mesh_uncertainty
 
     scene, setup = None if panel.case is None else panel.case.scene, panel.setup
@@ -147,7 +148,7 @@ def _answer(panel, key, folder, resume, uncertainty):
 
     try:
         if scene is None or scene.accuracy is None:
-            shot, pair = mesh_uncertainty.run_pair(setup, shoot) if uncertainty else (shoot(setup)[:3], None)
+            shot, pair = mesh_uncertainty.run_pair(setup, shoot) if uncertainty else (shoot(setup), None)
         else:
             fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
             shot, pair = mesh_uncertainty.climb(setup, scene.accuracy.targets, shoot, fixed=fixed)
@@ -155,9 +156,9 @@ def _answer(panel, key, folder, resume, uncertainty):
         kept = folder is not None and run_folder.checkpoints(folder)
         hint = "; --resume goes on from its last checkpoint" if kept else ""
         raise run_folder.Interrupted(f"interrupted{hint}") from None
-    record, snapshots, failure = shot
-    shapes, lines = shapes_of(snapshots), targets.assumed_of(setup)
-    return ShotResult(record, shapes, setup.fabric, lines, None, panel, pair, key), failure
+    record = ImpactRecord.of(shot.result, panel.shot_title, panel.law_name, str(shot.failure or ""))
+    shapes, lines = shapes_of(shot.result.snapshots), targets.assumed_of(setup)
+    return ShotResult(record, shapes, setup.fabric, lines, None, panel, pair, key), shot.failure
 
 
 def shapes_of(snapshots: Any) -> tuple[tuple[Shape, ...], ...]:
@@ -168,21 +169,21 @@ def shapes_of(snapshots: Any) -> tuple[tuple[Shape, ...], ...]:
 
 
 def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
-    """(ImpactRecord, snapshots, the UnstableError that ended the run or None, ImpactResult) of a set-up."""
+    """The `mesh_uncertainty.Shot` of a set-up."""
     from shellfabric.impact import simulation
     from shellfabric.output.checkpoint import LEAST_WALL, Checkpoints
     from shellfabric.plies import memory
-    from weavecell.results.impact import ImpactRecord
+    from weavecell.studies.mesh_uncertainty import Shot
 
     table = table or setup.table(kept=checkpoint is not None)
     memory.check([setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None)
     hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)
     again = checkpoint if resume and checkpoint.exists() else None
-    result, failure = progress.watched(
-        lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table), panel.shot_title, hooks
+    return Shot(
+        *progress.watched(
+            lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table), panel.shot_title, hooks
+        )
     )
-    record = ImpactRecord.of(result, panel.shot_title, panel.law_name, str(failure or ""))
-    return record, result.snapshots, failure, result
 
 
 def _range(setup, shot):
@@ -238,10 +239,8 @@ def draws(
     began, scatter = time.perf_counter(), inputs.published()
     panel = targets.of(target, {}, of_commands.DRAWS, one_shot=True)
     scatter = scatter if weibull_shape is None else replace(scatter, shape=weibull_shape)
-    with targets.study(panel, f"{panel.shot_title}, draws", out, resume) as run:
-        study = analysis.study(
-            panel.setup, scatter, count, folder=run.runs, seed=seed, jobs=jobs, executor=executor, report=run.count
-        )
+    with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor) as run:
+        study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
         result = run.saved(DrawsResult(study, panel, time.perf_counter() - began))
     unstable = len(study.draws) - len(study.counted)
     if unstable:

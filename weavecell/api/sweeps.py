@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import itertools
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 from fabrics import run_cache
 from fabrics.checks import FilePath
@@ -41,10 +41,18 @@ __all__ = ["SweepResult", "SweepTable", "sweep"]
 
 
 def sweep(
-    target: Fabric | FilePath | Iterable[ImpactSetup], *, over: list[str] | Mapping[str, Sequence[Any]] | None = None,
-    quantity: str = "shot", tolerance: float | str = "1 m/s", shots: int = 60, seed: int = 1, jobs: int = 1,
-    executor: str | Executor = "local", out: FilePath | None = None, resume: bool = False,
-) -> Any:  # fmt: skip
+    target: Fabric | FilePath | Iterable[ImpactSetup],
+    *,
+    over: list[str] | Mapping[str, Sequence[Any]] | None = None,
+    quantity: str = "shot",
+    tolerance: float | str = "1 m/s",
+    shots: int = 60,
+    seed: int = 1,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    resume: bool = False,
+) -> Any:
     """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50 of each.
 
     All combinations are checked before the first is computed. Ignored keys of the input file: title,
@@ -97,16 +105,15 @@ def sweep(
     support = of_commands.SWEEP if quantity == "shot" else of_commands.LIMITS
     combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
     panels = [read(str(target), Path(out or "."), support, changes=changes) for changes in combinations]
-    with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume) as run:
-        beside: dict[str, Any] = {"folder": run.runs, "executor": executor, "jobs": jobs}
+    with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor) as run:
         if quantity == "v50":  # whose shots run in parallel, one V50 after the other
             rows = [
-                studies.row(panel.setup, wanted, report=run.part(number, len(panels)), **beside)
+                studies.row(panel.setup, wanted, report=run.report(number, len(panels)), **run.runs)
                 for number, panel in enumerate(panels)
             ]
         else:
             setups = [(inputs.alone(panel.setup), wanted) for panel in panels]
-            rows = run_cache.results(studies.row, setups, report=run.count, **beside)
+            rows = run_cache.results(studies.row, setups, report=run.report(), **run.runs)
         table = tuple(
             changes | {"areal_density_kg_m2": panel.setup.areal_density} | row
             for changes, panel, row in zip(combinations, panels, rows)
@@ -173,8 +180,9 @@ class SweepTable(StudyResult):
         return {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
 
     def _columns(self):
-        names = dict.fromkeys(name for row in self.rows for name in row)
-        return {name: [row.get(name) for row in self.rows] for name in names}
+        from pandas import DataFrame
+
+        return DataFrame(self.rows)
 
     def draw(self, pyplot: Any) -> Figure:
         """The quantity against the first key."""
@@ -260,17 +268,8 @@ class SweepResult(Result, Sequence):
     def __len__(self) -> int:
         return len(self.shots)
 
-    @overload
-    def __getitem__(self, index: int) -> ShotResult: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> tuple[ShotResult, ...]: ...
-
-    def __getitem__(self, index: int | slice) -> ShotResult | tuple[ShotResult, ...]:
+    def __getitem__(self, index: Any) -> Any:
         return self.shots[index]
-
-    def __iter__(self) -> Iterator[ShotResult]:
-        return iter(self.shots)
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
@@ -280,8 +279,10 @@ class SweepResult(Result, Sequence):
         return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
 
     def _what(self):
-        some = [f"{shot.strike_velocity:g} m/s" for shot in self.shots if shot.doubtful and shot.outcome != "unstable"]
-        return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(some)}; worst"
+        strikes = [
+            f"{shot.strike_velocity:g} m/s" for shot in self.shots if shot.doubtful and shot.outcome != "unstable"
+        ]
+        return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(strikes)}; worst"
 
     def summary(self) -> dict[str, Any]:
         """Number of shots of each outcome and of doubtful ones, and the worst checks in words."""
@@ -294,9 +295,9 @@ class SweepResult(Result, Sequence):
         }
 
     def _columns(self):
-        rows = [{key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots]
-        names = dict.fromkeys(name for row in rows for name in row)
-        return {name: [row.get(name) for row in rows] for name in names}
+        from pandas import DataFrame
+
+        return DataFrame({key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots)
 
     def plot(self) -> Figure:
         """A matplotlib figure: residual against strike velocity [m/s]."""

@@ -6,6 +6,7 @@ import inspect
 import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -34,9 +35,13 @@ RUNS = "runs"  # folder of finished runs
 
 
 def of(
-    target: Fabric | FilePath | ImpactSetup | None, options: Mapping[str, Any],
-    support: Support | Callable[..., Support], velocity: float | str | None = None, *, one_shot: bool = False,
-) -> Target:  # fmt: skip
+    target: Fabric | FilePath | ImpactSetup | None,
+    options: Mapping[str, Any],
+    support: Support | Callable[..., Support],
+    velocity: float | str | None = None,
+    *,
+    one_shot: bool = False,
+) -> Target:
     """The target of a study.
 
     Parameters
@@ -125,9 +130,9 @@ def assumed_of(setup: ImpactSetup) -> tuple[str, ...]:
     return tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric))
 
 
-def as_fabric(given: Fabric | FilePath) -> Fabric:
+def as_fabric(fabric: Fabric | FilePath) -> Fabric:
     """A Fabric as it is; that of a name or file with the linear densities of the runs of the thesis."""
-    return given if isinstance(given, Fabric) else with_linear_density(catalogue.load(given), "effective")
+    return fabric if isinstance(fabric, Fabric) else with_linear_density(catalogue.load(fabric), "effective")
 
 
 def _refuse(options, beside):
@@ -137,26 +142,22 @@ def _refuse(options, beside):
 
 @dataclass(frozen=True)
 class Study:
-    """The folders and the progress of a study under way.
+    """A study under way.
 
     Parameters
     ----------
     folder : of the results; None where nothing is written
-    runs : of finished runs
+    runs : folder, executor and jobs of `run_cache.results`
     advance : called as advance(share done, text)
     """
 
     folder: Path | None
-    runs: Path
+    runs: dict[str, Any]
     advance: Callable[..., Any]
 
-    def count(self, done: int, total: int) -> None:
-        """Progress of runs."""
-        self.advance(done / total, f"{done} of {total}")
-
-    def part(self, number: int, count: int) -> Callable[[float, str], None]:
-        """Progress of one of `count` parts of the study."""
-        return lambda share, text: self.advance((number + share) / count, text)
+    def report(self, part: int = 0, parts: int = 1) -> Callable[[int, int], None]:
+        """Progress of the runs of a part of the study, called as report(number done, number of all)."""
+        return lambda done, total: self.advance((part + done / total) / parts, f"{done} of {total}")
 
     def saved(self, result: Any) -> Any:
         """The result, which is written where it is wanted."""
@@ -166,7 +167,9 @@ class Study:
 
 
 @contextmanager
-def study(panel: Target, title: str, out: FilePath | None, resume: bool = False) -> Iterator[Study]:
+def study(
+    panel: Target, title: str, out: FilePath | None, resume: bool, jobs: int, executor: str | Executor
+) -> Iterator[Study]:
     """A study at a target with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
 
     Raises
@@ -174,11 +177,11 @@ def study(panel: Target, title: str, out: FilePath | None, resume: bool = False)
     InputError : the folder cannot be written to, or another run writes to it; any other names the target's file
     """
     with folder_of(out, resume) as folder, TemporaryDirectory() as spare:
-        runs = Path(spare) if folder is None else folder / RUNS
+        kept = Path(spare) if folder is None else folder / RUNS
         if not resume:
-            run_cache.RunCache(runs).clear()
+            run_cache.RunCache(kept).clear()
         with panel.named(), progress.bar(title) as advance:
-            yield Study(folder, runs, advance)
+            yield Study(folder, {"folder": kept, "executor": executor, "jobs": jobs}, advance)
 
 
 def folder_of(out: FilePath | None, resume: bool = False) -> AbstractContextManager[Path | None]:

@@ -28,7 +28,9 @@ CURVES: dict[str, tuple[tuple[str, tuple[str, ...], str, str], ...]] = {
     "bias_extension": (
         ("load", ("load",), "load", "Load on a clamp."),
         (
-            "angles", ("angle in zone", "zone C"), "angle between warp and weft",
+            "angles",
+            ("angle in zone", "zone C"),
+            "angle between warp and weft",
             "Mean angle in the three zones: of zone A both yarns lead to a clamp, of B one, of C none.",
         ),
     ),
@@ -39,11 +41,13 @@ CURVES: dict[str, tuple[tuple[str, tuple[str, ...], str, str], ...]] = {
     ),
     "biaxial": (
         (
-            "load", ("load of a", "cell at these strains"), "load of a yarn",
+            "load",
+            ("load of a", "cell at these strains"),
+            "load of a yarn",
             "Load of an arm over its yarns; dashed: the cell alone, at the strains of the middle.",
         ),
     ),
-}  # fmt: skip
+}
 _KNOWN = ("cell", "trellis", "zone C")  # closed forms, which are dashed
 _AXES = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°"), "N": (1.0, "N"), "Pa": (1e-6, "MPa")}
 _SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # even steps of lightness
@@ -82,9 +86,14 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
     tall = float(np.clip(height / width, 0.15, 2.0))
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 2.0 + 4.4 * tall))
     elements = PolyCollection(
-        x[coupon.quads], array=degrees, cmap=LinearSegmentedColormap.from_list("shear", _SHEARS), edgecolors="face",
-        linewidth=0.2, rasterized=True, clim=(0, max(float(np.quantile(degrees, 0.995)), 1.0)),
-    )  # fmt: skip
+        x[coupon.quads],
+        array=degrees,
+        cmap=LinearSegmentedColormap.from_list("shear", _SHEARS),
+        edgecolors="face",
+        linewidth=0.2,
+        rasterized=True,
+        clim=(0, max(float(np.quantile(degrees, 0.995)), 1.0)),
+    )
     left.add_collection(elements)
     tightest_last = np.argsort(tension)
     edges, tension = np.concatenate([x[family] for family in coupon.edges])[tightest_last], tension[tightest_last]
@@ -97,8 +106,9 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
     factor, unit = axis(record, prescribed)
     state = f"{prescribed} {factor * record[prescribed][-1]:.3g} {unit}"
     for axes, title, drawn, label in (
-        (left, f"shear, {state}", elements, "shear angle [°]"), (right, "yarns", yarns, "tension of a yarn [N]"),
-    ):  # fmt: skip
+        (left, f"shear, {state}", elements, "shear angle [°]"),
+        (right, "yarns", yarns, "tension of a yarn [N]"),
+    ):
         axes.set(aspect="equal", title=title, xlabel="mm")
         axes.autoscale_view()
         axes.grid(False)

@@ -13,6 +13,11 @@ from weavecell.studies import probit
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from weavecell.studies.draws import Draws
+    from weavecell.studies.sobol import Indices
+    from weavecell.studies.sweep import Quantity
+    from weavecell.studies.v50 import Study
+
 LABELS = {
     "modulus": "yarn modulus",
     "failure_strain": "failure strain",
@@ -27,42 +32,32 @@ LABELS = {
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 
-def indices(pyplot: Any, found: Any, title: str) -> Any:
-    """First and total order of each quantity, a panel each.
-
-    Parameters
-    ----------
-    found : sequence of weavecell.studies.sobol.Indices
-    """
-    rows = -(-len(found) // 2)
+def indices(pyplot: Any, indices: Sequence[Indices], title: str) -> Any:
+    """First and total order of each quantity, a panel each."""
+    rows = -(-len(indices) // 2)
     figure, axes = pyplot.subplots(rows, 2, figsize=(11, 4.1 * rows), sharey=True, squeeze=False)
-    for axis, one in zip(axes.flat, found):
-        y = np.arange(len(one.names))
+    for axis, of in zip(axes.flat, indices):
+        y = np.arange(len(of.names))
         for values, half, shift, colour, label in (
-            (one.first, one.first_half, -0.19, BLUE, "first order"),
-            (one.total, one.total_half, 0.19, ORANGE, "total order"),
+            (of.first, of.first_half, -0.19, BLUE, "first order"),
+            (of.total, of.total_half, 0.19, ORANGE, "total order"),
         ):
             axis.barh(y + shift, values, 0.36, color=colour, label=label)
             axis.errorbar(values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5)
-        axis.set_yticks(y, [LABELS.get(name, name) for name in one.names])
+        axis.set_yticks(y, [LABELS.get(name, name) for name in of.names])
         axis.invert_yaxis() if axis is axes[0, 0] else None
         axis.grid(axis="y", visible=False)
         axis.axvline(0, color=FAINT, lw=0.9)
-        axis.set(title=f"{one.quantity}, struck at {one.velocity:g} m/s", xlabel="share of the variance [-]")
+        axis.set(title=f"{of.quantity}, struck at {of.velocity:g} m/s", xlabel="share of the variance [-]")
     axes.flat[0].legend(loc="lower right")
-    for axis in axes.flat[len(found) :]:
+    for axis in axes.flat[len(indices) :]:
         axis.set_visible(False)
     figure.suptitle(title)
     return figure
 
 
-def perforation(pyplot: Any, study: Any, title: str) -> Any:
-    """Fitted curves with the interval of the probit, shots, and the limit without scatter; residual velocities below.
-
-    Parameters
-    ----------
-    study : weavecell.studies.v50.Study
-    """
+def perforation(pyplot: Any, study: Study, title: str) -> Any:
+    """Fitted curves with the interval of the probit, shots, and limit without scatter; residual velocities below."""
     V = np.array([shot.velocity for shot in study.shots])
     hit = np.array([shot.perforated for shot in study.shots])
     curve = study.curves["probit"]
@@ -70,9 +65,14 @@ def perforation(pyplot: Any, study: Any, title: str) -> Any:
     left, right = V.min() - 2, V.max() + 2
     edges = probit.band(V, hit, curve, _PROBABILITIES)
     axis.fill_betweenx(
-        _PROBABILITIES, np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right), color=BLUE, alpha=0.18,
-        lw=0, label=f"{100 * curve.confidence:g} % of the probit",
-    )  # fmt: skip
+        _PROBABILITIES,
+        np.maximum(edges[:, 0], left),
+        np.minimum(edges[:, 1], right),
+        color=BLUE,
+        alpha=0.18,
+        lw=0,
+        label=f"{100 * curve.confidence:g} % of the probit",
+    )
     grid = np.linspace(left, right, 400)
     axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
     axis.plot(grid, study.curves["logit"].probability(grid), color=GREEN, ls="--", label="logit")
@@ -95,18 +95,18 @@ def perforation(pyplot: Any, study: Any, title: str) -> Any:
     return figure
 
 
-def draws(pyplot: Any, study: Any, title: str) -> Any:
+def draws(pyplot: Any, study: Draws, title: str) -> Any:
     """Residual velocities of drawn panels in their order, and the mean with its standard error over the draws."""
-    counted = study.counted
-    values = np.array([one.residual_velocity for one in counted])
+    values = np.array([draw.residual_velocity for draw in study.counted])
+    outcomes = np.array([draw.outcome for draw in study.counted])
     colours = {"stopped": INK, "perforated": RED, "in flight": ORANGE}
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.4))
     order = np.argsort(values, kind="stable")
     share = (np.arange(values.size) + 0.5) / max(values.size, 1)
     for outcome, colour in colours.items():
-        some = np.array([counted[k].outcome == outcome for k in order], bool)
-        if some.any():
-            left.plot(values[order][some], share[some], "o", ms=5, color=colour, label=outcome)
+        drawn = outcomes[order] == outcome
+        if drawn.any():
+            left.plot(values[order][drawn], share[drawn], "o", ms=5, color=colour, label=outcome)
     left.set(xlabel="residual velocity [m/s]", ylabel="share of draws at or below [-]", ylim=(0, 1))
     left.legend(loc="best")
     n = np.arange(2, values.size + 1)
@@ -120,7 +120,9 @@ def draws(pyplot: Any, study: Any, title: str) -> Any:
     return figure
 
 
-def sweep(pyplot: Any, x: Sequence[Any], label: str, table: DataFrame, others: Sequence[str], quantity: Any) -> Any:
+def sweep(
+    pyplot: Any, x: Sequence[Any], label: str, table: DataFrame, others: Sequence[str], quantity: Quantity
+) -> Any:
     """A quantity against the first key of a sweep, a line for each combination of the other keys.
 
     Parameters
@@ -128,7 +130,6 @@ def sweep(pyplot: Any, x: Sequence[Any], label: str, table: DataFrame, others: S
     x, label : values of the first key, numbers or texts, of each row, and the label of the axis
     table : a row each
     others : the other keys, columns of the table
-    quantity : weavecell.studies.sweep.Quantity
     """
     figure, axes = pyplot.subplots(figsize=(9, 5))
     table = table.reindex(columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ())))))

@@ -10,7 +10,6 @@ run. It is a statement about these runs and no bound, since the outcome need not
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -142,16 +141,20 @@ def residual_velocity(
 
 
 def critical_velocity(
-    setup: ImpactSetup, velocity: float, *, tolerance: float = 1.0, executor: str | Executor = "local", jobs: int = 1,
+    setup: ImpactSetup,
+    velocity: float,
+    *,
+    tolerance: float = 1.0,
     on_progress: Callable[[float], object] | None = None,
-) -> AssumedRange | None:  # fmt: skip
+    **beside: Any,
+) -> AssumedRange | None:
     """Range of the critical velocity of a panel or pack; None where nothing is assumed.
 
     Parameters
     ----------
     setup : ImpactSetup of any shot at the panel
     velocity : [m/s] nominal critical velocity
-    tolerance, executor, jobs : as of `ballistic_limit.critical_velocity`
+    tolerance, beside : as of `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
     from shellfabric.impact import ballistic_limit  # with the kernels of packs, which a shot on one ply does not use
@@ -159,7 +162,7 @@ def critical_velocity(
     def search(changed):
         try:
             limit = ballistic_limit.critical_velocity(
-                changed.target(), guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs
+                changed.target(), guess=velocity, step=NEXT_STEP, tolerance=tolerance, **beside
             )
         except WeavecellError as problem:
             return str(problem), None

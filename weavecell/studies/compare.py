@@ -21,8 +21,13 @@ from weavecell.studies.probit import Curve
 
 VELOCITY, OUTCOME, RESIDUAL = "velocity", "outcome", "residual velocity"
 OUTCOMES = {  # whether the projectile went through
-    "pp": False, "partial": False, "stopped": False, "cp": True, "complete": True, "perforated": True,
-}  # fmt: skip
+    "pp": False,
+    "partial": False,
+    "stopped": False,
+    "cp": True,
+    "complete": True,
+    "perforated": True,
+}
 CONFIDENCE = 0.95
 
 

@@ -9,7 +9,6 @@ over draws is not. It has the standard error s / sqrt(n). The share of perforati
 
 from __future__ import annotations
 
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from math import nan, sqrt
 from typing import TYPE_CHECKING, Any
@@ -17,15 +16,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import fired
 from weavecell.studies import inputs, strengths
 from weavecell.studies.inputs import Scatter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from shellfabric.impact.simulation import ImpactSetup
 
 QUANTITIES = {  # of a Draw: unit, words
@@ -157,10 +153,7 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Draw:
     )
 
 
-def study(
-    setup: ImpactSetup, scatter: Scatter, count: int, *, folder: FilePath, seed: int = 1,
-    executor: str | Executor = "local", jobs: int = 1, report: Callable[[int, int], object] | None = None,
-) -> Draws:  # fmt: skip
+def study(setup: ImpactSetup, scatter: Scatter, count: int, *, seed: int = 1, **runs: Any) -> Draws:
     """Shoot at `count` drawn panels.
 
     Parameters
@@ -168,9 +161,8 @@ def study(
     setup : ImpactSetup; its symmetry is not used
     scatter : Scatter, of which shape and gauge_length count
     count : number of draws, at least 2
-    folder : of kept runs, from which a later call goes on, also to more draws
     seed : of all that is drawn
-    executor, jobs, report : as of `run_cache.results`
+    runs : folder, executor, jobs, report of `run_cache.results`; of the runs in the folder a later call goes on
 
     Raises
     ------
@@ -180,6 +172,5 @@ def study(
         raise InputError(key="draws", value=count, allowed="at least 2")
     strengths_alone, whole = replace(scatter, modulus=0.0, crimp=0.0), inputs.alone(setup, symmetry="whole")
     strengths.check(whole, strengths_alone)
-    runs = [(whole, strengths_alone, seed, number) for number in range(count)]
-    draws = run_cache.results(fire, runs, folder=folder, executor=executor, jobs=jobs, report=report)
+    draws = run_cache.results(fire, [(whole, strengths_alone, seed, number) for number in range(count)], **runs)
     return Draws(tuple(draws), scatter, seed)

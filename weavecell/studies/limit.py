@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any
@@ -43,27 +42,33 @@ class LimitStudy:
 
 
 def search(
-    setup: ImpactSetup, *, tolerance: float, residual_shots: int = 0, scan: ScanRange | None, with_range: bool = False,
-    jobs: int = 1, executor: str | Executor = "local", stage: Stage = lambda title: nullcontext(lambda *_: None),
-) -> LimitStudy:  # fmt: skip
+    setup: ImpactSetup,
+    *,
+    tolerance: float,
+    residual_shots: int = 0,
+    scan: ScanRange | None,
+    with_range: bool = False,
+    stage: Stage = lambda title: nullcontext(lambda *_: None),
+    **beside: Any,
+) -> LimitStudy:
     """Bisect, scan about the bracket, fire residual shots, fit them, and repeat the search over assumed laws.
 
     Parameters
     ----------
     setup : ImpactSetup of any strike velocity
-    tolerance, jobs, executor : as of `ballistic_limit.critical_velocity`
+    tolerance : as of `ballistic_limit.critical_velocity`
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
     with_range : whether the range over assumed laws is computed; never of a lay-up
     stage : progress of each stage
+    beside : jobs and executor of `ballistic_limit.critical_velocity`
 
     Raises
     ------
     InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`; `shots` of the latter two are
         all that had ended
     """
-    panel, beside = setup.target(), dict[str, Any](jobs=jobs, executor=executor)
-    ended: list[Shot] = []
+    panel, ended = setup.target(), list[Shot]()
 
     def reported(advance):
         def report(share, shot):

@@ -25,11 +25,11 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import inf
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 from shellfabric.panel.model import SYMMETRIES
@@ -38,9 +38,16 @@ RATIO, ORDER, SAFETY = 2, 2.0, 3.0
 REACH, LATEST = 10.0, 60.0  # [crossovers] from the impact point up to which elements are halved: at least, at most
 MOST_ELEMENTS = 8  # a crossover, of the finest mesh
 
-# called as shoot(setup, table, name of the mesh); gives (record, snapshots, failure, result)
-Shoot: TypeAlias = Callable[..., tuple[Any, Any, Any, ImpactResult]]
-Shot: TypeAlias = tuple[Any, Any, Any]
+
+@dataclass(frozen=True)
+class Shot:
+    """A run, and why it became unstable, or None; the result is then what it had computed."""
+
+    result: ImpactResult
+    failure: UnstableError | None = None
+
+
+Shoot: TypeAlias = Callable[..., Shot]  # called as shoot(setup, table of the cell, name of the mesh)
 
 
 @dataclass(frozen=True)
@@ -168,9 +175,9 @@ def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
     """
     table = setup.table(kept=True)
     refined = replace(finer(setup, table), snapshot_interval=None, history=None)
-    record, snapshots, failure, result = shoot(setup, table)
-    other = result if failure is not None else shoot(refined, table, "finer mesh")[3]
-    return (record, snapshots, failure), compare(result, other)
+    shot = shoot(setup, table)
+    other = shot if shot.failure is not None else shoot(refined, table, "finer mesh")
+    return shot, compare(shot.result, other.result)
 
 
 def climb(
@@ -182,26 +189,28 @@ def climb(
     for a rigid one, unless "symmetry" and "projectile" are `fixed`. The last run counts.
     """
     setup = setup if "symmetry" in fixed else smallest_part(setup)
-    table, shot = setup.table(kept=True), setup.projectile
-    found = Discretisation(setup, (), (), (), targets)
+    table, projectile = setup.table(kept=True), setup.projectile
+    meshes: tuple[str, ...] = ()
+    outcomes: tuple[str, ...] = ()
     before: ImpactResult | None = None
     while True:
-        record, snapshots, failure, result = shoot(setup, table, f"{shot.body} {len(found.meshes) + 1}")
-        if "projectile" not in fixed and shot.bar is None and result.rigidity and not result.rigidity.enough:
-            bar = replace(setup, projectile=replace(shot, body="elastic_bar"))
+        shot = shoot(setup, table, f"{projectile.body} {len(meshes) + 1}")
+        result = shot.result
+        if "projectile" not in fixed and projectile.bar is None and result.rigidity and not result.rigidity.enough:
+            bar = replace(setup, projectile=replace(projectile, body="elastic_bar"))
             return climb(bar, targets, shoot, fixed={"symmetry", "projectile"})
-        pair = None if before is None or failure is not None else compare(before, result, of_finer=True)
-        found = Discretisation(
-            setup, (*found.meshes, in_words(setup)), (*found.outcomes, result.outcome),
-            pair.intervals if pair else (), targets, pair.errors if pair else {},
-        )  # fmt: skip
-        before = None if failure is not None else result
+        meshes, outcomes = (*meshes, in_words(setup)), (*outcomes, result.outcome)
+        levels = Discretisation(setup, meshes, outcomes, (), targets)
+        if before is not None and shot.failure is None:
+            pair = compare(before, result, of_finer=True)
+            levels = replace(levels, intervals=pair.intervals, errors=pair.errors)
+        if levels.confirmed:
+            return shot, levels
+        before = result if shot.failure is None else None
         try:
-            finest, setup = found.confirmed, setup if found.confirmed else finer(setup, table)
+            setup = finer(setup, table)
         except InputError:
-            finest = True
-        if finest:
-            return (record, snapshots, failure), found
+            return shot, levels
 
 
 def compare(coarse: ImpactResult, fine: ImpactResult, *, of_finer: bool = False) -> Discretisation:

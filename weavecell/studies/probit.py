@@ -91,16 +91,18 @@ class _Likelihood:
 
     def over_slope(self, at: float, z: float = 0.0) -> tuple[float, float]:
         """(largest likelihood, its beta) with P(at) = F(z)."""
-        top = minimize_scalar(lambda t: -self(at, exp(t), z), bounds=self.betas, method="bounded",
-                              options={"xatol": 1e-9})  # fmt: skip
+        top = minimize_scalar(
+            lambda t: -self(at, exp(t), z), bounds=self.betas, method="bounded", options={"xatol": 1e-9}
+        )
         return -top.fun, exp(top.x)
 
     def over_place(self, beta: float) -> tuple[float, float]:
         """(largest likelihood, its V50) with slope beta."""
         reach = 10 * self.range + 10 / beta
         bounds = float(self.V.min()) - reach, float(self.V.max()) + reach
-        top = minimize_scalar(lambda at: -self(at, beta), bounds=bounds, method="bounded",
-                              options={"xatol": 1e-9 * self.range})  # fmt: skip
+        top = minimize_scalar(
+            lambda at: -self(at, beta), bounds=bounds, method="bounded", options={"xatol": 1e-9 * self.range}
+        )
         return -top.fun, top.x
 
 

@@ -12,6 +12,7 @@ of the standards were not at hand, and the steps are assumed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 
@@ -55,19 +56,18 @@ class Series:
 def series(curve: Curve, seed: int = 1, count: int = SERIES) -> Series:
     """Fire `count` series on a fitted curve; the same seed gives the same."""
     random = np.random.default_rng(seed)
-    found = [one(curve, random) for _ in range(count)]
-    results = np.array([v50 for v50, _ in found if v50 is not None])
+    v50, shots = np.array([one_series(curve, random) for _ in range(count)], float).T
+    results = v50[np.isfinite(v50)]
     if results.size == 0:
-        return Series(*(float("nan"),) * 4, shots=float(MOST), share=0.0)
-    low, high = np.quantile(results, (0.025, 0.975))
+        return Series(*(nan,) * 4, shots=float(MOST), share=0.0)
+    low, high = np.quantile(results, (0.025, 0.975)).tolist()
     return Series(
-        float(results.mean()), float(results.std(ddof=1)), float(low), float(high),
-        float(np.mean([shots for _, shots in found])), results.size / count,
-    )  # fmt: skip
+        float(results.mean()), float(results.std(ddof=1)), low, high, float(shots.mean()), results.size / count
+    )
 
 
-def one(curve: Curve, random: np.random.Generator) -> tuple[float | None, int]:
-    """(V50 [m/s] of one series or None, its number of shots)."""
+def one_series(curve: Curve, random: np.random.Generator) -> tuple[float, int]:
+    """(V50 [m/s] of a series, NaN without a result, its number of shots)."""
     velocity, step = curve.V50 + random.uniform(-STEPS[0], STEPS[0]), STEPS[0]
     stops: list[float] = []
     perforations: list[float] = []
@@ -80,4 +80,4 @@ def one(curve: Curve, random: np.random.Generator) -> tuple[float | None, int]:
         if len(chosen) == 2 * PAIRS and max(chosen) - min(chosen) <= SPAN:
             return float(np.mean(chosen)), shot
         velocity += -step if hit else step
-    return None, MOST
+    return nan, MOST

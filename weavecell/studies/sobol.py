@@ -13,15 +13,13 @@ What is looked at, at each strike velocity:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from shellfabric.impact.simulation import ImpactSetup, run
 from weavecell.studies import inputs
@@ -110,9 +108,8 @@ def shots(
 
 
 def study(
-    setup: ImpactSetup, velocities: Sequence[float], *, samples: int, folder: FilePath, seed: int = 1,
-    executor: str | Executor = "local", jobs: int = 1, report: Callable[[int, int], object] | None = None,
-) -> tuple[Indices, ...]:  # fmt: skip
+    setup: ImpactSetup, velocities: Sequence[float], *, samples: int, seed: int = 1, **runs: Any
+) -> tuple[Indices, ...]:
     """Sobol indices of all quantities at the strike velocities.
 
     Parameters
@@ -120,9 +117,8 @@ def study(
     setup : ImpactSetup of any strike velocity; what it records is not used
     velocities : [m/s]
     samples : N, a power of 2
-    folder : Path of the runs
     seed : of the sample and of the bootstrap
-    executor, jobs, report : as of `run_cache.results`
+    runs : folder, executor, jobs, report of `run_cache.results`
 
     Raises
     ------
@@ -133,11 +129,11 @@ def study(
     if setup.surface is not None:
         raise InputError("a response surface holds for one fabric", key="surface", allowed="left out")
     plain = inputs.alone(setup, strike_velocity=1.0, table_size=TABLE)
-    runs = [
+    arguments = [
         (plain, tuple((name, round(float(x), _DIGITS)) for name, x in zip(factors["names"], row)), tuple(velocities))
         for row in rows
     ]
-    values = run_cache.results(shots, runs, folder=folder, executor=executor, jobs=jobs, report=report)
+    values = run_cache.results(shots, arguments, **runs)
 
     def indices(velocity, quantity):
         y = np.array([row[velocity, quantity] for row in values])

@@ -53,7 +53,7 @@ class Wanted:
 
 
 def row(setup: ImpactSetup, wanted: Wanted, **options: Any) -> dict[str, Any]:
-    """The row of a set-up; one that cannot be computed says why in "outcome". `options` as of `v50.study`."""
+    """The row of a set-up; one that cannot be computed says why in "outcome". `options` of a V50 as of `v50.study`."""
     try:
         if wanted.quantity == "v50":
             study = v50.study(setup, inputs.published(), shots=wanted.shots, seed=wanted.seed, **options)

@@ -15,9 +15,8 @@ Without scatter that is a search of the gap, and V50 goes to the deterministic l
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import ceil, inf
 from typing import Any
 
@@ -25,7 +24,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics import run_cache
-from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit, lambert_jonas
@@ -108,14 +106,22 @@ class Study:
         curve = self.curves["probit"]
         low, high = curve.intervals["V50"]
         return {
-            "v50_m_s": curve.V50, "v50_low_m_s": low, "v50_high_m_s": high, "confidence": curve.confidence,
-            "standard_deviation_m_s": curve.deviation, "limit_without_scatter_m_s": sum(self.deterministic) / 2,
-            "shots": len(self.shots), "perforated": sum(shot.perforated for shot in self.shots),
-            "doubtful": self.doubtful, "energy_error_max": max(shot.balance for shot in self.shots),
-            "series_mean_m_s": self.series.mean, "series_deviation_m_s": self.series.deviation,
-            "series_low_m_s": self.series.low, "series_high_m_s": self.series.high,
+            "v50_m_s": curve.V50,
+            "v50_low_m_s": low,
+            "v50_high_m_s": high,
+            "confidence": curve.confidence,
+            "standard_deviation_m_s": curve.deviation,
+            "limit_without_scatter_m_s": sum(self.deterministic) / 2,
+            "shots": len(self.shots),
+            "perforated": sum(shot.perforated for shot in self.shots),
+            "doubtful": self.doubtful,
+            "energy_error_max": max(shot.balance for shot in self.shots),
+            "series_mean_m_s": self.series.mean,
+            "series_deviation_m_s": self.series.deviation,
+            "series_low_m_s": self.series.low,
+            "series_high_m_s": self.series.high,
             "series_with_result": self.series.share,
-        }  # fmt: skip
+        }
 
 
 def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity: float) -> Shot:
@@ -126,9 +132,15 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
     except UnstableError as problem:
         raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
     return Shot(
-        number, velocity, shot.residual_velocity, shot.perforated, **drawn.factors, weakest=drawn.weakest,
-        balance=shot.balance, doubtful=tuple(check.name for check in shot.checks if check.doubtful),
-    )  # fmt: skip
+        number,
+        velocity,
+        shot.residual_velocity,
+        shot.perforated,
+        **drawn.factors,
+        weakest=drawn.weakest,
+        balance=shot.balance,
+        doubtful=tuple(check.name for check in shot.checks if check.doubtful),
+    )
 
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
@@ -175,10 +187,16 @@ def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool)
 
 
 def study(
-    setup: ImpactSetup, scatter: Scatter, *, shots: int, folder: FilePath, batch: int = 10, seed: int = 1,
-    tolerance: float = 1.0, executor: str | Executor = "local", jobs: int = 1,
-    report: Callable[[float, str], object] | None = None,
-) -> Study:  # fmt: skip
+    setup: ImpactSetup,
+    scatter: Scatter,
+    *,
+    shots: int,
+    batch: int = 10,
+    seed: int = 1,
+    tolerance: float = 1.0,
+    report: Callable[[int, int], object] = lambda done, total: None,
+    **runs: Any,
+) -> Study:
     """Fire shots, in rounds of `batch`, and fit the curves.
 
     Parameters
@@ -187,12 +205,10 @@ def study(
         the one of `graded`
     scatter : Scatter
     shots : how many
-    folder : Path of the runs
     batch : shots of a round
     seed : of all that is drawn
     tolerance : [m/s] of the deterministic limit
-    executor, jobs : as of `fabrics.executors.open_executor`
-    report : called as report(share of the work done, text)
+    report, runs : as of `run_cache.results`, with the folder of the shots
 
     Raises
     ------
@@ -205,14 +221,8 @@ def study(
     setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)  # which name no kept shot
     scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
     fired: list[Shot] = []
-
-    def reported(done, _):
-        if report is not None:
-            count = begun + done
-            report(count / shots, f"{count} shots")
-
-    with open_executor(executor, jobs) as pool:
-        runs: dict[str, Any] = {"folder": folder, "executor": pool, "jobs": jobs}
+    with open_executor(runs.get("executor", "local"), runs.get("jobs", 1)) as pool:
+        runs["executor"] = pool
         (bracket,) = run_cache.results(deterministic, [(setup, tolerance)], **runs)
         while (begun := len(fired)) < shots:
             count = min(batch, shots - begun)
@@ -220,8 +230,12 @@ def study(
                 velocities = plan([s.velocity for s in fired], [s.perforated for s in fired], count, scatters)
             else:
                 velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
-            inputs = [(setup, scatter, seed, begun + k, round(float(V), 6)) for k, V in enumerate(velocities)]
-            fired += run_cache.results(fire, inputs, report=reported, **runs)
+            fired += run_cache.results(
+                fire,
+                [(setup, scatter, seed, begun + k, round(float(V), 6)) for k, V in enumerate(velocities)],
+                report=partial(lambda begun, done, _: report(begun + done, shots), begun),
+                **runs,
+            )
     V, hit = [shot.velocity for shot in fired], [shot.perforated for shot in fired]
     curves = {link: probit.fit(V, hit, link=link) for link in probit.LINKS}
     return Study(bracket, tuple(fired), curves, scatter)

@@ -112,12 +112,12 @@ def climbed(setup, results, monkeypatch, targets, **fixed):
         failure = result if isinstance(result, Exception) else None
         known = result_of(this, "unstable", 0.0) if failure else result
         known.setup = this
-        return len(bodies), (), failure, known
+        return mesh_uncertainty.Shot(known, failure)
 
     monkeypatch.setattr(ImpactSetup, "table", lambda self, kept: None)
     monkeypatch.setattr(mesh_uncertainty, "_can_be_meshed", lambda *_: True)
-    (run, _, _), found = mesh_uncertainty.climb(setup, targets, shoot, **fixed)
-    return run, found, bodies
+    _, found = mesh_uncertainty.climb(setup, targets, shoot, **fixed)
+    return len(bodies), found, bodies
 
 
 @pytest.mark.parametrize(

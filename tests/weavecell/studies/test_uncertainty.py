@@ -206,7 +206,9 @@ def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path)
         beside = v50.study(setup, scatter, folder=tmp_path / "b", executor=workers, **arguments)
     assert alone == beside
     told = []
-    again = v50.study(setup, scatter, folder=tmp_path / "a", report=lambda share, text: told.append(share), **arguments)
+    again = v50.study(
+        setup, scatter, folder=tmp_path / "a", report=lambda done, total: told.append(done / total), **arguments
+    )
     assert again == alone
     assert told == [0.5, 1.0]  # nothing was run again: a report of each round as it is found on disk
 
@@ -246,4 +248,4 @@ def test_one_series_by_hand():
             return 0.5
 
     # 230 P, 200 S, 215 P, 200 S, 215 P, 200 S: stops 200 x 3, perforations 215, 215, 230
-    assert protocol.one(Sure(), Draws()) == (pytest.approx((3 * 200 + 215 + 215 + 230) / 6), 6)
+    assert protocol.one_series(Sure(), Draws()) == (pytest.approx((3 * 200 + 215 + 215 + 230) / 6), 6)
