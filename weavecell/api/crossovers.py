@@ -124,17 +124,16 @@ def crossover(
         "law": law,
     }
     kind, options = _checked(case, options)
-    size, gap = meshes.size(mesh), quantities.number(yarn_gap, "m", "yarn_gap")
+    gap, text = quantities.number(yarn_gap, "m", "yarn_gap"), mesh if isinstance(mesh, str) else str(mesh).strip("()")
     cloth = meshes.of_3d(fabric)
     if law is not None:  # refused before anything is computed
         compression.CompressionLaw.from_json(law).require_fabric(cloth.name, key="law", value=str(law))
     run = kind.run(cloth, **options)
     part = _domain(case, domain, shift)
     with targets.folder_of(out) as folder:
-        built = meshes.build(cloth, part, size=size, section=section, gap=gap)
+        built = meshes.build(cloth, part, size=meshes.size(mesh), section=section, gap=gap)
         with progress.bar(f"{cloth.name}, {case}") as advance:
             record = run(built, hooks=[lambda share, row: advance(share)])
-        text = mesh if isinstance(mesh, str) else str(mesh).strip("()")
         result = CrossoverResult(cloth, case, built, record, part, text, kind.summary(cloth, record))
         if folder is not None:
             result.save(folder)
@@ -143,9 +142,7 @@ def crossover(
         problem.result = result
         raise problem
     if law is not None:
-        from unitcell3d.cases import pull_out
-
-        pull_out.fit(record, text).add_to(law)
+        _add_slip(law, record, text)
     result.warn()
     return result
 
@@ -161,6 +158,13 @@ def _checked(case, options):
     if options.get("yarn", "warp") not in FAMILIES:
         raise InputError(key="yarn", value=options["yarn"], allowed="warp or weft")
     return CASES[case], options
+
+
+def _add_slip(law, record, size):
+    """Add the slip threshold of a pull-out to the law.json of a calibration."""
+    from unitcell3d.cases import pull_out
+
+    pull_out.fit(record, size).add_to(law)
 
 
 def _domain(case, domain, shift):

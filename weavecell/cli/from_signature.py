@@ -38,8 +38,8 @@ _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
 _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
 
-def command(function: Callable[..., Any], name: str, example: str, *keywords: str) -> Callable[..., None]:
-    """The function that typer makes the command `name` of.
+def command(function: Callable[..., Any], name: str, example: str, *keywords: str) -> tuple[Callable[..., None], str]:
+    """The function that typer makes the command `name` of, and the line below its help.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
     made: Any = call
     made.__signature__ = inspect.Signature(signature)
     made.__annotations__ = {p.name: p.annotation for p in signature}
-    made.__doc__, made.epilog = text, f"Example: [bold]weavecell {name} {example}[/bold]"
-    return made
+    made.__doc__ = text
+    return made, f"Example: [bold]weavecell {name} {example}[/bold]"
 
 
 def _keyword(key):
