@@ -8,7 +8,7 @@ from weavecell.api.comparison import ComparisonResult, compare
 from weavecell.api.coupons import CouponResult, coupon
 from weavecell.api.crossovers import CrossoverResult, crossover
 from weavecell.api.exports import DeckResult, export
-from weavecell.api.limit_result import CriticalVelocityResult
+from weavecell.api.limits import CriticalVelocityResult, critical_velocity
 from weavecell.api.lists import (
     Listing,
     list_backings,
@@ -23,19 +23,9 @@ from weavecell.api.lists import (
 from weavecell.api.meshes import MeshResult, mesh
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
-from weavecell.api.runs import (
-    backings,
-    critical_velocity,
-    fabric,
-    fabrics,
-    projectile,
-    projectiles,
-    sensitivity,
-    setup,
-    v50,
-)
-from weavecell.api.scatter_results import DrawsResult, SensitivityResult, V50Result
-from weavecell.api.shots import ShotResult, draws, impact, shoot
+from weavecell.api.runs import backings, fabric, fabrics, projectile, projectiles, setup
+from weavecell.api.scatter import DrawsResult, SensitivityResult, V50Result, draws, sensitivity, v50
+from weavecell.api.shots import ShotResult, impact, shoot
 from weavecell.api.surfaces import SurfaceResult, surface
 from weavecell.api.sweeps import SweepResult, SweepTable, sweep
 from weavecell.studies.fit import fit
