@@ -65,7 +65,7 @@ def sweep(
     Parameters
     ----------
     target : input file of a ply or pack, or name of a fabric or its file; in Python also set-ups of `setup`, of which
-        each is fired as `shoot` does
+        each is fired as `impact` does
     over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in Python also a dict
     quantity : what is computed of each: shot, critical-velocity or v50
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most [m/s]
