@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, InputErrors, together
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from weavecell.api.calibration_result import CalibrationResult
     from weavecell.scenes.impact import Scene
 
-    Law = CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None
+    Law: TypeAlias = CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None
 
 __all__ = ["DEFAULTS", "Keywords", "scene"]
 

@@ -12,7 +12,7 @@ from fabrics.fabric import Fabric
 from fabrics.units import FACTORS
 from weavecell.report import pictures
 from weavecell.report.derived import density_kind, derived
-from weavecell.report.page import Card, Figure, Section, Table
+from weavecell.report.page import Card, Figure, Report, Section, Table
 
 STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
 
@@ -192,3 +192,24 @@ def making(stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[T
         details=(("Scene", stamp["scene"]),) if stamp["scene"] else (),
         folded=True,
     )
+
+
+def of_cell(
+    title: str,
+    lead: str,
+    fabric: Fabric,
+    cards: Iterable[Card],
+    sections: Iterable[Section],
+    stamp: Mapping[str, str],
+    seconds: Mapping[str, float],
+) -> Report:
+    """The page of a crossover's results: the fabric's card before others, its sources and the making at the end.
+
+    Parameters
+    ----------
+    stamp : of `results.provenance.stamp`
+    seconds : {stage: wall time [s]}
+    """
+    sections = (*sections, sources(fabric), making(stamp, seconds))
+    footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
+    return Report(title, lead, ((fabric_card(fabric), *cards),), sections, footer)
