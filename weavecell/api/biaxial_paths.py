@@ -229,6 +229,8 @@ class BiaxialResult(Result):
         page.write(report, out / "report.html")
 
     def _section(self):
+        from pandas import DataFrame
+
         from weavecell.report import chapters
         from weavecell.report.page import Table
 
@@ -240,16 +242,17 @@ class BiaxialResult(Result):
                 strains[f"strains {text}"] = history.d1 / w1, history.d2 / w2, history.T1, history.T2
         label = "published law" if self.source == "published" else "law given"
         drawn = chapters.cell(self.fabric, {label: self.fabric.laws}, paths=strains, **self.options)
-        columns = ("strains, warp : weft", "first at its strength", "strain [%]", "tension [N]", "contact force [N]")
-        columns += ("rms from 3D [N]",) if self.solved else ()
-        rows = []
-        for text in self.paths:
-            end = self._end(text)
-            row = (text, end["failed"], _pair(100 * end["strain"], ".2f"), _pair(end["tension"], ".1f"))
-            rms = (_pair(end["rms_from_3d"], ".2f"),) if self.solved else ()
-            rows.append((*row, f"{end['contact_force']:.1f}", *rms))
-        table = Table(columns, tuple(rows), "Where each path ends, warp / weft", numeric=columns[2:])
-        return replace(drawn, tables=(table,))
+        ends = {text: self._end(text) for text in self.paths}
+        table = {
+            "strains, warp : weft": list(ends),
+            "first at its strength": [end["failed"] for end in ends.values()],
+            "strain [%]": [_pair(100 * end["strain"], ".2f") for end in ends.values()],
+            "tension [N]": [_pair(end["tension"], ".1f") for end in ends.values()],
+            "contact force [N]": [end["contact_force"] for end in ends.values()],
+        }
+        if self.solved:
+            table["rms from 3D [N]"] = [_pair(end["rms_from_3d"], ".2f") for end in ends.values()]
+        return replace(drawn, tables=(Table.of(DataFrame(table), "Where each path ends, warp / weft"),))
 
     def __str__(self) -> str:
         lines = []

@@ -261,7 +261,7 @@ class CalibrationResult(Result):
         return {name: path for name, path in done.histories.items() if path is not done.plates}
 
     def _drawn(self):
-        """Arguments of `report.pictures.fit` and `report.chapters.fit`."""
+        """Arguments of `report.pictures.fit`."""
         from unitcell3d.identify.calibration import samples
 
         done = self.calibration
@@ -373,57 +373,63 @@ class CalibrationResult(Result):
 
     def _fit(self):
         """Samples and laws, each path alone, and fibre failure."""
-        from weavecell.report import chapters, page
+        from pandas import DataFrame
 
-        done, chapter = self.calibration, chapters.fit(*self._drawn())
-        laws = ("law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]")
-        caption = "Fitted laws; impacts use the joint one"
+        from weavecell.report import pictures
+        from weavecell.report.page import Figure, Section, Table
+
+        done, law, rms = self.calibration, self.law, "rms [µm]"
+        low, high = law.F_range or (np.nan, np.nan)
+        laws = f"Fitted laws, over F = {low:.2g} to {high:.3g} N; impacts use the fitted one"
         if (ratio := done.ratio_law) is not None:
             c = " .. ".join(f"{1e6 * ratio.compliance(m):.3f}" for m in ratio.m_range)
-            caption += f"; alternative: c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
-        paths = ("path", *laws[1:3], "rms from the joint law [µm]", "ended", "wall time [s]")
-        alone = []
+            laws += f"; alternative: c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
+        paths = []
         for name, path in done.histories.items():
-            own, rms = done.path_laws.get(name), done.residuals.get(name)
-            parameters = ("-", "-") if own is None else _row("", own.a, own.b)[1:3]
-            rms = "-" if rms is None else f"{1e6 * rms:.2f}"
-            alone.append((name, *parameters, rms, _ended(name, path), f"{done.seconds[name]:.1f}"))
+            own, off = done.path_laws.get(name), done.residuals.get(name)
+            row = (name, "-", "-", "") if own is None else _row(name, own.a, own.b, off)
+            paths.append((*row, _ended(name, path), done.seconds[name]))
+        failures = [
+            (name, one.criterion, ("warp", "weft")[one.yarn], *(1e6 * d for d in one.d), *one.T, one.F_c)
+            for name, of_path in done.failures.items()
+            for one in of_path
+        ]
         heads = ("path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]")
-        failures = []
-        for name, of_path in done.failures.items():
-            for one in of_path:
-                numbers = (*(f"{1e6 * d:.2f}" for d in one.d), *(f"{force:.1f}" for force in (*one.T, one.F_c)))
-                failures.append((name, one.criterion, ("warp", "weft")[one.yarn], *numbers))
-        tables = (
-            page.Table(laws, tuple(self._laws()), caption, numeric=laws[1:]),
-            page.Table(paths, tuple(alone), "Each path", numeric=(*paths[1:4], paths[5])),
-            page.Table(
-                heads,
-                tuple(failures),
-                "Where the fibre strain first reaches the failure strain",
-                numeric=heads[3:],
-            ),
+        ab = ("a [mm]", "b [mm N^(1/3)]")
+        tables = {
+            laws: DataFrame(self._laws(), columns=("law", *ab, rms)),
+            "Each path": DataFrame(paths, columns=("path", *ab, f"{rms} from the fitted law", "ended", "time [s]")),
+            "Where the fibre strain first reaches the failure strain": DataFrame(failures, columns=heads),
+        }
+        notes = "".join(f" Note: {line}." for line in law.outside_ends())
+        drawn = pictures.render(pictures.fit, *self._drawn())
+        return Section(
+            "fit",
+            "Transverse compression: the fit",
+            "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted."
+            + notes,
+            (Figure(drawn, "svg", "Compression of one yarn against the contact force.", "fit"),),
+            tuple(Table.of(table, caption) for caption, table in tables.items()),
         )
-        lead = " ".join([chapter.lead, *(f"Note: {line}." for line in done.law.outside_ends())])
-        return replace(chapter, lead=lead, tables=(*chapter.tables, *tables))
 
     def _of_the_solid(self):
         """What the platen curve tells of the solid's constants."""
+        from pandas import DataFrame
+
         from weavecell.report import pictures, pictures_crossover
         from weavecell.report.page import Figure, Section, Table
 
         solid = self.solid
-        columns = ("parameter", "fitted [SI]", "the fabric's file", "95 % interval", "determined by the curve")
-        rows = [
-            (
-                name,
-                f"{value:.4g}",
-                f"{_before(solid.started, name):.4g}",
-                "{:.3g} to {:.3g}".format(*solid.intervals[name]),
-                "yes" if solid.determined[name] else "no",
-            )
-            for name, value in solid.values.items()
-        ]
+        names = tuple(solid.values)
+        table = DataFrame(
+            {
+                "parameter": names,
+                "fitted [SI]": solid.values.values(),
+                "the fabric's file": [_before(solid.started, name) for name in names],
+                "95 % interval": ["{:.3g} to {:.3g}".format(*solid.intervals[name]) for name in names],
+                "determined by the curve": ["yes" if solid.determined[name] else "no" for name in names],
+            }
+        )
         loose = [name for name, known in solid.determined.items() if not known]
         lead = f"E_c, V_c and K_r of both yarns, fitted to {solid.curve.source}; misfit {_misfit(solid.misfit)}, "
         lead += f"before the fit {_misfit(solid.misfit_before)}. "
@@ -432,8 +438,7 @@ class CalibrationResult(Result):
             lead += f" What it leaves open makes {key} of the law {1e3 * low:.4f} to {1e3 * high:.4f} {unit} (95 %)."
         caption = "What the platens close against their pressure; zero is free."
         drawn = Figure(pictures.render(pictures_crossover.plates, solid), "svg", caption, "solid")
-        table = Table(columns, tuple(rows), numeric=columns[1:4])
-        return Section("solid", "The solid yarn from a plate test", lead, (drawn,), (table,))
+        return Section("solid", "The solid yarn from a plate test", lead, (drawn,), (Table.of(table),))
 
 
 def _row(name, a, b, rms=None):

@@ -108,22 +108,7 @@ def crossover(
     >>> sheared = wc.crossover("S-720", "shear", shear_angle="50 deg", mesh="coarse")  # doctest: +SKIP
     >>> sheared.record["tau"].max()  # [Pa]  # doctest: +SKIP
     """
-    options: dict[str, Any] = {
-        "failure": failure or None,
-        "friction": friction,
-        "yarn": yarn,
-        "bars": bars,
-        "reduced_integration": reduced_integration or None,
-        "plies": plies,
-        "shift": shift,
-        "pressure": pressure,
-        "end_displacement": end_displacement,
-        "shear_angle": shear_angle,
-        "path": path,
-        "pull": pull,
-        "law": law,
-    }
-    kind, options = _checked(case, options)
+    kind, options = _checked(case, locals())
     gap, text = quantities.number(yarn_gap, "m", "yarn_gap"), mesh if isinstance(mesh, str) else str(mesh).strip("()")
     cloth = meshes.of_3d(fabric)
     if law is not None:  # refused before anything is computed
@@ -148,10 +133,16 @@ def crossover(
 
 
 def _checked(case, options):
-    """The Case of a name, and the options that were given, which are all of this case."""
+    """The Case of a name, and the options that were given, which are all of this case.
+
+    Parameters
+    ----------
+    options : {name: value} of `crossover`, with what is for all cases; None and False where it was not given
+    """
     if case not in CASES:
         raise InputError(key="case", value=case, allowed=f"one of {', '.join(CASES)}")
-    options = {key: value for key, value in options.items() if value is not None}
+    of_cases = dict.fromkeys(key for kind in CASES.values() for key in kind.options)
+    options = {key: options[key] for key in of_cases if options[key] is not None and options[key] is not False}
     for key in options:
         if key not in CASES[case].options:
             raise InputError(key=key, allowed=f"left out with --case {case}")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw
     from fabrics.ply_law import PlyLaw
     from fabrics.surface import ResponseSurface
-    from weavecell.api.calibration_result import CalibrationResult
+    from weavecell.api.calibration import CalibrationResult
     from weavecell.scenes.impact import Scene
 
     Law: TypeAlias = CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None

@@ -61,35 +61,6 @@ def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
     )
 
 
-def fit(samples: Any, laws: Mapping[str, CompressionLaw], platen: Any = None, lead: str = "") -> Section:
-    """The calibration: samples of the 3D crossover, the law fitted to them, the published law."""
-    rows = tuple(
-        (
-            label,
-            f"{1e3 * law.a:.4f}{_interval(law.a_interval)}",
-            f"{1e3 * law.b:.4f}{_interval(law.b_interval)}",
-            "-" if law.residual_rms is None else f"{1e6 * law.residual_rms:.2f}",
-            "-" if law.F_range is None else f"{law.F_range[0]:.2g} to {law.F_range[1]:.3g}",
-        )
-        for label, law in laws.items()
-    )
-    columns = ("law", "a [mm]", "b [mm N^(1/3)]", "residual rms [µm]", "fitted range of F [N]")
-    content = pictures.render(pictures.fit, samples, laws, platen)
-    return Section(
-        "fit",
-        "Transverse compression: the fit",
-        lead or "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted.",
-        (Figure(content, "svg", "Compression of one yarn against the contact force.", "fit"),),
-        (Table(columns, rows, numeric=columns[1:]),),
-    )
-
-
-def _interval(interval):
-    if interval is None:
-        return ""
-    return f" ({1e3 * interval[0]:.4f} to {1e3 * interval[1]:.4f})"
-
-
 def cell(
     fabric: Fabric,
     laws: Mapping[str, Any],

@@ -189,7 +189,6 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     bodies, images = _bodies(mesh, record, submeshes)
     scene = plotter(WINDOW)
     try:
-        everything = []
         for family, grid, x in bodies:
             for image in images(x, grid):
                 for sheet in _sheets(grid):
@@ -204,27 +203,13 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
                         ambient=0.4,
                         diffuse=0.7,
                     )
-                    everything.append(nodes.reshape(-1, 3))
-        _aim(scene, np.concatenate(everything))
+        scene.enable_parallel_projection()
+        scene.view_vector((-5, -7, 6))
+        scene.camera.zoom(1.3)
         with replace_whole(path) as beside:
             scene.screenshot(str(beside))
     finally:
         scene.close()
-
-
-def _aim(scene, points):
-    """A parallel view from above and before that the points (n, 3) fill."""
-    away = np.array([-5.0, -7.0, 6.0]) / np.linalg.norm([5.0, 7.0, 6.0])
-    right = np.cross((0, 0, 1), away)
-    right /= np.linalg.norm(right)
-    up = np.cross(away, right)
-    spans = [(points @ axis).min() + np.array([0, np.ptp(points @ axis)]) for axis in (right, up, away)]
-    centre = sum(span.mean() * axis for span, axis in zip(spans, (right, up, away)))
-    scene.enable_parallel_projection()
-    scene.camera_position = [centre + 10 * away, centre, (0, 0, 1)]
-    width, height = (np.ptp(span) for span in spans[:2])
-    scene.camera.parallel_scale = 0.53 * max(height, width * WINDOW[1] / WINDOW[0])
-    scene.reset_camera_clipping_range()
 
 
 def _bodies(mesh, record, yarns):

@@ -229,8 +229,8 @@ SAID = {
     "coupon": lambda s: [f"shear stress {1e-6 * s['at_end']['shear stress']['value']:.4g} MPa", "shear angle 24 °"],
     "pull-out": lambda s: [f"peak load {s['peak_load_N']:.4g} N", f"plateau load {s['plateau_load_N']:.4g} N"],
     "export": lambda s: [f"biaxial plane {100 * s['error_over_strength'][0]['rms']:.1f} %"],
-    "calibrate": lambda s: [f"fitted {1e3 * s['law']['a_m']:.4f} ({1e3 * s['law']['a_interval_m'][0]:.4f} to "],
-    "surface": lambda s: [f"{s['equilibria']} equilibria", f"{s['error_of_left_out_lines']['T1']['rms']:.3g} "],
+    "calibrate": lambda s: [f"fitted {1e3 * s['law']['a_m']:.4f} "],
+    "surface": lambda s: [f"{s['equilibria']} equilibria", f"{s['error_of_left_out_lines']['T1']['rms']:.4g} "],
 }
 
 
