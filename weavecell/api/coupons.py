@@ -320,17 +320,18 @@ class CouponResult(Result):
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the fabric after every load step for ParaView: coupon.pvd with coupon-NNNN.vtu; returns its path."""
-        from weavecell.results import paraview
+        from weavecell.results import vtk
 
         folder, times = Path(folder), {}
         folder.mkdir(parents=True, exist_ok=True)
-        cells = paraview.topology(self.solved.coupon.quads)
         for step, state in enumerate(self.solved.states):
             nodes = np.column_stack([state.x, np.zeros(len(state.x))])
             name = f"coupon-{step:04d}.vtu"
-            paraview.write_grid(folder / name, nodes, cells, {"shear_angle_rad": self.solved.shear(step)})
+            fabric = vtk.grid(nodes, self.solved.coupon.quads)
+            fabric.cell_data["shear_angle_rad"] = self.solved.shear(step)
+            vtk.write_grid(folder / name, fabric)
             times[name] = float(step + 1)
-        paraview.write_series(folder / "coupon.pvd", times)
+        vtk.write_series(folder / "coupon.pvd", times)
         return folder / "coupon.pvd"
 
     def _write_record(self, out):

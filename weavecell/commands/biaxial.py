@@ -21,17 +21,13 @@ from typing import Annotated, Any
 
 import typer
 
-from fabrics import lazy
+from fabrics import catalogue, compression, files, units, variants
 from fabrics.errors import InputError
+from weavecell.commands import mesh
 from weavecell.commands.options import RESULTS, FabricArgument, OutOption, Size, example
-
-with lazy.imports():
-    from fabrics import catalogue, compression, files, units, variants
-    from weavecell.commands import mesh
-    from weavecell.report import chapters
-    from weavecell.report import page as report_page
-    from weavecell.results import json_file, out_folder, progress, provenance
-
+from weavecell.report import chapters
+from weavecell.report import page as report_page
+from weavecell.results import json_file, out_folder, progress, provenance
 
 STATES = 241
 _COLUMNS = {"T1": "warp tension [N]", "T2": "weft tension [N]", "F": "contact force [N]", "h1": "warp height [m]",

@@ -18,15 +18,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fabrics import lazy
-from weavecell.commands import options
-
-with lazy.imports():
-    from fabrics import assumed, checks
-    from weavecell.commands import calibrate_solid, mesh
-    from weavecell.report import chapters
-    from weavecell.report import page as report_page
-    from weavecell.results import json_file, out_folder, progress, provenance
+from fabrics import assumed, checks
+from weavecell.commands import calibrate_solid, mesh, options
+from weavecell.report import chapters
+from weavecell.report import page as report_page
+from weavecell.results import json_file, out_folder, progress, provenance
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric

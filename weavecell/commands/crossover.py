@@ -16,17 +16,12 @@ from typing import Annotated, Any
 
 import typer
 
-from fabrics import lazy
+from fabrics import compression, files, units
 from fabrics.errors import InputError, UnstableError
-from weavecell.commands import options
-
-with lazy.imports():
-    from fabrics import compression, files, units
-    from fabrics.friction import pull_out as friction_pull_out
-    from weavecell.commands import mesh
-    from weavecell.report import checks, crossover_cases, pictures, pictures_crossover
-    from weavecell.results import json_file, out_folder, progress, provenance
-
+from fabrics.friction import pull_out as friction_pull_out
+from weavecell.commands import mesh, options
+from weavecell.report import checks, crossover_cases, pictures, pictures_crossover
+from weavecell.results import json_file, out_folder, progress, provenance
 
 DOMAINS = {
     "yarn": ("quarter", "whole"),

@@ -12,18 +12,15 @@ from typing import Annotated, Any
 
 import typer
 
-from fabrics import lazy
+from fabrics import assumed, catalogue, data_sheet, files, units
+from fabrics import backings as backing_data
+from fabrics import projectiles as projectile_data
 from fabrics.errors import InputError
+from shellfabric.plies import gap as ply_gap
 from weavecell.commands.options import FabricArgument, ListOption, example
-
-with lazy.imports():
-    from fabrics import assumed, catalogue, data_sheet, files, units
-    from fabrics import backings as backing_data
-    from fabrics import projectiles as projectile_data
-    from shellfabric.plies import gap as ply_gap
-    from weavecell.report import derived
-    from weavecell.scenes import fabric_file
-    from weavecell.scenes import impact as scenes_impact
+from weavecell.report import derived
+from weavecell.scenes import fabric_file
+from weavecell.scenes import impact as scenes_impact
 
 # heading, unit, and what stands in the column
 _COLUMNS = (

@@ -15,13 +15,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fabrics import lazy
+from fabrics import assumed, catalogue
 from fabrics.errors import InputError
 from weavecell.commands import options
-
-with lazy.imports():
-    from fabrics import assumed, catalogue
-    from weavecell.results import json_file, out_folder, progress, provenance
+from weavecell.results import json_file, out_folder, progress, provenance
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric

@@ -11,11 +11,8 @@ from typing import Annotated, Any, TypeVar
 
 import typer
 
-from fabrics import lazy
+from fabrics import units
 from fabrics.errors import InputError
-
-with lazy.imports():
-    from fabrics import units
 
 RESULTS = Path("results")
 RUNS = "runs"  # folder of finished runs, from which --resume goes on

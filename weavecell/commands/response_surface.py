@@ -16,16 +16,12 @@ from typing import Annotated
 
 import typer
 
-from fabrics import lazy
+from fabrics import units
 from fabrics.errors import InputError
-from weavecell.commands import options
-
-with lazy.imports():
-    from fabrics import units
-    from weavecell.commands import mesh
-    from weavecell.report import chapters, pictures, pictures_surface
-    from weavecell.report import page as report_page
-    from weavecell.results import json_file, out_folder, progress, provenance
+from weavecell.commands import mesh, options
+from weavecell.report import chapters, pictures
+from weavecell.report import page as report_page
+from weavecell.results import json_file, out_folder, progress, provenance
 
 
 @options.example("weavecell surface S-720 --mesh coarse --points 11")
@@ -165,6 +161,8 @@ def _differences(surface, cell):
 
 
 def _chapter(found, interpolant, cell):
+    from weavecell.report import pictures_surface
+
     surface = found.surface
     differences = {} if cell is None else _differences(surface, cell)
     rows = []

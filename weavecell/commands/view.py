@@ -7,11 +7,8 @@ from typing import Annotated
 
 import typer
 
-from fabrics import lazy
 from weavecell.commands.options import example
-
-with lazy.imports():
-    from weavecell.report.shot import view as report_view
+from weavecell.report.shot import view as report_view
 
 
 @example("weavecell view results/S-720-stops --screenshot panel.png")

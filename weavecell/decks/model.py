@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-import weavecell
+import fabrics
 from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
@@ -300,7 +300,7 @@ def _nose(shot, speed, share, thickness, plies):
 def _header(cards, units, share, source, law, code):
     """Lines of text: what the deck is, how far its cards are off, and what they do not hold."""
     text = [
-        f"weavecell {weavecell.__version__}: a deck for {code}, NOT RUN in it",
+        f"weavecell {fabrics.__version__}: a deck for {code}, NOT RUN in it",
         f"Units: {units}",
         f"Material: {law}; computed from a unit cell, not measured; compression law: {source}",
     ]

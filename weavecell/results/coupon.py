@@ -17,7 +17,6 @@ from fabrics import run_cache
 from fabrics.checks import FilePath, FloatArray
 from fabrics.files import read_hdf5, write_hdf5
 from fabrics.record import Record
-from shellfabric.coupon import quasistatic
 from weavecell.results.hdf5_file import put
 
 if TYPE_CHECKING:
@@ -39,6 +38,8 @@ _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1
 
 def relaxed(table: CellTable, test: str, inputs: Mapping[str, Any], **options: Any) -> Result:
     """The Result of a quasi-static test: `inputs` by the keys of its table, options as of its function."""
+    from shellfabric.coupon import quasistatic
+
     named = {"cells" if key == "crossovers" else key: value for key, value in inputs.items()}
     return getattr(quasistatic, test)(table, **named, **options)
 
@@ -73,6 +74,8 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
 
 
 def _bias(inputs, solved):
+    from shellfabric.coupon import quasistatic
+
     size, shear_angles = quasistatic.bias_size(solved), [solved.shear(step) for step in range(len(solved.states))]
     zones = quasistatic.zones(solved.coupon, *size)
     angles = [
@@ -91,12 +94,16 @@ def _bias(inputs, solved):
 
 
 def _frame(inputs, solved):
+    from shellfabric.coupon import quasistatic
+
     stress, law = ("Pa", quasistatic.frame_stress(solved)), solved.coupon.table.model.fabric.shear
     known = {} if law is None else {"trellis law": ("Pa", law.stress(solved.prescribed))}
     return {"shear stress": stress} | known
 
 
 def _uniaxial(inputs, solved):
+    from shellfabric.coupon import quasistatic
+
     weave, along = solved.coupon.weave, 0 if inputs.direction == "warp" else 1
     size = np.ptp(solved.coupon.points, axis=0)
     yarns = round(float(size[1]) / (2 * weave.w[1 - along]))
@@ -111,6 +118,8 @@ def _uniaxial(inputs, solved):
 
 
 def _biaxial(inputs, solved):
+    from shellfabric.coupon import quasistatic
+
     strains = quasistatic.middle_strain(solved, [0.6 * inputs.centre * w for w in solved.coupon.weave.w])
     measures = {}
     for family, load, strain in zip(("warp", "weft"), (solved.force(1, 0), solved.force(3, 1)), strains.T):
