@@ -15,7 +15,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
@@ -69,9 +69,14 @@ TEXT_OR_TWO = {"anyOf": [TEXT, {"type": "array", "prefixItems": [TEXT, TEXT], "m
 
 
 def from_text(
-    kind: Any, convert: Callable[[Any, Callable[[Any, str], float]], Any], meaning: str, allowed: str, unit: str, example: Any = None,
+    kind: Any,
+    convert: Callable[[Any, Callable[[Any, str], float]], Any],
+    meaning: str,
+    allowed: str,
+    unit: str,
+    example: Any = None,
     written: dict[str, Any] = TEXT,
-) -> Any:  # fmt: skip
+) -> Any:
     """A `kind` in SI `unit` that convert(value, read) makes of what stands in a file, by read(text, unit) of its parts;
     `written` is the JSON Schema of what stands there."""
 
@@ -253,7 +258,7 @@ def _problems(found, model, given, file):
             line = InputError("is missing", file=file, key=key, allowed=field.description)
         elif isinstance(cause, InputError):
             key = ".".join(filter(None, (*names, cause.key)))
-            value = written(given, key) if cause.value is None else cause.value
+            value = written(given, key) if cause.key and cause.value is None else cause.value
             line = InputError(cause.message, file=file, key=key or None, value=value, allowed=cause.allowed)
         else:
             line = refused(error["input"], field.description, file=file, key=key)

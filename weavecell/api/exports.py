@@ -64,7 +64,7 @@ def export(
     from weavecell.decks import folder
 
     folder.check(to, units, match)
-    panel = targets.of(target, {}, folder.SUPPORT)
+    panel = targets.of(target, {}, folder.NOT_HONOURED)
     with targets.folder_of(out), panel.named():
         made = folder.made_of(panel.setup, to, units, match, title=panel.shot_title, source=panel.law_name)
         stem = Path(panel.name).stem if panel.from_file else panel.setup.fabric.name

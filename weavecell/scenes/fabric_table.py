@@ -25,6 +25,7 @@ from fabrics.schema import (
 )
 from fabrics.yarn import STATUSES
 
+
 class InlineLaw(Table):
     """Compression law given by its two coefficients, in place of `law = ...`, for both families.
 
@@ -190,8 +191,6 @@ def anchored(scene: Any, file: FilePath) -> Any:
         plies = tuple(of("panel.ply", ply, ("file", "law")) for ply in panel.ply)
         updates["panel"] = of("panel", panel, ("ply_contact",)).model_copy(update={"ply": plies})
     return scene.model_copy(update=updates)
-
-
 
 
 def exactly_one(table: Table, keys: Sequence[str], name: str = "") -> None:

@@ -18,10 +18,10 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.schema import Table, changed, written
 
-Keys: TypeAlias = Mapping[str, str | None]
+Keys: TypeAlias = dict[str, str | None]
 
 
-def silent(table: str, names: str) -> dict[str, None]:
+def silent(table: str, names: str) -> Keys:
     """Keys of a table, in one text, that mean nothing to a function."""
     return dict.fromkeys(f"{table}.{name}".lstrip(".") for name in names.split())
 
@@ -29,7 +29,7 @@ def silent(table: str, names: str) -> dict[str, None]:
 NO_HISTORY = "left out: the shots record nothing along yarns; `weavecell impact` does"
 IMPACT: Keys = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear
 UNWRITTEN = silent("run", "snapshot_interval checkpoint_interval outputs")  # by functions that shoot many times
-SHOTS = IMPACT | UNWRITTEN | {"accuracy": "left out: the shots are computed on the mesh of the scene"}
+SHOTS: Keys = IMPACT | UNWRITTEN | {"accuracy": "left out: the shots are computed on the mesh of the scene"}
 DRAWS: Keys = (
     IMPACT
     | UNWRITTEN

@@ -115,8 +115,6 @@ class ProjectileTable(Table):
             raise InputError("is missing", key="edge_radius", allowed=allowed)
         elif self.edge_radius >= self.diameter / 2:
             raise InputError(key="edge_radius", allowed="below half of projectile.diameter")
-        if self.shape != "stl":
-            stl_file.check_mass(self)
         return self
 
 
@@ -139,8 +137,8 @@ class SlipTable(Table):
 
     @model_validator(mode="after")
     def _clamped_or_pulled(self):
-        given = {name for name in SlipTable.model_fields if getattr(self, name) is not None}
-        if given == {"clamp_force"} or (not given and type(self) is not SlipTable):
+        given = {name for name in self.model_fields_set if getattr(self, name) is not None}
+        if given == {"clamp_force"} or (type(self) is not SlipTable and not given & set(SlipTable.model_fields)):
             return self
         if given - {"zone"} != {"pull_in", "start", "end"}:
             raise InputError("give clamp_force alone, or pull_in with start and end (and zone)")
@@ -219,8 +217,8 @@ def _zones(value):
     """Zones (until, side) [crossovers] of a grading, as numbers."""
     if value is None:
         return None
-    if any(isinstance(part, bool) or not isinstance(part, (int, float, str)) for until, side in value
-           for part in (until, side)):
+    numbers = [part for zone in value for part in zone] if all(isinstance(zone, list) for zone in value) else [None]
+    if any(isinstance(part, bool) or not isinstance(part, (int, float, str)) for part in numbers):
         raise ValueError("no zones")
     return tuple((_crossovers(until), _crossovers(side)) for until, side in value)
 
@@ -579,6 +577,8 @@ class Scene(Table):
         smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
         if shot.diameter >= smallest / 2:
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
+        if shot.shape != "stl":
+            stl_file.check_mass(shot)
         if self.accuracy is not None and panel.crossovers != "pinned":
             words = '"pinned" where the mesh is chosen by [accuracy]'
             raise InputError(key="panel.crossovers", allowed=words)
