@@ -62,7 +62,7 @@ def diagram():
                     COLOURS[1])]),
             (inner, [("shellfabric  (numba, explicit)", shell, COLOURS[2]),
                      ("unitcell3d  (dolfinx, quasi-static)", solid, COLOURS[2])]),
-            (11.0, [("weavecell", ["cli, commands, report, results, scenes",
+            (11.0, [("weavecell", ["cli, api, report, results, scenes",
                                    "analysis: choice of the mesh, uncertainty, biaxial tests"],
                      COLOURS[3])]),
             (8.0, [("validation",

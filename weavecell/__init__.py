@@ -5,7 +5,7 @@ The interface (`weavecell.api`) is loaded when it is first used:
     import weavecell as wc
 
     fabric = wc.fabric("S-720")
-    shot = wc.shoot(fabric, "92.5 m/s")
+    shot = wc.impact(fabric, "92.5 m/s")
     print(shot.outcome, shot.to_dataframe())
 """
 

@@ -49,7 +49,7 @@ _CSV = {  # heading: column of `to_dataframe`, format
     "peak warp tension [N]": ("peak_tension_warp_N", "{:.3f}"),
     "peak weft tension [N]": ("peak_tension_weft_N", "{:.3f}"),
     "energy error [-]": ("energy_error_max", "{:.3e}"),
-    "checks": ("status", "{}"),
+    "checks": ("checks", "{}"),
 }
 
 
@@ -264,7 +264,6 @@ class CriticalVelocityResult(StudyResult):
         shots = self.to_dataframe().to_dict("records")
         for shot in shots:
             shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
-            shot["checks"] = shot.pop("status")
         content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
         content |= checks.summary(self.checks) | chapters_assumed.summary(self.range)
         return {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
@@ -292,7 +291,7 @@ class CriticalVelocityResult(StudyResult):
 
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
-    """{name with unit: value of each shot}; "checks" are in words, "status" is "ok", "noted" or "doubtful"."""
+    """{name with unit: value of each shot}; "checks" is "ok", "noted" or "doubtful"."""
     warp, weft = zip(*(shot.peak_tension for shot in shots)) if shots else ((), ())
     return {
         "strike_velocity_m_s": [shot.strike_velocity for shot in shots],
@@ -304,8 +303,7 @@ def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
         "peak_tension_weft_N": weft,
         "energy_error_max": [shot.balance for shot in shots],
         "wall_time_s": [shot.wall_time for shot in shots],
-        "checks": [checks.words(shot.checks) for shot in shots],
-        "status": [checks.status(shot.checks) for shot in shots],
+        "checks": [checks.status(shot.checks) for shot in shots],
     }
 
 

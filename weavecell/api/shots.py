@@ -45,12 +45,12 @@ if TYPE_CHECKING:
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation
 
-__all__ = ["ShotResult", "shoot"]
+__all__ = ["ShotResult", "impact"]
 
 Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
 
-def shoot(
+def impact(
     target: Fabric | FilePath | ImpactSetup | None, velocity: float | str | None = None, *,
     assumed_range: bool = False, uncertainty: bool = False, check: bool = False, out: FilePath | None = None,
     resume: bool = False, **options: Unpack[Keywords],
@@ -88,7 +88,7 @@ def shoot(
 
     Examples
     --------
-    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> shot = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
@@ -122,6 +122,8 @@ def shoot(
     result.warn()
     return result
 
+
+shoot = impact  # the name of earlier releases, which goes with the next one
 
 # keys of an input file that [accuracy] would change; what is given there stays
 _BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projectile"}
@@ -211,7 +213,7 @@ class ShotResult(Result):
 
     Examples
     --------
-    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> shot = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> shot
     ShotResult(S-720, 150 m/s: in flight, residual velocity 148.1 m/s, checks ok)
     >>> f"{1e3 * shot.deflection[-1]:.1f} mm"

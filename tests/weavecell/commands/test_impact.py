@@ -131,7 +131,7 @@ def test_a_failure_while_writing_leaves_whole_files_only(scene, tmp_path, monkey
     monkeypatch.setattr(page, "render", full)
     monkeypatch.setattr(checkpoint, "LEAST_WALL", 0.0)
     with pytest.raises(OSError, match="No space"):
-        wc.shoot(scene(outputs='["report"]'), out=tmp_path / "results")
+        wc.impact(scene(outputs='["report"]'), out=tmp_path / "results")
     kept = names(tmp_path / "results")
     assert "checkpoint.h5" in kept
     assert not [name for name in kept if name.startswith(".") or name == "report.html"]

@@ -12,7 +12,7 @@ import pyvista
 
 import weavecell as wc
 from fabrics.errors import InputError
-from weavecell.decks import folder
+from weavecell.decks import folder, model
 from weavecell.decks.cloth import Cloth
 from weavecell.decks.model import UNITS
 
@@ -23,7 +23,7 @@ SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
 @cache
 def deck(fabric, to, match="uniaxial", **options):
     given = wc.setup(fabric, "100 m/s", opening="40 mm", elements_per_crossover=1, **options)
-    return folder.made_of(given, to, "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
+    return model.build(given, folder.CODES[to], "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
 
 
 def text(made, to):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import sys
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from fabrics.files import replace_whole
 from meshing.pictures_style import INK, WARP, WEFT, plots, tension_map
 from weavecell.report import pictures3d
 from weavecell.report.shot import chapters_shot, pictures_shot
-from weavecell.results import json_file, vtk
+from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
@@ -121,7 +121,7 @@ def show(path: Path, screenshot: Path | None = None, movie: Path | None = None, 
     from meshing.pictures import plotter, save
 
     scene = plotter(_WINDOW, "three lights", off_screen=screenshot is not None)
-    add(scene, file, panel, summary_of(file))
+    add(scene, file, panel)
     if screenshot is not None:
         save(scene, screenshot)
     else:
@@ -151,12 +151,6 @@ def panel_of(path: Path, file: Path) -> Panel | None:
     if (folder / "panel.pvd").exists() and (folder / "histories.h5").exists():
         return Panel(ImpactRecord.read(folder / "histories.h5"), vtk.read_series(folder / "panel.pvd"))
     return None
-
-
-def summary_of(file: Path) -> dict[str, Any]:
-    """summary.json of the run whose folder a .vtu of a series lies in; empty where there is none."""
-    path = file.parent.parent / "summary.json"
-    return json_file.read_summary(path) if path.exists() else {}
 
 
 def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:
@@ -212,31 +206,28 @@ def frames(panel: Panel, dpi: int, cut: bool = False) -> Iterator[np.ndarray]:
             pyplot.close(figure)
 
 
-def add(scene: Any, file: Path, panel: Panel | None = None, summary: Mapping[str, Any] | None = None) -> None:
+def add(scene: Any, file: Path, panel: Panel | None) -> None:
     """Add the elements of a file to a plotter; of a panel or pack the mirrored parts and the projectile too.
 
     Parameters
     ----------
     scene : pyvista.Plotter
     file : .vtu
-    panel : Panel, of a shot at one ply or a pack
-    summary : of summary.json; its outcome is written beside the picture
+    panel : Panel, of a shot at one ply or a pack, or None
     """
     import pyvista
 
     grid: Any = pyvista.read(file)
-    text, facts = file.name, summary or {}
+    text = file.name
     if "tension_warp_N" in grid.cell_data:
         top = max(grid["tension_warp_N"].max(), grid["tension_weft_N"].max(), 1e-9)
         text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {top:.0f} N (dark)"
-        body = None
+        body, mirrors = None, (False, False)
         if panel is not None:
-            t = panel.time_of(file)
-            body, text = panel.body(float(grid.field_data["projectile_z_m"][0]), t), f"{panel.caption(t)}\n{text}"
-        mirrors = bool(facts.get("mirror_x")), bool(facts.get("mirror_y"))
+            t, mirrors = panel.time_of(file), panel.mirrors
+            body = panel.body(float(grid.field_data["projectile_z_m"][0]), t)
+            text = f"{panel.headline()}\n{panel.caption(t)}\n{text}"
         pictures3d.add(scene, grid, np.array([top, top]), body, mirrors)
-        if "outcome" in facts:
-            text = f"{facts['title']}: {facts['outcome']}\n{text}"
     else:
         scalars = "yarn" if "yarn" in grid.cell_data else None
         look = {"show_edges": True, "edge_color": INK, "show_scalar_bar": False}
