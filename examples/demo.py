@@ -36,9 +36,9 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
     shots = wc.sweep(setups)
     for (velocity, law), shot in zip(cases, shots):
         folder = shot.to_vtk(out / f"{velocity.split()[0]}-{law.split()[0]}").parent
-        shot.record.write(folder / "histories.h5")
+        shot.write(folder / "histories.h5")
 
-    records = [replace(shot.record, title=", ".join(case)) for case, shot in zip(cases, shots)]
+    records = [replace(shot, title=", ".join(case)) for case, shot in zip(cases, shots)]
     rows = []
     for (velocity, _), record in zip(cases, records):
         outcome, source = TARGETS[velocity]

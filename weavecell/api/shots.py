@@ -23,10 +23,12 @@ import time
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
 
 from fabrics import run_cache
-from fabrics.checks import FilePath, FloatArray
+from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import targets
@@ -35,22 +37,19 @@ from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
 from weavecell.api.scatter_results import DrawsResult
 from weavecell.results import progress, run_folder
+from weavecell.results.impact import ImpactRecord
+from weavecell.results.impact_shapes import Shape
 from weavecell.scenes import of_commands
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from shellfabric.impact.simulation import ImpactSetup
-    from shellfabric.panel.quality import Indicator
-    from weavecell.results.impact import ImpactRecord
-    from weavecell.results.impact_shapes import Shape
+    from shellfabric.impact.simulation import ImpactResult, ImpactSetup
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation
 
 __all__ = ["ShotResult", "draws", "shoot"]
-
-Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
 
 def shoot(
@@ -133,7 +132,6 @@ _BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projecti
 def _answer(panel, key, folder, resume, uncertainty):
     """(ShotResult, the UnstableError that ended the run or None), of the finest mesh that [accuracy] asks for where
     there is one, or of a pair of meshes."""
-    from weavecell.results.impact import ImpactRecord
     from weavecell.studies import mesh_uncertainty
 
     scene, setup = None if panel.case is None else panel.case.scene, panel.setup
@@ -154,16 +152,16 @@ def _answer(panel, key, folder, resume, uncertainty):
         kept = folder is not None and run_folder.checkpoints(folder)
         hint = "; --resume goes on from its last checkpoint" if kept else ""
         raise run_folder.Interrupted(f"interrupted{hint}") from None
-    record = ImpactRecord.of(shot.result, panel.shot_title, panel.law_name, str(shot.failure or ""))
-    shapes, lines = shapes_of(shot.result.snapshots), targets.assumed_of(setup)
-    return ShotResult(record, shapes, setup.fabric, lines, None, panel, pair, key), shot.failure
+    return shot_of(panel, shot.result, str(shot.failure or ""), target=panel, pair=pair, key=key), shot.failure
 
 
-def shapes_of(snapshots: Any) -> tuple[tuple[Shape, ...], ...]:
-    """The Shapes of a run's snapshots, of each instant those of all plies."""
-    from weavecell.results.impact_shapes import Shape
-
-    return tuple(tuple(map(Shape.of, plies)) for plies in snapshots)
+def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
+    """The ShotResult of what a run at a target came to; why it became unstable, or ""; `more` of its fields."""
+    shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
+    fabric, lines = panel.setup.fabric, targets.assumed_of(panel.setup)
+    return ShotResult.of(
+        result, panel.shot_title, panel.law_name, message, shapes=shapes, fabric=fabric, assumed=lines, **more
+    )
 
 
 def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
@@ -248,13 +246,12 @@ def draws(
     return result
 
 
-@dataclass(frozen=True, repr=False)
-class ShotResult(Result):
-    """One impact on one ply or on a pack.
+@dataclass(frozen=True, repr=False, kw_only=True)
+class ShotResult(ImpactRecord, Result):
+    """One impact on one ply or on a pack, with all that `weavecell.results.impact.ImpactRecord` has.
 
     Parameters
     ----------
-    record : `weavecell.results.impact.ImpactRecord`
     shapes : of each instant of `snapshot_interval` the tuple of the plies' Shape
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
@@ -274,7 +271,6 @@ class ShotResult(Result):
     'panel.pvd'
     """
 
-    record: ImpactRecord
     shapes: tuple[tuple[Shape, ...], ...] = ()
     fabric: Fabric | None = None
     assumed: tuple[str, ...] = ()
@@ -283,48 +279,13 @@ class ShotResult(Result):
     pair: Discretisation | None = None
     key: str = ""
 
-    @property
-    def outcome(self) -> Outcome:
-        """ "stopped", "perforated", "in flight" (the end time came first) or "unstable"."""
-        return cast("Outcome", self.record.outcome)
-
-    @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks of the shot."""
-        return self.record.checks
-
-    @property
-    def strike_velocity(self) -> float:
-        """[m/s]"""
-        return float(self.record.strike_velocity)
-
-    @property
-    def residual_velocity(self) -> float:
-        """[m/s] at the end, along the panel's normal; 0 of a projectile that has stopped."""
-        return float(self.record.residual_velocity)
-
-    @property
-    def time(self) -> FloatArray:
-        """(n,) [s] of the histories `deflection` and `contact_force`."""
-        return self.record.time
-
-    @property
-    def deflection(self) -> FloatArray:
-        """(n,) [m] of the back face: largest displacement along the normal, of a pack that of its last ply."""
-        return self.record.deflection
-
-    @property
-    def contact_force(self) -> FloatArray:
-        """(n,) [N] on the projectile along the panel's normal, against its flight; the mean since the time before."""
-        return self.record.contact_force
-
     def summary(self) -> dict[str, Any]:
         """The entries of summary.json (docs/reference/input.md), the checks in words, the areal density of the first
         ply, and what is assumed."""
-        found = self.record.summary() | {"checks": self.checks_text}
+        known = super().summary() | {"checks": self.checks_text}
         if self.fabric is not None:
-            found["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
-        return found | self._what_is_assumed()
+            known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
+        return known | self._what_is_assumed()
 
     def __repr__(self) -> str:
         more = f", assumed: {len(self.assumed)} laws" if self.assumed else ""
@@ -332,25 +293,23 @@ class ShotResult(Result):
         return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
 
     def _what(self):
-        return f"{self.record.fabric}, {self.strike_velocity:g} m/s: {self.outcome}"
+        return f"{self.fabric_name}, {self.strike_velocity:g} m/s: {self.outcome}"
 
     def _columns(self):
-        record = self.record
-        columns = {
-            "time_s": record.time, "velocity_m_s": record.velocity, "nose_position_m": record.nose_position,
-            "deflection_m": record.deflection, "contact_force_N": record.contact_force,
-            "failed_yarn_segments": record.failed_segments,
-        }  # fmt: skip
-        columns |= {f"energy_{name}_J": values for name, values in record.energies.items()}
-        columns |= {f"reaction_{name}_N": record.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")}
-        return columns | {"checks": [self.checks_text] * len(record.time)}
+        histories, columns = self.histories, {}
+        for name, values in histories.columns.items():
+            if np.ndim(values) == 1:
+                unit = histories.unit(name).replace("/", "_")
+                columns["failed_yarn_segments" if unit == "1" else f"{name}_{unit}"] = values
+        columns |= {f"reaction_{name}_N": self.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")}
+        return columns | {"checks": [self.checks_text] * len(self.time)}
 
     def plot(self) -> Figure:
         """A matplotlib figure: velocity of the projectile [m/s] against time [us]."""
         from weavecell.report import pictures
 
-        label = f"{self.record.fabric}, {self.strike_velocity:g} m/s"
-        return figure(pictures.velocity, {label: (self.record.time, self.record.velocity)})
+        label = f"{self.fabric_name}, {self.strike_velocity:g} m/s"
+        return figure(pictures.velocity, {label: (self.time, self.velocity)})
 
     def plot_panel(self) -> Figure:
         """A matplotlib figure: the whole panel or pack and the projectile at the end, seen from behind.
@@ -359,7 +318,7 @@ class ShotResult(Result):
         """
         from weavecell.report.shot import view
 
-        return figure(view.end, self.record)
+        return figure(view.end, self)
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``, all plies in each.
@@ -374,9 +333,9 @@ class ShotResult(Result):
         """
         from weavecell.results import paraview
 
-        folder, final = Path(folder), self.record.final
+        folder, final = Path(folder), self.final
         before = [plies for plies in self.shapes if plies[0].t < final[0].t]
-        paraview.write_panel(folder, [*before, final], self.record.quads)
+        paraview.write_panel(folder, [*before, final], self.quads)
         return folder / "panel.pvd"
 
     def save(self, out: FilePath) -> None:
@@ -393,12 +352,12 @@ class ShotResult(Result):
 
         if self.target is None or self.target.case is None:
             raise InputError("a shot of a set-up has no report: give the fabric and its keywords, or an input file")
-        out, case, record, setup = Path(out), self.target.case, self.record, self.target.setup
+        out, case, setup = Path(out), self.target.case, self.target.setup
         outputs, shot = case.scene.run.outputs, case.scene.projectile
         stamp = provenance.stamp(self.target.text, setup=setup)
-        more = checks.summary(record.checks) | chapters_assumed.summary(self.range)
+        more = checks.summary(self.checks) | chapters_assumed.summary(self.range)
         more |= chapters_discretisation.summary(self.pair) | {"projectile": words.shot_in_words(shot)}
-        run_folder.write(out, self.target.text, record, more | {"run_key": self.key}, stamp)
+        run_folder.write(out, self.target.text, self, more | {"run_key": self.key}, stamp)
         if shot.stl is not None:
             shutil.copyfile(shot.stl, out / "projectile.stl")
         shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
@@ -407,17 +366,17 @@ class ShotResult(Result):
         if not {"pictures", "report"} & set(outputs):
             return
         used = setup if self.pair is None else self.pair.setup
-        sections = shot_page.sections(case, used, record, self.range, self.pair)
+        sections = shot_page.sections(case, used, self, self.range, self.pair)
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
         if "report" in outputs:
-            page.write(shot_page.page(case, used, record, sections, stamp), out / "report.html")
+            page.write(shot_page.page(case, used, self, sections, stamp), out / "report.html")
 
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation
         from weavecell.report.shot import tables_shot
 
-        record = self.record
+        record = self
         lines = [f"{record.title}: {record.outcome}, {tables_shot.residual(record)}"]
         if record.pack:
             lines.append(record.contact_words)

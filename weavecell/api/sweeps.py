@@ -25,7 +25,7 @@ from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain
-from weavecell.api.shots import ShotResult, shapes_of
+from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.scenes import impact as scenes
 from weavecell.scenes import of_commands, schema, supported
@@ -240,12 +240,9 @@ def _of_setups(setups, jobs, executor):
 def _fire(setup):
     """The ShotResult of a set-up, in a process of a sweep."""
     from shellfabric.impact import simulation
-    from weavecell.results.impact import ImpactRecord
 
     result, problem = simulation.fired(setup)
-    panel = targets.of(setup, {}, of_commands.IMPACT)
-    record = ImpactRecord.of(result, panel.shot_title, panel.law_name, problem)
-    return ShotResult(record, shapes_of(result.snapshots), setup.fabric, targets.assumed_of(setup))
+    return shot_of(targets.of(setup, {}, of_commands.IMPACT), result, problem)
 
 
 @dataclass(frozen=True, repr=False)

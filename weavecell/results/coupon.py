@@ -153,9 +153,9 @@ def write(path: FilePath, record: Record, solved: Result) -> None:
         file.attrs.update(record.facts)
         for name, (values, unit) in datasets.items():
             put(file, name, values, unit)
-        put(file, "states/x", x, "m", compression="gzip", shuffle=True)
+        put(file, "states/x", x, "m")
         shear = np.array([coupon.shear_angles(nodes) for nodes in x])
-        put(file, "states/shear", shear, "rad", compression="gzip", shuffle=True)
+        put(file, "states/shear", shear, "rad")
 
 
 def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:

@@ -21,7 +21,7 @@ from weavecell.results.impact import ImpactRecord
 
 @pytest.fixture
 def record():
-    return fired("impact").record
+    return fired("impact")
 
 
 @pytest.fixture

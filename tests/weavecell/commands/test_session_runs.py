@@ -90,7 +90,7 @@ def limit(_):
 def swept(_):
     shots = [{"strike_velocity": v, "mass": mass} for v in ("90 m/s", "150 m/s") for mass in ("3 g", "2 g")]
     found = wc.sweep([set_up(merged(SCENES["plies"], {"projectile": shot})) for shot in shots])
-    return {"rows": [shot.record.summary() for shot in found]}
+    return {"rows": [shot.summary() for shot in found]}
 
 
 def frame(_):

@@ -64,11 +64,11 @@ def page(
     shot, panel, model = this.scene.projectile, this.scene.panel, this.scene.fabric.cell_model
     source = this.law_name if model == "compressible" else model
     laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
-    plies, more = f"One ply of {record.fabric}", ""
+    plies, more = f"One ply of {record.fabric_name}", ""
     if record.pack:
-        plies = f"{record.count} plies: {record.fabric}"
+        plies = f"{record.count} plies: {record.fabric_name}"
         if not setup.lay_up:
-            plies = f"{record.count} plies of {record.fabric}, {record.pack['stacking']}"
+            plies = f"{record.count} plies of {record.fabric_name}, {record.pack['stacking']}"
         more = f" At rest: {record.gap_words}; {record.contact_words}."
     return Report(
         record.title,
