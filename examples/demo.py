@@ -17,7 +17,7 @@ import weavecell as wc
 from meshing import crossover
 from weavecell.commands import calibrate, mesh
 from weavecell.report import chapters, page
-from weavecell.report.shot import chapters_mesh, chapters_shot, tables_shot
+from weavecell.report.shot import chapters_shot
 from weavecell.results import provenance
 
 TARGETS = {"92.5 m/s": ("stopped", "thesis Figure 5-4"), "155 m/s": ("perforated", "thesis Figure 5-5")}
@@ -55,10 +55,10 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
         chapters.mesh(mesh.facts(built), (out / "mesh" / "crossover.png").read_bytes()),
         calibrate.fit_chapter(solved, laws),
         chapters.cell(fabric, {name: (law, law) for name, law in laws.items()}, paths=calibrate.paths(solved, fabric)),
-        chapters_mesh.section(records[0], setups[0]),
+        chapters_shot.mesh(records[0], setups[0]),
         chapters_shot.assumptions(setups[0], shots[0].assumed, body=records[0].rigid_check),
         chapters.sources(used),
-        chapters.making(stamp, times, tables_shot.cost(records, setups[0])),
+        chapters.making(stamp, times, chapters_shot.cost(records, setups[0])),
     )
     fitted = chapters.law_card(solved.law, fabric.laws[0], "fitted to the 3D crossover")
     cards = (chapters.fabric_card(used), fitted), tuple(map(chapters_shot.card, records))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from weavecell.api import targets
 from weavecell.api.study_result import StudyResult
-from weavecell.report import chapters_assumed, checks
+from weavecell.report import checks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -159,7 +159,8 @@ class CriticalVelocityResult(StudyResult):
             shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
             shot["checks"] = shot.pop("status")
         content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
-        content |= checks.summary(self.checks) | chapters_assumed.summary(self.range)
+        content |= checks.summary(self.checks)
+        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
         return {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
 
     def lines(self) -> list[str]:

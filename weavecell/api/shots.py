@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
-from fabrics import run_cache
+from fabrics import files, run_cache
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
@@ -279,10 +279,18 @@ class ShotResult(ImpactRecord, Result):
     pair: Discretisation | None = None
     key: str = ""
 
+    @property
+    def setup(self) -> ImpactSetup:
+        """What was run: the set-up of the target, of several meshes that with the mesh which counts."""
+        if self.pair is not None:
+            return self.pair.setup
+        assert self.target is not None
+        return self.target.setup
+
     def summary(self) -> dict[str, Any]:
         """The entries of summary.json (docs/reference/input.md), the checks in words, the areal density of the first
         ply, and what is assumed."""
-        known = super().summary() | {"checks": self.checks_text}
+        known = self.facts() | {"checks": self.checks_text}
         if self.fabric is not None:
             known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
         return known | self._what_is_assumed()
@@ -345,54 +353,55 @@ class ShotResult(ImpactRecord, Result):
         ------
         InputError : a shot of a sweep, or of a set-up, whose panel no report can describe
         """
-        from weavecell.report import chapters_assumed, chapters_discretisation, checks, page
+        from weavecell.report import chapters_discretisation, checks, page
         from weavecell.report.shot import shot_page
-        from weavecell.results import provenance
+        from weavecell.results import json_file, provenance
         from weavecell.scenes import words
 
         if self.target is None or self.target.case is None:
             raise InputError("a shot of a set-up has no report: give the fabric and its keywords, or an input file")
-        out, case, setup = Path(out), self.target.case, self.target.setup
-        outputs, shot = case.scene.run.outputs, case.scene.projectile
-        stamp = provenance.stamp(self.target.text, setup=setup)
-        more = checks.summary(self.checks) | chapters_assumed.summary(self.range)
-        more |= chapters_discretisation.summary(self.pair) | {"projectile": words.shot_in_words(shot)}
-        run_folder.write(out, self.target.text, self, more | {"run_key": self.key}, stamp)
-        if shot.stl is not None:
-            shutil.copyfile(shot.stl, out / "projectile.stl")
+        out, scene = Path(out), self.target.case.scene
+        outputs, projectile = scene.run.outputs, scene.projectile
+        stamp = provenance.stamp(self.target.text, setup=self.target.setup)
+        if self.target.text:
+            files.write(out / "scene.toml", self.target.text)
+        self.write(out / "histories.h5")
+        content = self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
+        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
+        content |= {"projectile": words.shot_in_words(projectile), "run_key": self.key, "provenance": stamp}
+        json_file.write_summary(out / "summary.json", content)
+        if projectile.stl is not None:
+            shutil.copyfile(projectile.stl, out / "projectile.stl")
         shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
         if "paraview" in outputs:
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
             return
-        used = setup if self.pair is None else self.pair.setup
-        sections = shot_page.sections(case, used, self, self.range, self.pair)
+        sections = shot_page.sections(self)
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
         if "report" in outputs:
-            page.write(shot_page.page(case, used, self, sections, stamp), out / "report.html")
+            page.write(shot_page.page(self, sections, stamp), out / "report.html")
 
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation
-        from weavecell.report.shot import tables_shot
+        from weavecell.report.shot import chapters_shot
+        from weavecell.results.display import text
 
-        record = self
-        lines = [f"{record.title}: {record.outcome}, {tables_shot.residual(record)}"]
-        if record.pack:
-            lines.append(record.contact_words)
-            by_ply = ", ".join(f"{n:g}" for n in record.plies["failed_yarns"][-1])
-            lines += [f"failed yarn segments by ply: {by_ply}", record.gap_words]
-        error = 100 * record.energy_error_max
-        lines.append(f"energy error at most {error:.3f} % of the strike energy, {record.strike_energy:.2f} J")
-        if record.rigid_check:
-            lines.append(record.rigid_check)
-        if record.backing is not None:
-            moving = 100 * record.energies["backing_kinetic"][-1] / record.strike_energy
-            signature = 1e3 * record.backing.back_face_signature
-            said = f"back-face signature {signature:.3g} mm"
-            lines.append(f"{said}; the block still moves with {moving:.2g} % of the strike energy")
-        share, absorbed = 100 * record.viscous_energy_fraction, record.absorbed_energy
-        lines.append(f"viscous energy {share:.1f} % of the {absorbed:.2f} J absorbed")
+        lines = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
+        if self.pack:
+            lines.append(self.contact_words)
+            by_ply = ", ".join(f"{n:g}" for n in self.plies["failed_yarns"][-1])
+            lines += [f"failed yarn segments by ply: {by_ply}", self.gap_words]
+        error = text(self.energy_error_max, "1", "error", ".3f")
+        lines.append(f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J")
+        if self.rigid_check:
+            lines.append(self.rigid_check)
+        if self.backing is not None:
+            said = f"back-face signature {text(self.backing.back_face_signature, 'm', form='.3g')}"
+            lines.append(f"{said}; the block still moves with {chapters_shot.block_moves(self)} of the strike energy")
+        share = text(self.viscous_energy_fraction, "1", "share", ".1f")
+        lines.append(f"viscous energy {share} of the {self.absorbed_energy:.2f} J absorbed")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
         if self.pair is not None:

@@ -23,7 +23,7 @@ from fabrics.checks import FilePath, FloatArray
 from fabrics.files import read_hdf5, write_hdf5
 from fabrics.ply_law import SOLID_TRAVEL
 from fabrics.record import Record
-from weavecell.results import json_file, keys
+from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
 from weavecell.results.impact_shapes import Cut, Peak, Shape
 from weavecell.results.keys import TABLES
@@ -171,14 +171,16 @@ class ImpactRecord:
         words = f"contact of plies: {law['source']} ({law['status']})"
         if law["travel_m"] <= SOLID_TRAVEL:
             return words
-        return f"{words}, travel {1e6 * law['travel_m']:.3g} um, then solid fibre"
+        return f"{words}, travel {law['travel_m'] * 1e6:.3g} um, then solid fibre"
 
     @property
     def gap_words(self) -> str:
         """The gap between plies at rest, its range and its source in one line."""
         low, high = (self.pack[f"ply_gap_{end}_m"] for end in ("low", "high"))
-        span = f" ({1e3 * low:.3g} .. {1e3 * high:.3g} mm)" if high > low else ""
-        return f"ply gap {1e3 * self.gaps[0]:.3g} mm{span}, {self.pack['ply_gap_source']}"
+        span = (
+            f" ({display.number(low, 'm', form='.3g')} .. {display.text(high, 'm', form='.3g')})" if high > low else ""
+        )
+        return f"ply gap {display.text(self.gaps[0], 'm', form='.3g')}{span}, {self.pack['ply_gap_source']}"
 
     @property
     def stop_time(self) -> float | None:
@@ -245,7 +247,7 @@ class ImpactRecord:
         }
         return type(self.slips[0])(**longest, **sums)
 
-    def summary(self) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         """{key: value} of all quantities of results/keys.toml, as summary.json has them."""
         tables = ["run", "impact", *(table for part, table in keys.OF_SOME.items() if getattr(self, part))]
         known = {key.name: key.value(self) for key in keys.table(*tables)} | self.pack | self.failure
@@ -262,7 +264,7 @@ class ImpactRecord:
                 key = known.get(name, keys.Key(name, "J", name.replace("_", " ")))
                 values[key._replace(name=f"{prefix}_{name}")] = history
         meanings = {key.name: f"[{key.unit}] {key.meaning}" for key in values}
-        return Record({key.name: history for key, history in values.items()}, meanings, self.summary())
+        return Record({key.name: history for key, history in values.items()}, meanings, self.facts())
 
     def to_xarray(self) -> Dataset:
         """The histories as an xarray.Dataset over time, those of plies over time and ply, with units and meanings."""
