@@ -39,7 +39,7 @@ PHASES = {
     "first calls of kernels, which load them": ("numba/core/dispatcher.py", "_compile_for_args"),
     "3D pictures": ("report/pictures3d.py", ""),
     "other pictures": ("report/pictures.py", "render"),
-    "ParaView series": ("results/paraview.py", ""),
+    "ParaView series": ("results/vtk.py", ""),
     "histories.h5, summary.json": ("results/run_folder.py", ""),
     "rest of the report": ("report/", ""),
     "table of the cell": ("cell/table_cache.py", ""),

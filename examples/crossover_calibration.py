@@ -12,7 +12,7 @@ import weavecell as wc
 found = wc.calibrate("S-720", mesh="coarse")
 law = found.law
 print(f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)")
-shot = wc.shoot("S-720", "170 m/s", law=found, opening="100 mm")
+shot = wc.impact("S-720", "170 m/s", law=found, opening="100 mm")
 print(shot)
 
 figure = found.plot()

@@ -14,8 +14,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import weavecell as wc
-from meshing import crossover
-from weavecell.commands import calibrate, mesh
 from weavecell.report import chapters, page
 from weavecell.report.shot import chapters_shot
 from weavecell.results import provenance
@@ -25,11 +23,9 @@ MOST = {"error of the energy balance, of the strike energy": 0.01, "viscous ener
 
 
 def main(folder: str = "results/demo", size: str = "medium") -> None:
-    out, began, fabric = Path(folder), time.perf_counter(), wc.fabric("S-720", linear_density="nominal")
-    built = crossover.build(fabric, size=size, domain="whole")
-    mesh.write(built, out / "mesh", fabric=fabric)
-    solved = wc.calibrate(fabric, mesh=size, jobs=2, out=out / "calibration").calibration
-    laws = {"fitted law": solved.law, "published law": fabric.laws[0]}
+    out, began = Path(folder), time.perf_counter()
+    solved = wc.calibrate("S-720", mesh=size, jobs=2, out=out / "calibration")
+    laws = {"fitted law": solved.law, "published law": solved.mesh.fabric.laws[0]}
     used, cases = wc.fabric("S-720"), [(velocity, law) for velocity in TARGETS for law in laws]
     options = {"end_time": "600 us", "snapshot_interval": "20 us", "elements_per_crossover": 1}
     setups = [wc.setup(used, velocity, law=laws[law], **options) for velocity, law in cases]
@@ -48,19 +44,20 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
     for (what, most), share in zip(MOST.items(), worst):
         rows.append((what, f"at most {100 * most:g} %", f"{100 * share:.2g} %", "yes" if share <= most else "no"))
     stamp = provenance.stamp(Path(__file__).read_text("utf-8"), used)
-    times = {"calibration": solved.seconds["all"], "all of it": time.perf_counter() - began}
+    times = {"calibration": solved.calibration.seconds["all"], "all of it": time.perf_counter() - began}
+    fit, cell = solved.sections()
     sections = (
         chapters_shot.chapter(records),
         chapters.comparison(rows),
-        chapters.mesh(mesh.facts(built), (out / "mesh" / "crossover.png").read_bytes()),
-        calibrate.fit_chapter(solved, laws),
-        chapters.cell(fabric, {name: (law, law) for name, law in laws.items()}, paths=calibrate.paths(solved, fabric)),
+        chapters.mesh(solved.mesh.summary(), (out / "calibration" / "crossover.png").read_bytes()),
+        fit,
+        cell,
         chapters_shot.mesh(records[0], setups[0]),
         chapters_shot.assumptions(setups[0], shots[0].assumed, body=records[0].rigid_check),
         chapters.sources(used),
         chapters.making(stamp, times, chapters_shot.cost(records, setups[0])),
     )
-    fitted = chapters.law_card(solved.law, fabric.laws[0], "fitted to the 3D crossover")
+    fitted = chapters.law_card(solved.law, laws["published law"], "fitted to the 3D crossover")
     cards = (chapters.fabric_card(used), fitted), tuple(map(chapters_shot.card, records))
     title, lead = "S-720: 3D crossover, calibration, impact", __doc__.split("\n\n")[1].partition(" It takes")[0]
     footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"

@@ -9,7 +9,7 @@ the panel. About 10 s. Run with ``python examples/first_shot.py``.
 
 import weavecell as wc
 
-shot = wc.shoot("S-720", "92.5 m/s", projectile={"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"})
+shot = wc.impact("S-720", "92.5 m/s", projectile={"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"})
 print(shot)  # with the quality checks: "ok", or what is noted or doubtful
 print(f"deflection at most {1e3 * shot.deflection.max():.1f} mm, {shot.time[-1] * 1e6:.0f} µs")
 shot.to_vtk("first-shot")

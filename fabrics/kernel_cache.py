@@ -13,19 +13,20 @@ has not set up logging.
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import logging
 import os
+import re
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fabrics import source_code
 from fabrics.checks import FilePath
 
 # folder of kernels: what they compute, and how long they are compiled on two free cores
@@ -40,6 +41,8 @@ MODELS = {
 }
 # folders that define the named tuples which kernels take: their layout is part of every digest
 TUPLES = ("shellfabric", "unitcell3d", "validation/models")
+ROOT = Path(__file__).parents[1]
+IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE)  # kernels import at the head of their file
 PAUSE = 3.0  # [s] without compiling, after which kernels of the same folder are announced again
 _announced: set[str] = set()  # folders, since the last pause
 _last = 0.0  # [s] when something was compiled last
@@ -83,7 +86,7 @@ def kernel_cache(file: FilePath) -> Iterator[None]:
     import numba
 
     file = Path(file).resolve()
-    root = source_code.ROOT if file.is_relative_to(source_code.ROOT) else _package_root(file)
+    root = ROOT if file.is_relative_to(ROOT) else _package_root(file)
     config: Any = numba.config
     before = config.CACHE_DIR
     folder = Path(before or root / file.relative_to(root).parts[0] / "__pycache__")
@@ -102,7 +105,15 @@ def _package_root(file):
 @cache
 def _kernel_digest(file: Path, root: Path) -> str:
     """First 16 digits of the digest of a file's `kernel_sources`."""
-    return source_code.digest(kernel_sources(file, root))[:16]
+    return digest(kernel_sources(file, root))[:16]
+
+
+def digest(parts: Iterable[tuple[str, bytes]]) -> str:
+    """Hexadecimal SHA-256 of pairs (name, bytes)."""
+    total = hashlib.sha256()
+    for name, content in parts:
+        total.update(f"{name}\0{len(content)}\0".encode() + content)
+    return total.hexdigest()
 
 
 @cache
@@ -120,7 +131,7 @@ def one_compiler_a_node() -> None:
     from numba.core import event
 
     config: Any = numba.config
-    shared = hashlib.sha256(str(config.CACHE_DIR or source_code.ROOT).encode()).hexdigest()[:16]
+    shared = hashlib.sha256(str(config.CACHE_DIR or ROOT).encode()).hexdigest()[:16]
     path = Path(tempfile.gettempdir()) / f"weavecell-compiler-{os.getuid()}-{shared}.lock"
 
     class Lock(event.Listener):
@@ -146,16 +157,24 @@ def one_compiler_a_node() -> None:
     event.register("numba:compiler_lock", Lock())
 
 
-def kernel_sources(file: Path, root: Path = source_code.ROOT) -> list[tuple[str, bytes]]:
+def kernel_sources(file: Path, root: Path = ROOT) -> list[tuple[str, bytes]]:
     """[(file, bytes)] that the machine code of the kernels in a file depends on, for packages in the folder `root`.
 
-    Whole: the file, and what it imports from our packages, directly or not. Of all other files of `TUPLES`: the
+    The file, and what it imports from packages in `root`, directly or not; of all other files of `TUPLES` the
     definitions of named tuples, the only arguments of kernels whose layout is ours.
     """
-    packages = {file.relative_to(root).parts[0], *source_code.PACKAGES}
-    # no machine code depends on this very file, which the decorators import
-    own = root / "fabrics" / Path(__file__).name
-    whole = set(source_code.closure([source_code.name_of(file, root)], root, packages, ends=[own])) - {own}
+    whole: set[Path] = set()
+    waiting = [file]
+    while waiting:
+        path = waiting.pop()
+        # no machine code depends on this very file, which the decorators import
+        if path in whole or path == root / "fabrics" / Path(__file__).name or not path.is_file():
+            continue
+        whole.add(path)
+        for module, names in IMPORT.findall(path.read_text("utf-8")):
+            place = root.joinpath(*module.split("."))
+            inside = re.findall(r"\w+", names)
+            waiting += [place.with_suffix(".py"), *(place / f"{name}.py" for name in inside)]
     sources = [(path, path.read_bytes()) for path in whole]
     sources += [(path, tuples) for path, tuples in _tuples(root) if path not in whole]
     return [(str(path.relative_to(root)), content) for path, content in sorted(sources)]
@@ -165,4 +184,22 @@ def kernel_sources(file: Path, root: Path = source_code.ROOT) -> list[tuple[str,
 def _tuples(root):
     """[(file, definitions of its named tuples as bytes)] of the folders `TUPLES`."""
     files = (path for folder in TUPLES for path in (root / folder).rglob("*.py"))
-    return [(path, tuples) for path in files if (tuples := source_code.named_tuples(path))]
+    return [(path, tuples) for path in files if (tuples := named_tuples(path.read_bytes()))]
+
+
+def named_tuples(content: bytes) -> bytes:
+    """Definitions of the named tuples of a file without the layout of its text, b"" if there are none.
+
+    A definition with fields that are not literals depends on the rest of the file: then it is the whole file.
+    """
+    if b"amedtuple(" not in content and b"NamedTuple" not in content:
+        return b""
+    definitions = []
+    for node in ast.walk(ast.parse(content)):
+        if isinstance(node, ast.ClassDef) and any(ast.unparse(base).endswith("NamedTuple") for base in node.bases):
+            definitions.append(ast.dump(node))
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("namedtuple", "NamedTuple")):
+            if any(isinstance(part, ast.Name) for argument in node.args for part in ast.walk(argument)):
+                return content
+            definitions.append(ast.dump(node))
+    return "\n".join(definitions).encode()

@@ -2,8 +2,7 @@
 
 One rule for every study that can be resumed. The key is a digest of
 - the inputs: numbers, texts, arrays, dataclasses and what is made of them (`inputs_digest`);
-- the code: the version of weavecell, and the source of the module that computes, of all that it imports from our
-  packages, directly or not, of the solvers' packages that are among it, and of the data files that these read (`code`).
+- the code: the version of weavecell, and all files that compute (`files_of`).
 A result of other code is thus never taken for one of this: it is computed again. A file that holds the state of a
 single unfinished run, which cannot be computed again on its own, carries both digests instead (`stamp`), and is
 refused with a message where either differs (`check_stamp`).
@@ -17,7 +16,6 @@ data base, which hides the results.
 from __future__ import annotations
 
 import hashlib
-import json
 import pickle
 import shutil
 import sys
@@ -30,40 +28,44 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import __version__, executors, source_code
+from fabrics import __version__, executors
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import write_whole
+from fabrics.kernel_cache import digest
 
+ROOT = Path(__file__).parents[1]
 LIBRARIES = ("fabrics", "meshing", "unitcell3d", "shellfabric")
+COMPUTING = ("scenes", "studies")  # folders of weavecell whose code counts beside that of a module's own folder
+SUFFIXES = (".py", ".toml", ".json", ".csv")
 _SHORT = 12  # digits of the code's digest that messages show
 
 
 @cache
 def code(*modules: str) -> str:
-    """Digest of the source that the modules (dotted names) consist of, with the data files that it reads.
-
-    A module that is not one of ours, as a user's own function has, must have been imported.
-    """
-    named = [(str(file.relative_to(source_code.ROOT)), file) for file in files_of(*modules)]
-    named += [(name, Path(str(sys.modules[name].__file__))) for name in modules if source_code.file_of(name) is None]
-    return source_code.digest((name, file.read_bytes()) for name, file in sorted(named))
+    """Digest of the code of some modules (dotted names): the names and bytes of `files_of`."""
+    return digest((str(file.relative_to(ROOT)), file.read_bytes()) for file in files_of(*modules))
 
 
 def files_of(*modules: str) -> list[Path]:
-    """Our files that count as the code of some modules, sorted.
+    """The source and data files, but pictures, that count as the code of some modules, sorted.
 
-    Their imports, in and out of functions; and, of each of `LIBRARIES` that is among these, all files but pictures,
-    since a module can use the methods of an object whose class it does not import.
+    All of `LIBRARIES`, since a module can use the methods of an object whose class it does not import; for a module of
+    validation all of validation, for one of weavecell its own folder and `COMPUTING`. A module that is none of ours, as
+    a user's own function has, must have been imported: it is its file.
     """
-    ours = [name for name in modules if source_code.file_of(name) is not None]
-    others = [Path(str(sys.modules[name].__file__)) for name in modules if name not in ours]
-    used = {name for file in others for name in source_code.imports(file)}
-    files = source_code.closure([*ours, *(name for name in used if source_code.file_of(name) is not None)])
-    reached = {file.relative_to(source_code.ROOT).parts[0] for file in files} & set(LIBRARIES)
-    whole = {file for package in reached for file in (source_code.ROOT / package).rglob("*.py")}
-    files = sorted({*files, *(file for file in whole if not file.stem.startswith("pictures"))})
-    return sorted({*files, *source_code.data_of(files)})
+    folders = {ROOT / name for name in LIBRARIES}
+    files = set()
+    for module in modules:
+        package, *inner = module.split(".")
+        if package == "weavecell":
+            folders |= {ROOT / package / name for name in (*COMPUTING, *inner[:-1])}
+        elif (ROOT / package / "__init__.py").is_file():
+            folders.add(ROOT / package)
+        else:
+            files.add(Path(str(sys.modules[module].__file__)))
+    files |= {file for folder in folders for file in folder.rglob("*") if file.suffix in SUFFIXES}
+    return sorted(file for file in files if not file.stem.startswith("pictures"))
 
 
 def version(*modules: str) -> str:
@@ -141,18 +143,7 @@ def _read_pickle(path):
         return pickle.load(file)  # written by `_write_pickle` in the user's own folder
 
 
-def _write_json(path, content):
-    with write_whole(path) as file:
-        json.dump(content, file, indent=1)
-        file.write("\n")
-
-
-def _read_json(path):
-    return json.loads(path.read_text("utf-8"))
-
-
 PICKLE = Format("pickle", _write_pickle, _read_pickle)
-JSON = Format("json", _write_json, _read_json)
 
 
 class RunCache:

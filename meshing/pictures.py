@@ -55,10 +55,10 @@ def save(scene: Any, path: FilePath) -> None:
         scene.close()
 
 
-def plotter(window: Sequence[int], lights: Any = "light kit") -> Any:
-    """An off-screen scene on white."""
+def plotter(window: Sequence[int], lights: Any = "light kit", off_screen: bool = True) -> Any:
+    """A scene on white, in a window or off screen."""
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # else a warning for each kind of screen that is missing
-    scene: Any = pyvista.Plotter(off_screen=True, window_size=list(window), lighting=lights)
+    scene: Any = pyvista.Plotter(off_screen=off_screen, window_size=list(window), lighting=lights)
     scene.set_background("white")
     scene.enable_anti_aliasing("ssaa")
     return scene

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from fabrics import kernel_cache, source_code
-from fabrics.kernel_cache import kernel_sources
+from fabrics import kernel_cache
+from fabrics.kernel_cache import digest, kernel_sources
 
 ROOT = Path(__file__).parents[1]
+PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
 WITH_KERNELS = ("shellfabric", "unitcell3d", "validation/models")
 DECORATORS = ("shellfabric/jit/compile.py", "fabrics/kernel_cache.py")  # files that may use numba's own decorators
 OWN_DECORATORS = re.compile(r"\b(njit|vectorize|guvectorize|cfunc)\b")
@@ -22,23 +23,38 @@ NAMED_TUPLE = re.compile(r"^[^#\n]*(\bnamedtuple\(|\bNamedTuple\b\)?:)", re.MULT
 MOST_LINES, MOST_LINES_OF_A_FUNCTION = 600, 60
 
 
-def sources(root, packages=source_code.PACKAGES):
+def sources(root, packages=PACKAGES):
     """(name, file, text) of all Python files of the packages."""
     for path in sorted(path for package in packages for path in (root / package).rglob("*.py")):
         yield str(path.relative_to(root)), path, path.read_text("utf-8")
 
 
 def kernels_that_are_not_plain(root):
-    """Kernel files import decorators, `jit` and kernel files alone; they hold no classes and open no files."""
+    """Kernel files import decorators, `jit` and kernel files alone, at their head; no classes, no open files."""
     for name, path, text in sources(root):
         if not path.stem.endswith("_kernels"):
             continue
-        for file in (source_code.file_of(module, root) for module in source_code.imports(path, root)):
-            plain = file is None or file.name in ("__init__.py", "kernel_cache.py") or file.stem.endswith("_kernels")
-            if not plain and file.parent != root / "shellfabric" / "jit":
+        tree = ast.parse(text)
+        for module, member in own_imports(tree):
+            place = root.joinpath(*module.split("."))
+            file = place / f"{member}.py" if place.is_dir() else place.with_suffix(".py")
+            if not file.stem.endswith("_kernels") and file.stem != "kernel_cache" and file.parent.name != "jit":
                 yield f"{name} imports {file.stem}"
-        if any(isinstance(node, ast.ClassDef) for node in ast.walk(ast.parse(text))) or "open(" in text:
+        if len(own_imports(tree)) > len(own_imports(ast.Module(tree.body, []), ast.iter_child_nodes)):
+            yield f"{name} imports inside a function, where the cache of kernels does not look"
+        if any(isinstance(node, ast.ClassDef) for node in ast.walk(tree)) or "open(" in text:
             yield f"{name} holds a class or opens a file"
+
+
+def own_imports(tree, nodes=ast.walk):
+    """[(module, member)] of what a file imports from our packages."""
+    found = []
+    for node in nodes(tree):
+        if isinstance(node, ast.ImportFrom):
+            found += [("." * node.level + node.module, alias.name) for alias in node.names]
+        elif isinstance(node, ast.Import):
+            found += [(alias.name, "") for alias in node.names]
+    return [(module, member) for module, member in found if module.partition(".")[0] in (*PACKAGES, "")]
 
 
 def kernels_outside_the_cache(root):
@@ -104,7 +120,7 @@ def test_a_named_tuple_changes_the_digest_of_kernels(tmp_path, file):
     for text in ("Pair = namedtuple('Pair', 'a b')", "Pair = namedtuple('Pair', 'b a')",
                  "Pair = namedtuple( 'Pair', 'b a')", "names = 'a b'\nPair = namedtuple('Pair', names)"):  # fmt: skip
         write(tmp_path, file, f"from collections import namedtuple\n{text}\n")
-        digests.append(source_code.digest(kernel_sources(tmp_path / "shellfabric/cell/fast_kernels.py", tmp_path)))
+        digests.append(digest(kernel_sources(tmp_path / "shellfabric/cell/fast_kernels.py", tmp_path)))
     assert digests[0] != digests[1] == digests[2] != digests[3]
 
 
@@ -113,7 +129,7 @@ def test_lines_of_python_are_within_the_budget():
     most = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["weavecell"]["most_lines"]
     counts = {
         name: sum(len(path.read_bytes().splitlines()) for path in (ROOT / name).rglob("*.py"))
-        for name in (*source_code.PACKAGES, "tests")
+        for name in (*PACKAGES, "tests")
     }
     assert set(most) == set(counts)
     assert {name: count for name, count in counts.items() if count > most[name]} == {}

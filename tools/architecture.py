@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from fabrics import source_code  # noqa: E402
+from fabrics import kernel_cache  # noqa: E402
 from meshing.pictures_style import FAINT, INK, plots  # noqa: E402
 
 CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
@@ -46,9 +46,8 @@ def folders(package):
 
 def kernels():
     """Kernel files behind the step of one ply, in the order of their names."""
-    start = ROOT / "shellfabric" / "__init__.py"
-    files = source_code.closure(["shellfabric.solver.step_kernels"], ROOT, ("shellfabric",), ends=[start])
-    return sorted(str(file.relative_to(ROOT)) for file in files if file.stem.endswith("_kernels"))
+    sources = kernel_cache.kernel_sources(ROOT / "shellfabric" / "solver" / "step_kernels.py")
+    return [name for name, _ in sources if name.endswith("_kernels.py")]
 
 
 def diagram():
@@ -63,7 +62,7 @@ def diagram():
                     COLOURS[1])]),
             (inner, [("shellfabric  (numba, explicit)", shell, COLOURS[2]),
                      ("unitcell3d  (dolfinx, quasi-static)", solid, COLOURS[2])]),
-            (11.0, [("weavecell", ["cli, commands, report, results, scenes",
+            (11.0, [("weavecell", ["cli, api, report, results, scenes",
                                    "analysis: choice of the mesh, uncertainty, biaxial tests"],
                      COLOURS[3])]),
             (8.0, [("validation",

@@ -21,7 +21,6 @@ from fabrics.files import replace_whole, write
 from validation.program import save
 from validation.published import calibration
 from validation.published.biaxial_glass import model_comparison, options
-from weavecell.commands import biaxial
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 REPORTS = Path(__file__).parents[1] / "docs" / "reports" / "figures"
@@ -74,7 +73,7 @@ def coupons(_):
                 wc.coupon(COUPONS / f"{name}.toml", out=Path(folder) / name)
             for picture in pictures:
                 keep(Path(folder) / name / "pictures" / picture, f"coupon-{name}-{picture}")
-        biaxial.biaxial("S-731", out=Path(folder) / "biaxial")
+        wc.biaxial("S-731", out=Path(folder) / "biaxial")
         keep(Path(folder) / "biaxial" / "pictures" / "cell.svg", "biaxial-S-731.svg")
 
 

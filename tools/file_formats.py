@@ -115,7 +115,7 @@ def case_file() -> list[list[str]]:
 def outputs() -> list[list[str]]:
     """Files that each command writes, from the docstrings of the modules of the commands."""
     rows = [["command", "file", "contents"]]
-    folders = (ROOT / "weavecell" / name for name in ("commands", "api", "results"))
+    folders = (ROOT / "weavecell" / name for name in ("api", "results"))
     for path in sorted((path for folder in folders for path in folder.glob("*.py")), key=lambda path: path.name):
         text = ast.get_docstring(ast.parse(path.read_text("utf-8"))) or ""
         head = re.search(r"older of (`weavecell .*)$", text, re.MULTILINE)

@@ -22,7 +22,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact import ballistic_limit, simulation
 from unitcell3d.identify.calibrate import calibrate
-from weavecell.results import pull_out
+from weavecell.results import coupon as coupon_results
 from weavecell.scenes import build, coupon, impact, of_commands
 from weavecell.studies import inputs, v50
 
@@ -45,7 +45,7 @@ def coupon_test(path):
     case = build.build(scene, path, path.stem)
     table = CellModel(case.fabric, case.laws).table(201)
     if scene.test == "pull_out":
-        return pull_out.run(table, scene.pull_out)
+        return coupon_results.run_pull_out(table, scene.pull_out)
     options = scene.test_table.model_dump(exclude_none=True) | scene.run.model_dump(exclude={"outputs"})
     if "crossovers" in options:
         options["cells"] = options.pop("crossovers")

@@ -14,11 +14,13 @@ from meshing.pictures_style import FAINT, GREEN, INK, RED, plots, tension_map
 from shellfabric.impact.simulation import ImpactSetup, run
 from shellfabric.output import snapshots
 from weavecell.report import pictures, pictures3d
+from weavecell.results import vtk
+from weavecell.results.impact_shapes import Shape
 
 HERO = Path(__file__).parents[1] / "docs" / "figures" / "impact.png"
 STOPPED, PERFORATED = 92.5, 155.0  # [m/s] captions of thesis Figures 5-4 and 5-5
 INSTANT = 100e-6  # [s] of the panel that is drawn
-REACH = 0.050  # [m] half the width of the view
+HALF_HEIGHT = 0.030  # [m] of the view
 BAR = 20.0  # [mm] of the scale bar
 US = 1e6
 
@@ -32,14 +34,11 @@ def shot(velocity, interval=None):
 def image_of(result):
     """(rows, columns, 3) the panel at INSTANT, its modelled part mirrored."""
     shape = min((shapes[0] for shapes in result.snapshots), key=lambda one: abs(one.t - INSTANT))
-    strength = [yarn.strength for yarn in result.setup.fabric.weave.yarns]
-    share = (shape.tension / strength).max(axis=-1).ravel()
-    failed = shape.failed.reshape(-1, 3)
-    count = np.where(failed[:, 2], 2, failed[:, 0].astype(int) + failed[:, 1])
+    strength = np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns])
     body = shape.projectile_position + result.setup.projectile.surface()
-    return shape.t, pictures3d.panel(
-        shape.nodes.reshape(-1, 3), snapshots.quads(result.panel), share, count, body, result.mirrored, REACH
-    )
+    grid = vtk.panel([Shape.of(shape)], [snapshots.quads(result.panel)])
+    centre = (*pictures3d.tip(body)[:2], grid.bounds.z_max)
+    return shape.t, pictures3d.panel(grid, strength, body, result.mirrored, HALF_HEIGHT, centre)
 
 
 def draw(pyplot, perforated, stopped):
@@ -51,7 +50,7 @@ def draw(pyplot, perforated, stopped):
     left.axis("off")
     left.set_title(f"S-720 at {PERFORATED:g} m/s, {US * t:.0f} µs after the strike")
     rows, columns = image.shape[:2]
-    pixel = 1.2e3 * REACH / rows  # [mm] a pixel across the view: the parallel scale is half the height
+    pixel = 2e3 * HALF_HEIGHT / rows  # [mm] across the view
     ends = np.array([0.04, 0.04]) * columns + [0, BAR / pixel]
     left.plot(ends, [0.94 * rows] * 2, color=INK, lw=3, solid_capstyle="butt")
     left.text(ends.mean(), 0.92 * rows, f"{BAR:g} mm", ha="center", va="bottom")

@@ -14,7 +14,7 @@ sys.path.insert(0, str(ROOT))
 
 import weavecell as wc  # noqa: E402
 from validation.marked_page import markdown, put  # noqa: E402
-from weavecell.decks import folder  # noqa: E402
+from weavecell.decks import folder, model  # noqa: E402
 from weavecell.decks.cloth import MATCHES, Cloth  # noqa: E402
 from weavecell.decks.laws import CrimpExchange, UncoupledCurves  # noqa: E402
 from weavecell.decks.mismatch import Mismatch  # noqa: E402
@@ -48,8 +48,9 @@ def errors(match: str) -> str:
 def card(to: str) -> str:
     """The card of S-720 in a deck, with the first points of each curve."""
     given = wc.setup("S-720", "100 m/s", opening="40 mm", elements_per_crossover=1)
-    made = folder.made_of(given, to, "kg-m-s", "plane", title="S-720", source="published")
-    text = next(iter(folder.CODES[to].write(made, "S-720").values()))
+    code = folder.CODES[to]
+    made = model.build(given, code, "kg-m-s", "plane", title="S-720", source="published")
+    text = next(iter(code.write(made, "S-720").values()))
     begin, end = CARDS[to]
     lines, points = [], 0
     for line in text[text.index(begin) : text.index(end)].splitlines():

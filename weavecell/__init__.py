@@ -1,11 +1,11 @@
-"""The front door: commands, scene files, the walk of the data from fabric to impact, pictures and reports.
+"""The application: input files, studies, results and reports, as a Python interface and as commands.
 
-Python interface, loaded when it is first used:
+The interface (`weavecell.api`) is loaded when it is first used:
 
     import weavecell as wc
 
     fabric = wc.fabric("S-720")
-    shot = wc.shoot(fabric, "92.5 m/s")
+    shot = wc.impact(fabric, "92.5 m/s")
     print(shot.outcome, shot.to_dataframe())
 """
 
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import importlib.util
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
     _found = importlib.util.find_spec(_name)
@@ -22,6 +23,20 @@ for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
             "rename it, or run from another folder"
         )
 
-from fabrics import lazy  # noqa: E402
+if TYPE_CHECKING:
+    from weavecell.api import *  # noqa: F403
 
-__getattr__, __dir__ = lazy.public(__name__, __file__)
+
+def __getattr__(name: str) -> Any:
+    """A public name, or the list of them: all are loaded with the first."""
+    import weavecell.api as api
+
+    if name == "__all__" or name in api.__all__:
+        return getattr(api, name)
+    raise AttributeError(f"module 'weavecell' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    import weavecell.api as api
+
+    return sorted({*globals(), *api.__all__})

@@ -16,13 +16,10 @@ from typing import Any
 import numpy as np
 
 from fabrics.checks import FloatArray
-from shellfabric.panel import quality_kernels as kernels
-from shellfabric.panel.motion_kernels import FAILURES
-from shellfabric.panel.quality_kernels import DEPTH
-from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 
 OK, NOTED, DOUBTFUL = "ok", "noted", "doubtful"
 _T = ("T1", "T2")
+_DEPTH = 2  # column of what a monitor samples of a ply (`quality_kernels.DEPTH`)
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
 
@@ -159,23 +156,28 @@ class Monitor:
 
     def sampled(self, solver: Any) -> None:
         """Take a sample at every EVERY-th sample of the solver, as long as no yarn has failed."""
+        from shellfabric.panel.motion_kernels import FAILURES
+        from shellfabric.panel.quality_kernels import sample
+
         parts = solver.parts
         if len(solver.samples) % EVERY or any(state.counter[FAILURES] for _, _, state in parts):
             return
         for (_, const, state), row, (i, j), light in zip(parts, self.found, self._places, self._light):
-            kernels.sample(state, const, i, j, *light, row)
+            sample(state, const, i, j, *light, row)
         if len(parts) > 1:
-            self.found[:-1, DEPTH] = solver.squeezed
+            self.found[:-1, _DEPTH] = solver.squeezed
 
     @property
     def oscillation(self) -> float:
         """[-] root of the ratio of the two sums of squares."""
-        alternation, squares = self.found[:, :DEPTH].sum(axis=0)
+        alternation, squares = self.found[:, :_DEPTH].sum(axis=0)
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 
 def of_solver(solver: Any) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a run of a `solver.pack_solver.PackSolver`."""
+    from shellfabric.projectile.contact_kernels import MAX_PENETRATION
+
     panel, shot = solver.panel, solver.panel.projectile
     strike = solver.strike_energy
     energies = {name: solver.sample(name) for name in solver.energy_names}
@@ -198,7 +200,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         *_extrapolation(solver),
     ]
     if len(solver.parts) > 1:
-        found.append(indicator("ply penetration", solver.monitor.found[:, DEPTH].max()))
+        found.append(indicator("ply penetration", solver.monitor.found[:, _DEPTH].max()))
         found.append(indicator("unresolved torn contact", solver.held_apart[1]))
     return tuple(found)
 

@@ -6,10 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fabrics import catalogue, run_cache, source_code
+from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
-
-ROOT = Path(__file__).parents[2]
 
 
 @dataclass(frozen=True)
@@ -44,87 +42,49 @@ def test_what_has_no_value_of_its_own_is_no_part_of_a_key(value):
         run_cache.inputs_digest(("a", [value]))
 
 
-FILES = {
-    "fabrics/__init__.py": "",
-    "fabrics/yarn.py": "import math\n",
-    "fabrics/files.py": "from importlib import resources\nfind = resources.files('fabrics')\n",
-    "fabrics/data.toml": "a = 1\n",
-    "shellfabric/__init__.py": "",
-    "shellfabric/march.py": "def run():\n    from fabrics.yarn import Yarn\n",
-    "shellfabric/reader.py": "from fabrics import files\n",
-    "shellfabric/pictures.py": "",
-    "shellfabric/jit/__init__.py": "",
-    "shellfabric/jit/a_kernels.py": "from . import b_kernels\nfrom ..march import run\n",
-    "shellfabric/jit/b_kernels.py": "",
-    "meshing/grid.py": "",
-    "validation/__init__.py": "",
-    "validation/alone.py": "",
-    "validation/study.py": "from importlib import import_module\n",
-}
-
-
-@pytest.fixture
-def tree(tmp_path, monkeypatch):
-    """A tree of our packages in a folder of its own."""
-    for name, text in FILES.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text)
-    monkeypatch.setattr(source_code, "ROOT", tmp_path)
-    for name in ("file_of", "closure", "data_of", "name_of", "imports"):
-        function = getattr(source_code, name)
-        defaults = tuple(tmp_path if value == ROOT else value for value in function.__defaults__)
-        monkeypatch.setattr(function, "__defaults__", defaults)
-    return tmp_path
-
-
 @pytest.mark.parametrize(
-    ("module", "changed", "counts"),
+    ("module", "file", "counts"),
     [
-        ("shellfabric.march", "shellfabric/march.py", True),
-        ("shellfabric.march", "fabrics/yarn.py", True),  # imported in a function
-        ("shellfabric.march", "shellfabric/__init__.py", True),
-        ("shellfabric.march", "shellfabric/reader.py", True),  # its objects may be handed to the march
-        ("shellfabric.march", "fabrics/data.toml", True),
-        ("shellfabric.march", "shellfabric/pictures.py", False),
-        ("shellfabric.march", "meshing/grid.py", False),
-        ("shellfabric.jit.a_kernels", "shellfabric/jit/b_kernels.py", True),  # by relative imports
-        ("shellfabric.jit.a_kernels", "fabrics/yarn.py", True),
-        ("validation.study", "validation/alone.py", True),  # by a computed name
-        ("validation.alone", "fabrics/yarn.py", False),
+        ("shellfabric.impact.simulation", "shellfabric/new.py", True),
+        ("shellfabric.impact.simulation", "fabrics/catalogue/new.toml", True),
+        ("shellfabric.impact.simulation", "shellfabric/pictures_new.py", False),
+        ("shellfabric.impact.simulation", "weavecell/studies/new.py", False),
+        ("weavecell.studies.v50", "weavecell/scenes/new.py", True),
+        ("weavecell.studies.v50", "weavecell/report/new.py", False),
+        ("validation.claims.runner", "validation/published/new.py", True),
     ],
 )
-def test_what_counts_as_the_code_of_a_module(tree, module, changed, counts):
-    def digest():
-        run_cache.code.cache_clear()
-        return run_cache.code(module)
+def test_what_counts_as_the_code_of_a_module(tmp_path, monkeypatch, module, file, counts):
+    monkeypatch.setattr(run_cache, "ROOT", tmp_path)
+    for name in (file, "fabrics/yarn.py", f"{module.partition('.')[0]}/__init__.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    before = run_cache.code.__wrapped__(module)
+    (tmp_path / file).write_text("changed")
+    assert (run_cache.code.__wrapped__(module) != before) == counts
 
-    before = digest()
-    assert digest() == before
-    with open(tree / changed, "a") as file:
-        file.write("# changed\n")
-    assert (digest() != before) == counts
-    run_cache.code.cache_clear()
-    with pytest.raises(ModuleNotFoundError):
-        source_code.closure(["shellfabric.nothing"])
+
+def test_the_code_of_a_function_of_the_user_is_its_file():
+    assert Path(__file__) in run_cache.files_of(__name__)
+    assert run_cache.code(__name__)
 
 
 def test_a_key_changes_with_inputs_version_and_code(monkeypatch):
     first = run_cache.key(("a", 1.0), "fabrics.yarn")
     assert first == run_cache.key(("a", 1.0), "fabrics.yarn")
     assert first != run_cache.key(("a", 2.0), "fabrics.yarn")
-    assert first != run_cache.key(("a", 1.0), "meshing.grid")
+    assert first != run_cache.key(("a", 1.0), "weavecell.studies.v50")
     monkeypatch.setattr(run_cache, "__version__", "9.9")
     assert first != run_cache.key(("a", 1.0), "fabrics.yarn")
     assert run_cache.version("fabrics.yarn").startswith("9.9 (code ")
 
 
-@pytest.mark.parametrize("form", [run_cache.PICKLE, run_cache.JSON])
-def test_results_come_back(tmp_path, form):
-    kept = run_cache.RunCache(tmp_path, form)
+def test_results_come_back(tmp_path):
+    kept = run_cache.RunCache(tmp_path)
     assert "k" not in kept
     kept["k"] = {"a": [1.0, "b"]}
-    assert run_cache.RunCache(tmp_path, form)["k"] == {"a": [1.0, "b"]}
-    assert [path.name for path in tmp_path.iterdir()] == [f"k.{form.suffix}"]
+    assert run_cache.RunCache(tmp_path)["k"] == {"a": [1.0, "b"]}
+    assert [path.name for path in tmp_path.iterdir()] == ["k.pickle"]
 
 
 def test_a_stamp_tells_other_inputs_from_other_code(monkeypatch, tmp_path):

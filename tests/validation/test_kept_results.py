@@ -54,29 +54,6 @@ def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
     assert message.count(f"{before} (code ") == 2  # and that of the file
 
 
-ANALYSES = ("weavecell/__init__.py", "weavecell/studies/")
-SHELL = ("shellfabric/solver/step_kernels.py", "shellfabric/cell/model.py", "shellfabric/plies/contact_kernels.py")
-SOLID = ("unitcell3d/solver/newton.py", "unitcell3d/contact/surface_contact_kernels.py", "meshing/crossover.py")
-CODE = {  # the code of a result: files that are among it
-    "shellfabric.impact.simulation": SHELL,
-    "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),
-    "weavecell.studies.v50": (*SHELL, "fabrics/catalogue/S-720.toml"),
-    "validation.claims.runner": (*SHELL, *SOLID, "validation/claims/checks/impact.py"),
-}
-
-
-@pytest.mark.parametrize("module", CODE)
-def test_the_code_of_a_result_is_what_computes_it(module):
-    found = {str(file.relative_to(ROOT)) for file in run_cache.files_of(module)}
-    assert set(CODE[module]) <= found
-    assert "fabrics/solid.py" in found  # whose methods are used without an import
-    packages = {name.split("/")[0] for name in found}
-    # a report or a picture more, and nothing is computed again
-    assert not any(name.startswith("weavecell/") and not name.startswith(ANALYSES) for name in found)
-    if module.startswith(("shellfabric", "weavecell.studies")):
-        assert "unitcell3d" not in packages
-
-
 @pytest.mark.parametrize(("name", "again"), [("step_kernels.py", True), ("pictures.py", False)])
 def test_a_study_is_run_again_after_a_change_of_a_kernel_and_not_of_a_picture(monkeypatch, name, again):
     def key():

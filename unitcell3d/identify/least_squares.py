@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
-from scipy.stats import t as student
 
 from fabrics.checks import FloatArray
 
@@ -74,5 +73,7 @@ def identify(jacobian: FloatArray, noise: float, freedom: int) -> tuple[FloatArr
     _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
     covariance = noise**2 * (directions.T / np.maximum(singular, 1e-12) ** 2) @ directions
     deviation = np.sqrt(np.diag(covariance))
+    from scipy.stats import t as student  # which takes a quarter of a second to load
+
     half = student.ppf(0.975, freedom) * deviation
     return half, covariance / np.outer(deviation, deviation), singular, directions

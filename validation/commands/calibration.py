@@ -12,7 +12,7 @@ from typing import Literal
 
 from fabrics.errors import InputError
 from validation.published import calibration, calibration_chain
-from weavecell.commands.options import CORES
+from weavecell.cli.from_signature import CORES
 
 NOTES = {"mesh": "of the 3D crossover", "friction": "Coulomb's coefficient between the yarns",
          "page": "with --fit-solid: put tables and pictures into this page too"}  # fmt: skip

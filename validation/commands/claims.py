@@ -27,7 +27,7 @@ from validation.claims import claims as data
 from validation.claims import page as claims_page
 from validation.claims import runner, summary, variants
 from validation.claims.judge import DATA, MISSED, NOT_BUILT, NOT_COMPARABLE, NOT_TESTABLE, WRONG
-from weavecell.commands.options import CORES
+from weavecell.cli.from_signature import CORES
 from weavecell.results import json_file, out_folder, progress, provenance
 
 NOTES = {"topics": "those to check; all if none is given", "slow": "also the checks that take minutes each",

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from weavecell.commands.options import CORES
+from weavecell.cli.from_signature import CORES
 from weavecell.results import json_file, out_folder, progress, provenance
 
 NOTES = {"level": "how fine the mesh of the finest reference is", "only": "choices to vary; all if none is given"}

@@ -18,7 +18,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from validation.commands import studies
-from weavecell.commands.options import CORES
+from weavecell.cli.from_signature import CORES
 
 
 def main(

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
@@ -23,12 +23,9 @@ from validation.program import program, publish_all, write_csv
 from weavecell.results import provenance
 from weavecell.studies.assumed_range import AssumedRange
 
-if TYPE_CHECKING:
-    from weavecell.api.calibration import MeshSize
-
 OUT = Path("results/assumed-laws")
 FABRICS = ("S-720", "S-728", "S-731")
-MESH: MeshSize = "coarse"
+MESH = "coarse"
 MULTIPLE = 1.3  # strike velocity of the residual velocity, over the critical velocity with the published laws
 TOLERANCE = 0.5  # [m/s] between a stop and a perforation
 Rows = list[list[str]]
@@ -63,7 +60,7 @@ def without_laws(fabric: Fabric) -> Fabric:
     return replace(fabric, laws=None, shear=None, solid_laws=None)
 
 
-def compare(name: str, mesh: MeshSize = MESH) -> Comparison:
+def compare(name: str, mesh: str = MESH) -> Comparison:
     """Both sets of laws of one fabric of the catalogue.
 
     Parameters
@@ -82,8 +79,8 @@ def compare(name: str, mesh: MeshSize = MESH) -> Comparison:
     bare = replace(found.fabric, laws=None)
     around = wc.critical_velocity(bare, law=found.law, assumed_range=True, **search).range
     strike = MULTIPLE * critical
-    shot = wc.shoot(bare, strike, law=found.law, assumed_range=True)
-    residual = wc.shoot(fabric, strike).residual_velocity
+    shot = wc.impact(bare, strike, law=found.law, assumed_range=True)
+    residual = wc.impact(fabric, strike).residual_velocity
     return Comparison(fabric, found.law, critical, around, strike, residual, shot.range)
 
 

@@ -89,7 +89,7 @@ def pack(plies: int, velocity: float, size: float) -> dict[str, Any]:
         "material": CLAY, "size": ["120 mm", "120 mm", "60 mm"], "min_size": f"{size:g} mm",
         "refined_depth": "16 mm", "growth": 1.5, "after_stop": "0.3 ms",
     }  # fmt: skip
-    found = wc.shoot(
+    found = wc.impact(
         "S-728", velocity, plies=plies, projectile=shot, backing=block, opening="80 mm", boundary="free",
         end_time="3 ms",
     )  # fmt: skip

@@ -19,7 +19,7 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.files import write, write_csv
 from validation import marked_page
 from validation.published import pictures_calibration
-from weavecell.commands import calibrate_solid
+from weavecell.api import calibration
 from weavecell.report import chapters, pictures
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
@@ -52,7 +52,7 @@ def command(
     if page is not None:
         marked_page.split(page, *MARKS)
     out_folder.claim(out, resume)
-    runs = calibrate_solid.begin(out, resume)
+    runs = calibration.solid_runs(out, resume)
     fits, failed = _fit(fabrics, runs, jobs, executor)
     choices = {"size": size, "friction": friction, "jobs": jobs, "executor": executor}
     done = {
@@ -88,7 +88,7 @@ def with_curves() -> tuple[list[tuple[Fabric, PlateCurve]], dict[str, str]]:
         if fabric.solid_laws is None:
             continue
         try:
-            found.append((fabric, calibrate_solid.curve_for(fabric, None)))
+            found.append((fabric, calibration.curve_of(fabric, None)))
         except InputError as problem:
             skipped[fabric.name] = str(problem)
     return found, skipped
@@ -129,7 +129,7 @@ def _intervals(fits, laws, runs, out, friction, jobs, executor):
         name = fit.fabric.name
         if not isinstance(interval, Exception) and not isinstance(laws[name], Exception):
             around[name] = interval.around(laws[name].law)
-            numbers = calibrate_solid.interval_numbers(interval, around[name])
+            numbers = calibration.interval_numbers(interval, around[name])
             json_file.write(out / name / "law-interval.json", numbers)
     return around
 

@@ -94,7 +94,7 @@ def fabric_of(shot: Shot) -> Fabric:
 def fire(shot: Shot) -> dict[str, Any]:
     """What a shot comes to, for a file."""
     given = TESTS["set_up"]
-    found = wc.shoot(
+    found = wc.impact(
         fabric_of(shot), shot.velocity, law=law(shot.fabric), plies=shot.plies, opening=given["opening"],
         boundary=given["boundary"], end_time=given["end_time"], numerics={"threads": 1},
         projectile=BULLET if shot.bullet else given["projectile"],

@@ -30,7 +30,7 @@ MARKS = "<!-- table of validation.verification.fit_coverage -->", "<!-- end of f
 def velocity(modulus: float, failure_strain: float) -> FloatArray:
     """[m/s] of the projectile at TIMES."""
     fabric = scale_yarns(wc.fabric("S-720"), E=modulus, failure_strain=failure_strain)
-    shot = wc.shoot(fabric, "90 m/s", opening="50 mm", end_time="120 us").to_dataframe()
+    shot = wc.impact(fabric, "90 m/s", opening="50 mm", end_time="120 us").to_dataframe()
     return np.interp(TIMES, shot["time_s"], shot["velocity_m_s"])
 
 

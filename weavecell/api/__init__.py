@@ -1,1 +1,87 @@
-"""The Python interface: what `import weavecell as wc` offers (`wc.fabric`, `wc.shoot`, `wc.calibrate`, ...)."""
+"""The Python interface: what `import weavecell` offers, by the modules that hold it."""
+
+from fabrics import __version__
+from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
+from weavecell.api.biaxial_paths import BiaxialResult, biaxial
+from weavecell.api.calibration import CalibrationResult, calibrate
+from weavecell.api.comparison import ComparisonResult, compare
+from weavecell.api.coupons import CouponResult, coupon
+from weavecell.api.crossovers import CrossoverResult, crossover
+from weavecell.api.exports import DeckResult, export
+from weavecell.api.limits import CriticalVelocityResult, critical_velocity
+from weavecell.api.lists import (
+    Listing,
+    list_backings,
+    list_fabrics,
+    list_projectiles,
+    new_fabric,
+    show_backing,
+    show_fabric,
+    show_projectile,
+    view,
+)
+from weavecell.api.meshes import MeshResult, mesh
+from weavecell.api.result import Result
+from weavecell.api.run_size import RunSize
+from weavecell.api.runs import backings, fabric, fabrics, projectile, projectiles, setup
+from weavecell.api.scatter import DrawsResult, SensitivityResult, V50Result, draws, sensitivity, v50
+from weavecell.api.shots import ShotResult, impact, shoot
+from weavecell.api.surfaces import SurfaceResult, surface
+from weavecell.api.sweeps import SweepResult, SweepTable, sweep
+from weavecell.studies.fit import fit
+
+__all__ = [
+    "BiaxialResult",
+    "CalibrationResult",
+    "ComparisonResult",
+    "CouponResult",
+    "CriticalVelocityResult",
+    "CrossoverResult",
+    "DeckResult",
+    "DoubtfulResult",
+    "DrawsResult",
+    "InputError",
+    "Listing",
+    "MeshResult",
+    "Result",
+    "RunSize",
+    "SensitivityResult",
+    "ShotResult",
+    "SurfaceResult",
+    "SweepResult",
+    "SweepTable",
+    "UndecidedError",
+    "UnstableError",
+    "V50Result",
+    "__version__",
+    "backings",
+    "biaxial",
+    "calibrate",
+    "compare",
+    "coupon",
+    "critical_velocity",
+    "crossover",
+    "draws",
+    "export",
+    "fabric",
+    "fabrics",
+    "fit",
+    "impact",
+    "list_backings",
+    "list_fabrics",
+    "list_projectiles",
+    "mesh",
+    "new_fabric",
+    "projectile",
+    "projectiles",
+    "sensitivity",
+    "setup",
+    "shoot",
+    "show_backing",
+    "show_fabric",
+    "show_projectile",
+    "surface",
+    "sweep",
+    "v50",
+    "view",
+]

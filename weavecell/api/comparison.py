@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from fabrics.checks import FilePath
@@ -71,17 +70,17 @@ def compare(
 
     Examples
     --------
-    >>> from pathlib import Path
-    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
+    >>>     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
     >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
     >>> comparison.comparison.agree
     2
     """
     from shellfabric.impact import ballistic_limit
-    from weavecell.studies import compare as studies_compare
+    from shellfabric.panel import quality
+    from weavecell.studies import compare as studies
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
-    fired = studies_compare.FiredTests.read(Path(tests))
+    fired = studies.read(tests)
     panel = targets.of(target, options, of_commands.LIMITS)
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
     with targets.folder_of(out) as folder:
@@ -92,10 +91,11 @@ def compare(
                     struck, tolerance=width, report=lambda share, _: advance(share), **beside
                 )
             with progress.bar("Shots of the tests") as advance:
-                strikes = sorted({float(velocity) for velocity in fired.velocity})
+                strikes = sorted(set(fired["velocity"].tolist()))
                 shots = ballistic_limit.shoot(struck, strikes, report=lambda share, _: advance(share), **beside)
-        computed = tuple(shots[strikes.index(velocity)] for velocity in fired.velocity)
-        result = ComparisonResult(panel, studies_compare.compare(fired, computed, limit))
+        computed = [shots[strikes.index(velocity)] for velocity in fired["velocity"]]
+        checks = quality.worst(shot.checks for shot in computed)
+        result = ComparisonResult(panel, studies.compare(fired, computed, limit), checks)
         if folder is not None:
             result.save(folder)
     result.warn()
@@ -110,11 +110,11 @@ class ComparisonResult(StudyResult):
     ----------
     target : `weavecell.scenes.target.Target` that was shot at
     comparison : `weavecell.studies.compare.Comparison`
+    checks : each quality check of the computed shot in which it is worst
 
     Examples
     --------
-    >>> from pathlib import Path
-    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
+    >>>     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
     >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
     >>> list(comparison.to_dataframe()["computed"])
     ['stopped', 'perforated']
@@ -122,30 +122,14 @@ class ComparisonResult(StudyResult):
 
     target: Target
     comparison: Comparison
-
-    @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Each quality check of the computed shot in which it is worst."""
-        from shellfabric.panel import quality
-
-        return quality.worst(shot.checks for shot in self.comparison.shots)
+    checks: tuple[Indicator, ...] = ()
 
     def summary(self) -> dict[str, Any]:
         """V50 of the tests, computed critical velocity, residual velocities, with intervals."""
         return {"fabric": self.target.title, "projectile": self.target.projectile} | self.comparison.summary()
 
     def _columns(self):
-        from weavecell.report import checks
-
-        tests, shots = self.comparison.tests, self.comparison.shots
-        return {
-            "velocity [m/s]": tests.velocity,
-            "tested": ["perforated" if hit else "stopped" for hit in tests.perforated],
-            "computed": [shot.outcome for shot in shots],
-            "tested residual velocity [m/s]": tests.residual,
-            "computed residual velocity [m/s]": self.comparison.computed_residual,
-            "checks": [checks.status(shot.checks) for shot in shots],
-        }
+        return self.comparison.table
 
     def draw(self, pyplot: Any) -> Figure:
         """Residual against strike velocity [m/s], tested and computed."""
@@ -163,8 +147,6 @@ class ComparisonResult(StudyResult):
 
     def lines(self) -> list[str]:
         """What is printed."""
-        from weavecell.report import checks
-
         comparison, limit, curve = self.comparison, self.comparison.limit, self.comparison.curve
         lines = [
             f"{self.title}: computed critical velocity {limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
@@ -177,12 +159,12 @@ class ComparisonResult(StudyResult):
                 f"tests: V50 {curve.V50:.1f} m/s ({low:.1f} to {high:.1f} with 95 % confidence, probit); the computed "
                 f"critical velocity is {100 * (limit.velocity / curve.V50 - 1):+.1f} % off"
             )
-        count, residual = len(comparison.shots), comparison.difference()
+        count, residual = len(comparison.table), comparison.difference()
         lines.append(f"outcome as tested in {comparison.agree} of {count} shots")
         if residual["mean"] is not None:
             lines.append(
                 "residual velocity, computed less tested, {shots} shots: mean {mean:+.1f} m/s ({low:+.1f} to "
                 "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
             )
-        doubtful = sum(checks.status(shot.checks) == checks.DOUBTFUL for shot in comparison.shots)
+        doubtful = int((comparison.table["checks"] == "doubtful").sum())
         return lines + [f"doubtful: {doubtful} of {count} computed shots (shots.csv)"] * bool(doubtful)

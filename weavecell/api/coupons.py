@@ -8,8 +8,8 @@ The folder of `weavecell coupon`
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
-A pull-out is dynamic: it has no load steps and no checkpoint, its histories.h5 holds the samples of the load
-(`results.pull_out`), and load.csv holds them as text.
+A pull-out is dynamic: it has no load steps and no checkpoint, its histories.h5 holds the samples of the load, and
+load.csv holds them as text.
 
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
 """
@@ -36,7 +36,6 @@ from weavecell.api.result import Result, figure
 from weavecell.report import pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import progress, run_folder
-from weavecell.results import pull_out as pull_out_results
 from weavecell.scenes import build, of_commands
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
@@ -158,11 +157,11 @@ def _pull_out(case, text, key, *_):
     with progress.bar(_title(case)) as advance:
         hooks = [lambda solver: advance(solver.time / solver.end_time)]
         try:
-            curve = pull_out_results.run(_table(case), scene.pull_out, hooks, scene.fabric.bending)
+            curve = coupon_results.run_pull_out(_table(case), scene.pull_out, hooks, scene.fabric.bending)
         except UnstableError as problem:
             failure, curve = problem, problem.result
     facts = _facts(case, failure, began) | {"outcome": "unstable" if failure else "complete"}
-    record, checks = pull_out_results.record(curve, **facts), pull_out_results.indicators(curve)
+    record, checks = coupon_results.pull_out_record(curve, **facts), coupon_results.pull_out_indicators(curve)
     return PullOutResult(record, curve, case, checks, text, key), failure
 
 
@@ -320,17 +319,18 @@ class CouponResult(Result):
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the fabric after every load step for ParaView: coupon.pvd with coupon-NNNN.vtu; returns its path."""
-        from weavecell.results import paraview
+        from weavecell.results import vtk
 
         folder, times = Path(folder), {}
         folder.mkdir(parents=True, exist_ok=True)
-        cells = paraview.topology(self.solved.coupon.quads)
         for step, state in enumerate(self.solved.states):
             nodes = np.column_stack([state.x, np.zeros(len(state.x))])
             name = f"coupon-{step:04d}.vtu"
-            paraview.write_grid(folder / name, nodes, cells, {"shear_angle_rad": self.solved.shear(step)})
+            fabric = vtk.grid(nodes, self.solved.coupon.quads)
+            fabric.cell_data["shear_angle_rad"] = self.solved.shear(step)
+            vtk.write_grid(folder / name, fabric)
             times[name] = float(step + 1)
-        paraview.write_series(folder / "coupon.pvd", times)
+        vtk.write_series(folder / "coupon.pvd", times)
         return folder / "coupon.pvd"
 
     def _write_record(self, out):
@@ -447,7 +447,7 @@ class PullOutResult(CouponResult):
         return figure(pictures_coupon.pull_out, self.solved)
 
     def _write_record(self, out):
-        pull_out_results.write(out / "histories.h5", self.record)
+        coupon_results.write(out / "histories.h5", self.record)
         load = self.record.to_dataframe().rename(columns=lambda name: f"{name} [{self.record.unit(name)}]")
         files.write(out / "load.csv", load.to_csv(index=False, float_format="%.9g"))
         return {}

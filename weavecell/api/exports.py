@@ -61,15 +61,16 @@ def export(
     >>> f"{100 * deck.summary()['uniaxial']:.0f} % of the strength"
     '35 % of the strength'
     """
-    from weavecell.decks import folder
+    from weavecell.decks import folder, model
 
     folder.check(to, units, match)
     panel = targets.of(target, {}, folder.SUPPORT)
     with targets.folder_of(out), panel.named():
-        made = folder.made_of(panel.setup, to, units, match, title=panel.shot_title, source=panel.law_name)
+        code, names = folder.CODES[to], {"title": panel.shot_title, "source": panel.law_name}
+        deck = model.build(panel.setup, code, units, match, **names)
         stem = Path(panel.name).stem if panel.from_file else panel.setup.fabric.name
-        folder.write(made, Path(out), to, stem, match, panel.text, panel.setup.fabric)
-    return DeckResult(folder.CODES[to].name, {card.name: card.mismatch.numbers() for card in made.cards})
+        folder.write(deck, Path(out), to, stem, match, panel.text, panel.setup.fabric)
+    return DeckResult(code.NAME, {card.name: card.mismatch.numbers() for card in deck.cards})
 
 
 @dataclass(frozen=True, repr=False)

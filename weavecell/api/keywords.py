@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, InputErrors, together
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw
     from fabrics.ply_law import PlyLaw
     from fabrics.surface import ResponseSurface
-    from weavecell.api.calibration_result import CalibrationResult
+    from weavecell.api.calibration import CalibrationResult
     from weavecell.scenes.impact import Scene
 
-    Law = CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None
+    Law: TypeAlias = CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None
 
 __all__ = ["DEFAULTS", "Keywords", "scene"]
 

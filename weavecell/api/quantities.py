@@ -80,3 +80,22 @@ def laws(fabric: Fabric, law: Any = None) -> tuple[CompressionLaw, CompressionLa
             raise InputError(key="law", value=written, allowed=allowed)
         found.require_fabric(fabric.name, key="law", value=str(written) if isinstance(written, (str, Path)) else None)
     return warp, weft
+
+
+def numbers(value: Any, unit: str, key: str) -> list[float]:
+    """Numbers in SI units: of a text such as "5 um, 9 um", of one number, or of several numbers or texts."""
+    parts = value.split(",") if isinstance(value, str) else value if isinstance(value, (tuple, list)) else (value,)
+    return [number(part.strip() if isinstance(part, str) else part, unit, key) for part in parts]
+
+
+def pair(value: Any, unit: str, key: str, what: str = "of warp and weft") -> tuple[float, float]:
+    """`numbers`, of which there may be one, for both, or two: (first, second).
+
+    Raises
+    ------
+    InputError : as `number`, or more than two
+    """
+    found = numbers(value, unit, key)
+    if len(found) > 2:
+        raise InputError(key=key, value=value, allowed=f"one value, or two separated by a comma, {what}")
+    return found[0], found[-1]

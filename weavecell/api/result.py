@@ -23,7 +23,7 @@ class Result:
 
     Examples
     --------
-    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> shot = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> isinstance(shot, wc.Result), shot.doubtful, shot.checks_text
     (True, False, 'ok')
     """

@@ -36,7 +36,7 @@ class RunSize(Result):
 
     Examples
     --------
-    >>> size = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us", check=True)
+    >>> size = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", check=True)
     >>> size.elements, size.steps
     (49, 55)
     """

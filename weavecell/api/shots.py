@@ -19,8 +19,6 @@ Everything but the checkpoint is written when the run has ended, also if it ende
 from __future__ import annotations
 
 import shutil
-import time
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -29,13 +27,12 @@ import numpy as np
 
 from fabrics import files, run_cache
 from fabrics.checks import FilePath
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
-from weavecell.api.scatter_results import DrawsResult
 from weavecell.results import progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
@@ -49,10 +46,10 @@ if TYPE_CHECKING:
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation
 
-__all__ = ["ShotResult", "draws", "shoot"]
+__all__ = ["ShotResult", "impact"]
 
 
-def shoot(
+def impact(
     target: Fabric | FilePath | ImpactSetup | None, velocity: float | str | None = None, *,
     assumed_range: bool = False, uncertainty: bool = False, check: bool = False, out: FilePath | None = None,
     resume: bool = False, **options: Unpack[Keywords],
@@ -90,7 +87,7 @@ def shoot(
 
     Examples
     --------
-    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> shot = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
@@ -124,6 +121,8 @@ def shoot(
     result.warn()
     return result
 
+
+shoot = impact  # the name of earlier releases, which goes with the next one
 
 # keys of an input file that [accuracy] would change; what is given there stays
 _BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projectile"}
@@ -195,57 +194,6 @@ def _range(setup, shot):
         return None
 
 
-def draws(
-    target: Fabric | FilePath | ImpactSetup, count: int = 20, *, weibull_shape: float | None = None, seed: int = 1,
-    jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None, resume: bool = False,
-) -> DrawsResult:  # fmt: skip
-    """One shot at many whole panels or packs, each yarn of each ply with a strength of its own (Weibull).
-
-    The symmetry of the input file is not used, since the whole panel is computed, nor are [history] and what a run
-    records. The folder then holds mean, scatter and probability of perforation: summary.json, summary.csv,
-    summary.html, draws.csv, scene.toml, and runs/, from which --resume goes on, also to more draws.
-
-    Parameters
-    ----------
-    target : input file of a ply or pack; in Python also a set-up of `setup`
-    count : number of draws, at least 2
-    weibull_shape : Weibull shape of the yarns' strength; that of weavecell/studies/inputs.toml where it is
-        not given
-    seed, jobs, executor, out, resume : as of `v50`
-
-    Returns
-    -------
-    DrawsResult
-
-    Raises
-    ------
-    InputError : a set-up that cannot be run, fewer than two draws, or yarns that do not fail
-    UnstableError : draws that became unstable, which count in no estimate; its attribute `result` is the DrawsResult,
-        which is written
-
-    Examples
-    --------
-    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2, seed=7)
-    >>> found.summary()["in_flight"]
-    2
-    """
-    from weavecell.studies import draws as analysis
-    from weavecell.studies import inputs
-
-    began, scatter = time.perf_counter(), inputs.published()
-    panel = targets.of(target, {}, of_commands.DRAWS, one_shot=True)
-    scatter = scatter if weibull_shape is None else replace(scatter, shape=weibull_shape)
-    with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor) as run:
-        study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
-        result = run.saved(DrawsResult(study, panel, time.perf_counter() - began))
-    unstable = len(study.draws) - len(study.counted)
-    if unstable:
-        problem = UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate")
-        problem.result = result
-        raise problem
-    return result
-
-
 @dataclass(frozen=True, repr=False, kw_only=True)
 class ShotResult(ImpactRecord, Result):
     """One impact on one ply or on a pack, with all that `weavecell.results.impact.ImpactRecord` has.
@@ -262,7 +210,7 @@ class ShotResult(ImpactRecord, Result):
 
     Examples
     --------
-    >>> shot = wc.shoot("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> shot = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> shot
     ShotResult(S-720, 150 m/s: in flight, residual velocity 148.1 m/s, checks ok)
     >>> f"{1e3 * shot.deflection[-1]:.1f} mm"
@@ -339,11 +287,11 @@ class ShotResult(ImpactRecord, Result):
         -------
         path : of panel.pvd
         """
-        from weavecell.results import paraview
+        from weavecell.results import vtk
 
         folder, final = Path(folder), self.final
         before = [plies for plies in self.shapes if plies[0].t < final[0].t]
-        paraview.write_panel(folder, [*before, final], self.quads)
+        vtk.write_panel(folder, [*before, final], self.quads)
         return folder / "panel.pvd"
 
     def save(self, out: FilePath) -> None:

@@ -65,7 +65,7 @@ def sweep(
     Parameters
     ----------
     target : input file of a ply or pack, or name of a fabric or its file; in Python also set-ups of `setup`, of which
-        each is fired as `shoot` does
+        each is fired as `impact` does
     over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in Python also a dict
     quantity : what is computed of each: shot, critical-velocity or v50
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most [m/s]
@@ -98,7 +98,8 @@ def sweep(
     from weavecell.studies import sweep as studies
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
-    wanted = studies.Wanted(quantity, width, shots, seed)
+    if quantity not in studies.QUANTITIES:
+        raise InputError(key="quantity", value=quantity, allowed=f"one of {', '.join(studies.QUANTITIES)}")
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
@@ -107,13 +108,12 @@ def sweep(
     panels = [read(str(target), Path(out or "."), support, changes=changes) for changes in combinations]
     with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor) as run:
         if quantity == "v50":  # whose shots run in parallel, one V50 after the other
-            rows = [
-                studies.row(panel.setup, wanted, report=run.report(number, len(panels)), **run.runs)
-                for number, panel in enumerate(panels)
-            ]
+            reports = [run.report(number, len(panels)) for number in range(len(panels))]
+            options: dict[str, Any] = {"shots": shots, "seed": seed, **run.runs}
+            rows = [studies.row(p.setup, quantity, report=r, **options) for p, r in zip(panels, reports)]
         else:
-            setups = [(inputs.alone(panel.setup), wanted) for panel in panels]
-            rows = run_cache.results(studies.row, setups, report=run.report(), **run.runs)
+            arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
+            rows = run_cache.results(studies.row, arguments, report=run.report(), **run.runs)
         table = tuple(
             changes | {"areal_density_kg_m2": panel.setup.areal_density} | row
             for changes, panel, row in zip(combinations, panels, rows)

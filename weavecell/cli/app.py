@@ -1,7 +1,4 @@
-"""The `weavecell` command, of functions of the Python interface (`from_signature`) and of `weavecell.commands`.
-
-A function of `weavecell.commands` has its arguments and options as its signature, its help as its docstring, and its
-example (`options.example`). A call imports the module of its command alone: help comes at once.
+"""The `weavecell` command: each of its commands is a function of the Python interface (`from_signature`).
 
 Exit codes: 0 done; 2 bad input, or a path that cannot be written to (a line on stderr for each problem, nothing
 written); 3 a run became unstable (what it had computed is kept); 130 interrupted.
@@ -12,16 +9,15 @@ from __future__ import annotations
 import errno
 import gc
 import logging
-import re
 import sys
-from collections.abc import Iterable
-from importlib import import_module
-from pathlib import Path
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any, NoReturn
 
 import typer
 
 from fabrics.errors import InputError, WeavecellError, marked
+from weavecell import api
+from weavecell.cli import from_signature
 from weavecell.results import out_folder, progress
 
 INTERRUPTED = 130
@@ -30,51 +26,41 @@ UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDI
 # thousands that live to the end of a command, and going through them again and again took a twentieth of its time
 COLLECT_EVERY = 10_000
 
-# name: module and function, of weavecell.commands or of the Python interface (weavecell.api), in the order of the help
-COMMANDS = {
-    "mesh": "mesh.mesh",
-    "calibrate": "calibrate.calibrate",
-    "surface": "response_surface.surface",
-    "impact": "api.shots.shoot",
-    "draws": "api.shots.draws",
-    "biaxial": "biaxial.biaxial",
-    "coupon": "api.coupons.coupon",
-    "compare": "api.comparison.compare",
-    "critical-velocity": "api.runs.critical_velocity",
-    "crossover": "crossover.crossover",
-    "sensitivity": "api.runs.sensitivity",
-    "v50": "api.runs.v50",
-    "sweep": "api.sweeps.sweep",
-    "export": "api.exports.export",
-    "view": "view.view",
-}
-# of commands that are functions of the Python interface: the arguments that their help ends with, and which keywords
-# of `weavecell.setup` are options
-EXAMPLES: dict[str, tuple[str, ...]] = {
-    "critical-velocity": ("S-720 --tolerance '1 m/s'",),
-    "compare": ("tests.csv examples/S-728-pack.toml",),
-    "coupon": ("examples/coupons/S-728-bias.toml",),
-    "draws": ("examples/S-720-perforates.toml --count 20",),
-    "export": ("examples/S-720-stops.toml --to lsdyna --units g-mm-ms",),
-    "impact": ("examples/S-720-stops.toml",),
-    "sensitivity": ("S-720 --samples 64", "opening"),
-    "sweep": ("pack.toml --over panel.plies=2,4,8 --quantity critical-velocity",),
-    "v50": ("S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
+# command: function of the Python interface, arguments that its help ends with, and which keywords of `weavecell.setup`
+# are options; in the order of the help
+COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
+    "mesh": (api.mesh, "S-720 --patch 3x4 --mesh coarse --format vtu,k"),
+    "calibrate": (api.calibrate, "S-720 --mesh coarse"),
+    "surface": (api.surface, "S-720 --mesh coarse --points 11"),
+    "impact": (api.impact, "examples/S-720-stops.toml"),
+    "draws": (api.draws, "examples/S-720-perforates.toml --count 20"),
+    "biaxial": (api.biaxial, "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
+    "coupon": (api.coupon, "examples/coupons/S-728-bias.toml"),
+    "compare": (api.compare, "tests.csv examples/S-728-pack.toml"),
+    "critical-velocity": (api.critical_velocity, "S-720 --tolerance '1 m/s'"),
+    "crossover": (api.crossover, "S-720 --case shear --shear-angle '50 deg' --mesh coarse"),
+    "sensitivity": (api.sensitivity, "S-720 --samples 64", "opening"),
+    "v50": (api.v50, "S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
+    "sweep": (api.sweep, "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
+    "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
+    "view": (api.view, "results/S-720-stops --screenshot panel.png"),
+    "fabrics list": (api.list_fabrics, ""),
+    "fabrics show": (api.show_fabric, "S-720 --out ."),
+    "fabrics new": (api.new_fabric, "mine.toml --from mine.csv"),
+    "projectiles list": (api.list_projectiles, ""),
+    "projectiles show": (api.show_projectile, '"FSP 1.10 g"'),
+    "backings list": (api.list_backings, ""),
+    "backings show": (api.show_backing, '"gelatine 10 %"'),
 }
 GROUPS = {
-    "fabrics": (
-        "The fabrics of the catalogue.",
-        {"list": "fabrics.show_all", "show": "fabrics.show", "new": "fabrics.new"},
-    ),
-    "projectiles": ("The projectiles by name.", {"list": "fabrics.projectiles", "show": "fabrics.projectile"}),
-    "backings": ("The backings by name.", {"list": "fabrics.backings", "show": "fabrics.backing"}),
+    "fabrics": "The fabrics of the catalogue.",
+    "projectiles": "The projectiles by name.",
+    "backings": "The backings by name.",
 }
 
 
-def program(word: str = "") -> typer.Typer:
-    """The command line; of all commands, or of the one that `word` names. With --help they are listed, not loaded."""
-    listed = word in ("-h", "--help")
-    known = word in COMMANDS or word in GROUPS or word == "--version"
+def program() -> typer.Typer:
+    """The command line."""
     app = typer.Typer(
         name="weavecell",
         no_args_is_help=True,
@@ -86,34 +72,15 @@ def program(word: str = "") -> typer.Typer:
         epilog="Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]",
     )
     app.callback()(_root)
-    _fill(app, {name: place for name, place in COMMANDS.items() if not known or name == word}, listed)
-    for name, (text, commands) in GROUPS.items():
-        if not known or name == word:
-            group = typer.Typer(no_args_is_help=True, help=text, rich_markup_mode="rich")
-            _fill(group, {} if listed else commands)
-            app.add_typer(group, name=name, epilog=f"Example: [bold]weavecell {name} list[/bold]")
+    groups = {"": app}
+    for name, text in GROUPS.items():
+        groups[name] = typer.Typer(no_args_is_help=True, help=text, rich_markup_mode="rich")
+        app.add_typer(groups[name], name=name, epilog=f"Example: [bold]weavecell {name} list[/bold]")
+    for name, (function, *rest) in COMMANDS.items():
+        group, _, word = name.rpartition(" ")
+        command, epilog = from_signature.command(function, name, *rest)
+        groups[group].command(word, epilog=epilog)(command)
     return app
-
-
-def _fill(group, commands, listed=False):
-    """Add commands to a group by their names and places; where they are only listed, without importing them."""
-    for name, place in commands.items():
-        module, function = (place if name in EXAMPLES else f"commands.{place}").rsplit(".", 1)
-        if listed:
-            group.command(name, help=_summary(module, function))(lambda: None)
-            continue
-        command = getattr(import_module(f"weavecell.{module}"), function)
-        if name in EXAMPLES:
-            from weavecell.cli import from_signature
-
-            command = from_signature.command(command, name, *EXAMPLES[name])
-        group.command(name, epilog=command.epilog)(command)
-
-
-def _summary(module, function):
-    """The first paragraph of a command's docstring, from the text of its file."""
-    text = (Path(__file__).parents[1] / f"{module.replace('.', '/')}.py").read_text("utf-8")
-    return re.search(rf'^def {function}\(.*?"""(.*?)(\n\n|""")', text, re.DOTALL | re.MULTILINE)[1]
 
 
 def _version(wanted: bool) -> None:
@@ -158,7 +125,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     usage_error: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
         words = sys.argv[1:] if arguments is None else list(arguments)
-        code = program(words[0] if words else "")(args=words, standalone_mode=False)
+        code = program()(args=words, standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:

@@ -1,14 +1,15 @@
 """Commands of the command line made from functions of the Python interface.
 
 Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their default; the help is
-the text of the docstring, that of an option what the section Parameters says. The result is printed, and a doubtful one
-is exit code 3 where --strict is given. Two defaults differ: a command uses all cores, and computes the range over
-assumed laws.
+the text of the docstring, that of an option what the section Parameters says. What is returned is printed; a doubtful
+result is exit code 3 where --strict is given. Two defaults differ: a command uses all cores, and computes the range
+over assumed laws. A command of a group, such as `fabrics list`, has no folder of its own by default.
 """
 
 from __future__ import annotations
 
 import inspect
+import os
 import re
 import tomllib
 import warnings
@@ -21,12 +22,14 @@ import typer
 import weavecell
 from fabrics.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
 from weavecell.api.result import Result
-from weavecell.commands.options import CORES, RESULTS
 from weavecell.report import checks
 
+CORES = os.cpu_count() or 1
+RESULTS = Path("results")
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
-ARGUMENTS = ("target", "tests")
-METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER"}
+ARGUMENTS = ("target", "tests", "fabric", "name", "folder", "file")
+METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
+WORDS = {"values": "from"}  # options with another name than their parameter
 SHORT = {"out": "-o"}
 OF_PYTHON = ("test", "velocity")  # positional parameters of a fabric, which an input file says
 OF_ONE_RUN = ("impact", "coupon")  # whose folder is named after the input file alone
@@ -35,8 +38,8 @@ _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
 _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
 
-def command(function: Callable[..., Any], name: str, example: str, *keywords: str) -> Callable[..., None]:
-    """The function that typer makes the command `name` of.
+def command(function: Callable[..., Any], name: str, example: str, *keywords: str) -> tuple[Callable[..., None], str]:
+    """The function that typer makes the command `name` of, and the line below its help.
 
     Parameters
     ----------
@@ -50,9 +53,10 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
         if p.kind is not p.VAR_KEYWORD and (p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY)
     ]  # fmt: skip
     required = [p.name for p in parameters if p.default is p.empty and p.name not in ("out", "tests")]
+    has_checks = inspect.signature(function).return_annotation not in ("None", "Listing")
 
-    def call(strict: bool, **values: Any) -> None:
-        if values.get("out", "") is None:
+    def call(strict: bool = False, **values: Any) -> None:
+        if values.get("out", "") is None and " " not in name:
             stems = [Path(values[key]).stem for key in required]
             values["out"] = RESULTS / "-".join(stems if name in OF_ONE_RUN else [name, *stems])
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
@@ -67,23 +71,25 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
                 raise
             except InputError as problem:
                 raise _of_option(problem, values) from None
-        print(result)
-        if isinstance(result, Result):
+        if result is not None:
+            print(result)
+        if isinstance(result, Result) and has_checks:
             if "out" in values and not values.get("check"):
                 print(f"written to {values['out']}", flush=True)
             checks.report(result.checks, strict)
-        elif strict and result.doubtful:  # done before
+        elif strict and result is not None and result.doubtful:  # done before
             raise DoubtfulError("the result is doubtful")
 
     strict = Annotated[bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit.")]
     signature = [_parameter(p, meanings.get(p.name, "")) for p in parameters]
     signature += [_parameter(_keyword(key), _escaped(_meaning(key))) for key in keywords]
-    signature.append(inspect.Parameter("strict", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=strict))
+    if has_checks:
+        signature.append(inspect.Parameter("strict", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=strict))
     made: Any = call
     made.__signature__ = inspect.Signature(signature)
     made.__annotations__ = {p.name: p.annotation for p in signature}
-    made.__doc__, made.epilog = text, f"Example: [bold]weavecell {name} {example}[/bold]"
-    return made
+    made.__doc__ = text
+    return made, f"Example: [bold]weavecell {name} {example}[/bold]"
 
 
 def _keyword(key):
@@ -132,28 +138,36 @@ def _parameter(parameter, meaning):
     name, default = parameter.name, parameter.default
     default = default if default is None else DEFAULTS.get(name, default)
     kinds = parameter.annotation.split(" | ")
+    choices = re.search(r"Literal\[(.*?)\]", parameter.annotation)
     kind = next((kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds), str)
     kind = str if "str" in kinds or "FilePath" in kinds else kind
     kind = list[str] if kinds[0].startswith("list[") else kind
-    settings: dict[str, Any] = {"help": meaning, "metavar": METAVARS.get(name), "min": LEAST.get(name)}
+    metavar = METAVARS.get(name, choices and re.sub("[\"' ]", "", choices[1]).replace(",", "|"))
+    settings: dict[str, Any] = {"help": meaning, "metavar": metavar, "min": LEAST.get(name)}
     if name in ARGUMENTS:
-        settings["metavar"] = name.upper() if name != "target" else "FILE|FABRIC" if "fabric" in meaning else "FILE"
+        settings["metavar"] = metavar or name.upper()
+        if name == "target":
+            settings["metavar"] = "FILE|FABRIC" if "fabric" in meaning else "FILE"
         annotation: Any = Annotated[kind, typer.Argument(**settings)]
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=annotation)
     if default is parameter.empty:
         default = None if name == "out" else ...
-    word = "--" + name.replace("_", "-")
+    word = _option(name)
     words = [f"{word}/--no-{word[2:]}" if default is True else word, *(SHORT[key] for key in SHORT if key == name)]
     annotation = Annotated[kind if default is not None else kind | None, typer.Option(*words, **settings)]
     default = parameter.empty if default is ... else default
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
+def _option(name):
+    return "--" + WORDS.get(name, name).replace("_", "-")
+
+
 def _of_option(problem, names):
     """An InputError of a parameter, with the option that has its value."""
     if problem.key not in names or problem.file is not None:
         return problem
-    key = "--" + problem.key.replace("_", "-")
+    key = METAVARS.get(problem.key, problem.key.upper()) if problem.key in ARGUMENTS else _option(problem.key)
     message = str(problem).removeprefix(f"{problem.key} = {problem.value!r}: ").removeprefix(f"{problem.key}: ")
     renamed = InputError(f"{key} = {problem.value!r}: {message}" if problem.value is not None else f"{key}: {message}")
     renamed.key, renamed.value, renamed.allowed = key, problem.value, problem.allowed

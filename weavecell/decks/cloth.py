@@ -86,8 +86,8 @@ class Cloth:
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
         """(2, ...) [Pa] nominal along warp and weft."""
-        found = self.model.solve(stretch1, stretch2)
-        return np.stack([found["N1"] * self.smear[0], found["N2"] * self.smear[1]])
+        force = self.model.solve(stretch1, stretch2)
+        return np.stack([force["N1"] * self.smear[0], force["N2"] * self.smear[1]])
 
     def uniaxial(self, family: int) -> tuple[FloatArray, FloatArray]:
         """(stretch, nominal stress [Pa]) of one direction in uniaxial tension, to the strength.
@@ -102,8 +102,8 @@ class Cloth:
     def plane(self) -> tuple[FloatArray, FloatArray, BoolArray]:
         """(L1, L2, inside), each (n, n): stretches from rest on, and whether both yarns are below their strengths."""
         L1, L2 = np.meshgrid(*(np.linspace(1, high, _PLANE) for _, high in self.model.range()), indexing="ij")
-        found, yarns = self.model.solve(L1, L2), self.model.fabric.weave.yarns
-        return L1, L2, (found["T1"] <= yarns[0].strength) & (found["T2"] <= yarns[1].strength)
+        state, (warp, weft) = self.model.solve(L1, L2), self.model.fabric.weave.yarns
+        return L1, L2, (state["T1"] <= warp.strength) & (state["T2"] <= weft.strength)
 
     def curve(self, family: int, match: str) -> FloatArray:
         """(n, 2) engineering strain and nominal stress [Pa] of one direction, on beyond the strength with the yarns'
@@ -113,8 +113,6 @@ class Cloth:
             is the nearest to it of all curves of one stretch; but for its beginning, which is no steeper than the yarns
             (crossing yarns that are stretched load a direction at rest, which no curve through 0 can have)
         """
-        if match not in MATCHES:
-            raise InputError(key="--match", value=match, allowed=" or ".join(MATCHES))
         if match == "uniaxial":
             stretch, stress = self.uniaxial(family)
         else:

@@ -18,32 +18,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.checks import FloatArray
-from fabrics.errors import InputError
-from weavecell.decks.cloth import MATCHES, Cloth
+from weavecell.decks.cloth import Cloth
 
 FLEX = 1e-3  # of LAW58: bending of its yarns, for stability alone
 _EVERY = 3  # row and column of the plane that a fit looks at
-
-
-class Law(Protocol):
-    """What another code makes of stretches and shear."""
-
-    lost: ClassVar[str]  # what it does not hold, in words
-
-    def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
-        """(2, ...) [Pa] nominal along warp and weft."""
-
-    def shear(self, gamma: FloatArray) -> FloatArray:
-        """[Pa] on the angle between the yarns."""
-
-    def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
-        """[Pa] nominal along one direction in uniaxial tension."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +42,7 @@ class UncoupledCurves:
 
     curves: tuple[FloatArray, FloatArray]
     trellis: FloatArray
-    lost: ClassVar[str] = (
+    lost: ClassVar[str] = (  # what it does not hold, in words
         "crimp exchange (each direction has a curve of its own), sliding of yarns at the crossovers, "
         "failure (the curves go on beyond the strength, and nothing breaks)"
     )
@@ -69,16 +53,16 @@ class UncoupledCurves:
         return cls((cloth.curve(0, match), cloth.curve(1, match)), cloth.trellis())
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
-        """As `Law.stress`."""
+        """(2, ...) [Pa] nominal along warp and weft."""
         pairs = zip(np.broadcast_arrays(stretch1, stretch2), (0, 1))
         return np.stack([self.uniaxial(stretch, family) for stretch, family in pairs])
 
     def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
-        """As `Law.uniaxial`."""
+        """[Pa] nominal along one direction in uniaxial tension."""
         return np.interp(stretch - 1, *self.curves[family].T)
 
     def shear(self, gamma: FloatArray) -> FloatArray:
-        """As `Law.shear`."""
+        """[Pa] on the angle between the yarns."""
         return np.interp(gamma, *self.trellis.T)
 
 
@@ -109,21 +93,21 @@ class CrimpExchange:
         moduli by least squares over the plane: softer yarns of less crimp stand in for yarns that flatten."""
         whole = cls(cloth.modulus, cloth.crimp, cloth.trellis(), np.log(cloth.failure_stretch))
 
-        def made(scales):
+        def scaled(scales):
             crimp = cloth.crimp * scales[:2]
             return replace(whole, crimp=crimp, E=scales[2] * cloth.modulus / (1 + crimp))
 
-        if _checked(match) == "uniaxial":
-            return made(np.ones(3))
+        if match == "uniaxial":
+            return scaled(np.ones(3))
         from scipy.optimize import least_squares
 
-        L1, L2, inside = (each[::_EVERY, ::_EVERY] for each in cloth.plane)
-        wanted, strength = cloth.stress(L1, L2), cloth.strength[:, None, None]
-        found = least_squares(
-            lambda scales: ((made(scales).stress(L1, L2) - wanted) / strength)[:, inside].ravel(),
-            [0.7, 0.7, 1.0], bounds=([0.02] * 3, [2.0, 2.0, 1.5]),
-        )  # fmt: skip
-        return made(found.x)
+        L1, L2, inside = (values[::_EVERY, ::_EVERY] for values in cloth.plane)
+        stress, strength = cloth.stress(L1, L2), cloth.strength[:, None, None]
+
+        def error(scales):
+            return ((scaled(scales).stress(L1, L2) - stress) / strength)[:, inside].ravel()
+
+        return scaled(least_squares(error, [0.7, 0.7, 1.0], bounds=([0.02] * 3, [2.0, 2.0, 1.5])).x)
 
     @property
     def rest(self) -> tuple[FloatArray, FloatArray]:
@@ -145,7 +129,7 @@ class CrimpExchange:
         return _root(lambda y: self._yarn(family, stretch, y)[0], -height, 1.0, stretch.shape)
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
-        """As `Law.stress`, in equilibrium."""
+        """(2, ...) [Pa] nominal along warp and weft, in equilibrium."""
         L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
         y1, y2, height = self._alone(0, L1), self._alone(1, L2), self.rest[1]
         both = _root(lambda y: self._yarn(0, L1, y)[0] - self._yarn(1, L2, -y)[0], -height[0], height[1], L1.shape)
@@ -154,7 +138,7 @@ class CrimpExchange:
         return np.stack([self._yarn(0, L1, y1)[1], self._yarn(1, L2, y2)[1]])
 
     def uniaxial(self, stretch: FloatArray, family: int) -> FloatArray:
-        """As `Law.uniaxial`: crossing yarns that carry nothing are pushed out of the way."""
+        """[Pa] nominal along one direction in uniaxial tension: crossing yarns are pushed out of the way."""
         return self._yarn(family, stretch, self._alone(family, stretch))[1]
 
     @property
@@ -169,14 +153,8 @@ class CrimpExchange:
         return np.vstack([-half[:0:-1], half])
 
     def shear(self, gamma: FloatArray) -> FloatArray:
-        """As `Law.shear`."""
+        """[Pa] on the angle between the yarns."""
         return np.interp(np.degrees(gamma), *self.table.T) * np.cos(gamma)
-
-
-def _checked(match):
-    if match not in MATCHES:
-        raise InputError(key="--match", value=match, allowed=" or ".join(MATCHES))
-    return match
 
 
 def _root(function: Callable[[FloatArray], FloatArray], low: float, high: float, shape: tuple[int, ...]) -> FloatArray:
@@ -187,3 +165,6 @@ def _root(function: Callable[[FloatArray], FloatArray], low: float, high: float,
         above = function(middle) > 0
         a, b = np.where(above, a, middle), np.where(above, middle, b)
     return 0.5 * (a + b)
+
+
+Law = UncoupledCurves | CrimpExchange

@@ -1,9 +1,10 @@
 """LS-DYNA keyword deck of a panel: *MAT_FABRIC (034) FORM 14 on fully integrated membranes (ELFORM 9).
 
 Cards, fields and widths as in the LS-DYNA Keyword User's Manual, volumes I and II (R11 to R16): columns of 10, nodes
-of 8 and 16, elements of 8, points of curves of 20 characters. The curves of the fibres have DATTYP -2, which the manual
-has for stress-strain curves of *MAT_FABRIC: here nominal stress against engineering strain; that of shear has the shear
-angle [rad]. AOPT 2 with the vector (1, 0, 0) is the ply's first direction. Compression is eliminated (CSE 1).
+of 8 and 16, elements of 8, points of curves of 20 characters; the names of the fields stand above each card. The curves
+of the fibres have DATTYP -2, which the manual has for stress-strain curves of *MAT_FABRIC: here nominal stress against
+engineering strain; that of shear has the shear angle [rad]. AOPT 2 with the vector (1, 0, 0) is the ply's first
+direction. Compression is eliminated (CSE 1).
 
 The projectile is *MAT_RIGID with the mass, place and velocity of *PART_INERTIA; it does not turn. Contact by soft
 constraint (SOFT 1): of the nose with the plies, and of the plies among themselves.
@@ -12,124 +13,127 @@ constraint (SOFT 1): of the nose with the plies, and of the plies among themselv
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
-from meshing.formats.deck import fields, lines, wrapped
+from weavecell.decks.cards import card, numbers, table
 from weavecell.decks.laws import UncoupledCurves
 from weavecell.decks.model import STEEL, Card, Deck
 
+NAME, LAW, KEYWORD = "LS-DYNA", UncoupledCurves, "*MAT_FABRIC (034), FORM 14"
 MEMBRANE, SHELL = 9, 2  # ELFORM
-SUFFIX = ".k"
-_FORM, _FABRIC_CURVE, _CSE, _AOPT = 14, -2, 1, 2
+_MARK = "$#"
 _COURANT = 0.9
-_PAIRS = {(False, False): 0, (True, False): 1, (False, True): 2, (True, True): 4}  # CON1: what is held of x and y
+_PLANES = {(False, False): 0, (True, False): 1, (False, True): 2, (True, True): 4}  # CON1: what is held of x and y
 
 
 def write(deck: Deck, name: str) -> dict[str, str]:
     """{file name: text} of a deck whose laws are UncoupledCurves."""
-    parts = _head, _mesh, _parts, _materials, _boundary, _contact
-    text = "".join(piece for part in parts for piece in part(deck)) + "*END\n"
-    return {f"{name}{SUFFIX}": text}
+    parts = _control, _mesh, _parts, _materials, _boundary, _contact
+    return {f"{name}.k": "".join(piece for part in parts for piece in part(deck)) + "*END\n"}
 
 
-def _head(deck: Deck) -> Iterator[str]:
+def _control(deck: Deck) -> Iterator[str]:
     s = deck.units.s
     pictures, samples = (s * interval for interval in deck.intervals)
-    yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header)
-    yield f"*TITLE\n{deck.title}\n*CONTROL_TERMINATION\n" + _row(s * deck.end_time, 0, 0.0, 0.0, 0.0)
-    yield "*CONTROL_TIMESTEP\n" + _row(0.0, _COURANT) + "*CONTROL_ENERGY\n" + _row(2, 2, 2, 1)
-    for table in ("GLSTAT", "MATSUM", "RCFORC", "RBDOUT"):
-        yield f"*DATABASE_{table}\n" + _row(samples)
-    yield "*DATABASE_BINARY_D3PLOT\n" + _row(pictures)
+    yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header) + f"*TITLE\n{deck.title}\n"
+    yield "*CONTROL_TERMINATION\n" + _card(ENDTIM=s * deck.end_time, ENDCYC=0, DTMIN=0.0, ENDENG=0.0, ENDMAS=0.0)
+    yield "*CONTROL_TIMESTEP\n" + _card(DTINIT=0.0, TSSFAC=_COURANT)
+    yield "*CONTROL_ENERGY\n" + _card(HGEN=2, RWEN=2, SLNTEN=2, RYLEN=1)
+    for database in ("GLSTAT", "MATSUM", "RCFORC", "RBDOUT"):
+        yield f"*DATABASE_{database}\n" + _card(DT=samples)
+    yield "*DATABASE_BINARY_D3PLOT\n" + _card(DT=pictures)
 
 
 def _mesh(deck: Deck) -> Iterator[str]:
     points = deck.points * deck.units.m
-    yield "*NODE\n" + lines("%8d%16.9E%16.9E%16.9E", range(1, len(points) + 1), points)
-    yield "*ELEMENT_SHELL\n"
-    for number, (part, elements) in enumerate(zip(deck.parts, deck.elements), 1):
-        yield lines(f"%8d{number:8d}" + "%8d" * 4, elements, part.quads)
+    yield "*NODE\n" + table(_MARK, "%8d%16.9E%16.9E%16.9E", "NID X Y Z", range(1, len(points) + 1), points)
+    yield "*ELEMENT_SHELL\n" + table(_MARK, "%8d" * 6, "EID PID N1 N2 N3 N4", deck.shells)
 
 
 def _parts(deck: Deck) -> Iterator[str]:
-    m, kg = deck.units.m, deck.units.kg
-    for card in deck.cards:
-        yield f"*SECTION_SHELL_TITLE\nmembrane of {card.name}\n" + _row(card.number, MEMBRANE, 1.0, 1)
-        yield _row(*[m * card.cloth.thickness] * 4)
-    skin = len(deck.cards) + 1
-    yield "*SECTION_SHELL_TITLE\nsurface of the projectile\n" + _row(skin, SHELL, 1.0, 2) + _row(*[m * deck.skin] * 4)
+    u, nose = deck.units, deck.nose
+    for material in deck.cards:
+        yield f"*SECTION_SHELL_TITLE\nmembrane of {material.name}\n"
+        yield _card(SECID=material.number, ELFORM=MEMBRANE, SHRF=1.0, NIP=1)
+        yield _thickness(u.m * material.cloth.thickness)
+    yield "*SECTION_SHELL_TITLE\nsurface of the projectile\n"
+    yield _card(SECID=deck.nose_card, ELFORM=SHELL, SHRF=1.0, NIP=2) + _thickness(u.m * deck.skin)
     for ply in deck.plies:
-        yield f"*PART\n{ply.name}\n" + _row(ply.number, ply.card.number, ply.card.number)
-    nose = deck.nose
-    yield "*PART_INERTIA\nprojectile\n" + _row(_nose(deck), skin, skin)
-    yield _row(*m * nose.centre, kg * nose.mass, 0, nose.reference)
-    J = kg * m**2 * nose.inertia
-    yield _row(J, 0.0, 0.0, J, 0.0, J) + _row(*deck.units.velocity(nose.velocity), 0.0, 0.0, 0.0)
-    yield "*SET_PART_LIST_TITLE\nplies\n" + _row(1)
-    yield wrapped([ply.number for ply in deck.plies], 8)
+        yield f"*PART\n{ply.name}\n" + _card(PID=ply.number, SECID=ply.card.number, MID=ply.card.number)
+    yield "*PART_INERTIA\nprojectile\n" + _card(PID=deck.nose_part, SECID=deck.nose_card, MID=deck.nose_card)
+    (x, y, z), (vx, vy, vz), J = u.m * nose.centre, u.velocity(nose.velocity), u.kg * u.m**2 * nose.inertia
+    yield _card(XC=x, YC=y, ZC=z, TM=u.kg * nose.mass, IRCS=0, NODEID=nose.reference)
+    yield _card(IXX=J, IXY=0.0, IXZ=0.0, IYY=J, IYZ=0.0, IZZ=J)
+    yield _card(VTX=vx, VTY=vy, VTZ=vz, VRX=0.0, VRY=0.0, VRZ=0.0)
+    yield "*SET_PART_LIST_TITLE\nplies\n" + _card(SID=1)
+    yield numbers(_MARK, "PID", [ply.number for ply in deck.plies], 8)
 
 
 def _materials(deck: Deck) -> Iterator[str]:
-    for card in deck.cards:
-        yield from _fabric(card, deck)
-    (density, E, nu), held = STEEL, _PAIRS[deck.mirrors]
-    yield "*MAT_RIGID_TITLE\nprojectile\n" + _row(
-        len(deck.cards) + 1, deck.units.density(density), deck.units.stress(E), nu
-    )
-    yield _row(1.0, held, 7) + _row(0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for material in deck.cards:
+        yield from _fabric(material, deck)
+    (density, E, nu), u = STEEL, deck.units
+    yield "*MAT_RIGID_TITLE\nprojectile\n" + _card(MID=deck.nose_card, RO=u.density(density), E=u.stress(E), PR=nu)
+    yield _card(CMO=1.0, CON1=_PLANES[deck.mirrors], CON2=7)
+    yield _card(LCO=0, A2=0.0, A3=0.0, V1=0.0, V2=0.0, V3=0.0)
 
 
-def _fabric(card: Card, deck: Deck) -> Iterator[str]:
+def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     """The material, and its curves: 3 n - 2 of the warp, 3 n - 1 of the weft, 3 n of shear."""
-    law, u, cloth = card.law, deck.units, card.cloth
+    law, u, cloth = material.law, deck.units, material.cloth
     assert isinstance(law, UncoupledCurves)
-    warp, weft, shear = (3 * card.number - k for k in (2, 1, 0))
-    slopes = [np.max(np.diff(curve[:, 1]) / np.diff(curve[:, 0])) for curve in law.curves]
-    yield f"*MAT_FABRIC_TITLE\n{card.name}\n"
-    yield _row(card.number, u.density(cloth.density), *map(u.stress, slopes), "", 0.0, 0.0)  # MID RO EA EB - PRBA PRAB
-    yield _row(u.stress(cloth.shear.G1), "", "", float(_CSE), 0.0, 0.0, 0.0, 0.0)  # GAB - - CSE EL PRL LRATIO DAMP
-    # AOPT FLC FAC ELA LNRC FORM FVOPT TSRFAC;  - RGBRTH A0REF A1 A2 A3 X0 X1;  V1 V2 V3 - - - BETA ISREFG
-    yield _row(float(_AOPT), 0.0, 0.0, 0.0, 0.0, float(_FORM), 0.0, 0.0)
-    yield _row("", 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0) + _row(0.0, 0.0, 0.0, "", "", "", 0.0, 0)
-    yield _row(warp, weft, shear, 0, 0, 0, 0.0)  # LCA LCB LCAB LCUA LCUB LCUAB RL
-    named = ((warp, "warp", *law.curves[:1]), (weft, "weft", *law.curves[1:]), (shear, "shear", law.trellis))
+    warp, weft, shear = (3 * material.number - k for k in (2, 1, 0))
+    EA, EB = (u.stress(np.max(np.diff(curve[:, 1]) / np.diff(curve[:, 0]))) for curve in law.curves)
+    yield f"*MAT_FABRIC_TITLE\n{material.name}\n"
+    yield _card(MID=material.number, RO=u.density(cloth.density), EA=EA, EB=EB, _=None, PRBA=0.0, PRAB=0.0)
+    yield _card(GAB=u.stress(cloth.shear.G1), _1=None, _2=None, CSE=1.0, EL=0.0, PRL=0.0, LRATIO=0.0, DAMP=0.0)
+    yield _card(AOPT=2.0, FLC=0.0, FAC=0.0, ELA=0.0, LNRC=0.0, FORM=14.0, FVOPT=0.0, TSRFAC=0.0)
+    yield _card(_=None, RGBRTH=0.0, A0REF=0.0, A1=1.0, A2=0.0, A3=0.0, X0=0.0, X1=0.0)
+    yield _card(V1=0.0, V2=0.0, V3=0.0, _1=None, _2=None, _3=None, BETA=0.0, ISREFG=0)
+    yield _card(LCA=warp, LCB=weft, LCAB=shear, LCUA=0, LCUB=0, LCUAB=0, RL=0.0)
     yield "$ Nominal stress, engineering strain; shear: angle. Check this on one element\n"
-    for number, name, curve in named:
-        kind = 0 if name == "shear" else _FABRIC_CURVE
-        yield f"*DEFINE_CURVE_TITLE\n{card.name}, {name}\n" + _row(number, 0, 1.0, 1.0, 0.0, 0.0, kind)
-        yield lines("%20.12E%20.12E", curve[:, 0], u.stress(curve[:, 1]))
+    curves = (warp, "warp", law.curves[0], -2), (weft, "weft", law.curves[1], -2), (shear, "shear", law.trellis, 0)
+    for number, name, curve, kind in curves:
+        yield f"*DEFINE_CURVE_TITLE\n{material.name}, {name}\n"
+        yield _card(LCID=number, SIDR=0, SFA=1.0, SFO=1.0, OFFA=0.0, OFFO=0.0, DATTYP=kind)
+        yield table(_MARK, "%20.12E%20.12E", "A1 O1", curve[:, 0], u.stress(curve[:, 1]))
 
 
 def _boundary(deck: Deck) -> Iterator[str]:
+    names = "DOFX", "DOFY", "DOFZ", "DOFRX", "DOFRY", "DOFRZ"
     fixed = {"clamped": (1,) * 6, "mirror_x": (1, 0, 0, 0, 1, 1), "mirror_y": (0, 1, 0, 1, 0, 1)}
     for number, (name, nodes) in enumerate(deck.held().items(), 1):
-        yield f"*SET_NODE_LIST_TITLE\n{name}\n" + _row(number) + wrapped(nodes, 8)
-        yield "*BOUNDARY_SPC_SET\n" + _row(number, 0, *fixed[name])
+        yield f"*SET_NODE_LIST_TITLE\n{name}\n" + _card(SID=number) + numbers(_MARK, "NID", nodes, 8)
+        yield "*BOUNDARY_SPC_SET\n" + _card(NSID=number, CID=0, **dict(zip(names, fixed[name])))
 
 
 def _contact(deck: Deck) -> Iterator[str]:
-    """SSID MSID SSTYP MSTYP ...;  FS FD ...;  scale factors at their defaults;  SOFT."""
     part_set, part = 2, 3
-    pairs = [("SURFACE_TO_SURFACE", (1, _nose(deck), part_set, part), deck.nose.friction)]
+    sides = {"SSID": 1, "MSID": deck.nose_part, "SSTYP": part_set, "MSTYP": part}
+    contacts = [("SURFACE_TO_SURFACE", sides, deck.nose.friction)]
     if len(deck.plies) > 1:
-        pairs.append(("SINGLE_SURFACE", (1, 0, part_set, 0), deck.friction))
-    for kind, sides, friction in pairs:
-        yield f"*CONTACT_AUTOMATIC_{kind}\n" + _row(*sides, 0, 0, 0, 0) + _row(friction, friction, *[0.0] * 3, 0)
-        yield _row(*[0.0] * 8) + _row(1)
+        contacts.append(("SINGLE_SURFACE", sides | {"MSID": 0, "MSTYP": 0}, deck.friction))
+    for kind, sides, friction in contacts:
+        yield f"*CONTACT_AUTOMATIC_{kind}\n" + _card(**sides, SBOXID=0, MBOXID=0, SPR=0, MPR=0)
+        yield _card(FS=friction, FD=friction, DC=0.0, VC=0.0, VDC=0.0, PENCHK=0)
+        yield _card(SFS=0.0, SFM=0.0, SST=0.0, MST=0.0, SFST=0.0, SFMT=0.0, FSF=0.0, VSF=0.0)
+        yield _card(SOFT=1)
 
 
-def _nose(deck):
-    """Number of the projectile's part."""
-    return len(deck.plies) + 1
+def _thickness(value):
+    return _card(T1=value, T2=value, T3=value, T4=value)
 
 
-def _row(*values):
-    """Fields of 10 characters: whole numbers, reals, empty ones."""
-    return fields("{}", *(f"{v:>10}" if isinstance(v, str) else _number(v) for v in values))
+def _card(**fields: Any) -> str:
+    """A card of fields of 10 columns: whole numbers, reals, None for an empty one."""
+    return card(_MARK, {name: _text(value) for name, value in fields.items()})
 
 
-def _number(value):
+def _text(value):
+    if value is None:
+        return " " * 10
     if isinstance(value, (int, np.integer)):
         return f"{value:10d}"
     return f"{value:10.3E}" if value else f"{0.0:10.1f}"

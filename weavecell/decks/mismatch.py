@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -62,3 +63,17 @@ class Mismatch:
     def numbers(self) -> dict[str, float]:
         """The four numbers, by name."""
         return {"rms": self.rms, "largest": self.largest, "uniaxial": self.uniaxial, "shear": self.shear}
+
+
+def plot(pyplot: Any, mismatch: Mismatch) -> Any:
+    """The figure of the differences along warp and weft, in percent of the strength, where no yarn has reached it."""
+    figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 4.3), sharey=True, layout="constrained")
+    top = 100 * max(mismatch.largest, 0.01)
+    x, y = (100 * (stretch - 1) for stretch in (mismatch.stretch1, mismatch.stretch2))
+    for axes, difference, family in zip(pair, mismatch.difference, ("warp", "weft")):
+        shown = np.where(mismatch.inside, 100 * difference, np.nan)
+        image = axes.pcolormesh(x, y, shown, cmap="RdBu_r", vmin=-top, vmax=top, shading="nearest", rasterized=True)
+        axes.set(xlabel="strain along the warp [%]", title=f"stress along the {family}")
+    pair[0].set_ylabel("strain along the weft [%]")
+    figure.colorbar(image, ax=pair, label="law less cell [% of the strength]")
+    return figure

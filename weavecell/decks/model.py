@@ -14,13 +14,12 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import pairwise
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-import weavecell
+import fabrics
 from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup
@@ -37,6 +36,7 @@ _TABLE = 8  # samples a side of a cell's table that nothing uses
 _SKIN, _CLEARANCE = 0.1, 0.01  # [ply thicknesses] of the projectile's shells, and from them to the first ply
 _SEEN = 0.9  # of the volume of a body of any shape that this surface holds at least
 _PICTURES, _SAMPLES = 50, 1000  # of a run
+_NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
 
 # what a membrane of another code does not have: key of the input file, what is allowed, and whether a set-up has it
 REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
@@ -89,13 +89,7 @@ UNITS = {"kg-m-s": Units("kg", "m", "s", 1.0, 1.0, 1.0), "g-mm-ms": Units("g", "
 
 @dataclass(frozen=True)
 class Card:
-    """A material: a law with the membrane that it is of.
-
-    Parameters
-    ----------
-    number, name : from 1
-    fabric, law, mismatch : what it was made of, the law, and how far they differ
-    """
+    """A material: its number from 1, the membrane that it is of, the law, and how far they differ."""
 
     number: int
     name: str
@@ -106,15 +100,15 @@ class Card:
 
 @dataclass(frozen=True)
 class Ply:
-    """A sheet of membranes; its number is that of its part.
+    """A sheet of membranes.
 
     Parameters
     ----------
-    number, name : from 1
+    number, name : of the ply and its part, from 1
     card : Card
     points : (n, 3) [m]
-    quads : (m, 4) its nodes from 1, in the deck's numbers
-    held, mirror_x, mirror_y : (n,) bool nodes in the clamp, and on planes of symmetry x = 0 and y = 0
+    quads : (m, 4) its nodes, by their numbers in the deck
+    held : {"clamped", "mirror_x", "mirror_y": (n,) bool} nodes in the clamp, and on planes of symmetry x = 0, y = 0
     """
 
     number: int
@@ -122,9 +116,7 @@ class Ply:
     card: Card
     points: FloatArray
     quads: IntArray
-    held: BoolArray
-    mirror_x: BoolArray
-    mirror_y: BoolArray
+    held: dict[str, BoolArray]
 
 
 @dataclass(frozen=True)
@@ -134,7 +126,7 @@ class Nose:
     Parameters
     ----------
     points : (n, 3) [m] of its surface
-    quads : (m, 4) nodes in the deck's numbers
+    quads : (m, 4) its nodes, by their numbers in the deck
     centre : (3,) [m] node of reference, whose number is `reference`
     mass : [kg] of the modelled part
     inertia : [kg m2] about each axis; it does not turn, but no code takes zero
@@ -182,9 +174,21 @@ class Deck:
         return np.vstack([*(ply.points for ply in self.plies), self.nose.points, self.nose.centre])
 
     @property
-    def parts(self) -> tuple[Ply | Nose, ...]:
-        """The plies, then the projectile."""
-        return *self.plies, self.nose
+    def shells(self) -> IntArray:
+        """(m, 6) of all elements: number, number of the part, four nodes."""
+        parts = [*(ply.quads for ply in self.plies), self.nose.quads]
+        part = np.repeat(np.arange(len(parts)), [len(faces) for faces in parts]) + 1
+        return np.column_stack([np.arange(len(part)) + 1, part, np.vstack(parts)])
+
+    @property
+    def nose_part(self) -> int:
+        """Number of the projectile's part."""
+        return len(self.plies) + 1
+
+    @property
+    def nose_card(self) -> int:
+        """Number of the projectile's material and section."""
+        return len(self.cards) + 1
 
     @property
     def skin(self) -> float:
@@ -198,12 +202,9 @@ class Deck:
 
     def held(self) -> dict[str, IntArray]:
         """{name: node numbers}: clamped, and on planes of symmetry without those; empty sets are left out."""
-        numbers = np.arange(1, 1 + sum(len(ply.points) for ply in self.plies))
-        clamped = np.concatenate([ply.held for ply in self.plies])
-        sets = {"clamped": numbers[clamped]}
-        for name in ("mirror_x", "mirror_y"):
-            sets[name] = numbers[np.concatenate([getattr(ply, name) for ply in self.plies]) & ~clamped]
-        return {name: nodes for name, nodes in sets.items() if nodes.size}
+        sets = {name: np.concatenate([ply.held[name] for ply in self.plies]) for name in self.plies[0].held}
+        chosen = {name: held if name == "clamped" else held & ~sets["clamped"] for name, held in sets.items()}
+        return {name: np.flatnonzero(held) + 1 for name, held in chosen.items() if held.any()}
 
     def watched(self) -> dict[str, int]:
         """{name: node number} of what histories are written: the projectile, and the point of impact of each ply."""
@@ -212,112 +213,89 @@ class Deck:
             nodes[ply.name] = int(ply.quads.min() + np.argmin(np.hypot(*ply.points[:, :2].T)))
         return nodes
 
-    @cached_property
-    def elements(self) -> tuple[IntArray, ...]:
-        """Numbers of the elements of each part."""
-        ends = np.cumsum([0, *(len(part.quads) for part in self.parts)])
-        return tuple(np.arange(a, b) + 1 for a, b in pairwise(ends))
 
-
-def build(
-    setup: ImpactSetup, make: Callable[[Cloth], Law], units: str, *, title: str, source: str, law: str, code: str
-) -> Deck:
+def build(setup: ImpactSetup, code: ModuleType, units: str, match: str, *, title: str, source: str) -> Deck:
     """The deck of a set-up.
 
     Parameters
     ----------
     setup : ImpactSetup
-    make : the law of a fabric
+    code : the writer, `ls_dyna` or `radioss`: its NAME, LAW and KEYWORD
     units : of UNITS
-    title, source, law, code : in words: of the shot, of its compression law, of the law and the code for the header
+    match : of `cloth.MATCHES`
+    title, source : in words: of the shot, and of its compression law
 
     Raises
     ------
-    InputError : unknown units, or what no deck holds
+    InputError : what no deck holds
     """
-    if units not in UNITS:
-        raise InputError(key="units", value=units, allowed=" or ".join(UNITS))
     for key, (allowed, has) in REFUSED.items():
         if has(setup):
             raise InputError(key=key, allowed=allowed)
-    panels, places, friction = _panels(setup)
+    pack = replace(setup, table_size=_TABLE).target()
     cards: dict[int, Card] = {}
     plies: list[Ply] = []
-    for p, (panel, place) in enumerate(zip(panels, places)):
+    first = 1
+    for p, (panel, z) in enumerate(zip(pack.plies, pack.places)):
         if id(panel) not in cards:
             name = _ascii(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
-            cards[id(panel)] = _card(panel.table.model, make, len(cards) + 1, name)
-        plies.append(_ply(panel, cards[id(panel)], place, plies))
-    used = tuple(cards.values())
-    share, mirrors = panels[0].share, panels[0].mirrors
-    nose = _nose(setup.projectile, setup.strike_velocity, share, used[0].cloth.thickness, plies)
-    header = _header(used, units, share, source, law, code)
-    return Deck(_ascii(title)[:70], header, UNITS[units], used, tuple(plies), nose, mirrors, friction, setup.end_time)
-
-
-def _panels(setup):
-    """(panels in the order of the plies, their places [m], friction between them): all that is asked of a set-up's
-    pack."""
-    found = replace(setup, table_size=_TABLE).target()
-    return found.plies, found.places, found.friction
-
-
-def _card(model, make, number, name):
-    cloth = Cloth(replace(model, reach=1.0))
-    law = make(cloth)
-    return Card(number, name, cloth, law, Mismatch.of(cloth, law))
-
-
-def _ply(panel, card, place, before):
-    X, Y = (each.ravel() for each in panel.coordinates())
-    first = 1 + sum(len(ply.points) for ply in before)
-    on = [m & (np.abs(x) < 1e-9 * s) for m, x, s in zip(panel.mirrors, (X, Y), panel.spacing)]
-    number = len(before) + 1
-    return Ply(
-        number, f"ply {number}", card, np.column_stack([X, Y, np.full(X.size, place)]), quads(panel) + first,
-        ~boundary.loose(panel).ravel(), *on,
+            cloth = Cloth(replace(panel.table.model, reach=1.0))
+            law = code.LAW.of(cloth, match)
+            cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.of(cloth, law))
+        x, y = (values.ravel() for values in panel.coordinates())
+        held = {"clamped": ~boundary.loose(panel).ravel()}
+        for axis, mirror, places, spacing in zip("xy", panel.mirrors, (x, y), panel.spacing):
+            held[f"mirror_{axis}"] = mirror & (np.abs(places) < 1e-9 * spacing)
+        points = np.column_stack([x, y, np.full(x.size, z)])
+        plies.append(Ply(p + 1, f"ply {p + 1}", cards[id(panel)], points, quads(panel) + first, held))
+        first += len(points)
+    materials, share = tuple(cards.values()), pack.plies[0].share
+    nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
+    header = _header(materials, units, share, f"{code.KEYWORD}, {_NEAREST[match]}", source, code.NAME)
+    return Deck(
+        _ascii(title)[:70], header, UNITS[units], materials, tuple(plies), nose, pack.plies[0].mirrors, pack.friction,
+        setup.end_time,
     )  # fmt: skip
 
 
-def _nose(shot, speed, share, thickness, plies):
+def _nose(setup, share, thickness, ply, first):
     """The body's surface in elements of the fabric's size, its nose on the line of flight before the first ply."""
+    shot = setup.projectile
     clear = (0.5 + 0.5 * _SKIN + _CLEARANCE) * thickness
     start = shot.start() - shot.flight * clear / shot.flight[2]
-    first = sum(len(ply.points) for ply in plies)
-    corners = plies[0].points[plies[0].quads[:, [0, 2]] - 1, :2]
-    points, quads = mesh(shot, np.diff(corners, axis=1).min())
+    corners = ply.points[ply.quads[:, [0, 2]] - 1, :2]
+    points, faces = mesh(shot, np.diff(corners, axis=1).min())
     if shot.solid is not None:
-        held = volume(points, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
-        if held < _SEEN * volume(shot.solid.points, shot.solid.faces):
+        seen = volume(points, np.vstack([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
+        if seen < _SEEN * volume(shot.solid.points, shot.solid.faces):
             allowed = "a body whose surface is seen from its axis: from there it is drawn"
             raise InputError(key="projectile.stl", allowed=allowed)
     return Nose(
-        start + points, quads + first + 1, start - shot.radius * shot.frame[2], first + len(points) + 1,
-        share * shot.mass, 0.4 * share * shot.mass * shot.radius**2, speed * shot.flight, shot.friction,
+        points=start + points, quads=faces + first, centre=start - shot.radius * shot.frame[2],
+        reference=first + len(points), mass=share * shot.mass, inertia=0.4 * share * shot.mass * shot.radius**2,
+        velocity=setup.strike_velocity * shot.flight, friction=shot.friction,
     )  # fmt: skip
 
 
-def _header(cards, units, share, source, law, code):
+def _header(cards, units, share, law, source, code):
     """Lines of text: what the deck is, how far its cards are off, and what they do not hold."""
     text = [
-        f"weavecell {weavecell.__version__}: a deck for {code}, NOT RUN in it",
+        f"weavecell {fabrics.__version__}: a deck for {code}, NOT RUN in it",
         f"Units: {units}",
         f"Material: {law}; computed from a unit cell, not measured; compression law: {source}",
     ]
     for card in cards:
-        percent = {key: f"{100 * value:.1f} %" for key, value in card.mismatch.numbers().items()}
+        rms, largest, uniaxial, shear = (f"{100 * value:.1f} %" for value in card.mismatch.numbers().values())
         text.append(
-            "Law {n} ({name}) less the cell, over the strength: rms {rms}, largest {largest} over the biaxial plane; "
-            "{uniaxial} in uniaxial tension, {shear} in shear until locking".format(
-                n=card.number, name=card.name, **percent
-            )
+            f"Law {card.number} ({card.name}) less the cell, over the strength: rms {rms}, largest {largest} over the "
+            f"biaxial plane; {uniaxial} in uniaxial tension, {shear} in shear until locking"
         )
         if card.mismatch.worst > LIMIT:
             text.append(f"WARNING: law {card.number} is off by more than {100 * LIMIT:.0f} % of the strength")
     text.append(f"Not held: {cards[0].law.lost}")
     if share < 1:
         text.append(f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part")
-    return tuple(line for each in text for line in textwrap.wrap(_ascii(each), 76, subsequent_indent="  "))
+    return tuple(line for entry in text for line in textwrap.wrap(_ascii(entry), 76, subsequent_indent="  "))
 
 
 def _ascii(text):

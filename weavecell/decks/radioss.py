@@ -1,9 +1,10 @@
 """OpenRadioss starter and engine decks of a panel: /MAT/LAW58 with /PROP/TYPE16.
 
 Block format 2023. Fields and widths as in the Radioss Reference Guide and in the input templates of OpenRadioss
-(hm_cfg_files): columns of 10 and 20 characters. The shells are membranes, with one point through the thickness; the
-vector (1, 0, 0) is the ply's first direction, the second is at 90 degrees to it. LAW58 has linear yarns, and a function
-of the shear angle in degrees. /FAIL/FABRIC stands as a comment (_NO_FAILURE): without it nothing breaks.
+(hm_cfg_files): whole numbers in columns of 10, reals of 20 characters; the names of the fields stand above each card.
+The shells are membranes, with one point through the thickness; the vector (1, 0, 0) is the ply's first direction, the
+second is at 90 degrees to it. LAW58 has linear yarns, and a function of the shear angle in degrees. /FAIL/FABRIC stands
+as a comment (_NO_FAILURE): without it nothing breaks.
 
 The projectile is shells in /RBODY, whose mass is that of its main node alone (ICoG 4); it does not turn. Contact is
 /INTER/TYPE7, nodes on surface: of all plies on the nose, and of each two neighbouring plies both ways.
@@ -13,16 +14,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
+from typing import Any
 
-from meshing.formats.deck import fields, lines, wrapped
+from weavecell.decks.cards import card, numbers, table
 from weavecell.decks.laws import FLEX, CrimpExchange
 from weavecell.decks.model import STEEL, Card, Deck
 
+NAME, LAW, KEYWORD = "OpenRadioss", CrimpExchange, "/MAT/LAW58 (FABR_A)"
 VERSION = 2023
-_ICOG_MAIN, _ISHELL, _BOTH, _IDEL = 4, 24, 2, 2
+_MARK = "#"
+_QEPH = 24  # Ishell
 _BROKEN = 1.001  # times the strain of failure: of rupture
 _COURANT = 0.5  # 0.9 becomes unstable once elements are lost
-_STIFF = 0.03, 1  # scales of the contact stiffness (Stfac): of the steel nose, and of two plies
+_STIFF = 0.03, 1.0  # scales of the contact stiffness (Stfac): of the steel nose, and of two plies
 _NO_FAILURE = (
     "No failure: for a law with strains of its fibres (LAW58) OpenRadioss as of 2026-08-21",
     "(mulawc.F90, failure model 31) gives /FAIL/FABRIC the strain of the neighbouring element, and to the",
@@ -41,98 +45,110 @@ def write(deck: Deck, name: str) -> dict[str, str]:
 
 def _head(deck: Deck) -> Iterator[str]:
     u = deck.units
+    units = {"MUNIT": f"{u.mass:>20}", "LUNIT": f"{u.length:>20}", "TUNIT": f"{u.time:>20}"}
     yield "#RADIOSS STARTER\n" + "".join(f"# {line}\n" for line in deck.header)
-    yield f"/BEGIN\n{deck.title}\n{VERSION:10d}\n" + 2 * fields("{:>20}", u.mass, u.length, u.time)
+    yield f"/BEGIN\n{deck.title}\n" + _card(Invers=VERSION) + 2 * card(_MARK, units)
     yield f"/TITLE\n{deck.title}\n"
 
 
 def _materials(deck: Deck) -> Iterator[str]:
-    u = deck.units
-    for card in deck.cards:
-        yield from _fabric(card, deck)
-    yield f"/MAT/LAW1/{_nose(deck)}\nprojectile\n" + _reals(u.density(STEEL[0])) + _reals(u.stress(STEEL[1]), STEEL[2])
+    (density, E, nu), u = STEEL, deck.units
+    for material in deck.cards:
+        yield from _fabric(material, deck)
+    yield f"/MAT/LAW1/{deck.nose_card}\nprojectile\n" + _card(RHO_I=u.density(density)) + _card(E=u.stress(E), nu=nu)
 
 
-def _fabric(card: Card, deck: Deck) -> Iterator[str]:
-    law, u = card.law, deck.units
+def _fabric(material: Card, deck: Deck) -> Iterator[str]:
+    law, u, number = material.law, deck.units, material.number
     assert isinstance(law, CrimpExchange)
-    E, G = u.stress(law.E), u.stress(card.cloth.shear.G1)
-    yield f"/MAT/LAW58/{card.number}\n{card.name}\n" + _reals(u.density(card.cloth.density))
-    yield _reals(E[0], 0, E[1], 0, FLEX)  # E1 B1 E2 B2 Flex
-    yield _reals(G, G, 0, G)  # G0 GT AlphaT Gsh
-    yield _reals(0, 0, 0)  # Df Ds Gfrot
-    yield _ids(1, 1)[:-1] + _reals(*law.crimp, FLEX, FLEX)  # N1 N2 S1 S2 Flex1 Flex2
-    yield f"{0:10d}{'':10}{0:20.12E}\n" * 2 + f"{card.number:10d}{'':10}{1:20.12E}\n"  # fct_ID1, 2, 3 and scales
-    rupture = _BROKEN * law.limit
-    strains = law.limit[0], rupture[0], law.limit[1], rupture[1]
-    failure = f"/FAIL/FABRIC/{card.number}\n" + _reals(*strains)[:-1] + f"{'':10}{_BOTH:10d}\n" + _reals(0)
-    yield "".join(f"#{line}\n" for line in (*_NO_FAILURE, *failure.splitlines()))
-    yield f"/FUNCT/{card.number}\n{card.name}, shear\n"
-    yield lines("%20.12E%20.12E", law.table[:, 0], u.stress(law.table[:, 1]))
+    (E1, E2), (S1, S2), G = u.stress(law.E), law.crimp, u.stress(material.cloth.shear.G1)
+    yield f"/MAT/LAW58/{number}\n{material.name}\n" + _card(RHO_I=u.density(material.cloth.density))
+    yield _card(E1=E1, B1=0.0, E2=E2, B2=0.0, FLEX=FLEX)
+    yield _card(G0=G, GT=G, AlphaT=0.0, Gsh=G)
+    yield _card(Df=0.0, Ds=0.0, GFROT=0.0)
+    yield _card(N1=1, N2=1, S1=S1, S2=S2, FLEX1=FLEX, FLEX2=FLEX)
+    yield _card(fct_ID1=0, _=None, Fscale1=0.0)
+    yield _card(fct_ID2=0, _=None, Fscale2=0.0)
+    yield _card(fct_ID3=number, _=None, Fscale3=1.0)
+    (start1, start2), (end1, end2) = law.limit, _BROKEN * law.limit
+    strains = _card(Eps_f1=start1, Eps_r1=end1, Eps_f2=start2, Eps_r2=end2, _=None, Ndir=2).splitlines()[1]
+    failure = f"/FAIL/FABRIC/{number}", strains, f"{0:20.12E}"
+    yield "".join(f"#{line}\n" for line in (*_NO_FAILURE, *failure))
+    yield f"/FUNCT/{number}\n{material.name}, shear\n"
+    yield table(_MARK, "%20.12E%20.12E", "X Y", law.table[:, 0], u.stress(law.table[:, 1]))
 
 
 def _properties(deck: Deck) -> Iterator[str]:
-    """Flags, hourglass and damping at their defaults, points and thickness; then the axes."""
     m = deck.units.m
-    for card in deck.cards:
-        thickness = m * card.cloth.thickness
-        yield f"/PROP/TYPE16/{card.number}\n{card.name}\n" + _ids(_ISHELL, 0, 0) + _reals(0, 0, 0, 0, 0)
-        yield _ids(1, 0)[:-1] + _reals(thickness, 0) + _reals(1, 0, 0)[:-1] + _ids(0, 0)
-        yield _reals(0, 90, thickness, 0)[:-1] + _ids(card.number)  # Phi Alpha T Z mat_ID
-    yield f"/PROP/TYPE1/{_nose(deck)}\nprojectile\n" + _ids(_ISHELL, 0, 0) + _reals(0, 0, 0, 0, 0)
-    yield _ids(1, 0)[:-1] + _reals(m * deck.skin, 0)
+    hourglass = _card(hm=0.0, hf=0.0, hr=0.0, dm=0.0, dn=0.0)
+    flags = _card(Ishell=_QEPH, Ismstr=0, Ish3n=0) + hourglass
+    for material in deck.cards:
+        thickness = m * material.cloth.thickness
+        yield f"/PROP/TYPE16/{material.number}\n{material.name}\n" + flags
+        yield _card(N=1, Istrain=0, Thick=thickness, Ashear=0.0)
+        yield _card(Vx=1.0, Vy=0.0, Vz=0.0, skew_ID=0, Iorth=0)
+        yield _card(Phi=0.0, Alpha=90.0, T=thickness, Z=0.0, mat_ID=material.number)
+    yield f"/PROP/TYPE1/{deck.nose_card}\nprojectile\n" + flags
+    yield _card(N=1, Istrain=0, Thick=m * deck.skin, Ashear=0.0)
     for ply in deck.plies:
-        yield f"/PART/{ply.number}\n{ply.name}\n" + _ids(ply.card.number, ply.card.number)
-    yield f"/PART/{_last(deck)}\nprojectile\n" + _ids(_nose(deck), _nose(deck))
+        yield f"/PART/{ply.number}\n{ply.name}\n" + _card(prop_ID=ply.card.number, mat_ID=ply.card.number)
+    yield f"/PART/{deck.nose_part}\nprojectile\n" + _card(prop_ID=deck.nose_card, mat_ID=deck.nose_card)
 
 
 def _mesh(deck: Deck) -> Iterator[str]:
     points = deck.points * deck.units.m
-    yield "/NODE\n" + lines("%10d%20.12E%20.12E%20.12E", range(1, len(points) + 1), points)
-    for number, (part, elements) in enumerate(zip(deck.parts, deck.elements), 1):
-        yield f"/SHELL/{number}\n" + lines("%10d" * 5, elements, part.quads)
+    yield "/NODE\n" + table(_MARK, "%10d%20.12E%20.12E%20.12E", "node_ID X Y Z", range(1, len(points) + 1), points)
+    shells, names = deck.shells, "shell_ID node_ID1 node_ID2 node_ID3 node_ID4"
+    for part in range(1, deck.nose_part + 1):
+        own = shells[shells[:, 1] == part]
+        yield f"/SHELL/{part}\n" + table(_MARK, "%10d" * 5, names, own[:, 0], own[:, 2:])
 
 
 def _groups(deck: Deck) -> Iterator[str]:
     """Groups of nodes: held ones, then those of each part, and of all plies; a surface of each part."""
     fixed = {"clamped": "111 111", "mirror_x": "100 011", "mirror_y": "010 101"}
     for number, (name, nodes) in enumerate(deck.held().items(), 1):
-        yield f"/GRNOD/NODE/{number}\n{name}\n" + wrapped(nodes, 10)
-        yield f"/BCS/{number}\n{name}\n   {fixed[name]}" + _ids(0, number)
-    for part in range(1, _last(deck) + 1):
+        yield f"/GRNOD/NODE/{number}\n{name}\n" + numbers(_MARK, "node_ID", nodes, 10)
+        yield f"/BCS/{number}\n{name}\n" + _held(fixed[name], number)
+    for part in range(1, deck.nose_part + 1):
         for kind in ("GRNOD", "SURF"):
-            yield f"/{kind}/PART/{_of(part)}\npart {part}\n" + _ids(part)
-    yield f"/GRNOD/PART/{_of(_last(deck) + 1)}\nplies\n" + wrapped([ply.number for ply in deck.plies], 10)
+            yield f"/{kind}/PART/{_group(part)}\npart {part}\n" + numbers(_MARK, "part_ID", [part], 10)
+    yield f"/GRNOD/PART/{_plies(deck)}\nplies\n"
+    yield numbers(_MARK, "part_ID", [ply.number for ply in deck.plies], 10)
 
 
 def _body(deck: Deck) -> Iterator[str]:
-    nose, u, group = deck.nose, deck.units, _of(_last(deck) + 2)
-    J = u.kg * u.m**2 * nose.inertia
-    yield f"/GRNOD/NODE/{group}\nmain node of the projectile\n" + _ids(nose.reference)
-    yield "/RBODY/1\nprojectile\n" + _ids(nose.reference, 0, 0, 0)[:-1] + _reals(u.kg * nose.mass)[:-1]
-    yield _ids(_of(_last(deck)), 0, _ICOG_MAIN, 0) + _reals(J, J, J) + _reals(0, 0, 0) + _ids(0)
-    held = "".join(str(int(mirror)) for mirror in deck.mirrors)
-    yield f"/BCS/{group}\nprojectile\n   {held}0 111" + _ids(0, group)
-    for number, nodes in enumerate((group, _of(_last(deck))), 1):
-        yield f"/INIVEL/TRA/{number}\nprojectile\n" + _reals(*u.velocity(nose.velocity))[:-1] + _ids(nodes, 0)
-    yield "/TH/RBODY/1\nprojectile\n" + fields("{:<10}", "DEF") + _ids(1)
-    yield "/TH/NODE/2\nmotion\n" + fields("{:<10}", "DEF")
+    nose, u, main, surface = deck.nose, deck.units, _group(deck.nose_part + 2), _group(deck.nose_part)
+    J, (vx, vy, vz) = u.kg * u.m**2 * nose.inertia, u.velocity(nose.velocity)
+    yield f"/GRNOD/NODE/{main}\nmain node of the projectile\n" + numbers(_MARK, "node_ID", [nose.reference], 10)
+    yield "/RBODY/1\nprojectile\n"
+    yield _card(
+        node_ID=nose.reference, sens_ID=0, skew_ID=0, Ispher=0, Mass=u.kg * nose.mass, grnd_ID=surface, Ikrem=0,
+        ICoG=4, surf_ID=0,
+    )  # fmt: skip
+    yield _card(J11=J, J22=J, J33=J) + _card(J12=0.0, J23=0.0, J13=0.0) + _card(Ioptoff=0)
+    yield f"/BCS/{main}\nprojectile\n" + _held("".join(str(int(mirror)) for mirror in deck.mirrors) + "0 111", main)
+    for number, nodes in enumerate((main, surface), 1):
+        yield f"/INIVEL/TRA/{number}\nprojectile\n" + _card(Vx=vx, Vy=vy, Vz=vz, grnd_ID=nodes, skew_ID=0)
+    yield f"/TH/RBODY/1\nprojectile\n{'DEF':<10}\n" + _card(body_ID=1)
+    yield f"/TH/NODE/2\nmotion\n{'DEF':<10}\n"
     yield "".join(f"{node:10d}{0:10d}{name}\n" for name, node in deck.watched().items())
 
 
 def _contact(deck: Deck) -> Iterator[str]:
-    """(nodes, surface, gap, friction, scale of the stiffness) of each interface."""
-    half, places = 0.5 * deck.cards[0].cloth.thickness, [ply.points[0, 2] for ply in deck.plies]
-    sides = [(_of(_last(deck) + 1), _of(_last(deck)), half, deck.nose.friction, _STIFF[0])]
-    for p, (z, beyond) in enumerate(pairwise(places), 1):
+    half, heights = 0.5 * deck.cards[0].cloth.thickness, [ply.points[0, 2] for ply in deck.plies]
+    pairs = [(_plies(deck), _group(deck.nose_part), half, deck.nose.friction, _STIFF[0])]
+    for p, (z, beyond) in enumerate(pairwise(heights), 1):
         gap = min(2 * half, _GAP * (beyond - z))
-        sides += [(_of(a), _of(b), gap, deck.friction, _STIFF[1]) for a, b in ((p, p + 1), (p + 1, p))]
-    for number, (nodes, surface, gap, friction, stiff) in enumerate(sides, 1):
-        yield f"/INTER/TYPE7/{number}\ncontact {number}\n" + _ids(nodes, surface, 0, 0, 0, 0, 0, _IDEL, 0, 0)
-        yield _reals(0, 0, 0) + _reals(0, 0, 0, 0)[:-1] + _ids(0, 0)  # gap scales;  stiffness bounds
-        yield _reals(stiff, friction, deck.units.m * gap, 0, 0)  # Stfac Fric Gapmin Tstart Tstop
-        yield f"{'':7}000{'':20}{0:10d}" + _reals(0, 0, 0)  # IBC Inacti VIS_S VIS_F Bumult
-        yield _ids(0, 0)[:-1] + _reals(0)[:-1] + _ids(2, 0, 0)[:-1] + _reals(0)[:-1] + _ids(0)  # Iform 2
+        pairs += [(_group(a), _group(b), gap, deck.friction, _STIFF[1]) for a, b in ((p, p + 1), (p + 1, p))]
+    for number, (nodes, surface, gap, friction, stiffness) in enumerate(pairs, 1):
+        yield f"/INTER/TYPE7/{number}\ncontact {number}\n"
+        yield _card(grnd_IDs=nodes, surf_IDm=surface, Istf=0, Ithe=0, Igap=0, _=0, Ibag=0, Idel=2, Icurv=0, Iadm=0)
+        yield _card(Fscale_gap=0.0, Gapmax=0.0, Fpenmax=0.0)
+        yield _card(Stmin=0.0, Stmax=0.0, mesh_size=0.0, dtmin=0.0, Irem_gap=0, Irem_i2=0)
+        yield _card(Stfac=stiffness, Fric=friction, Gapmin=deck.units.m * gap, Tstart=0.0, Tstop=0.0)
+        yield _card(IBC=f"{'000':>10}", _=" " * 20, Inacti=0, VIS_S=0.0, VIS_F=0.0, Bumult=0.0)
+        yield _card(Ifric=0, Ifiltr=0, Xfreq=0.0, Iform=2, sens_ID=0, fct_IDF=0, AscaleF=0.0, fric_ID=0)
 
 
 def _engine(deck: Deck, name: str) -> Iterator[str]:
@@ -143,24 +159,27 @@ def _engine(deck: Deck, name: str) -> Iterator[str]:
     yield f"/DT\n{_COURANT} 0\n/ANIM/DT\n0 {pictures:.9G}\n/ANIM/VECT/VEL\n/ANIM/VECT/CONT\n/MON/ON\n"
 
 
-def _nose(deck):
-    """Number of the projectile's material and property."""
-    return len(deck.cards) + 1
-
-
-def _last(deck):
-    """Number of the projectile's part."""
-    return len(deck.plies) + 1
-
-
-def _of(part):
+def _group(part):
     """Number of the group of nodes and of the surface of a part; 1 to 3 are nodes that are held."""
     return 10 + part
 
 
-def _ids(*numbers):
-    return fields("{:10d}", *numbers)
+def _plies(deck):
+    """Number of the group of nodes of all plies."""
+    return _group(deck.nose_part + 1)
 
 
-def _reals(*values):
-    return fields("{:20.12E}", *values)
+def _held(codes, group):
+    """The card of /BCS: 1 for each displacement along, and rotation about x, y, z that is held."""
+    return _card(Tra_rot=f"{codes:>10}", skew_ID=0, grnod_ID=group)
+
+
+def _card(**fields: Any) -> str:
+    """A card: whole numbers and None (empty) in fields of 10 columns, reals of 20; texts as they are."""
+    return card(_MARK, {name: _text(value) for name, value in fields.items()})
+
+
+def _text(value):
+    if isinstance(value, float):
+        return f"{value:20.12E}"
+    return value if isinstance(value, str) else f"{'' if value is None else value:>10}"

@@ -12,7 +12,7 @@ from fabrics.fabric import Fabric
 from fabrics.units import FACTORS
 from weavecell.report import pictures
 from weavecell.report.derived import density_kind, derived
-from weavecell.report.page import Card, Figure, Section, Table
+from weavecell.report.page import Card, Figure, Report, Section, Table
 
 STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
 
@@ -59,35 +59,6 @@ def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
         (Table(("quantity", "value"), tuple(facts.items())),),
         beside=True,
     )
-
-
-def fit(samples: Any, laws: Mapping[str, CompressionLaw], platen: Any = None, lead: str = "") -> Section:
-    """The calibration: samples of the 3D crossover, the law fitted to them, the published law."""
-    rows = tuple(
-        (
-            label,
-            f"{1e3 * law.a:.4f}{_interval(law.a_interval)}",
-            f"{1e3 * law.b:.4f}{_interval(law.b_interval)}",
-            "-" if law.residual_rms is None else f"{1e6 * law.residual_rms:.2f}",
-            "-" if law.F_range is None else f"{law.F_range[0]:.2g} to {law.F_range[1]:.3g}",
-        )
-        for label, law in laws.items()
-    )
-    columns = ("law", "a [mm]", "b [mm N^(1/3)]", "residual rms [µm]", "fitted range of F [N]")
-    content = pictures.render(pictures.fit, samples, laws, platen)
-    return Section(
-        "fit",
-        "Transverse compression: the fit",
-        lead or "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted.",
-        (Figure(content, "svg", "Compression of one yarn against the contact force.", "fit"),),
-        (Table(columns, rows, numeric=columns[1:]),),
-    )
-
-
-def _interval(interval):
-    if interval is None:
-        return ""
-    return f" ({1e3 * interval[0]:.4f} to {1e3 * interval[1]:.4f})"
 
 
 def cell(
@@ -192,3 +163,24 @@ def making(stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[T
         details=(("Scene", stamp["scene"]),) if stamp["scene"] else (),
         folded=True,
     )
+
+
+def of_cell(
+    title: str,
+    lead: str,
+    fabric: Fabric,
+    cards: Iterable[Card],
+    sections: Iterable[Section],
+    stamp: Mapping[str, str],
+    seconds: Mapping[str, float],
+) -> Report:
+    """The page of a crossover's results: the fabric's card before others, its sources and the making at the end.
+
+    Parameters
+    ----------
+    stamp : of `results.provenance.stamp`
+    seconds : {stage: wall time [s]}
+    """
+    sections = (*sections, sources(fabric), making(stamp, seconds))
+    footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
+    return Report(title, lead, ((fabric_card(fabric), *cards),), sections, footer)

@@ -7,9 +7,12 @@ from typing import Any
 import numpy as np
 
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.record import Record
 
 
-def _yarn_summary(fabric, record):
+def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:
+    """One yarn pulled straight."""
     taut = record["T_taut"] > 0.1 * record["T_taut"].max()
     found = {"greatest tension [N]": record["T"].max()}
     if np.count_nonzero(taut) > 1 and not record["broken"].any():
@@ -26,7 +29,8 @@ def _yarn_summary(fabric, record):
     return found
 
 
-def _stack_summary(fabric, record):
+def stack(fabric: Fabric, record: Record) -> dict[str, Any]:
+    """Plies between platens."""
     from unitcell3d.cases.stack import law_closure
 
     found = {
@@ -42,7 +46,8 @@ def _stack_summary(fabric, record):
     return found
 
 
-def _tension_summary(fabric, record):
+def tensions(fabric: Fabric, record: Record) -> dict[str, Any]:
+    """Biaxial stretch, or any path."""
     found = {f"{name} at the end [N]": record[name][-1] for name in ("T1", "T2", "F_c")}
     found |= {f"greatest {name} [N]": record[name].max() for name in ("T1", "T2")}
     if np.any(record["broken"]):
@@ -50,7 +55,8 @@ def _tension_summary(fabric, record):
     return found
 
 
-def _shear_summary(fabric, record):
+def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
+    """Shear of the weave."""
     from fabrics.trellis import touching_angle
     from unitcell3d.identify import shear_fit
 
@@ -86,10 +92,11 @@ def _shear_summary(fabric, record):
     return found
 
 
-def _pull_out_summary(fabric, record):
-    from unitcell3d.cases import pull_out
+def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
+    """One yarn pulled along its axis."""
+    from unitcell3d.cases import pull_out as case
 
-    F_c, T_f = pull_out.thresholds(record)
+    F_c, T_f = case.thresholds(record)
     found = {
         "Coulomb's coefficient of the contact [-]": record.facts["friction"],
         "contact forces in slip [N]": F_c.tolist(),
@@ -98,7 +105,7 @@ def _pull_out_summary(fabric, record):
         "largest share of Coulomb's limit [-]": record["mobilised"].max(),
     }
     if F_c.size > 1:
-        law = pull_out.fit(record)
+        law = case.fit(record)
         found |= {
             "threshold without contact force, c0 [N]": law.c0,
             "effective coefficient, mu_eff [-]": law.mu_eff,
@@ -113,23 +120,3 @@ def _law(law):
     return {
         "gamma1 [rad]": law.gamma1, "gamma2 [rad]": law.gamma2, "G1 [MPa]": law.G1 / 1e6, "G2 [MPa]": law.G2 / 1e6
     }  # fmt: skip
-
-
-SUMMARIES = {
-    "yarn": _yarn_summary,
-    "platens": _stack_summary,
-    "stack": _stack_summary,
-    "biaxial": _tension_summary,
-    "path": _tension_summary,
-    "shear": _shear_summary,
-    "pull-out": _pull_out_summary,
-}
-
-
-def as_text(value: Any) -> str:
-    """A number, some of them or a word, as it is printed."""
-    if isinstance(value, list | tuple):
-        return ", ".join(as_text(part) for part in value)
-    if value is None:
-        return "-"
-    return f"{value:.5g}" if isinstance(value, float | np.floating) else str(value)

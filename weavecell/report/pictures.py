@@ -244,7 +244,7 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
     found : weavecell.studies.compare.Comparison
     """
     figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
-    tests, strike = found.tests, found.tests.velocity
+    table, strike = found.table, found.table["velocity [m/s]"]
     velocities = [*strike, found.limit.low] + ([] if found.curve is None else [found.curve.V50])
     low, high = 0.94 * min(velocities), 1.02 * max(*velocities, found.limit.high)
     axes.plot([low, high], [low, high], color=FAINT, lw=1, ls=":", label="no loss of velocity")
@@ -264,11 +264,19 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
         if fit is not None:
             at = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
             axes.plot(at, fit.residual_velocity(at), color=color, lw=1.2, label=words)
-    known = np.isfinite(tests.residual)
-    for through, fill, words in ((True, STEEL, "test, perforated"), (False, "white", "test, stopped")):
-        some = known & (tests.perforated == through)
-        axes.plot(strike[some], tests.residual[some], "s", ms=7, mfc=fill, mec=STEEL, label=words)
-    axes.plot(strike, found.computed_residual, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
+    for outcome, fill in (("perforated", STEEL), ("stopped", "white")):
+        residual = table["tested residual velocity [m/s]"].where(table["tested"] == outcome).dropna()
+        axes.plot(strike[residual.index], residual, "s", ms=7, mfc=fill, mec=STEEL, label=f"test, {outcome}")
+    axes.plot(
+        strike,
+        table["computed residual velocity [m/s]"],
+        "o",
+        ms=6,
+        color=BLUE,
+        mec="white",
+        label="computed",
+        zorder=3,
+    )
     axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
     axes.set_ylim(-0.02 * high, high)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)

@@ -5,7 +5,6 @@ pyvista draws bodies without scalar bars: VTK's crash a process that has loaded 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from fabrics.checks import FilePath
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from meshing.pictures_style import FAINT, GREEN, INK, ORANGE, WARP, WEFT
+from meshing.pictures_style import FAINT, FITTED, GREEN, INK, ORANGE, WARP, WEFT
 
 if TYPE_CHECKING:
     from fabrics.record import Record
@@ -23,7 +22,7 @@ UM, MPA = 1e6, 1e-6
 WINDOW = (1500, 900)
 
 
-def yarn(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]) -> Any:
+def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Tension against strain, with the closed form."""
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
     strain, name = 100 * record["strain"], ("warp", "weft")[record.facts["yarn"]]
@@ -43,7 +42,7 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]
     return figure
 
 
-def stack(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]) -> Any:
+def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Pressure against the closure of a ply, with the pressure law where it knows the pack."""
     from unitcell3d.cases.stack import law_closure
 
@@ -74,7 +73,7 @@ def stack(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float
     return figure
 
 
-def tensions(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]) -> Any:
+def tensions(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Tensions and contact force along the path."""
     figure, (upper, lower) = pyplot.subplots(
         2, 1, figsize=(7.6, 6.0), sharex=True, height_ratios=(2.2, 1), layout="constrained"
@@ -93,7 +92,7 @@ def tensions(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, fl
     return figure
 
 
-def shear(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]) -> Any:
+def shear(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Shear stress against the angle, the fitted law and the fabric's own; forces below."""
     from fabrics.errors import InputError
     from unitcell3d.identify import shear_fit
@@ -127,7 +126,7 @@ def shear(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float
     return figure
 
 
-def pull_out(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, Any]) -> Any:
+def pull_out(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Axial force against the pull at each transverse load, and the thresholds against the contact force."""
     from unitcell3d.cases import pull_out as case
 
@@ -155,15 +154,21 @@ def pull_out(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, An
     return figure
 
 
-CURVES = {
-    "yarn": yarn,
-    "platens": stack,
-    "stack": stack,
-    "biaxial": tensions,
-    "path": tensions,
-    "shear": shear,
-    "pull-out": pull_out,
-}
+def plates(pyplot: Any, fit: Any) -> Any:
+    """Pressure against closure.
+
+    Parameters
+    ----------
+    fit : unitcell3d.identify.solid_record.SolidFit
+    """
+    figure, axes = pyplot.subplots(figsize=(8.6, 4.6))
+    pressure = MPA * fit.pressure
+    axes.plot(1e6 * fit.measured, pressure, "o", ms=6, mfc="white", mec=INK, mew=1.4, label="measured")
+    axes.plot(1e6 * fit.before, pressure, "--", color=FAINT, lw=2, label="before the fit")
+    axes.plot(1e6 * fit.computed, pressure, color=FITTED, lw=2.4, label="fitted")
+    axes.set(xlabel="closed by the plates [µm]", ylabel="pressure [MPa]", yscale="log")
+    axes.legend(loc="upper left")
+    return figure
 
 
 def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
@@ -184,7 +189,6 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     bodies, images = _bodies(mesh, record, submeshes)
     scene = plotter(WINDOW)
     try:
-        everything = []
         for family, grid, x in bodies:
             for image in images(x, grid):
                 for sheet in _sheets(grid):
@@ -199,27 +203,13 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
                         ambient=0.4,
                         diffuse=0.7,
                     )
-                    everything.append(nodes.reshape(-1, 3))
-        _aim(scene, np.concatenate(everything))
+        scene.enable_parallel_projection()
+        scene.view_vector((-5, -7, 6))
+        scene.camera.zoom(1.3)
         with replace_whole(path) as beside:
             scene.screenshot(str(beside))
     finally:
         scene.close()
-
-
-def _aim(scene, points):
-    """A parallel view from above and before that the points (n, 3) fill."""
-    away = np.array([-5.0, -7.0, 6.0]) / np.linalg.norm([5.0, 7.0, 6.0])
-    right = np.cross((0, 0, 1), away)
-    right /= np.linalg.norm(right)
-    up = np.cross(away, right)
-    spans = [(points @ axis).min() + np.array([0, np.ptp(points @ axis)]) for axis in (right, up, away)]
-    centre = sum(span.mean() * axis for span, axis in zip(spans, (right, up, away)))
-    scene.enable_parallel_projection()
-    scene.camera_position = [centre + 10 * away, centre, (0, 0, 1)]
-    width, height = (np.ptp(span) for span in spans[:2])
-    scene.camera.parallel_scale = 0.53 * max(height, width * WINDOW[1] / WINDOW[0])
-    scene.reset_camera_clipping_range()
 
 
 def _bodies(mesh, record, yarns):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator
 
 from fabrics.surface import ResponseSurface
 from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
@@ -45,6 +44,8 @@ def surfaces(pyplot: Any, interpolant: Any) -> Any:
 
 def contours(pyplot: Any, interpolant: Any) -> Any:
     """Levels of the forces and heights over (d1, d2), with the samples."""
+    from matplotlib.ticker import MaxNLocator
+
     surface = interpolant.surface
     x, y = (np.linspace(axis[0], axis[-1], 201) for axis in (surface.d1, surface.d2))
     figure, grid = pyplot.subplots(2, 3, figsize=(10.4, 7.0), sharex=True, sharey=True)

@@ -1,8 +1,9 @@
-"""A quasi-static test on a coupon: what is measured after each load step, and its files in HDF5.
+"""Tests on coupons: what is measured after each load step, or sample of a pull-out, and their files in HDF5.
 
-Layout of histories.h5: attributes of the root for scalars and texts; /histories with one value a load step; /coupon
-with the fabric at rest; /states with nodes and shear angles after every step; /final with the tensions of the yarns at
-the end; /relaxation with the out-of-balance force of every iteration. Every dataset has the attribute "unit".
+Layout of histories.h5 of a quasi-static test: attributes of the root for scalars and texts; /histories with one value a
+load step; /coupon with the fabric at rest; /states with nodes and shear angles after every step; /final with the
+tensions of the yarns at the end; /relaxation with the out-of-balance force of every iteration. That of a pull-out has
+/histories alone. Every dataset has the attribute "unit".
 """
 
 from __future__ import annotations
@@ -14,19 +15,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.checks import FilePath, FloatArray
+from fabrics.checks import FilePath
 from fabrics.files import read_hdf5, write_hdf5
 from fabrics.record import Record
-from shellfabric.coupon import quasistatic
 from weavecell.results.hdf5_file import put
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
     from shellfabric.coupon.dynamic_relaxation import State
+    from shellfabric.coupon.pull_out_curve import PullOutCurve
     from shellfabric.coupon.solver import Result
     from shellfabric.panel.quality import Indicator
 
-FORMAT, CHECKPOINT = "weavecell coupon 2", "weavecell coupon checkpoint 3"
+FORMAT, CHECKPOINT, PULL_OUT_FORMAT = "weavecell coupon 2", "weavecell coupon checkpoint 3", "weavecell pull-out 1"
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 PRESCRIBED = {  # by each test: name, unit
     "bias_extension": ("elongation", "m"),
@@ -34,11 +35,22 @@ PRESCRIBED = {  # by each test: name, unit
     "uniaxial": ("strain of the strip", "1"),
     "biaxial": ("strain of the cross", "1"),
 }
+PULL_OUT = {  # columns of its record
+    "time": "[s] time",
+    "displacement of the crosshead": "[m] displacement of the crosshead",
+    "load": "[N] load on the pulled yarn",
+    "crossovers in slip": "[1] crossovers that the yarn slides through",
+    "crossovers left": "[1] crossovers that the end of the yarn has left",
+    "work of friction": "[J] work of friction at the crossovers",
+}
+ENERGY_MEANING = "largest error of the energy balance over the work of the crosshead"
 _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
 
 def relaxed(table: CellTable, test: str, inputs: Mapping[str, Any], **options: Any) -> Result:
     """The Result of a quasi-static test: `inputs` by the keys of its table, options as of its function."""
+    from shellfabric.coupon import quasistatic
+
     named = {"cells" if key == "crossovers" else key: value for key, value in inputs.items()}
     return getattr(quasistatic, test)(table, **named, **options)
 
@@ -73,6 +85,8 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
 
 
 def _bias(inputs, solved):
+    from shellfabric.coupon import quasistatic
+
     size, shear_angles = quasistatic.bias_size(solved), [solved.shear(step) for step in range(len(solved.states))]
     zones = quasistatic.zones(solved.coupon, *size)
     angles = [
@@ -91,12 +105,16 @@ def _bias(inputs, solved):
 
 
 def _frame(inputs, solved):
+    from shellfabric.coupon import quasistatic
+
     stress, law = ("Pa", quasistatic.frame_stress(solved)), solved.coupon.table.model.fabric.shear
     known = {} if law is None else {"trellis law": ("Pa", law.stress(solved.prescribed))}
     return {"shear stress": stress} | known
 
 
 def _uniaxial(inputs, solved):
+    from shellfabric.coupon import quasistatic
+
     weave, along = solved.coupon.weave, 0 if inputs.direction == "warp" else 1
     size = np.ptp(solved.coupon.points, axis=0)
     yarns = round(float(size[1]) / (2 * weave.w[1 - along]))
@@ -111,6 +129,8 @@ def _uniaxial(inputs, solved):
 
 
 def _biaxial(inputs, solved):
+    from shellfabric.coupon import quasistatic
+
     strains = quasistatic.middle_strain(solved, [0.6 * inputs.centre * w for w in solved.coupon.weave.w])
     measures = {}
     for family, load, strain in zip(("warp", "weft"), (solved.force(1, 0), solved.force(3, 1)), strains.T):
@@ -131,13 +151,82 @@ def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
     return quality.of_coupon(coupon.table, peaks, max(state.residual for state in solved.states), tolerance)
 
 
-def write(path: FilePath, record: Record, solved: Result) -> None:
-    """Write histories.h5, whole or not at all."""
+def run_pull_out(table: CellTable, inputs: Any, hooks: Sequence[Any] = (), bending: float = 0.0) -> PullOutCurve:
+    """Run the pull-out of a cell's table.
+
+    Parameters
+    ----------
+    table : CellTable, variational
+    inputs : object with the entries of `scenes.coupon.PullOutTable`
+    hooks : called with the solver after each sample
+    bending : [N m2] bending stiffness of the yarns, with which the contact force of the threshold is computed
+
+    Raises
+    ------
+    InputError : values that do not fit the fabric
+    UnstableError : its `result` is the curve so far
+    """
+    from shellfabric.coupon import pull_out_curve
+    from shellfabric.coupon.pull_out import PullOut
+    from shellfabric.panel.numerics import Numerics
+    from shellfabric.sliding.model import CrossoverFriction
+
+    friction = CrossoverFriction(inputs.crossover_friction, inputs.crossover_cohesion, (bending, bending))
+    coupon = PullOut(
+        table, inputs.crossings, inputs.velocity, inputs.pre_tension, friction, Numerics(threads=1), inputs.all_yarns
+    )
+    return pull_out_curve.follow(coupon, inputs.displacement, samples=inputs.samples, hooks=hooks)
+
+
+def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
+    """The record of a curve, a row a sample; `facts` come first."""
+    coupon, columns = curve.coupon, ("time", "displacement", "load", "sliding", "left", "friction_work")
+    return Record(
+        columns={name: getattr(curve, column) for name, column in zip(PULL_OUT, columns)},
+        meanings=PULL_OUT,
+        facts={
+            **facts,
+            "crossings": coupon.crossings,
+            "velocity_m_s": coupon.velocity,
+            "pre_tension_N": coupon.pre_tension,
+            "crossover_friction": coupon.friction.mu,
+            "crossover_cohesion_N": coupon.friction.cohesion,
+            "yarn_bending_N_m2": coupon.friction.bending[0],
+            "displacement_m": float(curve.displacement[-1]),
+            "peak_load_N": curve.peak,
+            "plateau_load_N": curve.plateau,
+            "slip_length_m": curve.slip_length,
+            "crossovers_left": int(curve.left[-1]),
+            "crossover_friction_work_J": float(curve.friction_work[-1]),
+            "energy_error_max": curve.energy_error,
+        },
+    )
+
+
+def pull_out_indicators(curve: PullOutCurve) -> tuple[Indicator, ...]:
+    """Quality indicators of a pull-out."""
+    from shellfabric.panel import quality
+
+    limit, unit, _ = quality.LIMITS["energy error"]
+    error = quality.Indicator("energy error", curve.energy_error, limit, unit, ENERGY_MEANING)
+    return (error, *quality.of_cell(curve.coupon.table, (curve.peak, curve.coupon.pre_tension)))
+
+
+def write(path: FilePath, record: Record, solved: Result | None = None) -> None:
+    """Write histories.h5, whole or not at all; `solved` is what the solver returned, None of a pull-out."""
+    datasets = {f"histories/{name}": (values, record.unit(name)) for name, values in record.columns.items()}
+    with write_hdf5(path, FORMAT if solved is not None else PULL_OUT_FORMAT) as file:
+        file.attrs.update({name: value for name, value in record.facts.items() if value is not None})
+        for name, (values, unit) in (datasets | ({} if solved is None else _arrays(solved))).items():
+            put(file, name, values, unit)
+
+
+def _arrays(solved):
+    """{dataset: (array, unit)} of a quasi-static test beside its record."""
     coupon, states = solved.coupon, solved.states
-    x: FloatArray = np.array([state.x for state in states])
+    x = np.array([state.x for state in states])
     energies = zip(("yarns", "trellis"), np.transpose([state.energies for state in states]))
-    datasets = {
-        **{f"histories/{name}": (values, record.unit(name)) for name, values in record.columns.items()},
+    return {
         **{f"histories/energy of the {part}": (values, "J") for part, values in energies},
         "histories/residual": ([state.residual for state in states], "1"),
         "histories/iterations": ([state.iterations for state in states], "1"),
@@ -146,16 +235,11 @@ def write(path: FilePath, record: Record, solved: Result) -> None:
         "coupon/warp": (coupon.edges[0], "1"),
         "coupon/weft": (coupon.edges[1], "1"),
         "coupon/grips": (solved.grips, "1"),
+        "states/x": (x, "m"),
+        "states/shear": ([coupon.shear_angles(nodes) for nodes in x], "rad"),
         **{f"final/tension_{f}": (T, "N") for f, T in zip(("warp", "weft"), coupon.tensions(x[-1]))},
         "relaxation": (np.concatenate([state.history for state in states]), "N"),
     }
-    with write_hdf5(path, FORMAT) as file:
-        file.attrs.update(record.facts)
-        for name, (values, unit) in datasets.items():
-            put(file, name, values, unit)
-        put(file, "states/x", x, "m")
-        shear = np.array([coupon.shear_angles(nodes) for nodes in x])
-        put(file, "states/shear", shear, "rad")
 
 
 def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:

@@ -11,8 +11,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import weavecell
-from fabrics import assumed
+from fabrics import __version__, assumed
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -35,7 +34,7 @@ def stamp(scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = No
     if setup is not None and setup.projectile.solid is not None:
         known["projectile_stl"] = setup.projectile.solid.digest
     return known | {
-        "weavecell": weavecell.__version__,
+        "weavecell": __version__,
         "commit": commit(),
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),
@@ -69,7 +68,7 @@ def versions() -> dict[str, str]:
 
 def commit() -> str:
     """The git commit this package was run from, "+ changes" if the tree had been edited; "not a checkout" otherwise."""
-    home = Path(weavecell.__file__).resolve().parent
+    home = Path(__file__).resolve().parents[1]
     if not (home.parent / ".git").exists():
         return "not a checkout"
     try:

@@ -2,156 +2,56 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import nan, sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.stats import t as student
 
-from fabrics.checks import BoolArray, FilePath, FloatArray
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import read_csv
 from fabrics.units import refused, si
 from shellfabric.impact import lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.impact.lambert_jonas import LambertJonas
+from shellfabric.panel import quality
 from weavecell.studies import probit
 from weavecell.studies.probit import Curve
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 VELOCITY, OUTCOME, RESIDUAL = "velocity", "outcome", "residual velocity"
-OUTCOMES = {  # whether the projectile went through
-    "pp": False,
-    "partial": False,
-    "stopped": False,
-    "cp": True,
-    "complete": True,
-    "perforated": True,
-}
+OUTCOMES = dict.fromkeys(("pp", "partial", "stopped"), "stopped")
+OUTCOMES |= dict.fromkeys(("cp", "complete", "perforated"), "perforated")
 CONFIDENCE = 0.95
 
 
-@dataclass(frozen=True)
-class FiredTests:
-    """Shots of a laboratory.
+def read(path: FilePath) -> DataFrame:
+    """Read the shots of a laboratory from a CSV file: a heading, then a row a shot.
 
-    Parameters
-    ----------
-    velocity : (n,) [m/s] of the strike
-    perforated : (n,) bool
-    residual : (n,) [m/s], 0 of a stopped projectile, NaN where it was not measured
+    The columns are "velocity [m/s]", "outcome" (PP, partial or stopped; CP, complete or perforated) and, where it was
+    measured, "residual velocity [m/s]", in any order and any unit of speed. Lines that begin with # are left out.
+
+    Returns
+    -------
+    DataFrame with "velocity" [m/s], "outcome" ("stopped" or "perforated") and "residual velocity" [m/s], 0 of a stopped
+    projectile, NaN where it was not measured
+
+    Raises
+    ------
+    InputError : one line naming the file, the line, the value and what is allowed
     """
+    from pandas import DataFrame
 
-    velocity: FloatArray
-    perforated: BoolArray
-    residual: FloatArray
-
-    @classmethod
-    def read(cls, path: FilePath) -> FiredTests:
-        """Read a CSV file: a heading, then a row a shot.
-
-        The columns are "velocity [m/s]", "outcome" (PP, partial or stopped; CP, complete or perforated) and, where it
-        was measured, "residual velocity [m/s]", in any order and any unit of speed. Lines that begin with # are left
-        out.
-
-        Raises
-        ------
-        InputError : one line naming the file, the line, the value and what is allowed
-        """
-        lines = read_csv(path, "a table of tests, CSV")
-        if len(lines) < 2:
-            raise InputError("has no shot", file=path, allowed="a heading and a row a shot")
-        units = _units(lines[0][1], path)
-        rows = [_row(number, cells, units, path) for number, cells in lines[1:]]
-        return cls(*(np.array(column) for column in zip(*rows)))
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Tests beside what was computed.
-
-    Parameters
-    ----------
-    tests : FiredTests
-    shots : (n,) the computed Shot at the velocity of each
-    limit : the computed Limit
-    curve : probability of perforation fitted to the tests; None where all stopped or all perforated
-    tested : Lambert-Jonas fit to the tested residual velocities, computed : to the computed ones; None of too few
-    """
-
-    tests: FiredTests
-    shots: tuple[Shot, ...]
-    limit: Limit
-    curve: Curve | None
-    tested: LambertJonas | None
-    computed: LambertJonas | None
-
-    @property
-    def computed_residual(self) -> FloatArray:
-        """(n,) [m/s]"""
-        return np.array([shot.residual_velocity for shot in self.shots])
-
-    @property
-    def agree(self) -> int:
-        """Number of tests whose outcome was computed."""
-        return sum(shot.perforated == bool(hit) for shot, hit in zip(self.shots, self.tests.perforated))
-
-    def difference(self) -> dict[str, Any]:
-        """Computed less tested residual velocity [m/s] of the tests that perforated and have one.
-
-        Returns
-        -------
-        dict with their number, and where there are two at least mean, its interval of `CONFIDENCE` by Student's t,
-        and rms
-        """
-        both = self.tests.perforated & np.isfinite(self.tests.residual)
-        off = (self.computed_residual - self.tests.residual)[both]
-        if off.size < 2:
-            return {"shots": int(off.size)} | dict.fromkeys(("mean", "low", "high", "rms"))
-        half = student.ppf(0.5 + CONFIDENCE / 2, off.size - 1) * float(off.std(ddof=1)) / sqrt(off.size)
-        mean, rms = float(off.mean()), float(np.sqrt(np.mean(off**2)))
-        return {"shots": int(off.size), "mean": mean, "low": mean - half, "high": mean + half, "rms": rms}
-
-    def summary(self) -> dict[str, Any]:
-        """All of it as plain numbers, keys with their units."""
-        limit, curve = self.limit, self.curve
-        return {
-            "tests": len(self.shots),
-            "outcomes_that_agree": self.agree,
-            "confidence": CONFIDENCE,
-            "critical_velocity_m_s": limit.velocity,
-            "bracket_m_s": [limit.low, limit.high],
-            "tested_V50_m_s": curve and float(curve.V50),
-            "tested_V50_interval_m_s": curve and [float(v) for v in curve.intervals["V50"]],
-            "critical_velocity_over_V50": curve and float(limit.velocity / curve.V50),
-            **{f"residual_velocity_{name}_m_s": v for name, v in self.difference().items() if name != "shots"},
-            "lambert_jonas_tested": self.tested and asdict(self.tested),
-            "lambert_jonas_computed": self.computed and asdict(self.computed),
-        }
-
-
-def compare(tests: FiredTests, shots: tuple[Shot, ...], limit: Limit) -> Comparison:
-    """The Comparison of tests with the computed shots at their velocities and the computed limit."""
-    hit = tests.perforated
-    curve = probit.fit(tests.velocity, hit, confidence=CONFIDENCE) if 0 < hit.sum() < hit.size else None
-    measured = hit & np.isfinite(tests.residual)
-    perforations = [shot for shot in shots if shot.perforated]
-    strikes = [shot.strike_velocity for shot in perforations]
-    computed = _fit(
-        strikes, [shot.residual_velocity for shot in perforations], limit.velocity if limit.single else None
-    )
-    tested = _fit(tests.velocity[measured], tests.residual[measured], None)
-    return Comparison(tests, shots, limit, curve, tested, computed)
-
-
-def _fit(strike, residual, limit):
-    """Lambert-Jonas fit; None of shots that are no more than its parameters."""
-    if len(strike) <= (3 if limit is None else 2):
-        return None
-    try:
-        return lambert_jonas.fit(strike, residual, limit=limit)
-    except InputError:
-        return None
+    lines = read_csv(path, "a table of tests, CSV")
+    if len(lines) < 2:
+        raise InputError("has no shot", file=path, allowed="a heading and a row a shot")
+    units = _units(lines[0][1], path)
+    return DataFrame(_row(number, cells, units, path) for number, cells in lines[1:])
 
 
 def _units(heading, path):
@@ -171,7 +71,7 @@ def _units(heading, path):
 
 
 def _row(number, values, units, path):
-    """(velocity [m/s], whether it perforated, residual velocity [m/s]) of a line."""
+    """{column: value} of a line, in SI."""
     cells, line = dict(zip(units, values)), f"line {number}"
     if len(values) != len(units):
         raise InputError(file=path, key=line, value=", ".join(values), allowed=f"{len(units)} values")
@@ -190,8 +90,99 @@ def _row(number, values, units, path):
 
     if cells[OUTCOME].lower() not in OUTCOMES:
         raise refusal(OUTCOME, " or ".join(OUTCOMES))
-    velocity, perforated = speed(VELOCITY), OUTCOMES[cells[OUTCOME].lower()]
-    residual = speed(RESIDUAL) if cells.get(RESIDUAL) else nan
-    if not perforated and residual > 0:
+    outcome = OUTCOMES[cells[OUTCOME].lower()]
+    velocity, residual = speed(VELOCITY), speed(RESIDUAL) if cells.get(RESIDUAL) else nan
+    if outcome == "stopped" and residual > 0:
         raise refusal(RESIDUAL, "left out of a stop, or 0")
-    return velocity, perforated, residual if perforated else 0.0
+    return {VELOCITY: velocity, OUTCOME: outcome, RESIDUAL: residual if outcome == "perforated" else 0.0}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Tests beside computed shots.
+
+    Parameters
+    ----------
+    table : DataFrame, a row a test: velocity, outcomes and residual velocities as tested and as computed
+    limit : the computed Limit
+    curve : probability of perforation fitted to the tests; None where all stopped or all perforated
+    tested : Lambert-Jonas fit to the tested residual velocities, computed : to the computed ones; None of too few
+    """
+
+    table: DataFrame
+    limit: Limit
+    curve: Curve | None
+    tested: LambertJonas | None
+    computed: LambertJonas | None
+
+    @property
+    def agree(self) -> int:
+        """Number of tests whose outcome was computed."""
+        return int((self.table["tested"] == self.table["computed"]).sum())
+
+    def difference(self) -> dict[str, Any]:
+        """Computed less tested residual velocity [m/s] of the tests that perforated and have one.
+
+        Returns
+        -------
+        dict with their number, and where there are two at least mean, its interval of `CONFIDENCE` by Student's t,
+        and rms
+        """
+        tests = self.table[self.table["tested"] == "perforated"]
+        off = (tests["computed residual velocity [m/s]"] - tests["tested residual velocity [m/s]"]).dropna().to_numpy()
+        if off.size < 2:
+            return {"shots": int(off.size)} | dict.fromkeys(("mean", "low", "high", "rms"))
+        half = student.ppf(0.5 + CONFIDENCE / 2, off.size - 1) * float(off.std(ddof=1)) / sqrt(off.size)
+        mean, rms = float(off.mean()), float(np.sqrt(np.mean(off**2)))
+        return {"shots": int(off.size), "mean": mean, "low": mean - half, "high": mean + half, "rms": rms}
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as plain numbers, keys with their units."""
+        limit, curve = self.limit, self.curve
+        return {
+            "tests": len(self.table),
+            "outcomes_that_agree": self.agree,
+            "confidence": CONFIDENCE,
+            "critical_velocity_m_s": limit.velocity,
+            "bracket_m_s": [limit.low, limit.high],
+            "tested_V50_m_s": curve and float(curve.V50),
+            "tested_V50_interval_m_s": curve and [float(v) for v in curve.intervals["V50"]],
+            "critical_velocity_over_V50": curve and float(limit.velocity / curve.V50),
+            **{f"residual_velocity_{name}_m_s": v for name, v in self.difference().items() if name != "shots"},
+            "lambert_jonas_tested": self.tested and asdict(self.tested),
+            "lambert_jonas_computed": self.computed and asdict(self.computed),
+        }
+
+
+def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison:
+    """The Comparison of tests with the computed shots at their velocities and the computed limit."""
+    from pandas import DataFrame
+
+    table = DataFrame(
+        {
+            "velocity [m/s]": tests[VELOCITY],
+            "tested": tests[OUTCOME],
+            "computed": [shot.outcome for shot in shots],
+            "tested residual velocity [m/s]": tests[RESIDUAL],
+            "computed residual velocity [m/s]": [shot.residual_velocity for shot in shots],
+            "checks": [quality.status(shot.checks) for shot in shots],
+        }
+    )
+    perforated = (table["tested"] == "perforated").to_numpy()
+    curve = None
+    if perforated.any() and not perforated.all():
+        curve = probit.fit(table["velocity [m/s]"], perforated, confidence=CONFIDENCE)
+    known = limit.velocity if limit.single else None
+    return Comparison(table, limit, curve, _fit(table, "tested", None), _fit(table, "computed", known))
+
+
+def _fit(table, kind, limit):
+    """Lambert-Jonas fit to tested or computed perforations; None of shots that are no more than its parameters."""
+    shots = table[table[kind] == "perforated"].dropna(subset=[f"{kind} residual velocity [m/s]"])
+    if len(shots) <= (3 if limit is None else 2):
+        return None
+    velocities = (shots[name].to_numpy() for name in ("velocity [m/s]", f"{kind} residual velocity [m/s]"))
+    try:
+        return lambert_jonas.fit(*velocities, limit=limit)
+    except InputError:
+        return None

@@ -15,11 +15,9 @@ from math import sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import least_squares
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UndecidedError, UnstableError
-from unitcell3d.identify.least_squares import identify
 
 STEP = 0.02  # of a range, to each side; smaller ones are lost among yarns that fail a step earlier or later
 CONVERGED, MOST = 1e-3, 30  # change of the unknowns and of the sum of squares; evaluations
@@ -104,6 +102,10 @@ def fit(
     begin = np.clip((start - low) / width, 1e-6, 1 - 1e-6)
     if not np.isfinite(misfit(*begin)).all():
         raise UnstableError("the model cannot be computed with the values that the fit begins with")
+    from scipy.optimize import least_squares
+
+    from unitcell3d.identify.least_squares import identify
+
     solution = least_squares(
         lambda u: misfit(*u), begin, jac=jacobian, bounds=(0.0, 1.0), xtol=CONVERGED, ftol=CONVERGED, max_nfev=MOST
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fabrics.errors import InputError, UndecidedError, UnstableError
+from fabrics.errors import UndecidedError, UnstableError
 from shellfabric.impact.limit_scan import ScanRange
 from shellfabric.impact.simulation import ImpactSetup, fired
 from shellfabric.panel import quality
@@ -31,34 +31,21 @@ QUANTITIES = {
 }
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What is computed of each set-up.
+def row(setup: ImpactSetup, quantity: str, tolerance: float = 1.0, **options: Any) -> dict[str, Any]:
+    """The row of a set-up; one that cannot be computed says why in "outcome".
 
     Parameters
     ----------
+    setup : ImpactSetup
     quantity : of `QUANTITIES`
     tolerance : [m/s] of the bracket of a critical velocity
-    shots, seed : of a V50
+    options : of a V50, as of `v50.study`
     """
-
-    quantity: str = "shot"
-    tolerance: float = 1.0
-    shots: int = 60
-    seed: int = 1
-
-    def __post_init__(self):
-        if self.quantity not in QUANTITIES:
-            raise InputError(key="quantity", value=self.quantity, allowed=f"one of {', '.join(QUANTITIES)}")
-
-
-def row(setup: ImpactSetup, wanted: Wanted, **options: Any) -> dict[str, Any]:
-    """The row of a set-up; one that cannot be computed says why in "outcome". `options` of a V50 as of `v50.study`."""
     try:
-        if wanted.quantity == "v50":
-            study = v50.study(setup, inputs.published(), shots=wanted.shots, seed=wanted.seed, **options)
+        if quantity == "v50":
+            study = v50.study(setup, inputs.published(), **options)
             return {"outcome": "fitted", **study.summary(), "checks": "doubtful" if study.doubtful else "ok"}
-        return shot(setup) if wanted.quantity == "shot" else critical_velocity(setup, wanted.tolerance)
+        return shot(setup) if quantity == "shot" else critical_velocity(setup, tolerance)
     except (UnstableError, UndecidedError) as problem:
         return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
 

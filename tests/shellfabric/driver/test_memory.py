@@ -53,9 +53,9 @@ def test_an_own_limit_of_addresses_counts():
 @pytest.mark.parametrize(
     ("call", "given", "key", "content"),
     [
-        (wc.shoot, {"snapshot_interval": "100 us"}, "opening", "6,241 elements and 8 snapshots"),
-        (wc.shoot, {"plies": 3, "elements_per_crossover": 1}, "opening", "18,723 elements"),
-        (wc.shoot, {"backing": {"min_size": "2 mm"}}, "opening", "6,241 elements with a block of "),
+        (wc.impact, {"snapshot_interval": "100 us"}, "opening", "6,241 elements and 8 snapshots"),
+        (wc.impact, {"plies": 3, "elements_per_crossover": 1}, "opening", "18,723 elements"),
+        (wc.impact, {"backing": {"min_size": "2 mm"}}, "opening", "6,241 elements with a block of "),
         (wc.critical_velocity, {}, "opening", "6,241 elements"),
         (wc.coupon, {"length": 0.1, "width": 0.05, "elongation": 0.005}, "length", "a grid of "),
     ],
@@ -63,6 +63,6 @@ def test_an_own_limit_of_addresses_counts():
 def test_a_run_above_the_free_memory_is_refused(monkeypatch, call, given, key, content):
     monkeypatch.setattr(memory, "free", lambda: 1e5)
     with pytest.raises(wc.InputError) as problem:
-        call("S-720", *{wc.shoot: [92.5], wc.coupon: ["bias_extension"]}.get(call, []), **given)
+        call("S-720", *{wc.impact: [92.5], wc.coupon: ["bias_extension"]}.get(call, []), **given)
     text = rf"{key} = .* must be smaller, or the elements larger: {content}.*GB of memory, and 0\.0 GB are free"
     assert re.fullmatch(text, str(problem.value))

@@ -8,12 +8,12 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
+
 from fabrics import catalogue
 from fabrics.plate_curve import PlateCurve
 from fabrics.record import Record
 from unitcell3d.cases import load_path
-from weavecell.commands import crossover as commands_crossover
-from weavecell.report import crossover_cases, pictures_crossover
+from weavecell.api import crossovers
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
 CASES = {
@@ -46,7 +46,7 @@ def test_the_numbers_of_a_case_are_those_of_its_record(run, tmp_path, case):
     code, out, err, content, record = run(case, *CASES[case])
     assert (code, record.failed) == (0, ""), err
     found = content["found"]
-    again = crossover_cases.SUMMARIES[case](catalogue.load("S-720"), record)
+    again = crossovers.CASES[case].summary(catalogue.load("S-720"), record)
     assert json.loads(json.dumps(again)) == found
     assert all(key in out for key in found)
     if case == "path":
@@ -86,10 +86,3 @@ def test_the_example_of_a_path_runs(run):
     assert code == 0, err
     assert record["T1"].max() > 100
     assert abs(record["T1"][-1] - record["T1"][0]) < 1e-3 * record["T1"].max()
-
-
-def test_every_case_has_its_parts():
-    names = {case.value for case in commands_crossover.Case}
-    parts = commands_crossover.CASES, crossover_cases.SUMMARIES, commands_crossover.DOMAINS, pictures_crossover.CURVES
-    assert all(names == set(part) for part in parts)
-    assert names == {*CASES, "pull-out"}

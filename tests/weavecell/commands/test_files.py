@@ -14,8 +14,9 @@ from fabrics.errors import InputError
 from shellfabric.output.histories import EDGES
 from shellfabric.output.wave_fronts import fronts
 from tests.weavecell.session_runs import SCENES, fired, set_up
-from weavecell.results import json_file, keys, paraview
+from weavecell.results import json_file, keys, vtk
 from weavecell.results.impact import ImpactRecord
+from weavecell.results.impact_shapes import Shape
 
 OF_THE_RUN = {"title", "law_name", "wall_time", "ns_per_element_step"}
 SLIP = ("slip_warp_m", "slip_weft_m")
@@ -142,7 +143,7 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
     record = ImpactRecord.read(folder / "histories.h5")
     summary = json.loads((folder / "summary.json").read_text())
     whole = 2 ** (summary["mirror_x"] + summary["mirror_y"])
-    series = paraview.read_series(folder / "panel.pvd")
+    series = vtk.read_series(folder / "panel.pvd")
     assert len(series) >= 3
     for file, time in series:
         grid = pyvista.read(file)
@@ -154,9 +155,8 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
             failed = whole * (part["failed_segments_warp"].sum() + part["failed_segments_weft"].sum())
             assert failed == pytest.approx(record.plies["failed_yarns"][sample, ply])
             assert np.any(part["failed_segments_warp"]) == np.any(part["failed_warp"])
-    assert [key for key in paraview.PRESSURES if key in grid.point_data] == list(
-        paraview.PRESSURES[: 4 if name == "pack" else 1]
-    )
+    pressures = vtk.PRESSURES[: 4 if name == "pack" else 1]
+    assert tuple(key for key in vtk.PRESSURES if key in grid.point_data) == pressures
     assert [key in grid.point_data for key in SLIP] == 2 * [name == "sliding"]
     if name == "sliding":
         assert max(np.abs(grid[key]).max() for key in SLIP) == summary["pulled_out_length_m"] > 0
@@ -166,11 +166,17 @@ def test_vtk_reads_what_was_written(tmp_path):
     random = np.random.default_rng(1)
     nodes, quads = random.normal(size=(12, 3)), np.array([[0, 1, 4, 3], [1, 2, 5, 4], [6, 7, 10, 9]])
     tension, failed = random.normal(size=(3, 2)), np.array([[0, 0, 0], [1, 0, 0], [1, 1, 1]], bool)
-    values = paraview.cell_values(tension, failed) | {"ply": np.array([1, 1, 2], np.int8)}
     pressure, segments = random.normal(size=(12, 4)).astype(np.float32), random.normal(size=(12, 2))
-    at_nodes = paraview.node_values(pressure, random.normal(size=12), segments, np.empty((12, 0)))
-    paraview.write_grid(tmp_path / "a.vtu", nodes, paraview.topology(quads), values, at_nodes, 0.25)
-    grid = pyvista.read(tmp_path / "a.vtu")
+    front, rear = (
+        Shape(
+            1e-6, 0.25, np.zeros(3), nodes[part], tension[cells], failed[cells], pressure[part],
+            np.ones(6), segments[part], np.empty((6, 0)),
+        ) for part, cells in ((slice(6), slice(2)), (slice(6, 12), slice(2, 3)))
+    )  # fmt: skip
+    vtk.write_panel(tmp_path, [[front, rear]], [quads[:2], quads[2:] - 6])
+    ((path, time),) = vtk.read_series(tmp_path / "panel.pvd")
+    assert (path, time) == (tmp_path / "panel" / "panel-0000.vtu", 1e-6)
+    grid = pyvista.read(path)
     assert (grid.points.dtype, set(grid.celltypes)) == (float, {pyvista.CellType.QUAD})
     for found, given in (
         (grid.points, nodes), (grid.cells.reshape(-1, 5)[:, 1:], quads), (grid["tension_weft_N"], tension[:, 1]),

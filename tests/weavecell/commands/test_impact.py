@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import pyvista
 from PIL import Image
 from scipy.integrate import trapezoid
 
@@ -17,7 +18,7 @@ from shellfabric.output import checkpoint
 from tests.scene_text import datasets, every, impact_scene
 from weavecell.report import page
 from weavecell.report.shot import view
-from weavecell.results import out_folder, paraview
+from weavecell.results import out_folder, vtk
 from weavecell.results.impact import ImpactRecord
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
@@ -130,7 +131,7 @@ def test_a_failure_while_writing_leaves_whole_files_only(scene, tmp_path, monkey
     monkeypatch.setattr(page, "render", full)
     monkeypatch.setattr(checkpoint, "LEAST_WALL", 0.0)
     with pytest.raises(OSError, match="No space"):
-        wc.shoot(scene(outputs='["report"]'), out=tmp_path / "results")
+        wc.impact(scene(outputs='["report"]'), out=tmp_path / "results")
     kept = names(tmp_path / "results")
     assert "checkpoint.h5" in kept
     assert not [name for name in kept if name.startswith(".") or name == "report.html"]
@@ -157,7 +158,7 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
     assert t == pytest.approx(panel.record.time[-1], rel=1e-8)
     body = panel.body(panel.record.final[-1].nose_position, t)
     assert body[..., 2].max() == pytest.approx(panel.record.final[-1].nose_position)
-    image = view.frame(panel, file, t)
+    image = panel.image(pyvista.read(file), t)
     quarters = [
         np.any(half < 240, axis=2).sum() for rows in np.array_split(image, 2) for half in np.array_split(rows, 2, 1)
     ]
@@ -171,7 +172,7 @@ def test_a_view_is_written_as_a_picture_or_a_movie(command, copied, tmp_path, mo
     assert command("view", "results", "--movie", "shot.gif")[:2] == (0, "written to shot.gif\n")
     with Image.open(tmp_path / "panel.png") as picture, Image.open(tmp_path / "shot.gif") as movie:
         assert np.ptp(np.asarray(picture.convert("L"))) > 100
-        assert movie.n_frames == len(paraview.read_series(copied / "panel.pvd"))
+        assert movie.n_frames == len(vtk.read_series(copied / "panel.pvd"))
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     line = "error: there is no display for a window: give --screenshot FILE.png or --movie FILE.gif\n"

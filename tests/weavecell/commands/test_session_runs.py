@@ -18,7 +18,6 @@ from fabrics.friction.pull_out import PullOutLaw
 from fabrics.surface import ResponseSurface
 from tests.scene_text import merged
 from tests.weavecell.session_runs import RUNS, SCENES, fired, set_up, small_calibration
-from weavecell.report import crossover_cases
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import sobol
 
@@ -73,7 +72,8 @@ def numbers(value, at=""):
         parts = enumerate(value)
     else:
         number = isinstance(value, (int, float, np.number)) and not isnan(value)
-        return {at: float(value)} if number and "wall_time" not in at and "element_step_time" not in at else {}
+        timed = any(word in at for word in ("wall_time", "element_step_time", "seconds"))
+        return {at: float(value)} if number and not timed else {}
     found = {}
     for key, part in parts:
         found |= numbers(part, f"{at}.{key}")
@@ -101,30 +101,20 @@ def frame(_):
 
 def calibrated(folder):
     with small_calibration():
-        found = wc.calibrate(wc.fabric("S-720", linear_density="nominal"), mesh="coarse", out=folder).summary()
+        found = wc.calibrate("S-720", mesh="coarse", out=folder).summary()
     ends = {f"{name}_interval_m{unit}": [found[f"{name}_interval_{end}"] for end in ("low", "high")]
             for name, unit in (("a", ""), ("b", "_N^(1/3)"))}  # fmt: skip
     return {"law": found | ends}
 
 
 def pulled(_):
-    from meshing import crossover
-    from unitcell3d.cases import pull_out
-    from unitcell3d.model.crossover import Numerics
-
-    fabric = wc.fabric("S-720", linear_density="nominal")
-    mesh = crossover.build(fabric, size=(3, 2, 2), domain="whole")
-    record = pull_out.pull_out(mesh, fabric, [5e-6, 9e-6], numerics=Numerics(friction=0.15))
-    return {"found": crossover_cases.SUMMARIES["pull-out"](fabric, record)}
+    found = wc.crossover("S-720", "pull-out", friction=0.15, end_displacement=["5 um", 9e-6], mesh=(3, 2, 2))
+    return {"found": found.summary()}
 
 
-def sampled(_):
-    from unitcell3d.identify import response_surface
-
-    fabric = wc.fabric("S-720", linear_density="nominal")
-    found = response_surface.sample(fabric, d1=(0, 1e-5), d2=(0, 8e-6), points=(5, 5), size="coarse")
-    errors = {key: {"rms": error.rms, "largest": error.largest} for key, error in found.errors.items()}
-    return {"error_of_left_out_lines": errors, "equilibria": found.solves}
+def stretched(folder):
+    wc.biaxial("S-731", ratio=["1:1", "1:0"], out=folder)
+    return json.loads((folder / "biaxial.json").read_text())
 
 
 IN_PYTHON = {
@@ -141,7 +131,8 @@ IN_PYTHON = {
     "export": lambda folder: {"error_over_strength": [wc.export(set_up(SCENES["plies"]), "lsdyna", folder).summary()]},
     "calibrate": calibrated,
     "crossover": pulled,
-    "surface": sampled,
+    "surface": lambda _: wc.surface("S-720", mesh="coarse", points=5, d1=(0, 1e-5), d2="0 um .. 8 um").summary(),
+    "biaxial": stretched,
 }
 
 
@@ -152,7 +143,9 @@ def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
     told, found = numbers(summary_of(results(name), name)), numbers(IN_PYTHON[name](tmp_path))
     both = set(told) & set(found)
     assert len(both) >= (4 if name == "export" else 7)
-    assert [key for key in sorted(both) if not isclose(told[key], found[key], rel_tol=1e-12, abs_tol=1e-15)] == []
+    # what the 3D solver leaves of large forces that cancel is not the same to the last bit in two processes
+    off = 1e-11 * max(abs(told[key]) for key in both) if name == "crossover" else 1e-15
+    assert [key for key in sorted(both) if not isclose(told[key], found[key], rel_tol=1e-12, abs_tol=off)] == []
 
 
 @named(IMPACTS)
@@ -236,7 +229,7 @@ SAID = {
     "coupon": lambda s: [f"shear stress {1e-6 * s['at_end']['shear stress']['value']:.4g} MPa", "shear angle 24 °"],
     "pull-out": lambda s: [f"peak load {s['peak_load_N']:.4g} N", f"plateau load {s['plateau_load_N']:.4g} N"],
     "export": lambda s: [f"biaxial plane {100 * s['error_over_strength'][0]['rms']:.1f} %"],
-    "calibrate": lambda s: [f"fitted {1e3 * s['law']['a_m']:.4f} ({1e3 * s['law']['a_interval_m'][0]:.4f} to "],
+    "calibrate": lambda s: [f"fitted {1e3 * s['law']['a_m']:.4f} "],
     "surface": lambda s: [f"{s['equilibria']} equilibria", f"{s['error_of_left_out_lines']['T1']['rms']:.3g} "],
 }
 

@@ -71,8 +71,5 @@ def test_curves_are_no_steeper_than_the_yarns():
 
 
 def test_what_has_no_card_is_refused():
-    for kind in (UncoupledCurves, CrimpExchange):
-        with pytest.raises(InputError, match="plane or uniaxial"):
-            kind.of(cloth(), "best")
     with pytest.raises(InputError, match="no \\[shear\\]"):
         Cloth(CellModel(catalogue.load("glass-balanced")))

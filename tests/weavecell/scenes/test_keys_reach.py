@@ -12,7 +12,7 @@ from fabrics import catalogue
 from fabrics.units import si
 from shellfabric.cell.model import CellModel
 from tests.scene_text import merged, table_of
-from weavecell.results import pull_out
+from weavecell.results import coupon as results
 from weavecell.scenes import build, of_commands, schema, supported
 from weavecell.scenes.coupon import PullOutTable
 from weavecell.scenes.impact import Scene, check
@@ -281,7 +281,7 @@ def test_keys_of_a_pull_out_reach_its_model(monkeypatch):
         "crossover_cohesion": "0.1 N", "all_yarns": True, "samples": 100,
     })  # fmt: skip
     assert set(inputs.model_fields_set) == set(PullOutTable.model_fields)
-    model, displacement = pull_out.run("cell", inputs, bending=1e-6)
+    model, displacement = results.run_pull_out("cell", inputs, bending=1e-6)
     table, crossings, velocity, tension, friction, _, all_yarns = model
     assert (table, crossings, velocity, tension, all_yarns) == ("cell", 10, 3.0, 7.0, True)
     assert (friction.mu, friction.cohesion, friction.bending) == (0.3, 0.1, (1e-6, 1e-6))

@@ -6,7 +6,6 @@ from scipy import stats
 
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from weavecell.studies import compare
-from weavecell.studies.compare import FiredTests
 
 TABLE = """# a pack, made up
 outcome, velocity [km/h], residual velocity [m/s]
@@ -20,7 +19,7 @@ perforated, 504,
 
 def read(folder, text):
     (folder / "tests.csv").write_text(text)
-    return FiredTests.read(folder / "tests.csv")
+    return compare.read(folder / "tests.csv")
 
 
 def shot(velocity, residual):
@@ -30,15 +29,15 @@ def shot(velocity, residual):
 
 def test_a_table_is_read_in_any_unit_and_order(tmp_path):
     found = read(tmp_path, TABLE)
-    np.testing.assert_allclose(found.velocity, [100, 120, 130, 110, 140])
-    assert found.perforated.tolist() == [False, True, True, False, True]
-    np.testing.assert_array_equal(found.residual, [0, 40, 70, 0, np.nan])
+    np.testing.assert_allclose(found["velocity"], [100, 120, 130, 110, 140])
+    assert [name[0] for name in found["outcome"]] == ["s", "p", "p", "s", "p"]
+    np.testing.assert_array_equal(found["residual velocity"], [0, 40, 70, 0, np.nan])
 
 
 def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
     """Differences of known shots, their interval by Student's t as scipy has it, and V50 of the tests."""
     tests = read(tmp_path, TABLE)
-    shots = [shot(v, r) for v, r in zip(tests.velocity, (0.0, 44.0, 70.0, 15.0, 90.0))]
+    shots = [shot(v, r) for v, r in zip(tests["velocity"], (0.0, 44.0, 70.0, 15.0, 90.0))]
     found = compare.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
     assert found.agree == 4
     off = found.difference()

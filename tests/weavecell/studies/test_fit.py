@@ -71,7 +71,7 @@ def test_the_modulus_that_made_the_curve_of_a_shot_is_found():
     times = np.linspace(2e-6, 98e-6, 40)
 
     def velocity(modulus):
-        shot = wc.shoot(scale_yarns(wc.fabric("S-720"), E=modulus), "90 m/s", opening="50 mm", end_time="100 us")
+        shot = wc.impact(scale_yarns(wc.fabric("S-720"), E=modulus), "90 m/s", opening="50 mm", end_time="100 us")
         return np.interp(times, *shot.to_dataframe()[["time_s", "velocity_m_s"]].to_numpy().T)
 
     fit = wc.fit(velocity, velocity(0.9), {"modulus": (0.5, 1.0, 2.0)})

@@ -10,9 +10,8 @@ import numpy as np
 from weavecell.report import pictures, pictures3d, pictures_body, pictures_histories
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.report.shot import pictures_shot
-from weavecell.results import display, keys
+from weavecell.results import display, keys, vtk
 from weavecell.results.display import text
-from weavecell.results.paraview import failed_yarns
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
@@ -22,7 +21,8 @@ if TYPE_CHECKING:
     from weavecell.studies.assumed_range import AssumedRange
 
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
-_SCALE_BAR = 5.0  # [mm]
+_HALF_HEIGHT = 0.6 * CLOSE_UP  # [m] of its picture
+_SCALE_BAR = 5e-3  # [m]
 _STEP = 0.1  # [-] of the strength: the scale of tensions ends at a multiple of it
 
 
@@ -213,24 +213,23 @@ def _cut_views(records):
 
 def _panels(records):
     """The back face of the last ply and the impact point, all under one scale of tension that ends at the highest."""
-    shares = {
-        record.title: [np.max(shape.tension / record.strength[-1], axis=1) for shape in record.rear]
-        for record in records
-    }
-    top = max(float(share.max()) for pair in shares.values() for share in pair)
+    top = max(float(np.max(shape.tension / record.strength[-1])) for record in records for shape in record.rear)
     top = min(1.0, max(_STEP, _STEP * np.ceil(top / _STEP)))
     images = {}
     for record in records:
-        drawn, mirrors = [], (record.mirror_x, record.mirror_y)
-        for shape, share, reach in zip(record.rear, shares[record.title], (None, CLOSE_UP)):
-            body = shape.projectile_position + record.projectile
-            failed, opened = failed_yarns(shape.failed), reach is not None
-            image = pictures3d.panel(
-                shape.nodes, record.quads[-1], share, failed, body, mirrors, reach, top_share=top, open_quarter=opened
-            )
-            drawn.append((f"at {text(shape.t, 's', form='.0f')}", image))
-        images[record.title] = tuple(drawn)
-    bar = _SCALE_BAR * pictures3d.pixels_per_mm(CLOSE_UP)
+        views = []
+        for shape, close in zip(record.rear, (False, True)):
+            body, grid = shape.projectile_position + record.projectile, vtk.panel([shape], record.quads[-1:])
+            what = grid, record.strength[-1], body, (record.mirror_x, record.mirror_y)
+            if close:
+                centre = (*pictures3d.tip(body)[:2], grid.bounds.z_max)
+                image = pictures3d.panel(*what, _HALF_HEIGHT, centre, top_share=top, open_quarter=True)
+            else:
+                half_height = 0.48 * pictures3d.width(shape.nodes, record.mirror_x)
+                image = pictures3d.cropped(pictures3d.panel(*what, half_height, top_share=top))
+            views.append((f"at {text(shape.t, 's', form='.0f')}", image))
+        images[record.title] = tuple(views)
+    bar = _SCALE_BAR * pictures3d.SIZE[1] / (2 * _HALF_HEIGHT)
     several = _several_plies(records)
     caption = (
         f"The {'last ply' if several else 'ply'} seen from behind, to scale; the colours end at the highest tension of "

@@ -9,26 +9,36 @@ The folder of `weavecell critical-velocity`
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
-from weavecell.api import targets
+from fabrics import files
+from fabrics.checks import FilePath
+from fabrics.errors import UndecidedError, UnstableError
+from fabrics.fabric import Fabric
+from weavecell.api import keywords, quantities, targets
+from weavecell.api.keywords import Keywords
 from weavecell.api.study_result import StudyResult
 from weavecell.report import checks
+from weavecell.results import progress
+from weavecell.scenes import of_commands
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fabrics.fabric import Fabric
     from shellfabric.impact.ballistic_limit import Limit, Shot
     from shellfabric.impact.lambert_jonas import LambertJonas
     from shellfabric.impact.limit_scan import ScanRange
+    from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.panel.quality import Indicator
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
 
-__all__ = ["CriticalVelocityResult"]
+__all__ = ["CriticalVelocityResult", "critical_velocity"]
 
 _CSV = {  # heading: column of `to_dataframe`, format
     "strike velocity [m/s]": ("strike_velocity_m_s", "{:.4f}"),
@@ -39,8 +49,105 @@ _CSV = {  # heading: column of `to_dataframe`, format
     "peak warp tension [N]": ("peak_tension_warp_N", "{:.3f}"),
     "peak weft tension [N]": ("peak_tension_weft_N", "{:.3f}"),
     "energy error [-]": ("energy_error_max", "{:.3e}"),
-    "checks": ("status", "{}"),
+    "checks": ("checks", "{}"),
 }
+
+
+def critical_velocity(
+    target: Fabric | FilePath | ImpactSetup | None,
+    *,
+    tolerance: float | str = "1 m/s",
+    residual_shots: int = 8,
+    scan: bool = True,
+    scan_above: float | str = "25 %",
+    scan_below: float | str = "10 %",
+    scan_step: float | str = "2 %",
+    assumed_range: bool = False,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    **options: Unpack[Keywords],
+) -> CriticalVelocityResult:
+    """Bisect for the velocity between stop and perforation of a ply or pack, and fit residual velocities.
+
+    Further shots scan the velocities about the bracket. If one stops that is faster than one that perforates, no single
+    critical velocity exists: the zone of mixed outcomes is reported, and the result is doubtful. A shot with a quality
+    check beyond its limit counts with its outcome, but a limit with such a shot at an end of its bracket or mixed zone
+    is not sound: the result says so (`bracket_checks`).
+
+    A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5
+    mm. A shot ends with its outcome, so that these keys of an input file are ignored: title,
+    projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
+    run.outputs. [history] and [accuracy] are rejected.
+
+    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an unstable
+    shot only the scene and the shots before it.
+
+    Parameters
+    ----------
+    target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or a set-up of `setup`
+    tolerance : highest stop and lowest perforation differ by this at most [m/s]
+    residual_shots : shots above the limit, for the Lambert-Jonas fit
+    scan : whether the velocities about the bracket are scanned for mixed outcomes
+    scan_above : range above the highest stop that is scanned for further stops
+    scan_below : range below the lowest perforation that is scanned for others
+    scan_step : interval between shots of the scan
+    assumed_range : where a law of the fabric is assumed, repeat the search with both ends of its range; not of a lay-up
+    jobs : shots that run at the same time, as threads of this process
+    executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
+        Dask scheduler at DASK_SCHEDULER_ADDRESS
+    out : folder of the results; in Python None writes nothing
+    **options : beside a fabric, keywords of `setup` but history
+
+    Returns
+    -------
+    CriticalVelocityResult
+
+    Raises
+    ------
+    InputError : as `setup`, or a panel that stops, or does not stop, a projectile at any velocity
+    UndecidedError : a shot neither stopped nor perforated
+    UnstableError : a shot became unphysical; its attribute `shots` holds those before
+
+    Examples
+    --------
+    >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
+    >>> round(limit.velocity, -1), limit.bracket_checks  # [m/s]
+    (90.0, 'ok')
+    """
+    from shellfabric.impact.limit_scan import ScanRange
+    from weavecell.studies import limit as limits
+
+    width, began = quantities.above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
+    shares = {"above": scan_above, "below": scan_below, "step": scan_step}
+    with keywords.of_group("scan", shares):
+        around = ScanRange(**{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()})
+    panel = targets.of(target, options, of_commands.LIMITS)
+    search: dict[str, Any] = {"residual_shots": residual_shots, "with_range": assumed_range}
+    search |= {"tolerance": width, "scan": around if scan else None, "jobs": jobs, "executor": executor}
+
+    @contextmanager
+    def stage(title):
+        with progress.bar(title) as advance:
+            yield lambda share, shot: advance(share, shot and checks.of_shot(shot))
+
+    with targets.folder_of(out) as folder:
+        try:
+            with panel.named():
+                study = limits.search(panel.setup, **search, stage=stage)
+        except (UndecidedError, UnstableError) as problem:
+            if folder is not None:
+                shots = sorted(problem.shots, key=lambda shot: shot.strike_velocity)
+                files.write(folder / "shots.csv", csv_of(shots))
+                if panel.text:
+                    files.write(folder / "scene.toml", panel.text)
+            raise
+        wall_time = time.perf_counter() - began
+        result = CriticalVelocityResult(panel, study.limit, study.fit, study.range, search["scan"], wall_time)
+        if folder is not None:
+            result.save(folder)
+    result.warn()
+    return result
 
 
 @dataclass(frozen=True, repr=False)
@@ -157,7 +264,6 @@ class CriticalVelocityResult(StudyResult):
         shots = self.to_dataframe().to_dict("records")
         for shot in shots:
             shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
-            shot["checks"] = shot.pop("status")
         content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
         content |= checks.summary(self.checks)
         content |= {} if self.range is None else {"assumed_range": self.range.summary()}
@@ -186,7 +292,7 @@ class CriticalVelocityResult(StudyResult):
 
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
-    """{name with unit: value of each shot}; "checks" are in words, "status" is "ok", "noted" or "doubtful"."""
+    """{name with unit: value of each shot}; "checks" is "ok", "noted" or "doubtful"."""
     warp, weft = zip(*(shot.peak_tension for shot in shots)) if shots else ((), ())
     return {
         "strike_velocity_m_s": [shot.strike_velocity for shot in shots],
@@ -198,8 +304,7 @@ def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
         "peak_tension_weft_N": weft,
         "energy_error_max": [shot.balance for shot in shots],
         "wall_time_s": [shot.wall_time for shot in shots],
-        "checks": [checks.words(shot.checks) for shot in shots],
-        "status": [checks.status(shot.checks) for shot in shots],
+        "checks": [checks.status(shot.checks) for shot in shots],
     }
 
 

@@ -8,22 +8,210 @@ The folders that `save` writes, beside runs/ with a file for each run
 
 from __future__ import annotations
 
+import time
 from collections import Counter
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any, Unpack
 
+from fabrics.checks import FilePath
+from fabrics.errors import UnstableError
+from fabrics.fabric import Fabric
+from weavecell.api import quantities, targets
+from weavecell.api.keywords import Keywords
 from weavecell.api.study_result import StudyResult
+from weavecell.scenes import of_commands
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
+    from shellfabric.impact.simulation import ImpactSetup
     from weavecell.scenes.target import Target
     from weavecell.studies.draws import Draws
     from weavecell.studies.sobol import Indices
     from weavecell.studies.v50 import Study
 
-__all__ = ["DrawsResult", "SensitivityResult", "V50Result"]
+__all__ = ["DrawsResult", "SensitivityResult", "V50Result", "draws", "sensitivity", "v50"]
+
+
+def v50(
+    target: Fabric | FilePath | ImpactSetup | None,
+    *,
+    shots: int = 100,
+    batch: int = 10,
+    weibull_shape: float | None = None,
+    modulus_cov: float | str | None = None,
+    crimp_cov: float | str | None = None,
+    seed: int = 1,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    resume: bool = False,
+    **options: Unpack[Keywords],
+) -> V50Result:
+    """V0, V50 and V100 of plies or packs whose yarns differ in strength, by repeated shots, with intervals.
+
+    Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input file models. Without
+    scatter V50 is the critical velocity. A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped,
+    and a flat cylinder of 3 g and 5.5 mm. Where no mesh is named, elements are one crossover long near the impact point
+    and up to four far off. Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and [accuracy] are
+    rejected.
+
+    The folder then holds v50.html, .csv, .json, .png, shots.csv, scene.toml, and runs/, a file for each shot.
+
+    Parameters
+    ----------
+    target : as of `critical_velocity`
+    shots : number of shots, at least 4
+    batch : shots of a round, at least 4; each round is placed by the outcomes before
+    weibull_shape : Weibull shape of the yarns' strength, inf for yarns that are all alike; here and below that of
+        weavecell/studies/inputs.toml where it is not given
+    modulus_cov : coefficient of variation of the modulus from panel to panel
+    crimp_cov : coefficient of variation of the crimp from panel to panel
+    seed : of all that is drawn
+    jobs : number of runs in parallel, each in a process of its own
+    executor, out : as of `critical_velocity`
+    resume : whether to take finished runs from the folder; those of another version of the code are computed again
+    **options : beside a fabric, keywords of `setup` but history
+
+    Returns
+    -------
+    V50Result
+
+    Raises
+    ------
+    InputError : as `critical_velocity`, fewer than four shots, or yarns that do not fail
+    UnstableError : a shot became unphysical
+
+    Examples
+    --------
+    >>> curve = wc.v50("S-720", shots=8, batch=4, opening="100 mm", elements_per_crossover=1)
+    >>> round(curve.v50, -1)  # [m/s]
+    80.0
+    """
+    from weavecell.studies import inputs
+    from weavecell.studies import v50 as analysis
+
+    began = time.perf_counter()
+    own: dict[str, Any] = {"shape": weibull_shape}
+    for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
+        own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
+    scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
+    panel = targets.of(target, options, of_commands.LIMITS)
+    with targets.study(panel, f"{panel.title}, repeated shots", out, resume, jobs, executor) as run:
+        sizes = {"shots": shots, "batch": batch, "seed": seed}
+        study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
+        return run.saved(V50Result(study, panel, seed, batch, time.perf_counter() - began))
+
+
+def sensitivity(
+    target: Fabric | FilePath | ImpactSetup | None,
+    *,
+    velocity: list[float | str] | None = None,
+    samples: int = 64,
+    seed: int = 1,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    resume: bool = False,
+    **options: Unpack[Keywords],
+) -> SensitivityResult:
+    """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
+
+    A fabric is shot at as in the tests of the thesis: one ply, and a flat cylinder of 3 g and 5.5 mm. Of an input file
+    these keys are ignored: title, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
+    [accuracy] are rejected.
+
+    The folder then holds sobol.html, .csv, .json, .png, scene.toml, and runs/, a file for each row.
+
+    Parameters
+    ----------
+    target : as of `critical_velocity`
+    velocity : strike velocity [m/s], may be given again; in Python a list. That of the input file where it is left out,
+        or 92.5 and 170 m/s at a fabric
+    samples : N, a power of 2; N (inputs + 2) rows are run
+    seed : of the sample and of the intervals
+    jobs, executor, out, resume : as of `v50`
+    **options : beside a fabric, keywords of `setup` but history
+
+    Returns
+    -------
+    SensitivityResult
+
+    Raises
+    ------
+    InputError : as `critical_velocity`, or samples that are no power of 2
+    UnstableError : a shot became unphysical
+
+    Examples
+    --------
+    >>> sensitivity = wc.sensitivity("S-720", velocity=["100 m/s"], samples=2, opening="20 mm", end_time="10 us")
+    >>> [of.quantity for of in sensitivity.indices]
+    ['velocity', 'peak tension']
+    """
+    from weavecell.studies import sobol
+
+    began = time.perf_counter()
+    velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
+    panel = targets.of(target, options, of_commands.SENSITIVITY)
+    own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
+    with targets.study(panel, f"{panel.title}, sensitivities", out, resume, jobs, executor) as run:
+        sizes = {"samples": samples, "seed": seed}
+        indices = sobol.study(panel.setup, velocities or own, **sizes, report=run.report(), **run.runs)
+        return run.saved(SensitivityResult(indices, panel, samples, seed, time.perf_counter() - began))
+
+
+def draws(
+    target: Fabric | FilePath | ImpactSetup, count: int = 20, *, weibull_shape: float | None = None, seed: int = 1,
+    jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None, resume: bool = False,
+) -> DrawsResult:  # fmt: skip
+    """One shot at many whole panels or packs, each yarn of each ply with a strength of its own (Weibull).
+
+    The symmetry of the input file is not used, since the whole panel is computed, nor are [history] and what a run
+    records. The folder then holds mean, scatter and probability of perforation: summary.json, summary.csv,
+    summary.html, draws.csv, scene.toml, and runs/, from which --resume goes on, also to more draws.
+
+    Parameters
+    ----------
+    target : input file of a ply or pack; in Python also a set-up of `setup`
+    count : number of draws, at least 2
+    weibull_shape : Weibull shape of the yarns' strength; that of weavecell/studies/inputs.toml where it is
+        not given
+    seed, jobs, executor, out, resume : as of `v50`
+
+    Returns
+    -------
+    DrawsResult
+
+    Raises
+    ------
+    InputError : a set-up that cannot be run, fewer than two draws, or yarns that do not fail
+    UnstableError : draws that became unstable, which count in no estimate; its attribute `result` is the DrawsResult,
+        which is written
+
+    Examples
+    --------
+    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2, seed=7)
+    >>> found.summary()["in_flight"]
+    2
+    """
+    from weavecell.studies import draws as analysis
+    from weavecell.studies import inputs
+
+    began, scatter = time.perf_counter(), inputs.published()
+    panel = targets.of(target, {}, of_commands.DRAWS, one_shot=True)
+    scatter = scatter if weibull_shape is None else replace(scatter, shape=weibull_shape)
+    with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor) as run:
+        study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
+        result = run.saved(DrawsResult(study, panel, time.perf_counter() - began))
+    unstable = len(study.draws) - len(study.counted)
+    if unstable:
+        problem = UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate")
+        problem.result = result
+        raise problem
+    return result
 
 
 @dataclass(frozen=True, repr=False)

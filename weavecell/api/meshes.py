@@ -1,0 +1,246 @@
+"""The mesh of a crossover or a woven patch.
+
+The folder of `weavecell mesh`
+    crossover.msh, crossover.vtu    or patch.*; the formats requested (OpenRadioss: crossover_0000.rad)
+    crossover.png, quality.png      the mesh, and the scaled Jacobian of its elements
+    mesh.json                       size, quality, overlap, provenance
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from fabrics import assumed, catalogue
+from fabrics.checks import FilePath
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from weavecell.api import quantities, targets
+from weavecell.api.result import Result
+from weavecell.results import progress
+
+if TYPE_CHECKING:
+    from meshing.mesh import YarnMesh
+
+__all__ = ["MeshResult", "mesh"]
+
+FORMATS = ("msh", "vtu", "k", "inp", "rad")
+SIZES = ("coarse", "medium", "fine", "auto")
+PERIODIC = (2, 2)  # yarns of the periodic cell
+Section = Literal["sine", "ellipse", "conforming"]
+
+
+def mesh(
+    fabric: Fabric | FilePath,
+    *,
+    mesh: str | float | Sequence[int] = "medium",
+    domain: Literal["quarter", "whole", "periodic"] | None = None,
+    patch: str | Sequence[int] | None = None,
+    section: Section | None = None,
+    yarn_gap: float | str = "0 mm",
+    width: float | str | Sequence[float] | None = None,
+    crimp: str | float | Sequence[float] = "hand",
+    tip_thickness_ratio: float = 0.075,
+    overlap: Literal["solve", "refuse"] = "solve",
+    end_shells: float | str | None = None,
+    format: str = "msh,vtu",
+    out: FilePath | None = None,
+) -> MeshResult:
+    """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
+
+    A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad). The fabric has the linear density
+    of its data sheet.
+
+    Parameters
+    ----------
+    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
+    mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a quarter yarn, such as
+        8,6,2, or an edge length
+    domain : quarter by symmetry (default), one whole crossover, or a periodic cell of 2 x 2 yarns
+    patch : a woven patch of N warp and M weft yarns instead, NxM
+    section : sine, ellipse or conforming; the fabric's own if not given
+    yarn_gap : gap between parallel yarns [m]
+    width : width of both yarns, or of warp and weft [m]; else the fabric's
+    crimp : hand or micrograph, as it was measured, or values for both yarns or warp and weft
+    tip_thickness_ratio : thickness of the cut tips over that of the middle
+    overlap : what to do with sections that overlap by more than a shift removes: solve or refuse
+    end_shells : close the yarn ends with shells of this thickness [m]
+    format : files to write, separated by commas: msh, vtu, k, inp, rad
+    out : folder of the results; in Python None writes nothing
+
+    Returns
+    -------
+    MeshResult
+
+    Raises
+    ------
+    InputError : an option that is not allowed, or a fabric that cannot be meshed; nothing has been written
+
+    Examples
+    --------
+    >>> wc.mesh("S-720", mesh="coarse", domain="whole").summary()["hexahedra"]
+    '768'
+    """
+    cloth = of_3d(fabric)
+    if patch is not None and domain is not None:
+        raise InputError(key="patch", value=patch, allowed="left out where --domain is given")
+    formats = [part.strip().lstrip(".").lower() for part in format.split(",")]
+    for part in formats:
+        if part not in FORMATS:
+            raise InputError(key="format", value=part, allowed=f"one or more of {', '.join(FORMATS)}")
+    options = {
+        "size": size(mesh),
+        "section": section,
+        "gap": quantities.number(yarn_gap, "m", "yarn_gap"),
+        "width": None if width is None else quantities.pair(width, "m", "width"),
+        "crimp": crimp if crimp in ("hand", "micrograph") else quantities.pair(crimp, "", "crimp"),
+        "tip_thickness_ratio": tip_thickness_ratio,
+        "overlap": overlap,
+        "end_shells": None if end_shells is None else quantities.number(end_shells, "m", "end_shells"),
+    }
+    count = None if patch is None else _count(patch)
+    with targets.folder_of(out) as folder:
+        result = MeshResult(cloth, build(cloth, domain or "quarter", count, **options), tuple(dict.fromkeys(formats)))
+        if folder is not None:
+            result.save(folder)
+    return result
+
+
+def of_3d(fabric: Fabric | FilePath) -> Fabric:
+    """A fabric with what a 3D crossover needs, with the linear density of its data sheet; logs what is assumed.
+
+    The densities of the runs of the thesis (erratum E-07) are those of its shells.
+
+    Raises
+    ------
+    InputError : no such fabric, or one without [solid] tables for whose yarns none are assumed
+    """
+    from meshing.mesh_plan import with_room
+
+    try:
+        found = fabric if isinstance(fabric, Fabric) else catalogue.load(fabric)
+        cloth = with_room(assumed.with_solid_laws(found))
+    except InputError as problem:
+        if problem.file or problem.key:
+            raise
+        raise InputError(str(problem), key="fabric", value=getattr(fabric, "name", str(fabric))) from None
+    for line in (*cloth.notes, *assumed.lines(cloth)):
+        logging.getLogger("weavecell").info(line)
+    return cloth
+
+
+def size(value: Any) -> Any:
+    """A name, three numbers, or an edge length [m], as `meshing.inputs.size` takes it, also of a text.
+
+    Raises
+    ------
+    InputError : a text that is none of these
+    """
+    if not isinstance(value, str) or value in SIZES:
+        return value
+    if re.fullmatch(r"\s*\d+\s*(,\s*\d+\s*)*", value):
+        return tuple(map(int, value.split(",")))
+    if re.fullmatch(r"\s*[\d.+-][^,]*", value):
+        return quantities.number(value, "m", "mesh")
+    raise InputError(key="mesh", value=value, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um")
+
+
+def _count(patch):
+    """(n, m) numbers of warp and weft yarns, also of a text such as "3x4"."""
+    if not isinstance(patch, str):
+        return tuple(patch)
+    found = re.fullmatch(r"\s*(\d+)\s*[xX×]\s*(\d+)\s*", patch)
+    if found is None:
+        raise InputError(key="patch", value=patch, allowed="numbers of warp and weft yarns, such as 3x4")
+    return int(found[1]), int(found[2])
+
+
+def build(fabric: Fabric, domain: str, count: Sequence[int] | None = None, **options: Any) -> YarnMesh:
+    """Mesh a quarter or whole crossover, the periodic cell of 2 x 2, or a patch of `count` (n, m) yarns.
+
+    `options` are those of `meshing.crossover.build`.
+    """
+    from meshing import crossover, patch
+
+    count = PERIODIC if domain == "periodic" else count
+    return crossover.build(fabric, domain=domain, **options) if count is None else patch.build(fabric, count, **options)
+
+
+@dataclass(frozen=True, repr=False)
+class MeshResult(Result):
+    """The mesh of a crossover or a woven patch.
+
+    Parameters
+    ----------
+    fabric : Fabric that is meshed
+    mesh : `meshing.crossover.Crossover` or `meshing.patch.Patch`
+    formats : suffixes of the files that `save` writes
+
+    Examples
+    --------
+    >>> wc.mesh("S-720", mesh="coarse").mesh.points.shape
+    (378, 3)
+    """
+
+    fabric: Fabric
+    mesh: Any
+    formats: tuple[str, ...] = ("msh", "vtu")
+
+    @property
+    def stem(self) -> str:
+        """Name of the files without suffix: "crossover" or "patch"."""
+        return "patch" if hasattr(self.mesh, "count") else "crossover"
+
+    def summary(self) -> dict[str, Any]:
+        """The main figures of the mesh, as texts."""
+        mesh = self.mesh
+        gap = 1e6 * mesh.least_gap
+        bars = [sum(len(b) for b, f in zip(mesh.bars, mesh.families) if f == family) for family in (0, 1)]
+        return {
+            "fabric": mesh.fabric,
+            "domain": "{} warp x {} weft yarns".format(*mesh.count) if self.stem == "patch" else mesh.domain,
+            "hexahedra": f"{len(mesh.hexes)}",
+            "nodes": f"{len(mesh.points)}",
+            "fibre bars": " / ".join(map(str, bars)) + " (warp / weft)",
+            "worst scaled Jacobian": f"{mesh.min_scaled_jacobian:.3f}",
+            "sections": f"{mesh.sections[0].kind}: {mesh.section_fit.report}",
+            "facets of the mesh": f"overlap by up to {-gap:.2f} um" if gap < 0 else f"apart by at least {gap:.2f} um",
+        }
+
+    def _columns(self):
+        return {"quantity": list(self.summary()), "value": list(self.summary().values())}
+
+    def to_vtk(self, folder: FilePath) -> Path:
+        """Write the mesh for ParaView, crossover.vtu or patch.vtu; returns its path."""
+        return self._export(Path(folder), "vtu")
+
+    def _export(self, folder, suffix):
+        from meshing.formats import export
+
+        path = folder / (f"{self.stem}_0000.rad" if suffix == "rad" else f"{self.stem}.{suffix}")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        export.write(self.mesh, path)
+        return path
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder."""
+        from meshing import pictures, pictures_patch, pictures_quality
+        from weavecell.results import json_file, provenance
+
+        out = Path(out)
+        with progress.bar(f"Mesh of {self.mesh.fabric}") as advance:
+            advance(0.2, "writing")
+            for suffix in self.formats:
+                self._export(out, suffix)
+            advance(0.6, "drawing")
+            draw = pictures_patch if self.stem == "patch" else pictures
+            draw.picture(self.mesh, out / f"{self.stem}.png")
+            pictures_quality.picture(self.mesh, out / "quality.png")
+            json_file.write(out / "mesh.json", self.summary() | {"provenance": provenance.stamp("", self.fabric)})
+
+    def __str__(self) -> str:
+        return "\n".join(f"{key:<24}{value}" for key, value in self.summary().items())

@@ -1,0 +1,39 @@
+"""Cards of input files: fields in fixed columns, below a comment line with their names as the manuals have them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+
+from numpy.typing import ArrayLike
+
+from fabrics.checks import IntArray
+from meshing.formats.deck import lines, wrapped
+
+
+def heading(mark: str, names: Iterable[str], widths: Iterable[int]) -> str:
+    """The comment line: each name at the right end of its field.
+
+    Parameters
+    ----------
+    mark : with which comments begin
+    names : of the fields; those that begin with _ have none
+    """
+    line = "".join(f"{'' if name.startswith('_') else name:>{width}}" for name, width in zip(names, widths))
+    return f"{mark}{line[len(mark) :].rstrip()}\n"
+
+
+def card(mark: str, texts: Mapping[str, str]) -> str:
+    """One card: {name: text as wide as the field}."""
+    return heading(mark, texts, map(len, texts.values())) + "".join(texts.values()) + "\n"
+
+
+def table(mark: str, template: str, names: str, *columns: ArrayLike) -> str:
+    """A card a row of the columns side by side, in a %-template; one comment line above all."""
+    return heading(mark, names.split(), map(int, re.findall(r"%(\d+)", template))) + lines(template, *columns)
+
+
+def numbers(mark: str, name: str, values: Sequence[int] | IntArray, per_line: int) -> str:
+    """Whole numbers in fields of 10 columns; their name is followed by the number of the field."""
+    names = (f"{name}{n}" for n in range(1, 1 + min(per_line, len(values))))
+    return heading(mark, names, [10] * per_line) + wrapped(values, per_line)

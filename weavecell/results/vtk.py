@@ -1,0 +1,122 @@
+"""Panels in motion as a ParaView series, by pyvista: one .vtu a snapshot, and a .pvd that lists them with their times.
+
+Pressures times areas, and failed segments, add up to what histories.h5 has of each ply at that time, over the part of
+the panel that is modelled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fabrics.checks import FilePath, FloatArray, IntArray
+from fabrics.errors import InputError
+from fabrics.files import replace_whole, write
+
+if TYPE_CHECKING:
+    from weavecell.results.impact_shapes import Shape
+
+PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa", "torn_pressure_Pa")
+_FAILED, _SLIP = ("failed_segments_warp", "failed_segments_weft"), ("slip_warp_m", "slip_weft_m")
+
+
+def grid(nodes: FloatArray, quads: IntArray) -> Any:
+    """A pyvista.UnstructuredGrid of quadrilaterals (m, 4) of nodes (n, 3) [m]."""
+    import pyvista
+
+    return pyvista.UnstructuredGrid({pyvista.CellType.QUAD: np.asarray(quads)}, np.asarray(nodes, float))
+
+
+def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
+    """The grid of a panel at one instant, with the arrays that docs/reference/files.md lists.
+
+    Parameters
+    ----------
+    plies : the shape of each ply
+    quads : of each ply (m, 4) node numbers, in order round the cell
+    """
+    first = np.cumsum([0, *(len(shape.nodes) for shape in plies)])
+    together = grid(
+        np.concatenate([shape.nodes for shape in plies]),
+        np.concatenate([numbers + start for numbers, start in zip(quads, first)]),
+    )
+    tension, failed = (np.concatenate([getattr(shape, name) for shape in plies]) for name in ("tension", "failed"))
+    together.cell_data.update(
+        {
+            "tension_warp_N": tension[:, 0].astype(float),
+            "tension_weft_N": tension[:, 1].astype(float),
+            "failed_warp": failed[:, 0].astype(np.int8),
+            "failed_weft": failed[:, 1].astype(np.int8),
+            "failed_yarns": failed_yarns(failed),
+            "ply": np.repeat(np.arange(1, 1 + len(quads), dtype=np.int8), [len(numbers) for numbers in quads]),
+        }
+    )
+    together.point_data["area_m2"] = np.concatenate([shape.area for shape in plies])
+    for field, names in (("pressure", PRESSURES), ("failed_segments", _FAILED), ("slip", _SLIP)):
+        columns = np.concatenate([getattr(shape, field) for shape in plies]).T
+        together.point_data.update({name: column.copy() for name, column in zip(names, columns)})
+    together.field_data["projectile_z_m"] = [float(plies[0].nose_position)]
+    return together
+
+
+def failed_yarns(broken: np.ndarray) -> np.ndarray:
+    """(m,) how many yarns of each element have failed, 0 to 2; an eroded element has lost both.
+
+    Parameters
+    ----------
+    broken : (m, 3) bool: warp failed, weft failed, element eroded
+    """
+    return np.where(broken[:, 2], 2, broken[:, :2].sum(axis=1)).astype(np.int8)
+
+
+def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[IntArray]) -> None:
+    """Write a panel as panel.pvd and panel/panel-NNNN.vtu in the folder `out`; parameters as of `panel`."""
+    times: dict[str, float] = {}
+    for number, plies in enumerate(instants):
+        name = f"panel/panel-{number:04d}.vtu"
+        write_grid(out / name, panel(plies, quads))
+        times[name] = plies[0].t
+    write_series(out / "panel.pvd", times)
+
+
+def write_grid(path: FilePath, content: Any) -> None:
+    """Write a grid of pyvista as .vtu, whole or not at all."""
+    with replace_whole(path) as beside:
+        content.save(beside)
+
+
+def write_series(path: FilePath, times: Mapping[str, float]) -> None:
+    """Write the .pvd.
+
+    Parameters
+    ----------
+    times : {name of a file beside the .pvd: time [s]}
+    """
+    sets = "\n".join(f'    <DataSet timestep="{time:.9e}" file="{name}"/>' for name, time in times.items())
+    write(
+        path,
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+        f"  <Collection>\n{sets}\n  </Collection>\n</VTKFile>\n",
+    )
+
+
+def read_series(path: FilePath) -> list[tuple[Path, float]]:
+    """The files of a .pvd with their times, as [(path, time [s])].
+
+    Raises
+    ------
+    InputError : no such file, or not a series
+    """
+    from xml.etree import ElementTree
+
+    path = Path(path)
+    try:
+        return [
+            (path.parent / entry.attrib["file"], float(entry.attrib["timestep"]))
+            for entry in ElementTree.parse(path).iter("DataSet")
+        ]
+    except (OSError, ElementTree.ParseError, KeyError, ValueError) as problem:
+        raise InputError(f"is not a readable ParaView series ({problem})", file=path) from None
