@@ -212,6 +212,8 @@ class SurfaceResult(Result):
         page.write(report, out / "report.html")
 
     def _section(self):
+        from pandas import DataFrame
+
         from unitcell3d.identify.interpolant import Interpolant
         from weavecell.report import pictures
         from weavecell.report.page import Figure, Section, Table
@@ -222,9 +224,8 @@ class SurfaceResult(Result):
         for name, error in errors.items():
             factor, unit = SHOWN[name]
             values = factor * getattr(surface, name)
-            span = f"{values.min():.4g} to {values.max():.4g}"
-            missed = (f"{factor * value:.3g}" for value in (error.rms, error.largest))
-            rows.append((f"{name} [{unit}]", span, *missed, f"{differences[name]:.3g}" if name in differences else "-"))
+            span, rms = f"{values.min():.4g} to {values.max():.4g}", differences.get(name, "-")
+            rows.append((f"{name} [{unit}]", span, factor * error.rms, factor * error.largest, rms))
         columns = ("quantity", "range", "left-out lines, rms", "left-out lines, largest", "rms from the shell's cell")
         pictured = {
             "surfaces": (pictures_surface.surfaces, (interpolant,), "Forces over (d1, d2); white: samples."),
@@ -248,7 +249,7 @@ class SurfaceResult(Result):
             kind = "png" if name in ("surfaces", "contours") else "svg"
             figures.append(Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name))
         lead = f"{surface.d1.size} × {surface.d2.size} samples, {self.sampled.solves} equilibria."
-        table = Table(columns, tuple(rows), numeric=columns[1:])
+        table = Table.of(DataFrame(rows, columns=columns))
         return Section("surface", "Response surface", lead, tuple(figures), (table,))
 
     def __str__(self) -> str:

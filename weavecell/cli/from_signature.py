@@ -27,7 +27,7 @@ from weavecell.report import checks
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
-ARGUMENTS = ("target", "tests", "fabric", "name", "folder", "file")
+ARGUMENTS = ("target", "tests", "fabric", "name", "file")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 WORDS = {"values": "from"}  # options with another name than their parameter
 SHORT = {"out": "-o"}
@@ -48,10 +48,9 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
     keywords : of `weavecell.setup` that are options beside the function's own; lists are written as in a file
     """
     text, meanings = documented(function)
-    parameters = [
-        p for p in inspect.signature(function).parameters.values()
-        if p.kind is not p.VAR_KEYWORD and (p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY)
-    ]  # fmt: skip
+    given = inspect.signature(function).parameters.values()
+    own = [p for p in given if p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY]
+    parameters = [p for p in own if p.kind is not p.VAR_KEYWORD]
     required = [p.name for p in parameters if p.default is p.empty and p.name not in ("out", "tests")]
     has_checks = inspect.signature(function).return_annotation not in ("None", "Listing")
 
@@ -98,10 +97,11 @@ def _keyword(key):
 
 def _meaning(key):
     """What a keyword of `weavecell.setup` means: the title of its field in the schema."""
+    from fabrics.schema import entries
     from weavecell.api import keywords
-    from weavecell.scenes import impact, supported
+    from weavecell.scenes.impact import Scene
 
-    return supported.entries(impact.Scene)[f"{keywords.tables()[key]}.{key}"].title
+    return entries(Scene)[f"{keywords.tables()[key]}.{key}"].title
 
 
 def _listed(text):

@@ -230,7 +230,7 @@ SAID = {
     "pull-out": lambda s: [f"peak load {s['peak_load_N']:.4g} N", f"plateau load {s['plateau_load_N']:.4g} N"],
     "export": lambda s: [f"biaxial plane {100 * s['error_over_strength'][0]['rms']:.1f} %"],
     "calibrate": lambda s: [f"fitted {1e3 * s['law']['a_m']:.4f} "],
-    "surface": lambda s: [f"{s['equilibria']} equilibria", f"{s['error_of_left_out_lines']['T1']['rms']:.3g} "],
+    "surface": lambda s: [f"{s['equilibria']} equilibria", f"{s['error_of_left_out_lines']['T1']['rms']:.4g} "],
 }
 
 
