@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.simulation import ImpactResult, ImpactSetup
+    from weavecell.scenes.build import Case
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation
@@ -50,10 +51,16 @@ __all__ = ["ShotResult", "impact"]
 
 
 def impact(
-    target: Fabric | FilePath | ImpactSetup | None, velocity: float | str | None = None, *,
-    assumed_range: bool = False, uncertainty: bool = False, check: bool = False, out: FilePath | None = None,
-    resume: bool = False, **options: Unpack[Keywords],
-) -> ShotResult:  # fmt: skip
+    target: Fabric | FilePath | ImpactSetup | None,
+    velocity: float | str | None = None,
+    *,
+    assumed_range: bool = False,
+    uncertainty: bool = False,
+    check: bool = False,
+    out: FilePath | None = None,
+    resume: bool = False,
+    **options: Unpack[Keywords],
+) -> ShotResult:
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
 
     A shot that is still in flight at the end time is a result with the outcome "in flight". An input file with a table
@@ -228,12 +235,16 @@ class ShotResult(ImpactRecord, Result):
     key: str = ""
 
     @property
-    def setup(self) -> ImpactSetup:
-        """What was run: the set-up of the target, of several meshes that with the mesh which counts."""
-        if self.pair is not None:
-            return self.pair.setup
-        assert self.target is not None
-        return self.target.setup
+    def case(self) -> Case:
+        """What was built from the input file.
+
+        Raises
+        ------
+        InputError : a shot of a sweep, or of a set-up, whose panel no report can describe
+        """
+        if self.target is None or self.target.case is None:
+            raise InputError("a shot of a set-up has no report: give the fabric and its keywords, or an input file")
+        return self.target.case
 
     def summary(self) -> dict[str, Any]:
         """The entries of summary.json (docs/reference/input.md), the checks in words, the areal density of the first
@@ -299,20 +310,18 @@ class ShotResult(ImpactRecord, Result):
 
         Raises
         ------
-        InputError : a shot of a sweep, or of a set-up, whose panel no report can describe
+        InputError : as `case`
         """
         from weavecell.report import chapters_discretisation, checks, page
         from weavecell.report.shot import shot_page
         from weavecell.results import json_file, provenance
         from weavecell.scenes import words
 
-        if self.target is None or self.target.case is None:
-            raise InputError("a shot of a set-up has no report: give the fabric and its keywords, or an input file")
-        out, scene = Path(out), self.target.case.scene
+        out, scene, target = Path(out), self.case.scene, self.target
         outputs, projectile = scene.run.outputs, scene.projectile
-        stamp = provenance.stamp(self.target.text, setup=self.target.setup)
-        if self.target.text:
-            files.write(out / "scene.toml", self.target.text)
+        stamp = provenance.stamp(target.text, setup=target.setup)
+        if target.text:
+            files.write(out / "scene.toml", target.text)
         self.write(out / "histories.h5")
         content = self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         content |= {} if self.range is None else {"assumed_range": self.range.summary()}
@@ -325,11 +334,12 @@ class ShotResult(ImpactRecord, Result):
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
             return
-        sections = shot_page.sections(self)
+        used = target.setup if self.pair is None else self.pair.setup
+        sections = shot_page.sections(self, used)
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
         if "report" in outputs:
-            page.write(shot_page.page(self, sections, stamp), out / "report.html")
+            page.write(shot_page.page(self, used, sections, stamp), out / "report.html")
 
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation

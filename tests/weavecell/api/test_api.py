@@ -182,6 +182,14 @@ def test_a_shot_as_text_table_and_figures(shot):
     assert picture.axes[0].images[0].get_array().std() > 5  # not an empty picture
 
 
+def test_a_shot_is_an_xarray_over_time_and_ply(shot):
+    pytest.importorskip("xarray")
+    table = shot.to_xarray()
+    assert (table.deflection.dims, table.ply_energy.dims) == (("time",), ("time", "ply"))
+    assert np.array_equal(table.ply_energy, shot.plies["energy"])
+    assert (table.contact_force.units, table.energy_friction.units) == ("N", "J")
+
+
 def test_a_shot_writes_the_files_of_the_command(shot, results, tmp_path):
     folder = results("impact").folder
     assert shot.to_vtk(tmp_path / "vtk") == tmp_path / "vtk" / "panel.pvd"

@@ -11,12 +11,13 @@ from weavecell.report.shot import chapters_shot
 from weavecell.scenes import words
 
 if TYPE_CHECKING:
+    from shellfabric.impact.simulation import ImpactSetup
     from weavecell.api.shots import ShotResult
 
 
-def sections(shot: ShotResult) -> list[Section]:
-    """The chapters that have pictures or follow from options, of a shot at a target with an input file."""
-    case, used = shot.target.case, shot.setup.meshed
+def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
+    """The chapters that have pictures or follow from options; `setup` is what was run."""
+    case, used = shot.case, setup.meshed
     places = case.scene.history.report_positions if case.scene.history else ()
     found = [chapters_shot.chapter([shot]), chapters_shot.mesh(shot, used)]
     if shot.pair is not None:
@@ -32,9 +33,9 @@ def sections(shot: ShotResult) -> list[Section]:
     return [*found, chapters_shot.assumptions(used, shot.assumed, body=shot.rigid_check)]
 
 
-def page(shot: ShotResult, found: Sequence[Section], stamp: Mapping[str, str]) -> Report:
+def page(shot: ShotResult, setup: ImpactSetup, found: Sequence[Section], stamp: Mapping[str, str]) -> Report:
     """The report of one impact; `found` are the chapters of `sections`."""
-    case, setup = shot.target.case, shot.setup
+    case = shot.case
     projectile, panel, model = case.scene.projectile, case.scene.panel, case.scene.fabric.cell_model
     source = case.law_name if model == "compressible" else model
     laws = (chapters.law_card(case.laws[0], source=source),) if case.surface is None else ()
