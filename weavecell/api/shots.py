@@ -318,6 +318,7 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.scenes import words
 
         out, scene, target = Path(out), self.case.scene, self.target
+        assert target is not None  # since it has a case
         outputs, projectile = scene.run.outputs, scene.projectile
         stamp = provenance.stamp(target.text, setup=target.setup)
         if target.text:
