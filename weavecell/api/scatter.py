@@ -19,7 +19,7 @@ from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.study_result import StudyResult
-from weavecell.scenes import of_commands
+from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,7 +97,7 @@ def v50(
     for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
         own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
     scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
-    panel = targets.of(target, options, of_commands.LIMITS)
+    panel = targets.of(target, options, honoured.LIMITS)
     with targets.study(panel, f"{panel.title}, repeated shots", out, resume, jobs, executor) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
@@ -152,7 +152,7 @@ def sensitivity(
     from weavecell.studies import sobol
 
     velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
-    panel = targets.of(target, options, of_commands.SENSITIVITY)
+    panel = targets.of(target, options, honoured.SENSITIVITY)
     own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
     with targets.study(panel, f"{panel.title}, sensitivities", out, resume, jobs, executor) as run:
         sizes = {"samples": samples, "seed": seed}
@@ -205,7 +205,7 @@ def draws(
     from weavecell.studies import inputs
 
     scatter = inputs.published() if weibull_shape is None else replace(inputs.published(), shape=weibull_shape)
-    panel = targets.of(target, {}, of_commands.DRAWS, one_shot=True)
+    panel = targets.of(target, {}, honoured.DRAWS, one_shot=True)
     with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor) as run:
         study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
         result = run.saved(DrawsResult(study, panel, run.wall_time))

@@ -32,7 +32,7 @@ from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
 from weavecell.results import progress, run_folder
-from weavecell.scenes import of_commands
+from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,7 +92,7 @@ def impact(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
-    panel = targets.of(target, options, of_commands.impact, velocity, one_shot=True)
+    panel = targets.of(target, options, honoured.IMPACT, velocity, one_shot=True)
     climbs = panel.case is not None and panel.case.scene.accuracy is not None
     if climbs and uncertainty:
         raise InputError(key="uncertainty", allowed="left out with [accuracy], which compares its meshes")

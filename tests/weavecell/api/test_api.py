@@ -17,12 +17,12 @@ import weavecell as wc
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
+from fabrics.schema import tables_in
 from shellfabric.impact.ballistic_limit import Limit, Shot
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.api import keywords, quantities
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.schema import tables_in
 from weavecell.scenes.target import Target
 
 MINE = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
@@ -123,7 +123,7 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
             "edge_radius = 1.0: is no keyword, did you mean projectile=",
         ),
         (lambda: wc.setup("S-720", 90.0, projectile=CUT), "projectile.edge_radius: is missing"),
-        (lambda: wc.setup("S-720", 90.0, ply_gap=1e-4), "ply_gap = '0.0001 m': must be left out for a single ply"),
+        (lambda: wc.setup("S-720", 90.0, ply_gap=1e-4), "ply_gap = 0.0001: must be left out for a single ply"),
         (lambda: wc.setup("S-720", 90.0, law=(1,)), "law = (1,): must be a CompressionLaw"),
         (lambda: wc.setup(MINE, 90.0), "fabric mine has no compression law: give law=, or use"),
         (lambda: wc.fabric("S-720", linear_density="other"), "linear_density = 'other': must be effective or nominal"),
