@@ -9,7 +9,7 @@ DoubtfulError (3): a run has ended with a quality indicator beyond its limit, an
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 
@@ -19,7 +19,7 @@ class WeavecellError(Exception):
     exit_code = 1
 
 
-class InputError(WeavecellError):
+class InputError(WeavecellError, ValueError):
     """Bad input, one line a problem: the file, the key, its value and what is allowed.
 
     Parameters
@@ -48,7 +48,7 @@ class InputError(WeavecellError):
         value: object = None,
         allowed: str | None = None,
     ) -> None:
-        self.file, self.key, self.value, self.allowed = file, key, value, allowed
+        self.message, self.file, self.key, self.value, self.allowed = message, file, key, value, allowed
         parts = []
         if file is not None:
             parts.append(f"{file}:")
@@ -61,12 +61,17 @@ class InputError(WeavecellError):
         super().__init__(" ".join(" ".join(parts).split()))
 
 
+def nearest(name: str, known: Iterable[str], least: float = 0.75) -> str | None:
+    """The one of the `known` names that a mistyped `name` may be meant for: at least so similar, from 0 to 1."""
+    return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=least)), None)
+
+
 def unknown_name(
     kind: str, name: str, known: Sequence[str], *, file: object = None, key: str | None = None
 ) -> InputError:
     """The InputError of a `name` that no `kind` has, with the nearest of the `known` names and all of them."""
-    near = difflib.get_close_matches(name, known, n=1)
-    hint = f', did you mean "{near[0]}"?' if near else ";"
+    near = nearest(name, known, 0.6)
+    hint = f', did you mean "{near}"?' if near else ";"
     return InputError(f"unknown {kind}{hint} allowed: {', '.join(known)}", file=file, key=key, value=name)
 
 
@@ -81,7 +86,8 @@ class InputErrors(InputError):
     def __init__(self, problems: Sequence[InputError]) -> None:
         first, self.problems = problems[0], tuple(problems)
         WeavecellError.__init__(self, "\n".join(map(str, problems)))
-        self.file, self.key, self.value, self.allowed = first.file, first.key, first.value, first.allowed
+        for name in ("message", "file", "key", "value", "allowed"):
+            setattr(self, name, getattr(first, name))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return InputErrors, (self.problems,)

@@ -23,7 +23,7 @@ from shellfabric.coupon import quasistatic
 from shellfabric.impact import ballistic_limit, simulation
 from unitcell3d.identify.calibrate import calibrate
 from weavecell.results import coupon as coupon_results
-from weavecell.scenes import build, coupon, impact, of_commands
+from weavecell.scenes import build, coupon, honoured, impact
 from weavecell.studies import inputs, v50
 
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
@@ -36,12 +36,12 @@ SKIPPED = (  # inputs, words, clocks, fields at every instant, and small differe
 
 
 def setup(path):
-    scene, _ = impact.load(path, of_commands.impact)
+    scene, _ = impact.load(path, honoured.IMPACT)
     return build.setup(build.build(scene, path, path.stem), path)
 
 
 def coupon_test(path):
-    scene, _ = coupon.load(path, of_commands.COUPON)
+    scene, _ = coupon.load(path, honoured.COUPON)
     case = build.build(scene, path, path.stem)
     table = CellModel(case.fabric, case.laws).table(201)
     if scene.test == "pull_out":

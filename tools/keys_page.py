@@ -13,12 +13,12 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from fabrics.files import write
+from fabrics.schema import Table, entries, tables, unit_of
 from weavecell.decks import folder
 from weavecell.results import keys
-from weavecell.scenes import build, of_commands, supported
+from weavecell.scenes import build, honoured
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.schema import Table, unit_of
 
 PAGE = Path("docs") / "reference" / "input.md"
 HEAD = f"""---
@@ -36,19 +36,19 @@ check input files with the JSON Schemas `scene.schema.json` and `coupon.schema.j
 docs/generated.
 
 Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left
-out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *[accuracy]* the
-same with a table `[accuracy]`, *limits* are `weavecell critical-velocity` and `v50`, *sensitivity*, *export*
-and *coupon* are the commands of these names; `sweep` and `compare` use keys as the command that they repeat."""
+out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *limits* are
+`weavecell critical-velocity` and `v50`, *sensitivity*, *export* and *coupon* are the commands of these names; `sweep`
+and `compare` use keys as the command that they repeat."""
 COMMANDS = {
-    "impact": of_commands.IMPACT, "[accuracy]": of_commands.ACCURACY, "limits": of_commands.LIMITS,
-    "sensitivity": of_commands.SENSITIVITY, "export": folder.SUPPORT, "coupon": of_commands.COUPON,
+    "impact": honoured.IMPACT, "limits": honoured.LIMITS, "sensitivity": honoured.SENSITIVITY,
+    "export": folder.NOT_HONOURED, "coupon": honoured.COUPON,
 }  # fmt: skip
 RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
-    "summary.json of coupons": keys.COUPON,
-    "critical-velocity.json": keys.CRITICAL_VELOCITY,
-    "Energies": keys.ENERGIES,
+    "summary.json of coupons": keys.TABLES["coupon"],
+    "critical-velocity.json": keys.TABLES["critical_velocity"],
+    "Energies": keys.TABLES["energies"],
     "histories.h5 of impacts": keys.DATASETS,
     "histories.h5 of coupons": keys.COUPON_DATASETS,
     "Attributes in histories.h5": keys.ATTRIBUTES,
@@ -75,14 +75,14 @@ def page() -> str:
 def _tables(model, *left_out):
     """A section for each table of an input file, an entry for each of its keys."""
     defaults, shown = _solver_defaults(), {}
-    entries = supported.entries(model)
-    for name, table in supported.tables(model).items():
+    keys = entries(model)
+    for name, table in tables(model).items():
         if (name.partition(".")[0] or "title") in left_out:
             continue
         yield f"### Table [{name}]" if name else "### Before the tables"
         yield f"As [{shown[table]}]." if table in shown else "{}\n\n```toml\n{}\n```".format(*about(table))
         shown.setdefault(table, name)
-        for key, entry in entries.items():
+        for key, entry in keys.items():
             if key.rpartition(".")[0] != name:
                 continue
             parts = {"Allowed": entry.description, "Unit": unit_of(entry) or "1"}
@@ -99,12 +99,14 @@ def about(table: type[Table]) -> list[str]:
 def _commands(key, model):
     """Who uses a key, ignores it and refuses it; keys of [fabric] are also those of coupons."""
     both = key.startswith("fabric.")
-    of = {name: each for name, each in COMMANDS.items() if each.model is model or both}
-    used, ignored, refused = (
-        [name for name, each in of.items() if each.use_of(key) == use] for use in ("used", "ignored", "refused")
-    )
-    parts = ["all" if len(used) == len(of) > 1 else ", ".join(used) or "none"]
-    parts += [f"{verb} by {', '.join(each)}" for verb, each in (("ignored", ignored), ("refused", refused)) if each]
+    names = [name for name in COMMANDS if both or (name == "coupon") == (model is CouponScene)]
+    use: dict[str, list[str]] = {"used": [], "ignored": [], "refused": []}
+    for name in names:
+        stands = [COMMANDS[name][part] for part in honoured.with_tables(key) if part in COMMANDS[name]]
+        use["refused" if any(stands) else "ignored" if stands else "used"].append(name)
+    used = use.pop("used")
+    parts = ["all" if len(used) == len(names) > 1 else ", ".join(used) or "none"]
+    parts += [f"{verb} by {', '.join(each)}" for verb, each in use.items() if each]
     return "; ".join(parts)
 
 

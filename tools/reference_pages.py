@@ -76,9 +76,9 @@ def json_schema(model):
     ----------
     model : Scene or CouponScene
     """
-    from weavecell.scenes import supported
+    from fabrics.schema import entries
 
-    schema, meanings = model.model_json_schema(), {entry.title for entry in supported.entries(model).values()}
+    schema, meanings = model.model_json_schema(), {entry.title for entry in entries(model).values()}
     for table in (schema, *schema["$defs"].values()):
         for entry in table["properties"].values():
             unit = entry.pop("unit", None)

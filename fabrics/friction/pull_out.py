@@ -162,13 +162,13 @@ class PullOutLaw:
             )  # fmt: skip
         except KeyError as missing:
             raise InputError("is missing", file=path, key=f"{GROUP}.{missing.args[0]}") from None
-        except (TypeError, ValueError):
-            raise InputError("holds what is no number", file=path, key=GROUP) from None
         except InputError as problem:
             if problem.file is None:
                 key = f"{GROUP}.{problem.key}"
                 raise InputError(file=path, key=key, value=problem.value, allowed=problem.allowed) from None
             raise
+        except (TypeError, ValueError):
+            raise InputError("holds what is no number", file=path, key=GROUP) from None
 
 
 def _content(path):

@@ -19,7 +19,7 @@ from weavecell.api import quantities, targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.study_result import StudyResult
 from weavecell.results import progress
-from weavecell.scenes import of_commands
+from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,7 +81,7 @@ def compare(
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
-    panel = targets.of(target, options, of_commands.LIMITS)
+    panel = targets.of(target, options, honoured.LIMITS)
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
     with targets.folder_of(out) as folder:
         with panel.named():

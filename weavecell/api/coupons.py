@@ -31,12 +31,13 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.record import Record
-from weavecell.api import keywords, quantities, targets
+from fabrics.schema import PYTHON
+from weavecell.api import keywords, targets
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_coupon
 from weavecell.results import coupon as coupon_results
-from weavecell.results import progress, run_folder
-from weavecell.scenes import build, of_commands
+from weavecell.results import display, progress, run_folder
+from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
 
@@ -95,7 +96,7 @@ def coupon(
     from_file = test is None and isinstance(target, (str, os.PathLike))
     if from_file:
         file = Path(target)  # type: ignore[arg-type]
-        scene, text = scenes.load(file, of_commands.COUPON)
+        scene, text = scenes.load(file, honoured.COUPON)
         case = build.build(scene, file, file.stem)
     else:
         case, text, file = _case(target, test, options), "", None
@@ -140,15 +141,15 @@ def _case(target, test, options):
             raise InputError(key=key, value=value, allowed=f"one of {', '.join(known)}")
         table[name][key] = value
     try:
-        scene = scenes.check(keywords.written(table, scenes.CouponScene), None, of_commands.COUPON)
+        scene = scenes.check(keywords.plain(table), None, honoured.COUPON, PYTHON)
     except InputError as problem:
         raise keywords.named(problem, (test, "run", "fabric")) from None
     if scene.trellis_law == "needed":
         fabric = assumed.with_shear(fabric)
     if scene.fabric.cell_model != "compressible":
-        return Case("", fabric, 2 * (CompressionLaw.incompressible(),), scene.fabric.cell_model, scene)
-    laws = quantities.laws(fabric, law)
-    return Case("", fabric, laws, laws[0].provenance, scene)
+        return Case(fabric, 2 * (CompressionLaw.incompressible(),), scene.fabric.cell_model, scene=scene)
+    laws = build.laws_of(fabric, law)
+    return Case(fabric, laws, laws[0].provenance, scene=scene)
 
 
 def _pull_out(case, text, key, *_):
@@ -273,7 +274,7 @@ class CouponResult(Result):
         """What the test came to, as printed."""
         facts = self.record.facts
         return [
-            *(f"{name:<34}{text}" for name, text in pictures_coupon.last(self.record).items()),
+            *(f"{name:<34}{display.text(values[-1], unit, name)}" for name, (unit, values) in self._measured().items()),
             f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
             f"most, {facts['wall_time_s']:.1f} s",
         ]
@@ -288,9 +289,13 @@ class CouponResult(Result):
     def table(self) -> DataFrame:
         """All load steps, in the units of the report, with residual (out-of-balance force over the reaction)."""
         states = self.solved.states
-        return pictures_coupon.shown(self.record).assign(
+        return display.frame(self._measured()).assign(
             residual=[f"{state.residual:.1e}" for state in states], iterations=[state.iterations for state in states]
         )
+
+    def _measured(self):
+        """{column: (SI unit, values)}."""
+        return {name: (self.record.unit(name), values) for name, values in self.record.columns.items()}
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """{file: (caption, function that draws it, its arguments beside pyplot)}."""

@@ -64,7 +64,7 @@ def export(
     from weavecell.decks import folder, model
 
     folder.check(to, units, match)
-    panel = targets.of(target, {}, folder.SUPPORT)
+    panel = targets.of(target, {}, folder.NOT_HONOURED)
     with targets.folder_of(out), panel.named():
         code, names = folder.CODES[to], {"title": panel.shot_title, "source": panel.law_name}
         deck = model.build(panel.setup, code, units, match, **names)

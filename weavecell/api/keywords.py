@@ -2,21 +2,19 @@
 
 The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables [projectile], [history],
 [numerics] and [backing] are dicts; a projectile or a backing may be just its name. A number stands for a quantity in
-SI units; everything else is written as in the file. `Keywords` names them for editors and type checkers; a test holds
-it against the schema.
+SI units, an object for what a file names; everything else is written as in the file. `Keywords` names them for editors
+and type checkers; a test holds it against the schema.
 """
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
 
 from fabrics.checks import FilePath
-from fabrics.errors import InputError, InputErrors, together
+from fabrics.errors import InputError, InputErrors, nearest, together
 from weavecell.scenes.target import STANDARD
 
 if TYPE_CHECKING:
@@ -43,8 +41,6 @@ DEFAULTS: dict[str, Any] = {
     **STANDARD["panel"],
 }
 _OBJECTS = {"fabric": ("law", "surface"), "panel": ("ply_contact",)}  # may be objects, which no file can hold
-
-_OBJECT = " of Python"  # of names that stand for objects
 
 Quantity = float | str  # in SI units, or a text with a unit
 Number = float
@@ -92,15 +88,14 @@ class Keywords(TypedDict, total=False):
 
 def tables() -> dict[str, str]:
     """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
-    from weavecell.scenes import impact, supported
+    from weavecell.scenes.impact import Scene
 
-    of = supported.tables(impact.Scene)
-    flat = {key: name for name in FLAT for key in of[name].model_fields if f"{name}.{key}" not in NOT_HERE}
+    flat = {key: name for name in FLAT for key in fields_of(Scene, name) if f"{name}.{key}" not in NOT_HERE}
     return flat | dict.fromkeys(GROUPS, "")
 
 
 def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> tuple[Scene, dict[str, Any]]:
-    """The checked scene of a call, and its table as it would stand in a file.
+    """The checked scene of a call, and its table.
 
     Parameters
     ----------
@@ -112,39 +107,46 @@ def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> t
     ------
     InputError : an unknown keyword, or a value that is not allowed; one line that names the keyword
     """
-    from weavecell.scenes import impact as scenes_impact
-    from weavecell.scenes.of_commands import IMPACT
+    from fabrics.schema import PYTHON
+    from weavecell.scenes import honoured, impact
 
-    given = DEFAULTS | {key: value for key, value in options.items() if value is not None}
     known = tables()
     table: dict[str, Any] = {name: {} for name in (*FLAT, "projectile")}
-    for key, value in given.items():
+    for key, value in (DEFAULTS | {key: value for key, value in options.items() if value is not None}).items():
         if key not in known:
             raise _unknown(key, value, known)
+        of_file = value if isinstance(value, tuple) and key == "law" else plain(value)
         if known[key]:
-            table[known[key]][key] = value
+            table[known[key]][key] = of_file
         else:
-            table[key] = value
-    for name, keys in _OBJECTS.items():
-        table[name] |= {key: _stand_in(table[name][key]) for key in keys if key in table[name]}
+            table[key] = of_file
     if isinstance(table["projectile"], str):
         table["projectile"] = {"name": table["projectile"]}
     if isinstance(table.get("backing"), str):
         table["backing"] = {"material": table["backing"]}
-    if not isinstance(table["projectile"], Mapping) or "strike_velocity" in table["projectile"]:
+    if not isinstance(table["projectile"], dict) or "strike_velocity" in table["projectile"]:
         raise InputError(
             key="projectile", value=table["projectile"], allowed="a name, or a dict of its keys without strike_velocity"
         )
-    struck = {} if velocity is None else {"strike_velocity": velocity}
-    table["projectile"] = {**table["projectile"], **struck}
-    as_written = written(table, scenes_impact.Scene)
-    if fabric is not None:
-        as_written["fabric"] |= {"name": fabric}
-    rejected = dict(IMPACT.rejected) | {"history.report_positions": "left out: `weavecell.setup` does not support it"}
+    table["projectile"] |= plain({"strike_velocity": velocity})
+    table["fabric"] |= plain({"name": fabric})
+    refused = {**honoured.IMPACT, "history.report_positions": "left out: `weavecell.setup` does not support it"}
     try:
-        return scenes_impact.check(as_written, None, replace(IMPACT, rejected=rejected)), as_written
+        return impact.check(table, None, refused, PYTHON), table
     except InputError as problem:
         raise named(problem) from None
+
+
+def plain(value: Any) -> Any:
+    """A value of Python as a file has it: dicts without None, lists and plain numbers, texts of paths; objects as they
+    are."""
+    if isinstance(value, Mapping):
+        return {key: plain(part) for key, part in value.items() if part is not None}
+    if isinstance(value, (list, tuple)):
+        return [plain(part) for part in value]
+    if isinstance(value, Path):
+        return str(value)
+    return value.tolist() if hasattr(value, "tolist") else value  # of numpy
 
 
 def text(table: Mapping[str, Any], fabric: object) -> str:
@@ -156,13 +158,15 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
     """
     import tomlkit
 
-    if any(str(table[name].get(key)).endswith(f"{_OBJECT}.json") for name, keys in _OBJECTS.items() for key in keys):
-        return ""
-    if not isinstance(fabric, (str, Path)):
+    from weavecell.scenes.impact import Scene
+
+    objects = (table[name].get(key, "") for name, keys in _OBJECTS.items() for key in keys)
+    if not isinstance(fabric, (str, Path)) or not all(isinstance(one, (str, dict)) for one in objects):
         return ""
     named = {"file": str(Path(fabric).resolve())} if str(fabric).endswith(".toml") else {"name": str(fabric)}
     rest = {key: value for key, value in table["fabric"].items() if key != "name"}
-    return tomlkit.dumps({key: value for key, value in {**table, "fabric": named | rest}.items() if value})
+    content = {key: _text(value, Scene.model_fields[key]) for key, value in {**table, "fabric": named | rest}.items()}
+    return tomlkit.dumps({key: value for key, value in content.items() if value})
 
 
 @contextmanager
@@ -177,59 +181,41 @@ def of_group(group: str, values: Mapping[str, object]) -> Iterator[None]:
         raise InputError(key=f"{group}_{key}", value=values[key], allowed=problem.allowed) from None
 
 
-def _stand_in(value):
-    """A text for the schema: paths and tables as they are, of an object the name of its type."""
-    if isinstance(value, (str, Path, Mapping)):
-        return value
-    return f"{type(value).__name__}{_OBJECT}.json"
-
-
-def written(values: Mapping[str, Any], model: Any) -> dict[str, Any]:
-    """A table as it stands in a file: numbers that are quantities become texts with the unit of their key."""
-    return {key: _text(value, model.model_fields.get(key)) for key, value in values.items()}
-
-
 def fields_of(model: Any, name: str) -> dict[str, Any]:
     """{key: field} of the table `name` of an input file."""
-    from weavecell.scenes.schema import tables_in
+    return _fields(model.model_fields[name])
 
-    return {
-        key: field
-        for kind in tables_in(model.model_fields[name].annotation)
-        for key, field in kind.model_fields.items()
-    }
+
+def _fields(entry):
+    from fabrics.schema import tables_in
+
+    return {key: field for table in tables_in(entry.annotation) for key, field in table.model_fields.items()}
 
 
 def _text(value, entry):
-    from weavecell.scenes.schema import tables_in, unit_of
+    """A value of the field `entry` as it stands in a file: a number that is a quantity with the unit of its key."""
+    from fabrics.schema import unit_of
 
-    value = value.item() if hasattr(value, "item") else value.tolist() if hasattr(value, "tolist") else value
-    if isinstance(value, Path):
-        return str(value)
-    if isinstance(value, Mapping):
-        kinds = tuple(tables_in(entry.annotation)) if entry is not None else ()
-        fields = {name: field for kind in kinds for name, field in kind.model_fields.items()}
-        return {key: _text(each, fields.get(key)) for key, each in value.items() if each is not None}
-    if isinstance(value, (list, tuple)):
-        return [_text(each, entry) for each in value]
+    if isinstance(value, dict):
+        fields = _fields(entry)
+        return {key: _text(part, fields[key]) for key, part in value.items()}
+    if isinstance(value, list):
+        return [_text(part, entry) for part in value]
     unit = unit_of(entry)
-    if unit is None or isinstance(value, bool) or not isinstance(value, (int, float)):
+    if unit is None or isinstance(value, (bool, str)):
         return value
     return repr(value) if unit == "1" else f"{value!r} {unit}"
 
 
 def _unknown(key, value, known):
     """The error of a keyword that is none."""
-    from weavecell.scenes import impact, supported
+    from weavecell.scenes.impact import Scene
 
     for group in GROUPS:
-        if (
-            key in supported.tables(impact.Scene)[group].model_fields
-            and f"{group}.{key}" != "projectile.strike_velocity"
-        ):
+        if key in fields_of(Scene, group) and f"{group}.{key}" != "projectile.strike_velocity":
             return InputError(f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value)
-    near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
-    hint = f", did you mean {near[0]}?" if near else ";"
+    near = nearest(key, known, 0.6)
+    hint = f", did you mean {near}?" if near else ";"
     return InputError(f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value)
 
 

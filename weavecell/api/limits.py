@@ -23,9 +23,9 @@ from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.study_result import StudyResult
-from weavecell.report import chapters_assumed, checks
+from weavecell.report import checks
 from weavecell.results import progress
-from weavecell.scenes import of_commands
+from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -122,7 +122,7 @@ def critical_velocity(
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
     with keywords.of_group("scan", shares):
         around = ScanRange(**{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()})
-    panel = targets.of(target, options, of_commands.LIMITS)
+    panel = targets.of(target, options, honoured.LIMITS)
     search: dict[str, Any] = {"residual_shots": residual_shots, "with_range": assumed_range}
     search |= {"tolerance": width, "scan": around if scan else None, "jobs": jobs, "executor": executor}
 
@@ -265,7 +265,8 @@ class CriticalVelocityResult(StudyResult):
         for shot in shots:
             shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
         content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
-        content |= checks.summary(self.checks) | chapters_assumed.summary(self.range)
+        content |= checks.summary(self.checks)
+        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
         return {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
 
     def lines(self) -> list[str]:

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from math import isfinite
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.units import si
-
-if TYPE_CHECKING:
-    from fabrics.fabric import Fabric
 
 
 def number(value: Any, unit: str, key: str) -> float:
@@ -49,37 +44,6 @@ def above_zero(value: float | str, unit: str, key: str) -> float:
     if not result > 0:
         raise InputError(key=key, value=value, allowed="above 0")
     return result
-
-
-def laws(fabric: Fabric, law: Any = None) -> tuple[CompressionLaw, CompressionLaw]:
-    """(warp, weft) compression laws.
-
-    Parameters
-    ----------
-    fabric : Fabric, whose own laws are taken where `law` is None
-    law : one CompressionLaw for both families, a pair (warp, weft), the path of a law.json, an object with the
-        attribute `law` such as the result of `calibrate`; None or "published" for the fabric's own
-
-    Raises
-    ------
-    InputError : none of these, a law of another fabric, or None for a fabric without laws
-    """
-    written, law = law, getattr(law, "law", law)
-    if law is None or law == "published":
-        if fabric.laws is None:
-            raise InputError(
-                f"fabric {fabric.name} has no compression law: give law=, or use weavecell.calibrate(fabric).fabric"
-            )
-        return fabric.laws
-    if isinstance(law, (str, Path)):
-        law = CompressionLaw.from_json(law)
-    warp, weft = law if isinstance(law, (tuple, list)) and len(law) == 2 else (law, law)
-    for found in (warp, weft):
-        if not isinstance(found, CompressionLaw):
-            allowed = "a CompressionLaw, a pair (warp, weft) of them, or a law.json"
-            raise InputError(key="law", value=written, allowed=allowed)
-        found.require_fabric(fabric.name, key="law", value=str(written) if isinstance(written, (str, Path)) else None)
-    return warp, weft
 
 
 def numbers(value: Any, unit: str, key: str) -> list[float]:

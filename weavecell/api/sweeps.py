@@ -23,12 +23,13 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
+from fabrics.schema import entries, unit_of
 from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain
-from weavecell.api.shots import ShotResult, shapes_of
+from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
+from weavecell.scenes import honoured
 from weavecell.scenes import impact as scenes
-from weavecell.scenes import of_commands, schema, supported
 from weavecell.scenes.target import Target, read
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def sweep(
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
-    support = of_commands.SWEEP if quantity == "shot" else of_commands.LIMITS
+    support = honoured.SWEEP if quantity == "shot" else honoured.LIMITS
     combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
     panels = [read(str(target), Path(out or "."), support, changes=changes) for changes in combinations]
     with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor) as run:
@@ -205,7 +206,7 @@ class SweepTable(StudyResult):
             values.append(value)
         if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
             return [str(row[key]) for row in self.rows], key
-        unit = schema.unit_of(supported.entries(scenes.Scene)[key])
+        unit = unit_of(entries(scenes.Scene)[key])
         return values, f"{key} [{unit}]" if unit not in (None, "1") else key
 
     def files(self) -> dict[str, Any]:
@@ -240,12 +241,9 @@ def _of_setups(setups, jobs, executor):
 def _fire(setup):
     """The ShotResult of a set-up, in a process of a sweep."""
     from shellfabric.impact import simulation
-    from weavecell.results.impact import ImpactRecord
 
     result, problem = simulation.fired(setup)
-    panel = targets.of(setup, {}, of_commands.IMPACT)
-    record = ImpactRecord.of(result, panel.shot_title, panel.law_name, problem)
-    return ShotResult(record, shapes_of(result.snapshots), setup.fabric, targets.assumed_of(setup))
+    return shot_of(targets.of(setup, {}, honoured.IMPACT), result, problem)
 
 
 @dataclass(frozen=True, repr=False)

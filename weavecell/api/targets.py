@@ -4,31 +4,30 @@ from __future__ import annotations
 
 import inspect
 import os
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, run_cache
 from fabrics.checks import FilePath
-from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
-from weavecell.api import keywords, quantities
+from weavecell.api import keywords
 from weavecell.results import out_folder, progress
 from weavecell.scenes import target as targets
-from weavecell.scenes.schema import InlineLaw
+from weavecell.scenes.honoured import NO_HISTORY
 from weavecell.scenes.target import Target
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
-    from weavecell.scenes.supported import Support
+    from weavecell.scenes.honoured import Keys
 
 STRIKES = 92.5, 170.0  # [m/s] of the sensitivities of a fabric, the first also of its deck
 RUNS = "runs"  # folder of finished runs
@@ -37,7 +36,7 @@ RUNS = "runs"  # folder of finished runs
 def of(
     target: Fabric | FilePath | ImpactSetup | None,
     options: Mapping[str, Any],
-    support: Support | Callable[..., Support],
+    refused: Keys,
     velocity: float | str | None = None,
     *,
     one_shot: bool = False,
@@ -48,7 +47,7 @@ def of(
     ----------
     target : a set-up, the path of an input file, or a fabric as of `weavecell.setup`
     **options : keywords of `weavecell.setup` beside a fabric; none beside the others
-    support : what the study does with the keys of an input file
+    refused : keys of an input file that the study does not honour
     velocity : [m/s] at which a fabric is struck; of a study that chooses it None
     one_shot : whether what is computed is a shot, to which strike velocity and [history] mean something
 
@@ -65,11 +64,11 @@ def of(
         return Target(None, target, "", target.title, from_file=False)
     if isinstance(target, (str, os.PathLike)) and targets.is_input_file(str(target)):
         _refuse(beside, "an input file")
-        return targets.read(str(target), Path.cwd(), support)
+        return targets.read(str(target), Path.cwd(), refused)
     if isinstance(target, str) and not target.endswith(".toml") and target not in catalogue.list_names():
         raise InputError(key="TARGET", value=target, allowed=targets.ALLOWED + ", ".join(catalogue.list_names()))
     if "history" in chosen and not one_shot:
-        raise InputError(key="history", allowed=targets.NO_HISTORY["history"])
+        raise InputError(key="history", allowed=NO_HISTORY)
     if velocity is None and one_shot:
         raise InputError("is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"')
     panel = made(target, STRIKES[0] if velocity is None else velocity, chosen)
@@ -93,26 +92,8 @@ def made(fabric: Fabric | FilePath | None, velocity: float | str, options: Mappi
 
     own = None if fabric is None else as_fabric(fabric)
     scene, written = keywords.scene(None if own is None else own.name, velocity, options)
-    surface = options.get("surface")
-
-    def of_table(table, _):
-        """Fabric, surface and laws of a table [fabric], with the objects among the keywords in place of their names."""
-        named = table.file or (table.name if own is None or table.name != own.name else None)
-        law = options.get("law") if table.law == scene.fabric.law and named is None else table.law
-        if isinstance(law, InlineLaw) or isinstance(table.law, InlineLaw):
-            law = CompressionLaw(table.law.a, table.law.b, table.law.form)
-        fabric = build.damaged(assumed.with_shear(as_fabric(named or own)), table)
-        cell = build.surface_of(table, fabric, None, surface if isinstance(surface, ResponseSurface) else None)
-        laws = quantities.laws(fabric, law) if cell is None and table.cell_model == "compressible" else None
-        if scene.panel.plies > 1:
-            fabric = build.with_ply_contact(fabric, options.get("ply_contact"), law)
-        name = "3D response surface" if cell is not None else laws[0].provenance if laws else table.cell_model
-        return fabric, cell, laws, name
-
     try:
-        fabrics, plies = build.lay_up(scene, of_table)
-        first, cell, laws, law_name = fabrics[0]
-        case = build.Case("", first, laws, law_name, scene, cell, plies)
+        case = build.build(scene, None, "", own)
         ply = build.setup(case, None)
     except InputError as problem:
         raise keywords.named(problem) from None
@@ -154,6 +135,12 @@ class Study:
     folder: Path | None
     runs: dict[str, Any]
     advance: Callable[..., Any]
+    began: float = field(default_factory=time.perf_counter)
+
+    @property
+    def wall_time(self) -> float:
+        """[s] since it began."""
+        return time.perf_counter() - self.began
 
     def report(self, part: int = 0, parts: int = 1) -> Callable[[int, int], None]:
         """Progress of the runs of a part of the study, called as report(number done, number of all)."""

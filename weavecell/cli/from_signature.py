@@ -97,10 +97,11 @@ def _keyword(key):
 
 def _meaning(key):
     """What a keyword of `weavecell.setup` means: the title of its field in the schema."""
+    from fabrics.schema import entries
     from weavecell.api import keywords
-    from weavecell.scenes import impact, supported
+    from weavecell.scenes.impact import Scene
 
-    return supported.entries(impact.Scene)[f"{keywords.tables()[key]}.{key}"].title
+    return entries(Scene)[f"{keywords.tables()[key]}.{key}"].title
 
 
 def _listed(text):

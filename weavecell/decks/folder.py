@@ -15,21 +15,24 @@ from weavecell.decks.cloth import MATCHES
 from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page, pictures
 from weavecell.results import json_file, provenance
-from weavecell.scenes import target
+from weavecell.scenes import honoured
 from weavecell.scenes.impact import SlipTable
 
 CODES = {"lsdyna": ls_dyna, "radioss": radioss}
 ROWS = {
-    "rms": "rms over the biaxial plane", "largest": "largest over the biaxial plane",
-    "uniaxial": "largest in uniaxial tension", "shear": "largest in trellis shear until locking",
-}  # fmt: skip
+    "rms": "rms over the biaxial plane",
+    "largest": "largest over the biaxial plane",
+    "uniaxial": "largest in uniaxial tension",
+    "shear": "largest in trellis shear until locking",
+}
 _SIDES = [f"panel.boundary.{side}{key}" for side in ("", "warp.", "weft.") for key in SlipTable.model_fields]
 _IN_PART = "panel.boundary", "panel.ply.angle"  # refused for some of their values, the angle by `model.build`
-SUPPORT = target.support(
-    ignored=(*target.UNWRITTEN, "history"),
-    rejected={key: allowed for key, (allowed, _) in model.REFUSED.items() if key not in _IN_PART}
-    | dict.fromkeys(_SIDES, model.REFUSED["panel.boundary"][0]),
-)  # fmt: skip
+NOT_HONOURED = (
+    honoured.SHOTS
+    | {"history": None}
+    | {key: allowed for key, (allowed, _) in model.REFUSED.items() if key not in _IN_PART}
+    | dict.fromkeys(_SIDES, model.REFUSED["panel.boundary"][0])
+)
 
 
 def check(to: str, units: str, match: str) -> None:

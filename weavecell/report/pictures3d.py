@@ -1,4 +1,8 @@
-"""A deformed panel and its projectile in space, drawn off screen by pyvista."""
+"""A deformed panel and its projectile in space, seen from behind.
+
+Images are drawn by matplotlib, from the farthest element to the nearest: VTK ends a process in which it finds no OpenGL
+library, as on nodes of a cluster, and takes seconds for its first picture. A window has the same elements by pyvista.
+"""
 
 from __future__ import annotations
 
@@ -11,74 +15,90 @@ from fabrics.checks import FloatArray
 from meshing.pictures_style import RED, STEEL, tension_map
 
 SIZE = (1120, 612)  # [pixels] width and height of an image
-TOWARDS = np.array([0.55, -1.4, 0.95])  # the viewer, who is behind the panel
-_CLOTH_DEPTH = 1e-3  # [m] by which the projectile is drawn behind fabric that it touches
-_LIGHTS = ((0.62, 0.58, 0.53), 0.72), ((-0.6, 0.1, 0.79), 0.28)  # directions to the right, up, to the viewer; intensity
-_MATTE = {"ambient": 0.48, "diffuse": 0.66, "specular": 0.0}
+_CLOTH_DEPTH = 1e-3  # [m] by which the projectile lies behind fabric that it touches
+_BACK = np.array([0.55, -1.4, 0.95]) / np.linalg.norm([0.55, -1.4, 0.95])  # towards the viewer
+_RIGHT = np.cross((0, 0, 1), _BACK) / np.linalg.norm(np.cross((0, 0, 1), _BACK))
+AXES = np.array([_RIGHT, np.cross(_BACK, _RIGHT), _BACK])  # of the view: to the right, up, towards the viewer
+_LIGHTS, _INTENSITIES = np.array([(0.62, 0.58, 0.53), (-0.6, 0.1, 0.79)]), (0.475, 0.185)  # directions in these axes
+_AMBIENT = 0.48
 
 
 def panel(
-    grid: Any, strength: FloatArray, body: FloatArray, mirrors: Sequence[bool], half_height: float,
-    centre: Sequence[float] | FloatArray = (0.0, 0.0, 0.0), *, top_share: float = 1.0, open_quarter: bool = False,
-) -> np.ndarray:  # fmt: skip
-    """(rows, columns, 3) a deformed panel seen from behind, in parallel projection; parameters as of `add` and
-
-    half_height, centre : [m] of what is seen
-    """
-    import pyvista
-
-    from meshing.pictures import plotter
-
-    scene = plotter(SIZE, "none")
-    scene.enable_anti_aliasing("msaa", multi_samples=4)  # half the time of "ssaa", and smooth enough for opaque faces
-    for direction, intensity in _LIGHTS:
-        scene.add_light(pyvista.Light(position=direction, intensity=intensity, light_type="camera light"))
-    add(scene, grid, strength, body, mirrors, top_share=top_share, open_quarter=open_quarter)
-    scene.enable_parallel_projection()
-    scene.camera_position = [tuple(np.add(centre, TOWARDS)), tuple(centre), (0, 0, 1)]
-    scene.camera.parallel_scale = half_height
-    scene.reset_camera_clipping_range()
-    image = scene.screenshot(return_img=True)
-    scene.close()
-    return image
-
-
-def add(
-    scene: Any, grid: Any, strength: FloatArray, body: FloatArray | None, mirrors: Sequence[bool], *,
-    top_share: float = 1.0, open_quarter: bool = False,
-) -> None:  # fmt: skip
-    """Add a panel to a plotter: tension in colour, broken yarns in vermilion, cells without a yarn left out.
+    grid: Any,
+    strength: FloatArray,
+    body: FloatArray,
+    mirrors: Sequence[bool],
+    half_height: float,
+    centre: Sequence[float] | FloatArray = (0.0, 0.0, 0.0),
+    *,
+    top_share: float = 1.0,
+    open_quarter: bool = False,
+) -> np.ndarray:
+    """The image (rows, columns, 3) of a panel in parallel projection.
 
     Parameters
     ----------
-    scene : pyvista.Plotter
+    grid, strength, mirrors, top_share : as of `cloth`
+    body : (a, b, 3) [m] surface of the projectile
+    half_height, centre : [m] of what is seen
+    open_quarter : whether the quarter of the fabric in front of the projectile is left out
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
+    from matplotlib.figure import Figure
+
+    fabric = cloth(grid, strength, mirrors, top_share)
+    quads, colours = fabric.points[fabric.cells.reshape(-1, 5)[:, 1:]], fabric["colour"] / 255
+    if open_quarter:
+        (x, y), middle = tip(body)[:2], quads.mean(axis=1)
+        shown = (middle[:, 0] < x) | (middle[:, 1] > y)
+        quads, colours = quads[shown], colours[shown]
+    steel = np.stack([body[:-1, :-1], body[1:, :-1], body[1:, 1:], body[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+    colours = np.vstack([colours, np.tile(to_rgb(STEEL), (len(steel), 1))])
+    seen = (np.concatenate([quads, steel - _CLOTH_DEPTH * _BACK]) - centre) @ AXES.T
+    normal = np.cross(seen[:, 2] - seen[:, 0], seen[:, 3] - seen[:, 1])
+    normal *= np.where(normal[:, 2:] < 0, -1, 1) / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    light = _AMBIENT + np.maximum(normal @ _LIGHTS.T, 0) @ _INTENSITIES
+    order = np.argsort(seen[..., 2].mean(axis=1), kind="stable")
+    paint = np.clip(colours * light[:, None], 0, 1)[order]
+    figure = Figure(figsize=(SIZE[0] / 100, SIZE[1] / 100), dpi=100, facecolor="white")
+    figure.set_layout_engine("none")
+    axes = figure.add_axes((0, 0, 1, 1), xlim=np.array([-1, 1]) * half_height * SIZE[0] / SIZE[1])
+    axes.set_ylim(-half_height, half_height)
+    axes.axis("off")
+    elements = PolyCollection(seen[order, :, :2], facecolors=paint, edgecolors=paint, linewidths=0.5)
+    axes.add_collection(elements, autolim=False)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.array(canvas.buffer_rgba())[..., :3]
+
+
+def cloth(grid: Any, strength: FloatArray, mirrors: Sequence[bool], top_share: float = 1.0) -> Any:
+    """The grid of the whole panel with its "colour" (m, 3) uint8: tension, broken yarns in vermilion.
+
+    Elements without a yarn are left out.
+
+    Parameters
+    ----------
     grid : of `results.vtk.panel`, or read from its file
     strength : [N] of warp and weft, (2,) or (m, 2)
-    body : (a, b, 3) [m] surface of the projectile, or None
     mirrors : whether the panel is to be mirrored in the planes x = 0 and y = 0
     top_share : [-] tension over strength at which the colours end
-    open_quarter : whether the quarter of the fabric in front of the projectile is left out
     """
     from matplotlib.colors import to_rgb
 
-    cloth, failed = grid.copy(deep=True), np.asarray(grid["failed_yarns"])
+    failed = np.asarray(grid["failed_yarns"])
     share = (np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]) / strength).max(axis=1)
     paint = np.where((failed == 1)[:, None], to_rgb(RED), tension_map()(np.clip(share / top_share, 0, 1))[:, :3])
-    cloth.clear_data()
-    cloth["colour"] = np.round(255 * paint).astype(np.uint8)
-    cloth = cloth.extract_cells(failed < 2)
+    whole = grid.copy(deep=True)
+    whole.clear_data()
+    whole["colour"] = np.round(255 * paint).astype(np.uint8)
+    whole = whole.extract_cells(failed < 2)
     for normal, mirrored in zip(((1, 0, 0), (0, 1, 0)), mirrors):
         if mirrored:
-            cloth = cloth.merge(cloth.reflect(normal, point=(0, 0, 0)))
-    if open_quarter and body is not None:
-        (x, y), middle = tip(body)[:2], cloth.cell_centers().points
-        cloth = cloth.extract_cells((middle[:, 0] < x) | (middle[:, 1] > y))
-    scene.add_mesh(cloth, scalars="colour", rgb=True, smooth_shading=True, **_MATTE)
-    if body is not None:
-        import pyvista
-
-        behind = body - _CLOTH_DEPTH * TOWARDS / np.linalg.norm(TOWARDS)
-        scene.add_mesh(pyvista.StructuredGrid(*np.moveaxis(behind, -1, 0)), color=STEEL, **_MATTE)
+            whole = whole.merge(whole.reflect(normal, point=(0, 0, 0)), merge_points=False)
+    return whole
 
 
 def width(nodes: FloatArray, mirrored: bool) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,20 +16,20 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
 from fabrics.ply_law import PlyLaw
+from fabrics.schema import Table, entries, tables
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from fabrics.yarn import WeavingDamage
-from weavecell.scenes import stl_file, supported
-from weavecell.scenes.impact import BESIDE_ANGLES, Scene, is_angled
-from weavecell.scenes.schema import FabricTable, InlineLaw, Table
-from weavecell.scenes.supported import Rule, of
+from weavecell.scenes import stl_file
+from weavecell.scenes.fabric_table import FabricTable, InlineLaw
+from weavecell.scenes.impact import Scene
 from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup, Ply
 
 LOG = logging.getLogger("weavecell")  # the command line prints its lines
-_OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")
+Laws = tuple[CompressionLaw, CompressionLaw]  # of warp and weft
 # keys whose field in the objects of shellfabric has another name
 FIELDS = {
     "fabric.cell_formulation": "form",
@@ -39,136 +39,227 @@ FIELDS = {
     "panel.yarn_failure": "failure",
     "picture_frame.crossovers": "cells",
 }
-NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
-# of sliding crossovers, which need a mesh of one element a crossover
-PINNED = {"panel.crossovers": '"pinned" where the mesh is chosen by [accuracy]'} | dict.fromkeys(
-    ("panel.crossover_friction", "panel.crossover_cohesion"), "left out where crossovers are pinned"
-)
-CELL_RULES = (
-    *(
-        Rule(f"fabric.{key}", lambda scene: scene.fabric.surface is not None, "left out with fabric.surface")
-        for key in ("law", "cell_model", "crossover_gap", "cell_profile", "fibre_slack", "weaving_damage")
-    ),
-    Rule(
-        "fabric.law",
-        lambda scene: scene.fabric.cell_model != "compressible",
-        'left out where fabric.cell_model is "incompressible" or "decoupled", whose yarns are not compressed',
-    ),
-    Rule(
-        "fabric.crossover_gap",
-        lambda scene: scene.fabric.cell_model == "decoupled",
-        'left out where fabric.cell_model is "decoupled", whose yarns never touch',
-    ),
-)
-SHOT_RULES = (
-    *CELL_RULES,
-    *(
-        Rule(f"projectile.{key}", lambda scene: scene.projectile.shape != "stl", 'left out but for the shape "stl"')
-        for key in ("stl", "stl_unit", "density")
-    ),
-    Rule("panel.rate_dependence", lambda scene: not scene.panel.yarn_failure, "left out where yarns do not fail"),
-    Rule(
-        "panel.rate_dependence",
-        lambda scene: scene.fabric.surface is not None,
-        "left out with fabric.surface, whose yarns have one modulus",
-    ),
-    Rule("projectile.bore_diameter", lambda scene: scene.projectile.body == "rigid", "left out for a rigid projectile"),
-    *(
-        Rule(f"panel.{key}", lambda scene: scene.panel.crossovers == "pinned", "left out where crossovers are pinned")
-        for key in ("crossover_friction", "crossover_cohesion")
-    ),
-    *(
-        Rule(key, lambda scene: bool(scene.panel.ply), "left out with [[panel.ply]]")
-        for key in ("fabric.surface", "panel.weave_angle")
-    ),
-    *(
-        Rule(key, lambda scene: is_angled(scene.panel), f"{allowed} {BESIDE_ANGLES}")
-        for key, allowed in (
-            ("panel.boundary", "clamped"),
-            ("panel.crossovers", "pinned"),
-        )
-    ),
-    *(Rule(key, lambda scene: scene.panel.plies == 1, "left out for a single ply") for key in _OF_A_PACK),
-    Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
-    Rule(
-        "panel.stacking", lambda scene: scene.fabric.surface is not None, "aligned where the cell is a response surface"
-    ),
-)
 
 
 @dataclass(frozen=True)
-class Case:
-    """What a scene describes.
+class Cloth:
+    """What plies are made of.
 
     Parameters
     ----------
-    name : short name of the run
     fabric : Fabric, with the linear densities that the scene chose
     laws : (warp, weft) CompressionLaw
     law_name : where the laws come from, in words
-    scene : Scene
     surface : ResponseSurface that the cell is made from in place of the laws, or None
-    lay_up : every simulation.Ply of plies that are not all alike, from the front; the first has fabric and laws
     """
 
-    name: str
     fabric: Fabric
-    laws: tuple[CompressionLaw, CompressionLaw]
+    laws: Laws
     law_name: str
-    scene: Any
     surface: ResponseSurface | None = None
+
+
+@dataclass(frozen=True)
+class Case(Cloth):
+    """What a scene describes: its cloth, of a lay-up that of the first ply.
+
+    Parameters
+    ----------
+    scene : Scene or CouponScene
+    name : short name of the run
+    lay_up : every simulation.Ply of plies that are not all alike, from the front
+    """
+
+    scene: Any = None
+    name: str = ""
     lay_up: tuple[Ply, ...] = ()
 
 
-def build(scene: Any, file: Path, name: str) -> Case:
+def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = None) -> Case:
     """Look up everything that a scene names.
+
+    Parameters
+    ----------
+    scene : Scene or CouponScene
+    file : of the scene, named in errors; None of what is given in Python
+    name : of the run
+    fabric : in place of that which [fabric] names
 
     Raises
     ------
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
-    cloths, plies = lay_up(scene, lambda table, key: _cloth(table, key, scene, file))
-    fabric, surface, laws, law_name = cloths[0]
-    shot = getattr(scene, "projectile", None)
-    if shot is not None and (shot.name is not None or shot.stl is not None):
+    panel, shot = getattr(scene, "panel", None), getattr(scene, "projectile", None)
+    if file is not None and shot is not None and (shot.name is not None or shot.stl is not None):
         LOG.info(f"projectile: {shot_in_words(shot)}")
-    return Case(name, fabric, laws, law_name, scene, surface, plies)
+    if panel is None or not panel.ply:
+        return Case(**vars(cloth(scene.fabric, "fabric", scene, file, fabric)), scene=scene, name=name)
+    from shellfabric.impact.simulation import Ply
+
+    cloths: dict[str, Cloth] = {}
+    plies: list[Ply] = []
+    for table in panel.ply:
+        named = table.name is not None or table.file is not None
+        own = {"name": table.name, "file": table.file, "law": "published"} if named else {}
+        own |= {} if table.law is None else {"law": table.law}
+        if (key := repr(own)) not in cloths:
+            of_ply, where = scene.fabric.model_copy(update=own), "panel.ply" if own else "fabric"
+            cloths[key] = cloth(of_ply, where, scene, file, None if named else fabric)
+        gap = panel.ply_gap if table.gap is None else table.gap
+        plies += [Ply(cloths[key].fabric, cloths[key].laws, table.angle, gap)] * table.count
+    return Case(**vars(next(iter(cloths.values()))), scene=scene, name=name, lay_up=tuple(plies))
 
 
-def _cloth(table, key, scene, file):
-    """(fabric, surface, laws, where they come from) of a table [fabric] that stands under a key of the scene."""
-    fabric = _sheared(_with_strength(_fabric(table, key, file), scene, file), scene, file)
-    surface = surface_of(table, fabric, file)
-    laws, words = (fabric.laws, "3D response surface") if surface is not None else _laws(table, key, fabric, file)
-    return _with_ply_contact(fabric, table.law, scene, file), surface, laws, words
-
-
-def lay_up(scene: Any, make: Callable[[FabricTable, str], Any]) -> tuple[list[Any], tuple[Ply, ...]]:
-    """What the plies of a scene are made of, that of the first ply first, and every ply of its tables [[panel.ply]].
+def cloth(table: FabricTable, key: str, scene: Any, file: FilePath | None, given: Fabric | None = None) -> Cloth:
+    """The cloth of a table [fabric].
 
     Parameters
     ----------
-    scene : whose [fabric] is that of plies that name none
-    make : called once for each table [fabric] that differs, with the key that it stands under; gives (fabric, surface,
-        laws, where they come from)
+    key : of the scene under which the table stands
+    scene, file : of it; parameters and exceptions else as of `build`
+    given : Fabric in place of that which the table names
     """
-    tables = getattr(getattr(scene, "panel", None), "ply", ())
-    if not tables:
-        return [make(scene.fabric, "fabric")], ()
-    from shellfabric.impact.simulation import Ply
+    fabric = _fabric(table, key, file) if given is None else given
+    if table.weaving_damage is not None:
+        fabric = fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
+    panel = getattr(scene, "panel", None)
+    if panel is not None and panel.rate_dependence:
+        try:
+            fabric = assumed.with_strain_rate(fabric)
+        except InputError as problem:
+            raise InputError(f"needs more: {problem}", file=file, key="panel.rate_dependence") from None
+    fabric = _sheared(fabric, getattr(scene, "trellis_law", "needed"), file)
+    if table.surface is not None:
+        return Cloth(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
+    laws, law_name = _laws(table, key, fabric, file, given)
+    if panel is not None and panel.plies > 1:
+        try:
+            fabric = _with_ply_contact(fabric, panel.ply_contact, table.law)
+        except InputError as problem:
+            if problem.file is not None:
+                raise
+            key = "panel.ply_contact" if problem.key in (None, "ply_contact") else problem.key
+            message = None if problem.key is not None else str(problem)
+            raise InputError(message, file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+    return Cloth(fabric, laws, law_name)
 
-    known: dict[str, Any] = {}
-    plies: list[Ply] = []
-    for table in tables:
-        named = {key: getattr(table, key) for key in ("name", "file") if getattr(table, key) is not None}
-        own = {"name": None, "file": None, "law": "published", **named} if named else {}
-        own |= {} if table.law is None else {"law": table.law}
-        if (key := repr(own)) not in known:
-            known[key] = make(scene.fabric.model_copy(update=own), "panel.ply" if own else "fabric")
-        fabric, _, laws, _ = known[key]
-        gap = scene.panel.ply_gap if table.gap is None else table.gap
-        plies += [Ply(fabric, laws, table.angle, gap)] * table.count
-    return list(known.values()), tuple(plies)
+
+def _fabric(table, key, file):
+    """The fabric that a table names, with the linear density that it chooses."""
+    if table.file is not None:
+        fabric = catalogue.read(table.file)
+    elif table.name in catalogue.list_names():
+        fabric = catalogue.load(table.name)
+    else:
+        allowed = f"one of {', '.join(catalogue.list_names())}"
+        raise InputError(file=file, key=f"{key}.name", value=table.name, allowed=allowed)
+    return with_linear_density(fabric, table.linear_density)
+
+
+def _sheared(fabric, need, file):
+    """The fabric with a trellis law, assumed where its file has none, if it is "needed", "optional" or "unused".
+
+    Of a scene's file a line is logged for each law that is assumed, or left out.
+    """
+    try:
+        fabric = fabric if need == "unused" else assumed.with_shear(fabric)
+    except InputError as problem:
+        if need == "needed":
+            raise InputError(str(problem), file=file) from None
+        LOG.info(f"no [shear] of {fabric.name}: its fabric has no shear stiffness")
+    for line in assumed.lines(fabric) if file is not None else ():
+        LOG.info(line)
+    return fabric
+
+
+def _with_ply_contact(fabric, choice, law):
+    """The fabric with the contact law of plies of `choice` (`PlyLaw.chosen`), or that the file `law` holds."""
+    if choice is not None:
+        return replace(fabric, ply_contact=PlyLaw.chosen(choice, fabric))
+    if isinstance(law, (str, Path)) and law != "published" and PlyLaw.held_by(law):
+        return replace(fabric, ply_contact=PlyLaw.read(law, fabric))
+    PlyLaw.of(fabric)  # refuses a fabric without data
+    return fabric
+
+
+def _surface(surface, fabric):
+    """The response surface of a path, or the surface itself, checked against the fabric."""
+    from shellfabric.cell.surface_cell import SurfaceCell
+
+    if isinstance(surface, ResponseSurface):
+        return SurfaceCell(fabric, surface).surface
+    if not os.path.exists(surface):
+        raise InputError("cannot be read; must be a surface written by `weavecell surface`", file=surface)
+    read = ResponseSurface.read(surface)
+    try:
+        return SurfaceCell(fabric, read).surface
+    except InputError as problem:
+        raise InputError(file=surface, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+
+
+def _laws(table, key, fabric, file, given):
+    """((warp, weft) CompressionLaw, where they come from in words) of a table."""
+    law = table.law
+    if table.cell_model != "compressible":
+        return 2 * (CompressionLaw.incompressible(),), f"none, {table.cell_model} yarns"
+    if isinstance(law, InlineLaw):
+        try:
+            own = CompressionLaw(law.a, law.b, law.form, provenance=f"scene {file}")
+        except InputError as problem:
+            key = f"{key}.law.{problem.key}"
+            raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+        return (own, own), "given in the scene"
+    if law == "published" and fabric.laws is None and file is not None:
+        raise InputError(
+            f"fabric {fabric.name} has no compression law: run `weavecell calibrate {table.file or table.name}` and "
+            'name its result, law = ".../law.json", or give law = { a = ..., b = ... }',
+            file=file, key=f"{key}.law",
+        )  # fmt: skip
+    laws = laws_of(fabric, law, file, f"{key}.law")
+    if law != "published":
+        return laws, "fitted to the 3D crossover" if isinstance(law, (str, Path)) else laws[0].provenance
+    if given is not None:
+        return laws, laws[0].provenance
+    sources = " ".join(entry["source"] for name, entry in fabric.sources.items() if name.startswith("compression"))
+    return laws, "published (Table 5-1)" if "Table 5-1" in sources else "published"
+
+
+def laws_of(fabric: Fabric, law: Any = None, file: FilePath | None = None, key: str = "law") -> Laws:
+    """(warp, weft) compression laws.
+
+    Parameters
+    ----------
+    fabric : Fabric, whose own laws are taken where `law` is None
+    law : one CompressionLaw for both families, a pair (warp, weft), the path of a law.json, an object with the
+        attribute `law` such as the result of `calibrate`; None or "published" for the fabric's own
+    file, key : named in errors
+
+    Raises
+    ------
+    InputError : none of these, a law of another fabric, or None for a fabric without laws
+    """
+    written, law = law, getattr(law, "law", law)
+    if law is None or law == "published":
+        if fabric.laws is None:
+            raise InputError(
+                f"fabric {fabric.name} has no compression law: give law=, or use weavecell.calibrate(fabric).fabric"
+            )
+        return fabric.laws
+    if isinstance(law, (str, Path)):
+        law = CompressionLaw.from_json(law)
+    warp, weft = law if isinstance(law, (tuple, list)) and len(law) == 2 else (law, law)
+    for one in (warp, weft):
+        if not isinstance(one, CompressionLaw):
+            allowed = "a CompressionLaw, a pair (warp, weft) of them, or a law.json"
+            raise InputError(key="law", value=written, allowed=allowed)
+        value = str(written) if isinstance(written, (str, Path)) else None
+        one.require_fabric(fabric.name, file=file, key=key, value=value)
+    return warp, weft
+
+
+def cell_of(table: FabricTable) -> tuple[Any, ...]:
+    """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
+    return table.crossover_gap, table.cell_model, table.cell_formulation, table.cell_profile, table.fibre_slack
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
@@ -209,6 +300,11 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     return made
 
 
+def _given(table, name, but=()):
+    """{field: value} of the keys that a table sets."""
+    return {FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
+
+
 def _crossovers(table):
     """The friction of sliding crossovers; None of pinned ones."""
     if table.crossovers == "pinned":
@@ -228,11 +324,6 @@ def _projectile(table):
         return Projectile(radius=table.diameter / 2, **given)
     solid = stl_file.solid(table.stl, table.stl_unit, table.edge_radius)
     return Projectile(**given | {"solid": solid, "radius": solid.radius, "length": solid.length})
-
-
-def _given(table, name, but=()):
-    """{field: value} of the keys that a table sets."""
-    return {FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
 
 
 def _backing(table):
@@ -269,156 +360,26 @@ def _side(side):
 
 def of_file(problem: InputError) -> bool:
     """Whether an InputError may be of a key of an input file, and not of a parameter of a command."""
-    known = {key.rpartition(".")[2] for key in supported.entries(Scene)} | {"model", *FIELDS.values()}
+    known = {key.rpartition(".")[2] for key in entries(Scene)} | {"model", *FIELDS.values()}
     return problem.key is None or "." in problem.key or problem.key in known
 
 
-def in_file(problem: InputError, file: FilePath | None, tables: Mapping[str, type[Table]] | None = None) -> InputError:
+def in_file(
+    problem: InputError, file: FilePath | None, of_scene: Mapping[str, type[Table]] | None = None
+) -> InputError:
     """An InputError of an object that does not know its file, with the scene's file and key in it.
 
     Parameters
     ----------
-    tables : {name: table} of the scene whose keys the object may name; None: those of an impact
+    of_scene : {name: table} of the scene whose keys the object may name; None: those of an impact
     """
     if problem.file is not None:
         return problem
-    if tables is None:
-        tables = {name: table for name, table in supported.tables(Scene).items() if name and "." not in name}
-    keys = {key: f"{name}.{key}" for name, table in tables.items() for key in table.model_fields}
+    if of_scene is None:
+        of_scene = {name: table for name, table in tables(Scene).items() if name and "." not in name}
+    keys = {key: f"{name}.{key}" for name, table in of_scene.items() for key in table.model_fields}
     keys |= {"model": "fabric.cell_model"} | {field: key for key, field in FIELDS.items()}
     key = keys.get(problem.key or "", problem.key)
     if key is None:
         return InputError(str(problem), file=file)
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
-
-
-def _fabric(table, key, file):
-    if table.file is not None:
-        fabric = catalogue.read(table.file)
-    elif table.name in catalogue.list_names():
-        fabric = catalogue.load(table.name)
-    else:
-        raise InputError(
-            file=file, key=f"{key}.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
-        )
-    return damaged(with_linear_density(fabric, table.linear_density), table)
-
-
-def damaged(fabric: Fabric, table: FabricTable) -> Fabric:
-    """The fabric with the weaving damage that a table [fabric] states."""
-    if table.weaving_damage is None:
-        return fabric
-    return fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
-
-
-def _with_strength(fabric, scene, file):
-    """The fabric with what its strength depends on besides the tension, where the scene asks for it."""
-    if not getattr(getattr(scene, "panel", None), "rate_dependence", False):
-        return fabric
-    try:
-        return assumed.with_strain_rate(fabric)
-    except InputError as problem:
-        raise InputError(f"needs more: {problem}", file=file, key="panel.rate_dependence") from None
-
-
-def _sheared(fabric, scene, file):
-    """The fabric with the trellis law that its fabric needs; logs one line where that is assumed or left out."""
-    need = getattr(scene, "trellis_law", "needed")
-    try:
-        fabric = fabric if need == "unused" else assumed.with_shear(fabric)
-    except InputError as problem:
-        if need == "needed":
-            raise InputError(str(problem), file=file) from None
-        LOG.info(f"no [shear] of {fabric.name}: its fabric has no shear stiffness")
-    for line in assumed.lines(fabric):
-        LOG.info(line)
-    return fabric
-
-
-def _with_ply_contact(fabric, law, scene, file):
-    """The fabric with the contact law of plies that the scene of a pack names, or that the file of its law holds."""
-    panel = getattr(scene, "panel", None)
-    if getattr(panel, "plies", 1) == 1:
-        return fabric
-    try:
-        return with_ply_contact(fabric, panel.ply_contact, law)
-    except InputError as problem:
-        if problem.file is not None:
-            raise
-        key = "panel.ply_contact" if problem.key in (None, "ply_contact") else problem.key
-        message = None if problem.key is not None else str(problem)
-        raise InputError(message, file=file, key=key, value=problem.value, allowed=problem.allowed) from None
-
-
-def with_ply_contact(fabric: Fabric, choice: PlyLaw | FilePath | None, law: object = None) -> Fabric:
-    """The fabric with the contact law of plies of `choice` (`PlyLaw.chosen`), or that the file `law` holds.
-
-    Raises
-    ------
-    InputError : as `PlyLaw.chosen` and `PlyLaw.of`
-    """
-    if choice is not None:
-        return replace(fabric, ply_contact=PlyLaw.chosen(choice, fabric))
-    if isinstance(law, (str, Path)) and law != "published" and PlyLaw.held_by(law):
-        return replace(fabric, ply_contact=PlyLaw.read(law, fabric))
-    PlyLaw.of(fabric)  # refuses a fabric without data
-    return fabric
-
-
-def surface_of(
-    table: FabricTable, fabric: Fabric, file: FilePath | None, given: ResponseSurface | None = None
-) -> ResponseSurface | None:
-    """The response surface that a scene names, or the one `given` in its place, checked against what else the scene
-    says of the cell."""
-    forms = ("variational", "equilibrium") if table.surface is None else ("variational", "direct")
-    if table.cell_formulation not in forms:
-        words = "without" if table.surface is None else "with"
-        raise InputError(
-            file=file, key="fabric.cell_formulation", value=table.cell_formulation,
-            allowed=f"{' or '.join(forms)} {words} fabric.surface",
-        )  # fmt: skip
-    if table.surface is None:
-        return None
-    if given is None and not os.path.exists(table.surface):
-        raise InputError("cannot be read; must be a surface written by `weavecell surface`", file=table.surface)
-    surface = given or ResponseSurface.read(table.surface)
-    try:
-        from shellfabric.cell.surface_cell import SurfaceCell
-
-        return SurfaceCell(fabric, surface).surface
-    except InputError as problem:
-        raise InputError(file=table.surface, key=problem.key, value=problem.value, allowed=problem.allowed) from None
-
-
-def _laws(table, key, fabric, file):
-    if table.cell_model != "compressible":
-        law = CompressionLaw.incompressible()
-        return (law, law), f"none, {table.cell_model} yarns"
-    if isinstance(table.law, InlineLaw):
-        try:
-            law = CompressionLaw(table.law.a, table.law.b, table.law.form, provenance=f"scene {file}")
-        except InputError as problem:
-            raise InputError(
-                file=file, key=f"{key}.law.{problem.key}", value=problem.value, allowed=problem.allowed
-            ) from None
-        return (law, law), "given in the scene"
-    if table.law != "published":
-        law = CompressionLaw.from_json(table.law)
-        law.require_fabric(fabric.name, file=file, key=f"{key}.law", value=table.law)
-        return (law, law), "fitted to the 3D crossover"
-    if fabric.laws is None:
-        raise InputError(
-            f"fabric {fabric.name} has no compression law: run `weavecell calibrate {table.file or table.name}` and "
-            'name its result, law = ".../law.json", or give law = { a = ..., b = ... }',
-            file=file, key=f"{key}.law",
-        )  # fmt: skip
-    return fabric.laws, "published (Table 5-1)" if "Table 5-1" in _source(fabric) else "published"
-
-
-def _source(fabric):
-    return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))
-
-
-def cell_of(table: FabricTable) -> tuple[Any, ...]:
-    """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
-    return table.crossover_gap, table.cell_model, table.cell_formulation, table.cell_profile, table.fibre_slack

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from weavecell.scenes import supported
-from weavecell.scenes.schema import (
-    FabricTable,
+from fabrics.schema import (
     Table,
-    anchored,
     angle,
-    exactly_one,
     flag,
     number,
     one_of,
@@ -26,8 +22,11 @@ from weavecell.scenes.schema import (
     validated,
     whole,
 )
+from weavecell.scenes import honoured
+from weavecell.scenes.fabric_table import FabricTable, anchored, exactly_one
 
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
+_OF_STEPS = "steps", "elements_per_crossover", "tolerance", "max_iterations"  # keys of [run] without use in a pull-out
 TOLERANCE = 1e-3  # [-] of the out-of-balance force over the reaction, by default (docs/coupons.md)
 
 
@@ -44,6 +43,12 @@ class BiasTable(Table):
     width: quantity("width of the coupon", "m", "74 mm", most="5 m")
     elongation: quantity("displacement of the moving clamp at the end", "m", "10 mm")
     trellis: flag("whether the trellis shear law acts") = True
+
+    @model_validator(mode="after")
+    def _longer_than_wide(self):
+        if self.length <= self.width:
+            raise InputError(key="length", allowed=f"above the width, {1e3 * self.width:g} mm")
+        return self
 
 
 class FrameTable(Table):
@@ -92,6 +97,12 @@ class BiaxialTable(Table):
     ) = True
     failure: flag("whether the run ends where a yarn reaches its strength") = True
 
+    @model_validator(mode="after")
+    def _of_two_strains(self):
+        if len(self.strain) != 2 or not min(self.strain) >= 0 < max(self.strain):
+            raise InputError(key="strain", allowed=type(self).model_fields["strain"].description)
+        return self
+
 
 class PullOutTable(Table):
     """One warp yarn drawn out of crossovers that are held; the yarns that it crosses are in tension.
@@ -109,6 +120,12 @@ class PullOutTable(Table):
     crossover_cohesion: quantity("friction of a crossover without contact force", "N", "0.1 N", zero=True) = 0.0
     all_yarns: flag("whether all warp yarns are pulled by the same displacement, or one alone") = False
     samples: whole("samples of the load that are kept", 10, 100_000, 100) = 500
+
+    @model_validator(mode="after")
+    def _of_even_crossings(self):
+        if self.crossings % 2:
+            raise InputError(key="crossings", allowed="an even number from 8 to 400")
+        return self
 
 
 class CouponRunTable(Table):
@@ -141,6 +158,20 @@ class CouponScene(Table):
     pull_out: Annotated[PullOutTable | None, Field(description="a table [pull_out]")] = None
     run: Annotated[CouponRunTable, Field(description="a table [run]")] = CouponRunTable()
 
+    @model_validator(mode="after")
+    def _of_one_test(self):
+        exactly_one(self.fabric, ("name", "file"), "fabric")
+        exactly_one(self, TESTS)
+        if self.test != "pull_out":
+            if self.fabric.sets("bending"):
+                allowed = "left out: the yarns of a coupon have no bending stiffness, but in a pull-out"
+                raise InputError(key="fabric.bending", allowed=allowed)
+            return self
+        for table, key in (("fabric", "fibre_slack"), *(("run", key) for key in _OF_STEPS)):
+            if getattr(self, table).sets(key):
+                raise InputError(key=f"{table}.{key}", allowed="left out in a pull-out")
+        return self
+
     @property
     def test(self) -> str:
         """Name of the test, of TESTS."""
@@ -159,8 +190,8 @@ class CouponScene(Table):
         return getattr(self, self.test)
 
 
-def load(path: FilePath, support: Any = None) -> tuple[CouponScene, str]:
-    """Read and check the scene file of a coupon; `support` as in `scenes.impact.load`.
+def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[CouponScene, str]:
+    """Read and check the scene file of a coupon; `refused` as in `scenes.impact.load`.
 
     Returns
     -------
@@ -172,24 +203,14 @@ def load(path: FilePath, support: Any = None) -> tuple[CouponScene, str]:
     InputError : one line naming the file, the key, its value and what is allowed
     """
     text, table = read_toml(path, what="scene")
-    return check(table, path, support), text
+    return check(table, path, refused), text
 
 
-def check(table: dict[str, Any], file: FilePath, support: Any = None) -> CouponScene:
-    """Turn a scene's table into a checked CouponScene; `file` is named in errors and anchors relative paths."""
-    scene = validated(CouponScene, table, file)
-    exactly_one(scene.fabric, ("name", "file"), "fabric", file)
-    exactly_one(scene, TESTS, "", file)
-    if support is not None:
-        supported.check(scene, table, file, support)
-    written, test = table[scene.test], scene.test_table
-    if scene.test == "bias_extension" and test.length <= test.width:
-        key, allowed = "bias_extension.length", f"above the width, {written['width']}"
-        raise InputError(file=file, key=key, value=written["length"], allowed=allowed)
-    if scene.test == "biaxial" and not (len(test.strain) == 2 and min(test.strain) >= 0 < max(test.strain)):
-        words = BiaxialTable.model_fields["strain"].description
-        raise InputError(file=file, key="biaxial.strain", value=written["strain"], allowed=words)
-    if scene.test == "pull_out" and test.crossings % 2:
-        allowed = "an even number from 8 to 400"
-        raise InputError(file=file, key="pull_out.crossings", value=written["crossings"], allowed=allowed)
-    return anchored(scene, file)
+def check(
+    table: dict[str, Any], file: FilePath | None, refused: honoured.Keys | None = None, context: Any = None
+) -> CouponScene:
+    """Turn a scene's table into a checked CouponScene; parameters as of `scenes.impact.check`."""
+    scene = validated(CouponScene, table, file, context)
+    if refused is not None:
+        honoured.check(scene, table, file, refused)
+    return scene if file is None else anchored(scene, file)

@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, model_validator
 
 from fabrics import backings, projectiles
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from fabrics.units import si
-from weavecell.scenes import stl_file, supported
-from weavecell.scenes.schema import (
-    LAW,
+from fabrics.schema import (
+    TEXT,
     TEXT_OR_TWO,
-    FabricTable,
-    Law,
     Table,
-    anchored,
     angle,
     as_tuple,
     described,
-    exactly_one,
     flag,
     from_text,
+    in_python,
     number,
     one_of,
     quantities,
@@ -35,8 +31,9 @@ from weavecell.scenes.schema import (
     string,
     validated,
     whole,
-    zones,
 )
+from weavecell.scenes import honoured, stl_file
+from weavecell.scenes.fabric_table import LAW, FabricTable, Law, anchored, exactly_one
 
 SHAPES = {  # of `shellfabric.projectile.projectile`, in words
     "flat": "a cylinder", "hemisphere": "a round-nosed cylinder", "cone": "a conical projectile", "sphere": "a sphere",
@@ -105,6 +102,21 @@ class ProjectileTable(Table):
         "diameter of a bore into the rear of the elastic bar; its depth follows from the mass", "m", "4.5 mm"
     ) = None
 
+    @model_validator(mode="after")
+    def _of_one_body(self):
+        if self.shape != "stl":
+            self.refuse("stl stl_unit density", 'left out but for the shape "stl"')
+        if self.body == "rigid":
+            self.refuse("bore_diameter", "left out for a rigid projectile")
+        if self.shape == "sphere":
+            self.refuse("edge_radius", "left out for a sphere")
+        elif self.edge_radius is None:
+            allowed = type(self).model_fields["edge_radius"].description
+            raise InputError("is missing", key="edge_radius", allowed=allowed)
+        elif self.edge_radius >= self.diameter / 2:
+            raise InputError(key="edge_radius", allowed="below half of projectile.diameter")
+        return self
+
 
 class SlipTable(Table):
     """Yarns that slip in their clamps (thesis section 6.4.3): either `clamp_force`, a friction clamp, or `pull_in` with
@@ -123,6 +135,17 @@ class SlipTable(Table):
         "width of the triangular zone of the side that slips, about its middle; 60 mm where not given", "m", "60 mm"
     ) = None
 
+    @model_validator(mode="after")
+    def _clamped_or_pulled(self):
+        given = {name for name in self.model_fields_set if getattr(self, name) is not None}
+        if given == {"clamp_force"} or (type(self) is not SlipTable and not given & set(SlipTable.model_fields)):
+            return self
+        if given - {"zone"} != {"pull_in", "start", "end"}:
+            raise InputError("give clamp_force alone, or pull_in with start and end (and zone)")
+        if self.end <= self.start:
+            raise InputError("must end after its start")
+        return self
+
 
 _SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
@@ -133,7 +156,7 @@ _BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a ta
 
 
 def _kind(value):
-    return "inline" if isinstance(value, (dict, Table)) else "pair" if isinstance(value, (list, tuple)) else "text"
+    return "inline" if isinstance(value, (Mapping, Table)) else "pair" if isinstance(value, (list, tuple)) else "text"
 
 
 _Text = Annotated[Literal["clamped", "free"], Tag("text")]
@@ -164,8 +187,8 @@ class BoundaryTable(SlipTable):
 Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discriminator(_kind)]
 
 
-def _opening(value):
-    sides = [si(text, "m") for text in (value if isinstance(value, list) and len(value) == 2 else [value])]
+def _opening(value, read):
+    sides = [read(text, "m") for text in (value if isinstance(value, list) and len(value) == 2 else [value])]
     if not 0 < min(sides) <= max(sides) <= WIDEST:
         raise ValueError("out of range")
     return sides[0] if len(sides) == 1 else tuple(sides)
@@ -175,22 +198,43 @@ _ZONE = {"type": "array", "prefixItems": [{"type": ["number", "string"]}] * 2, "
 _PLY_CONTACT = '"solid", "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv'
 
 
-def _ply_contact(value):
-    if value in (None, "solid", "pressure_law") or str(value).endswith((".json", ".csv")):
+def _ply_contact(value, info):
+    if in_python(info) or value in (None, "solid", "pressure_law") or str(value).endswith((".json", ".csv")):
         return value
     raise ValueError("no law")
 
 
-def _ply_angle(text):
+def _ply_angle(text, read):
     """[rad] above -pi/2 and at most pi/2: half a turn leaves a weave as it is."""
-    degrees = round(math.degrees(si(text, "rad")), 6)
+    degrees = round(math.degrees(read(text, "rad")), 6)
     if not -180 <= degrees <= 180:
         raise ValueError("out of range")
     least = math.remainder(degrees, 180)
     return math.radians(90 if least == -90 else least)
 
 
+def _zones(value):
+    """Zones (until, side) [crossovers] of a grading, as numbers."""
+    if value is None:
+        return None
+    numbers = [part for zone in value for part in zone] if all(isinstance(zone, list) for zone in value) else [None]
+    if any(isinstance(part, bool) or not isinstance(part, (int, float, str)) for part in numbers):
+        raise ValueError("no zones")
+    return tuple((_crossovers(until), _crossovers(side)) for until, side in value)
+
+
+def _crossovers(value):
+    """A number of crossovers, or a fraction of one such as "1/3"."""
+    if not isinstance(value, str):
+        return float(value)
+    over, _, under = value.partition("/")
+    if int(under) == 0:
+        raise ValueError("divided by 0")
+    return int(over) / int(under)
+
+
 MOST_PLIES = 100
+BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
 
 
 class PlyTable(Table):
@@ -225,6 +269,12 @@ class PlyTable(Table):
         "fabrics", "m", "0.12 mm", zero=True,
     ) = None  # fmt: skip
     count: whole("number of plies that are alike", 1, MOST_PLIES) = 1
+
+    @model_validator(mode="after")
+    def _of_one_fabric(self):
+        if self.name is not None and self.file is not None:
+            raise InputError("give one of panel.ply.name and panel.ply.file")
+        return self
 
 
 class PanelTable(Table):
@@ -271,7 +321,7 @@ class PanelTable(Table):
         "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
         "a range ([Packs](../pack.md))", "m", "0.12 mm", zero=True,
     ) = None  # fmt: skip
-    ply_contact: Annotated[str | None, BeforeValidator(_ply_contact), described(
+    ply_contact: Annotated[Any, BeforeValidator(_ply_contact), WithJsonSchema(TEXT), described(
         "pack: law of pressure against closure between two plies; where not given the law in the file of "
         "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
         _PLY_CONTACT,
@@ -284,7 +334,7 @@ class PanelTable(Table):
     ) = False  # fmt: skip
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
-        BeforeValidator(zones),
+        BeforeValidator(_zones),
         WithJsonSchema({"type": "array", "items": _ZONE}),
         described(
             "coarser mesh with the distance from the impact point: zones of distance and element side, in crossovers",
@@ -301,6 +351,49 @@ class PanelTable(Table):
     crossover_cohesion: quantity(
         "sliding crossovers: friction of a crossover without contact force; 0 where not given", "N", "0.1 N", zero=True
     ) = None
+
+    @property
+    def angled(self) -> bool:
+        """Whether a ply of a lay-up is at another angle than 0 and 90 deg."""
+        return any(ply.angle not in (0.0, math.pi / 2) for ply in self.ply)
+
+    @model_validator(mode="after")
+    def _of_a_lay_up(self):
+        """The panel with the number of the plies of its tables [[panel.ply]]."""
+        if not self.ply:
+            return self
+        for key in {"plies", "stacking"} & self.model_fields_set:
+            raise InputError(key=key, allowed="left out beside [[panel.ply]]")
+        self.refuse("weave_angle", "left out with [[panel.ply]]")
+        plies = sum(ply.count for ply in self.ply)
+        if not 2 <= plies <= MOST_PLIES:
+            allowed = f"2 to {MOST_PLIES} plies in all; [fabric] alone is one ply"
+            raise InputError(key="ply", value=f"{plies} plies", allowed=allowed)
+        return self.model_copy(update={"plies": plies})
+
+    @model_validator(mode="after")
+    def _of_one_or_more_plies(self):
+        if not self.yarn_failure:
+            self.refuse("rate_dependence", "left out where yarns do not fail")
+        if self.crossovers == "pinned":
+            self.refuse("crossover_friction crossover_cohesion", "left out where crossovers are pinned")
+        if self.angled:
+            self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
+            self.refuse("crossovers", f"pinned {BESIDE_ANGLES}")
+        if self.plies == 1:
+            self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
+        if self.weave_angle != 0:
+            self.refuse("stacking", "aligned where the weave is oblique")
+        return self
+
+    @model_validator(mode="after")
+    def _of_the_modelled_part(self):
+        """The whole panel where a ply is at an angle, and of one ply of sliding yarns unless its symmetry is given."""
+        given = "symmetry" in self.model_fields_set
+        if self.angled and given and self.symmetry != "whole":
+            raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
+        slides = self.crossovers == "sliding" and self.plies == 1 and not given
+        return self.model_copy(update={"symmetry": "whole"}) if self.angled or slides else self
 
 
 class BackingTable(Table):
@@ -343,6 +436,12 @@ class BackingTable(Table):
         "given, the run ends with the dent as it is then", "s", "1 ms", zero=True, most="10 ms",
     ) = None  # fmt: skip
 
+    @model_validator(mode="after")
+    def _of_three_lengths(self):
+        if self.size is not None and len(self.size) != 3:
+            raise InputError(key="size", allowed="three lengths")
+        return self
+
 
 class RunTable(Table):
     """End of the run, mesh, and the files that are written.
@@ -369,6 +468,13 @@ class RunTable(Table):
     outputs: some_of(
         "which outputs are written beside `histories.h5` and `summary.json`", "paraview", "pictures", "report"
     ) = ("paraview", "pictures", "report")
+
+    @model_validator(mode="after")
+    def _within_the_run(self):
+        for key in ("snapshot_interval", "checkpoint_interval"):
+            if key in self.model_fields_set and getattr(self, key) > self.end_time:
+                raise InputError(key=key, allowed="at most run.end_time")
+        return self
 
 
 _YARNS = "a list of distances of {} yarns from the impact point"
@@ -413,6 +519,12 @@ class AccuracyTable(Table):
         """{quantity: [-] error at most} of those that are given."""
         return {name: share for name, share in self if share is not None}
 
+    @model_validator(mode="after")
+    def _of_one_target(self):
+        if not self.targets:
+            raise InputError("has no target", allowed=f"at least one of {', '.join(type(self).model_fields)}")
+        return self
+
 
 class NumericsTable(Table):
     """Parameters of the time integration and of the contact with the projectile. The defaults fit all fabrics.
@@ -454,15 +566,42 @@ class Scene(Table):
     numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
     backing: Annotated[BackingTable | None, Field(description="a table [backing]")] = None
 
+    @model_validator(mode="after")
+    def _of_tables_that_fit(self):
+        fabric, shot, panel = self.fabric, self.projectile, self.panel
+        if not (panel.ply and all(ply.name or ply.file for ply in panel.ply) and fabric.name is fabric.file is None):
+            if "fabric" not in self.model_fields_set or not fabric.model_fields_set:
+                allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
+                raise InputError("is missing", key="fabric", allowed=allowed)
+            exactly_one(fabric, ("name", "file"), "fabric")
+        smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
+        if shot.diameter >= smallest / 2:
+            raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
+        if shot.shape != "stl":
+            stl_file.check_mass(shot)
+        if self.accuracy is not None and panel.crossovers != "pinned":
+            words = '"pinned" where the mesh is chosen by [accuracy]'
+            raise InputError(key="panel.crossovers", allowed=words)
+        if fabric.surface is None:
+            return self
+        if panel.ply:
+            raise InputError(key="fabric.surface", allowed="left out with [[panel.ply]]")
+        for key, words in (
+            ("rate_dependence", "left out with fabric.surface, whose yarns have one modulus"),
+            ("stacking", "aligned where the cell is a response surface"),
+        ):
+            if panel.sets(key):
+                raise InputError(key=f"panel.{key}", allowed=words)
+        return self
 
-def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
+
+def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[Scene, str]:
     """Read and check a scene file.
 
     Parameters
     ----------
     path : of the file
-    support : the supported.Support of the command that reads it, or a function that gives it from the scene; None
-        where any key may be set
+    refused : keys that what reads it does not honour (`honoured`); None where any key may be set
 
     Returns
     -------
@@ -475,20 +614,30 @@ def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
     """
     path = Path(path)
     text, table = read_toml(path, what="scene")
-    return check(table, path, support), text
+    return check(table, path, refused), text
 
 
-def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> Scene:
-    """Turn a scene's table into a checked Scene; `file`, where there is one, is named in errors and anchors relative
-    paths."""
+def check(
+    table: dict[str, Any], file: FilePath | None, refused: honoured.Keys | None = None, context: Any = None
+) -> Scene:
+    """Turn a scene's table into a checked Scene.
+
+    Parameters
+    ----------
+    table : as it is written
+    file : named in errors, its folder anchors relative paths; None of a scene without a file
+    refused : as of `load`
+    context : as of `fabrics.schema.validated`
+    """
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.described(table, ProjectileTable.model_fields, file)
     table = _with_named(table, file, "backing", "material", backings)
-    scene = _with_counted_plies(validated(Scene, table, file), file)
-    scene = _with_modelled_part(scene, file, "panel.symmetry" in getattr(support, "ignored", ()))
-    _check_relations(scene, table, file)
-    if support is not None:
-        supported.check(scene, table, file, support(scene) if callable(support) else support)
+    scene = validated(Scene, table, file, context)
+    if refused is not None:
+        honoured.check(scene, table, file, refused)
+        if "panel.symmetry" in refused and scene.panel.crossovers == "sliding" and scene.panel.plies == 1:
+            panel = scene.panel.model_copy(update={"symmetry": "whole"})
+            scene = scene.model_copy(update={"panel": panel})
     return scene if file is None else anchored(scene, file)
 
 
@@ -498,90 +647,3 @@ def _with_named(table, file, name, key, data):
     if not isinstance(given, dict) or not isinstance(given.get(key), str):
         return table
     return table | {name: data.table(given[key], given, file=file, key=f"{name}.{key}")}
-
-
-def _with_counted_plies(scene, file):
-    """The scene with the number of plies of its tables [[panel.ply]]."""
-    panel = scene.panel
-    if not panel.ply:
-        return scene
-    for key in ("plies", "stacking"):
-        if key in panel.model_fields_set:
-            value = getattr(panel, key)
-            raise InputError(file=file, key=f"panel.{key}", value=value, allowed="left out beside [[panel.ply]]")
-    for ply in panel.ply:
-        if ply.name is not None and ply.file is not None:
-            raise InputError("give one of panel.ply.name and panel.ply.file", file=file, key="panel.ply")
-    plies = sum(ply.count for ply in panel.ply)
-    if not 2 <= plies <= MOST_PLIES:
-        allowed = f"2 to {MOST_PLIES} plies in all; [fabric] alone is one ply"
-        raise InputError(file=file, key="panel.ply", value=f"{plies} plies", allowed=allowed)
-    return scene.model_copy(update={"panel": panel.model_copy(update={"plies": plies})})
-
-
-def _with_modelled_part(scene, file, ignored):
-    """The scene with the whole panel where a ply is at an angle, and of one ply of sliding yarns where its symmetry is
-    not given, or ignored."""
-    panel, angled, given = scene.panel, is_angled(scene.panel), "symmetry" in scene.panel.model_fields_set
-    if not angled and (panel.crossovers == "pinned" or panel.plies > 1 or (given and not ignored)):
-        return scene
-    if angled and given and panel.symmetry != "whole":
-        allowed = f"whole, or left out, {BESIDE_ANGLES}"
-        raise InputError(file=file, key="panel.symmetry", value=panel.symmetry, allowed=allowed)
-    return scene.model_copy(update={"panel": panel.model_copy(update={"symmetry": "whole"})})
-
-
-BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
-
-
-def is_angled(panel: PanelTable) -> bool:
-    """Whether a ply of a lay-up is at another angle than 0 and 90 deg."""
-    return any(ply.angle not in (0.0, math.pi / 2) for ply in panel.ply)
-
-
-def _check_relations(scene, table, file):
-    """What no single field can know; values are shown as they were written."""
-    fabric, shot, panel, run = scene.fabric, scene.projectile, scene.panel, scene.run
-    if not (panel.ply and all(ply.name or ply.file for ply in panel.ply) and fabric.name is fabric.file is None):
-        if not table.get("fabric"):
-            allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
-            raise InputError("is missing", file=file, key="fabric", allowed=allowed)
-        exactly_one(fabric, ("name", "file"), "fabric", file)
-    if shot.edge_radius is None and shot.shape != "sphere":
-        allowed = ProjectileTable.model_fields["edge_radius"].description
-        raise InputError("is missing", file=file, key="projectile.edge_radius", allowed=allowed)
-    if shot.edge_radius is not None and shot.shape == "sphere":
-        value = table["projectile"]["edge_radius"]
-        raise InputError(file=file, key="projectile.edge_radius", value=value, allowed="left out for a sphere")
-    if scene.accuracy is not None and not scene.accuracy.targets:
-        names = ", ".join(AccuracyTable.model_fields)
-        raise InputError("has no target", file=file, key="accuracy", allowed=f"at least one of {names}")
-    smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
-    rounding = shot.edge_radius or 0.0
-    limits = {
-        ("projectile", "edge_radius"): (rounding < shot.diameter / 2, "below half of projectile.diameter"),
-        ("projectile", "diameter"): (shot.diameter < smallest / 2, "below half of panel.opening"),
-        ("run", "snapshot_interval"): (run.snapshot_interval <= run.end_time, "at most run.end_time"),
-        ("run", "checkpoint_interval"): (run.checkpoint_interval <= run.end_time, "at most run.end_time"),
-    }
-    for (name, key), (holds, allowed) in limits.items():
-        if not holds and key in table.get(name, {}):
-            raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
-    stl_file.check_mass(shot, table["projectile"].get("mass"), file)
-    if scene.backing is not None and scene.backing.size is not None and len(scene.backing.size) != 3:
-        raise InputError(file=file, key="backing.size", value=table["backing"]["size"], allowed="three lengths")
-    if isinstance(panel.boundary, BoundaryTable):
-        for name, side in panel.boundary.sides.items():
-            _check_sides(side, "panel.boundary" + ("" if side is panel.boundary else f".{name}"), file)
-
-
-def _check_sides(side, key, file):
-    """A side that slips is either a friction clamp or pulled in."""
-    for one in side if isinstance(side, tuple) else (side,):
-        if not isinstance(one, SlipTable):
-            continue
-        given = {name for name in one.model_fields_set if getattr(one, name) is not None}
-        if given != {"clamp_force"} and given - {"zone"} != {"pull_in", "start", "end"}:
-            raise InputError("give clamp_force alone, or pull_in with start and end (and zone)", file=file, key=key)
-        if one.clamp_force is None and one.end <= one.start:
-            raise InputError("must end after its start", file=file, key=key)

@@ -199,7 +199,7 @@ def described(table: dict[str, Any], fields: Mapping[str, Any], file: FilePath |
     return table | whole | {"projectile": given | found}
 
 
-def check_mass(shot: Any, written: Any, file: FilePath | None) -> None:
+def check_mass(shot: Any) -> None:
     """Check that a body of the diameter and length of a projectile can have its mass; `data` does so for an STL file.
 
     The largest body is the cylinder, the smallest the cone; of a sphere the volume is known.
@@ -207,14 +207,11 @@ def check_mass(shot: Any, written: Any, file: FilePath | None) -> None:
     Parameters
     ----------
     shot : table [projectile], in SI
-    written, file : the mass as it is written, and where
 
     Raises
     ------
     InputError : a mean density outside DENSITIES, of any length of LENGTHS where none is given
     """
-    if shot.shape == "stl":
-        return
     ball, known = shot.shape == "sphere", shot.shape == "sphere" or shot.length is not None
     lengths = (2 / 3 * shot.diameter if ball else shot.length,) * 2 if known else [x * shot.diameter for x in LENGTHS]
     section = np.pi / 4 * shot.diameter**2
@@ -229,7 +226,7 @@ def check_mass(shot: Any, written: Any, file: FilePath | None) -> None:
         )
         allowed = f"from {1e3 * low:.3g} to {1e3 * high:.3g} g, for a body of this {size}, of "
         allowed += " to ".join(f"{1e-3 * density:g}" for density in DENSITIES) + " g/cm^3"
-        raise InputError(file=file, key="projectile.mass", value=written, allowed=allowed)
+        raise InputError(key="projectile.mass", allowed=allowed)
 
 
 def solid(path: FilePath, unit: str, edge_radius: float) -> solid_body.Solid:

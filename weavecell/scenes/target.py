@@ -19,11 +19,9 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes
-from weavecell.scenes.supported import Support, of
+from weavecell.scenes.honoured import Keys
 
 ALLOWED = "an input file or fabric file (*.toml), or one of "
-UNWRITTEN = of("run", "snapshot_interval checkpoint_interval outputs")  # by commands that shoot many times
-NO_HISTORY = {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
 STANDARD = {
     "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "strike_velocity": "92.5 m/s"},
     "panel": {"opening": "203 mm"},
@@ -90,21 +88,14 @@ class Target:
         return build.in_file(problem, self.name)
 
 
-def support(*, ignored: tuple[str, ...] = ("title", *UNWRITTEN), rejected: Mapping[str, str] = NO_HISTORY) -> Support:
-    """The Support of a command that shoots at a target many times; its parameters are those of Support."""
-    refused = build.NO_SLACK | dict(rejected)
-    refused |= {"accuracy": "left out: the shots are computed on the mesh of the scene"}
-    return Support(scenes.Scene, ignored, refused, build.SHOT_RULES)
-
-
-def read(name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None = None) -> Target:
+def read(name: str, out: Path, refused: Keys, *, changes: Mapping[str, Any] | None = None) -> Target:
     """The target of a name.
 
     Parameters
     ----------
     name : of a file or a fabric
     out : folder of the results, from which the standard scene of a fabric file is named
-    check : Support, or a function that gives it from the scene
+    refused : keys of an input file that are not honoured (`honoured`)
     changes : {dotted key: value as it is written} in place of what the scene says
 
     Raises
@@ -117,14 +108,14 @@ def read(name: str, out: Path, check: Any, *, changes: Mapping[str, Any] | None 
     elif name.endswith(".toml"):
         text, table = scenes.read_toml(name, what="scene or fabric")
         if _OF_A_SCENE & set(table):
-            return _target(scenes.check(changed(table, changes), name, check), name, stem, text, from_file=True)
+            return _target(scenes.check(changed(table, changes), name, refused), name, stem, text, from_file=True)
         catalogue.read(name)
         fabric = {"file": os.path.relpath(name, out)}
     else:
         raise InputError(key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names()))
     table = {"fabric": fabric, **{key: dict(value) for key, value in STANDARD.items()}}
     text = tomlkit.dumps(table)
-    return _target(scenes.check(changed(table, changes), out / "scene.toml", check), name, stem, text)
+    return _target(scenes.check(changed(table, changes), out / "scene.toml", refused), name, stem, text)
 
 
 def is_input_file(name: str) -> bool:

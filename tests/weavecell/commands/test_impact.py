@@ -156,9 +156,10 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
     last, t = panel.series[-1]
     assert (last, [time for _, time in panel.series]) == (file, sorted(time for _, time in panel.series))
     assert t == pytest.approx(panel.record.time[-1], rel=1e-8)
-    body = panel.body(panel.record.final[-1].nose_position, t)
+    grid = pyvista.read(file)
+    body = panel.body(grid, t)
     assert body[..., 2].max() == pytest.approx(panel.record.final[-1].nose_position)
-    image = panel.image(pyvista.read(file), t)
+    image = panel.image(grid, t)
     quarters = [
         np.any(half < 240, axis=2).sum() for rows in np.array_split(image, 2) for half in np.array_split(rows, 2, 1)
     ]

@@ -3,13 +3,14 @@
 import tomllib
 from pathlib import Path
 
-from weavecell.scenes import coupon, impact, supported
+from fabrics.schema import tables
+from weavecell.scenes import coupon, impact
 
 
 def test_the_examples_are_input_files(tool):
     """Those of all tables of an impact at once, then of each table in a table, and of each test of a coupon."""
     keys_page = tool("keys_page")
-    found = {name: tomllib.loads(keys_page.about(table)[1]) for name, table in supported.tables(impact.Scene).items()}
+    found = {name: tomllib.loads(keys_page.about(table)[1]) for name, table in tables(impact.Scene).items()}
     whole = {key: value for name, table in found.items() if "." not in name for key, value in table.items()}
     impact.check(whole, None)
     for name, table in found.items():
@@ -21,7 +22,7 @@ def test_the_examples_are_input_files(tool):
             if name == "panel.ply":
                 del merged["panel"]["plies"]
             impact.check(merged, None)
-    own = supported.tables(coupon.CouponScene)
+    own = tables(coupon.CouponScene)
     for name in coupon.TESTS:
         example = tomllib.loads(keys_page.about(own[name])[1])
         coupon.check(example | {"fabric": {"name": "S-728"}}, Path("coupon.toml"))

@@ -76,7 +76,6 @@ def test_cuts_and_grids_of_turned_plies_lie_in_the_frame_of_all(pack):
         side = cells.extract_cells([cells.find_closest_cell((14e-3, 14e-3, 0.0))]).points
         along = np.degrees(np.arctan2(*(side[1] - side[0])[1::-1]))
         assert along == pytest.approx(angle, abs=0.5) or along == pytest.approx(angle + 90, abs=0.5)
-    assert view.panel_of(pack.folder, view.find(pack.folder)).strength(grid).shape == (grid.n_cells, 2)
 
 
 def test_the_cut_of_a_pack_is_a_picture_and_a_movie(command, pack, tmp_path):

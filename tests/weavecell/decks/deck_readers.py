@@ -55,6 +55,22 @@ def columns(line, widths):
     return [float(each) if each else None for each in found]
 
 
+def named(text):
+    """{keyword without a number: {name: text}} of the last row of each first block, by the comment lines."""
+    cards, names = {}, []
+    for line in text.splitlines():
+        if line[0] in "*/":
+            word = re.sub(r"/\d+$", "", line)
+            card, names = ({} if word in cards else cards.setdefault(word, {})), []
+        elif line.startswith(("$#", "# ")):
+            names = [(name[0], name.end()) for name in re.finditer(r"(?<=[ #])[^ #]\S*", line)]
+        elif names and line[0] not in "#$":
+            starts = [0, *(end for _, end in names)]
+            texts = {name: line[start:end].split() for start, (name, end) in zip(starts, names)}
+            card.update({name: words[-1] for name, words in texts.items() if words})
+    return cards
+
+
 def blocks(lines, mark, comment):
     """[word, lines below it] of a deck."""
     found = []

@@ -10,7 +10,7 @@ import pytest
 from fabrics.errors import UnstableError
 from shellfabric.impact import ballistic_limit
 from tests.scene_text import every, impact_scene
-from weavecell.scenes import of_commands, target
+from weavecell.scenes import honoured, target
 
 FILES = ["critical-velocity.json", "residual-velocity.svg", "scene.toml", "shots.csv"]
 
@@ -80,16 +80,16 @@ def test_zone_of_mixed_outcomes(command, scene, tmp_path, monkeypatch):
 
 def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):
     """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
-    found = target.read("S-726", tmp_path, of_commands.LIMITS)
+    found = target.read("S-726", tmp_path, honoured.LIMITS)
     scene = found.case.scene
     assert (found.case.fabric.name, scene.panel.opening, scene.projectile.mass) == ("S-726", 0.203, 3e-3)
     file, out = tmp_path / "mine.toml", tmp_path / "deep" / "results"
     file.write_text((resources.files("fabrics.catalogue") / "S-731.toml").read_text())
     out.mkdir(parents=True)
-    found = target.read(str(file), out, of_commands.LIMITS)
+    found = target.read(str(file), out, honoured.LIMITS)
     assert found.case.fabric.name == found.title == "S-731"
     (out / "scene.toml").write_text(found.text)
-    assert target.read(str(out / "scene.toml"), out, of_commands.LIMITS).setup == found.setup
+    assert target.read(str(out / "scene.toml"), out, honoured.LIMITS).setup == found.setup
 
 
 def test_an_error_keeps_the_shots_before(command, scene, tmp_path, monkeypatch):

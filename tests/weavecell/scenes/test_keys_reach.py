@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fabrics import catalogue
+from fabrics import catalogue, schema
 from fabrics.units import si
 from shellfabric.cell.model import CellModel
 from tests.scene_text import merged, table_of
 from weavecell.results import coupon as results
-from weavecell.scenes import build, of_commands, schema, supported
-from weavecell.scenes.coupon import PullOutTable
+from weavecell.scenes import build, honoured
+from weavecell.scenes.coupon import CouponScene, PullOutTable
+from weavecell.scenes.fabric_table import FabricTable
 from weavecell.scenes.impact import Scene, check
 
 ROOT = Path(__file__).parents[3]
@@ -164,7 +165,7 @@ OF_BACKING = {"modulus", "density", "poisson", "yield_stress", "hardening", "ero
 OF_BACKING |= {"reference_rate"}  # which its material holds
 # what the set-up of the solver does not hold: the checked scene does
 OF_THE_RUN = {"title", "fabric.fibre_slack", "history.report_positions", "run.checkpoint_interval", "run.outputs"}
-ENTRIES = supported.entries(Scene)
+ENTRIES = schema.entries(Scene)
 
 
 def row(key):
@@ -201,7 +202,7 @@ def fields_of(thing, name=""):
 
 def setup_of(table):
     """The fields of the set-up of `weavecell impact`."""
-    return fields_of(build.setup(build.build(check(table, None, of_commands.impact), None, "s"), None))
+    return fields_of(build.setup(build.build(check(table, None, honoured.IMPACT), None, "s"), None))
 
 
 def with_value(table, key, value):
@@ -240,14 +241,11 @@ def test_a_key_that_the_run_reads_stands_in_the_scene(key):
     assert attrgetter(key)(check(with_value(SHOT, key, value), None)) == in_si(key, value)
 
 
-@pytest.mark.parametrize("name", [name for name in vars(of_commands) if name.isupper()])
-def test_what_a_command_declares_are_keys(name):
-    """Each once; a key that is declared in vain would be supported in silence."""
-    support = getattr(of_commands, name)
-    known = {table for key in supported.keys(support.model) for table in supported.with_tables(key)}
-    named = [*support.ignored, *support.rejected]
-    assert {*named, *(rule.key for rule in support.rules)} <= known
-    assert len(named) == len(set(named))
+@pytest.mark.parametrize("name", ["IMPACT", "DRAWS", "SENSITIVITY", "LIMITS", "SWEEP", "COUPON"])
+def test_what_is_not_honoured_are_keys(name):
+    """One that is declared in vain would be honoured in silence."""
+    model = CouponScene if name == "COUPON" else Scene
+    assert set(getattr(honoured, name)) <= {part for key in schema.entries(model) for part in honoured.with_tables(key)}
 
 
 def test_what_is_set_is_found():
@@ -255,18 +253,18 @@ def test_what_is_set_is_found():
     changes = {
         "panel": {"boundary": {"warp": [GRIP, "clamped"]}, "plies": 1}, "history": {}, "numerics": {},
     }  # fmt: skip
-    found = set(supported.changed(check(merged(SHOT, changes), None)))
+    found = set(schema.changed(check(merged(SHOT, changes), None)))
     assert {"panel.boundary.warp.clamp_force", "history"} <= found
     assert not {"panel.plies", "numerics", "fabric", "run.snapshot_interval"} & found
 
 
 def test_keys_of_fabric_reach_the_cell_of_a_coupon():
-    table = schema.FabricTable.model_validate(
-        {"cell_model": "decoupled", "cell_profile": "straight", "fibre_slack": "0.1 %", "crossover_gap": "0.01 mm"}
+    table = FabricTable.model_validate(
+        {"cell_model": "incompressible", "cell_profile": "straight", "fibre_slack": "0.1 %", "crossover_gap": "0.01 mm"}
     )
     fabric = catalogue.load("S-720")
     cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
-    assert (cell.model, cell.form, cell.profile) == ("decoupled", "variational", "straight")
+    assert (cell.model, cell.form, cell.profile) == ("incompressible", "variational", "straight")
     assert (cell.gap, cell.toes) == (pytest.approx(1e-5), pytest.approx((1e-3, 1e-3)))
 
 

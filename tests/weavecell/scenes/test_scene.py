@@ -11,7 +11,7 @@ from shellfabric.projectile.projectile import SHAPES
 from tests.scene_text import merged
 from weavecell.report.shot import chapters_shot
 from weavecell.results import provenance
-from weavecell.scenes import build, of_commands, words
+from weavecell.scenes import build, honoured, words
 from weavecell.scenes import impact as scenes_impact
 
 TABLE = {
@@ -79,14 +79,14 @@ ASIDE, ON, PART, WINDOW = "weft off a crossover", "on a crossover", "symmetry ca
         ({"crossovers": "pinned"}, "quarter", 0.0, []),
     ],
 )
-@pytest.mark.parametrize("support", [of_commands.IMPACT, of_commands.LIMITS], ids=["impact", "limits"])
+@pytest.mark.parametrize("support", [honoured.IMPACT, honoured.LIMITS], ids=["impact", "limits"])
 def test_part_and_impact_point_of_sliding_plies(caplog, panel, symmetry, spacings, notes, support):
     """By default one sliding ply is computed whole and struck off a crossover; what is doubtful is said everywhere."""
     table = TABLE | {"panel": {"opening": "50 mm", "crossovers": "sliding"} | panel}
     with caplog.at_level("INFO", "weavecell"):
         setup = build.setup(build.build(scenes_impact.check(table, "s", support), "s", "s"), "s")
     assert setup.symmetry == symmetry
-    drawn = scenes_impact.check(table, "s", of_commands.DRAWS).panel  # which draws compute whole anyway
+    drawn = scenes_impact.check(table, "s", honoured.DRAWS).panel  # which draws compute whole anyway
     assert drawn.symmetry == ("whole" if drawn.crossovers == "sliding" and drawn.plies == 1 else symmetry)
     struck = replace(setup, table_size=11).target().plies[0].impact_point
     if spacings is not None:

@@ -20,7 +20,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from meshing.pictures_style import INK, WARP, WEFT, plots, tension_map
+from meshing.pictures_style import INK, STEEL, WARP, WEFT, plots, tension_map
 from weavecell.report import pictures3d
 from weavecell.report.shot import chapters_shot, pictures_shot
 from weavecell.results import vtk
@@ -53,13 +53,10 @@ class Panel:
         """Whether the modelled part is mirrored in x = 0 and in y = 0."""
         return self.record.mirror_x, self.record.mirror_y
 
-    def strength(self, grid: Any) -> FloatArray:
-        """(m, 2) [N] strength of warp and weft, of each element."""
-        return self.record.strength[grid.cell_data["ply"] - 1]
-
-    def body(self, z: float, t: float) -> FloatArray:
-        """(a, b, 3) [m] surface of the projectile whose foremost point is at z at time t."""
-        return self.record.projectile + np.append(self.record.nose_place(t), z - self.record.projectile[..., 2].max())
+    def body(self, grid: Any, t: float) -> FloatArray:
+        """(a, b, 3) [m] surface of the projectile at time t, the instant of a grid."""
+        surface, (z,) = self.record.projectile, grid.field_data["projectile_z_m"]
+        return surface + np.append(self.record.nose_place(t), z - surface[..., 2].max())
 
     def time_of(self, file: Path) -> float:
         """[s] of a snapshot."""
@@ -68,9 +65,8 @@ class Panel:
     def image(self, grid: Any, t: float) -> np.ndarray:
         """(rows, columns, 3) the whole panel or pack and its projectile in one snapshot, seen from behind."""
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
-        body = self.body(float(grid.field_data["projectile_z_m"][0]), t)
-        centre = (0.0, 0.0, 0.02 * width)
-        return pictures3d.panel(grid, self.strength(grid), body, self.mirrors, 0.37 * width, centre)
+        strength, centre = self.record.strength[grid["ply"] - 1], (0.0, 0.0, 0.02 * width)
+        return pictures3d.panel(grid, strength, self.body(grid, t), self.mirrors, 0.37 * width, centre)
 
     def headline(self) -> str:
         """Title and outcome in one line."""
@@ -222,12 +218,12 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
     if "tension_warp_N" in grid.cell_data:
         top = max(grid["tension_warp_N"].max(), grid["tension_weft_N"].max(), 1e-9)
         text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {top:.0f} N (dark)"
-        body, mirrors = None, (False, False)
         if panel is not None:
-            t, mirrors = panel.time_of(file), panel.mirrors
-            body = panel.body(float(grid.field_data["projectile_z_m"][0]), t)
+            t = panel.time_of(file)
             text = f"{panel.headline()}\n{panel.caption(t)}\n{text}"
-        pictures3d.add(scene, grid, np.array([top, top]), body, mirrors)
+            scene.add_mesh(pyvista.StructuredGrid(*np.moveaxis(panel.body(grid, t), -1, 0)), color=STEEL)
+        fabric = pictures3d.cloth(grid, np.array([top, top]), panel.mirrors if panel else (False, False))
+        scene.add_mesh(fabric, scalars="colour", rgb=True)
     else:
         scalars = "yarn" if "yarn" in grid.cell_data else None
         look = {"show_edges": True, "edge_color": INK, "show_scalar_bar": False}

@@ -1,0 +1,346 @@
+"""Tables of input and data files by pydantic: quantities with units as text, and the one line of each error.
+
+A field of a table is all that is said of its key: type, unit, limits, default, what it means (`title`) and what is
+allowed (`description`). What keys mean to each other is said by validators of the table that holds them. For each value
+that is wrong the user gets one line: the file, the key, the value as written, and what is allowed. The docstring of a
+table is a sentence about it and, after an empty line, an example. The page of keys, the JSON Schemas and what Python
+takes are made from them.
+
+The Python interface validates with `PYTHON` as the context: plain numbers are then quantities in SI units, and objects
+may stand where a file names one.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar, get_args
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo, WithJsonSchema
+from pydantic.fields import FieldInfo
+
+from fabrics.checks import FilePath
+from fabrics.errors import InputError, nearest, together
+from fabrics.units import refused, si
+
+PYTHON = {"python": True}  # context of what is given in Python, not read from a file
+
+
+class Table(BaseModel):
+    """A table of a file: nothing but its own keys, each of its own type."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    def sets(self, key: str) -> bool:
+        """Whether a key is set to something other than its default."""
+        return getattr(self, key) != type(self).model_fields[key].get_default(call_default_factory=True)
+
+    def refuse(self, keys: str, allowed: str) -> None:
+        """InputError of the first of some keys, in one text, that is set to something other than its default."""
+        for key in keys.split():
+            if self.sets(key):
+                raise InputError(key=key, allowed=allowed)
+
+    @classmethod
+    def unknown(cls, near: str | None) -> tuple[str, str | None]:
+        """(message, what is allowed) of a key that the table has not, and that may be meant for one `near` it."""
+        hint = f', did you mean "{near}"?' if near else ";"
+        return f"unknown key{hint} allowed here: {', '.join(cls.model_fields)}", None
+
+
+Kind = TypeVar("Kind", bound=Table)
+
+
+def described(meaning: str, allowed: str, unit: str | None = None, example: Any = None, **limits: Any) -> Any:
+    """A Field whose `title` is what the key means, its `description` what is allowed, its extra "unit" the SI unit.
+
+    `unit` is None of what is no quantity; `example` is as it stands in a file.
+    """
+    extra: Any = None if unit is None else {"unit": unit or "1"}
+    examples = None if example is None else [example]
+    return Field(title=meaning, description=allowed, examples=examples, json_schema_extra=extra, **limits)
+
+
+TEXT = {"type": "string"}
+TEXT_OR_TWO = {"anyOf": [TEXT, {"type": "array", "prefixItems": [TEXT, TEXT], "minItems": 2, "maxItems": 2}]}
+
+
+def from_text(
+    kind: Any,
+    convert: Callable[[Any, Callable[[Any, str], float]], Any],
+    meaning: str,
+    allowed: str,
+    unit: str,
+    example: Any = None,
+    written: dict[str, Any] = TEXT,
+) -> Any:
+    """A `kind` in SI `unit` that convert(value, read) makes of what stands in a file, by read(text, unit) of its parts;
+    `written` is the JSON Schema of what stands there."""
+
+    def validate(value, info):
+        try:
+            return convert(value, reader(info))
+        except InputError:  # which does not know the limits of the key
+            raise ValueError("not allowed") from None
+
+    field = described(meaning, allowed, unit, example)
+    return Annotated[kind, BeforeValidator(validate), WithJsonSchema(written), field]
+
+
+def in_python(info: ValidationInfo) -> bool:
+    """Whether a value that is validated was given in Python, and not read from a file."""
+    return bool(info.context and info.context.get("python"))
+
+
+def reader(info: ValidationInfo) -> Callable[[Any, str], float]:
+    """What makes a float in a SI unit of a text; of what is given in Python also of a plain number."""
+
+    def read(value, unit):
+        number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+        return float(value) if number and in_python(info) else si(value, unit)
+
+    return read
+
+
+_KINDS = {
+    "": "a strain", "kg": "a mass", "m": "a length", "s": "a time", "m/s": "a speed", "N": "a force", "Pa": "a stress",
+    "1/s": "a rate", "kg/m^3": "a density", "N m^2": "a bending stiffness",
+}  # fmt: skip
+
+
+def quantity(
+    meaning: str, unit: str, example: str, *, zero: bool = False, most: str | None = None, kind: str | None = None
+) -> Any:
+    """A float in SI `unit`, written as text: above 0, or of at least 0 where `zero`, and at most `most`.
+
+    `kind` is what it is, in words with {} for these limits; None takes what its unit says.
+    """
+    highest = math.inf if most is None else si(most, unit)
+
+    def convert(text, read):
+        value = read(text, unit)
+        if not (value >= 0 if zero else value > 0) or value > highest:
+            raise ValueError("out of range")
+        return value
+
+    bounds = ("of at least 0" if zero else "above 0") + (f" and at most {most}" if most else "")
+    words = (kind or f"{_KINDS[unit]} {{}}").format(bounds)
+    return from_text(float, convert, meaning, f'{words}, such as "{example}"', unit, example)
+
+
+def angle(meaning: str, low: float, high: float, example: str) -> Any:
+    """An angle [rad], written as text, from `low` to `high` [deg]."""
+
+    def convert(text, read):
+        value = read(text, "rad")
+        if not math.radians(low) <= value <= math.radians(high):
+            raise ValueError("out of range")
+        return value
+
+    allowed = f'an angle from {low} to {high} deg, such as "{example}"'
+    return from_text(float, convert, meaning, allowed, "rad", example)
+
+
+def quantities(meaning: str, unit: str, what: str, example: str) -> Any:
+    """A tuple of floats in SI `unit`, written as a list of texts."""
+
+    def convert(texts, read):
+        if not isinstance(texts, (list, tuple)):
+            raise ValueError("not a list")
+        return tuple(read(text, unit) for text in texts)
+
+    written = {"type": "array", "items": TEXT}
+    allowed = f"{what}, such as {example}"
+    return from_text(tuple[float, ...], convert, meaning, allowed, unit, json.loads(example), written)
+
+
+def number(meaning: str, example: float, **limits: Any) -> Any:
+    """A plain number within pydantic's limits gt, ge, lt, le."""
+    match limits:
+        case {"gt": low, "le": high}:
+            bounds = f"above {low:g} and at most {high:g}"
+        case {"gt": low}:
+            bounds = f"above {low:g}"
+        case {"ge": low, "le": high}:
+            bounds = f"from {low:g} to {high:g}"
+        case {"ge": low, "lt": high}:
+            bounds = f"from {low:g} to below {high:g}"
+        case _:
+            bounds = f"of at least {limits['ge']:g}"
+    return Annotated[float, described(meaning, f"a number {bounds}", example=example, **limits)]
+
+
+def whole(meaning: str, low: int, high: int, example: int = 2) -> Any:
+    """A whole number from `low` to `high`."""
+    return Annotated[int, described(meaning, f"a whole number from {low} to {high}", example=example, ge=low, le=high)]
+
+
+def one_of(meaning: str, *names: str) -> Any:
+    """One of some texts."""
+    return Annotated[Literal[names], described(meaning, f"one of {_quoted(names)}", example=names[-1])]
+
+
+def some_of(meaning: str, *names: str) -> Any:
+    """Any of some texts, written as a list."""
+    field = described(meaning, f"a list of {_quoted(names)}")
+    return Annotated[tuple[Literal[names], ...], BeforeValidator(as_tuple), field]
+
+
+def string(meaning: str, allowed: str) -> Any:
+    """A text."""
+    return Annotated[str, described(meaning, allowed)]
+
+
+def flag(meaning: str) -> Any:
+    """True or false."""
+    return Annotated[bool, described(meaning, "true or false")]
+
+
+def as_tuple(value: Any) -> Any:
+    """A list as a tuple, all else as it is."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _quoted(names):
+    return ", ".join(f'"{name}"' for name in names)
+
+
+def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
+    """Read a TOML file as (text, table); InputError if it is missing, not text or not TOML."""
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except OSError as problem:
+        raise InputError(f"the {what} file cannot be read ({problem.strerror})", file=path) from None
+    except UnicodeDecodeError:
+        raise InputError(f"the {what} file is not UTF-8 text", file=path) from None
+    try:
+        return text, tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
+        raise InputError(f"not valid TOML ({problem})", file=path) from None
+
+
+def validated(model: type[Kind], table: Any, file: FilePath | None, context: Any = None) -> Kind:
+    """The table of a file as a `model`; InputError, a line for each thing that is wrong with it.
+
+    Parameters
+    ----------
+    context : of pydantic, `PYTHON` or None
+    """
+    try:
+        return model.model_validate(table, context=context)
+    except ValidationError as problem:
+        raise together(_problems(problem, model, table, file)) from None
+
+
+def _problems(found, model, given, file):
+    """An InputError for each key of a pydantic ValidationError; unknown keys go first.
+
+    A mistyped key leaves the right one missing, which is not reported again. What a validator raises as an InputError
+    names a key of its table, or none, and says itself what is allowed.
+    """
+    problems: dict[str, InputError] = {}
+    meant = set()
+    for error in sorted(found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"):
+        names, field, table = _locate(model, error["loc"])
+        key, cause = ".".join(names), error.get("ctx", {}).get("error")
+        if error["type"] == "extra_forbidden":
+            near = nearest(names[-1], table.model_fields)
+            meant |= {".".join((*names[:-1], near))} if near else set()
+            message, allowed = table.unknown(near)
+            line = InputError(message, file=file, key=key, allowed=allowed)
+        elif error["type"] == "missing" and key in meant:
+            continue
+        elif error["type"] == "missing":
+            line = InputError("is missing", file=file, key=key, allowed=field.description)
+        elif isinstance(cause, InputError):
+            key = ".".join(filter(None, (*names, cause.key)))
+            value = written(given, key) if cause.key and cause.value is None else cause.value
+            line = InputError(cause.message, file=file, key=key or None, value=value, allowed=cause.allowed)
+        else:
+            line = refused(error["input"], field.description, file=file, key=key)
+        problems.setdefault(key, line)
+    return list(problems.values())
+
+
+def _locate(model, location):
+    """Follow an error's location to (the key's names, the field it belongs to, the table that holds it)."""
+    names, field, table = [], None, model
+    for step in location:
+        inner = _inner(field) if field is not None else model
+        if isinstance(step, int) or step in ("text", "inline", "pair"):  # list index, tag of a union
+            continue
+        if inner is None:
+            break
+        table = inner
+        names.append(step)
+        field = table.model_fields.get(step)
+        if field is None:
+            break
+    return names, field, table
+
+
+def _inner(field):
+    """The table that a field holds, if it holds one."""
+    return next(tables_in(field.annotation), None)
+
+
+def unit_of(entry: Any) -> str | None:
+    """SI unit of a field, "1" of a ratio; None of one that is no quantity, or of no field."""
+    return (getattr(entry, "json_schema_extra", None) or {}).get("unit")
+
+
+def tables_in(kind: Any) -> Iterator[type[Table]]:
+    """The tables in a type, through its unions and tuples."""
+    if isinstance(kind, type) and issubclass(kind, Table):
+        yield kind
+    for part in get_args(kind):
+        yield from tables_in(part)
+
+
+def changed(scene: Table, prefix: str = "") -> Iterator[str]:
+    """The keys that a scene sets to something other than their default, in the order of the schema."""
+    for name, entry in type(scene).model_fields.items():
+        if name not in scene.model_fields_set:
+            continue
+        value, key = getattr(scene, name), prefix + name
+        inner = [part for part in (value if isinstance(value, tuple) else (value,)) if isinstance(part, Table)]
+        found = [below for part in inner for below in changed(part, f"{key}.")]
+        yield from dict.fromkeys(found)
+        differs = entry.is_required() or value != entry.get_default(call_default_factory=True)
+        if not found and differs and not (inner and entry.is_required()):
+            yield key
+
+
+def keys(model: type[Table]) -> tuple[str, ...]:
+    """All keys of a schema, without the tables that hold them."""
+    return tuple(entries(model))
+
+
+def tables(model: type[Table], name: str = "") -> dict[str, type[Table]]:
+    """{dotted name: table} of a schema, "" for the schema itself."""
+    found = {name: model}
+    for key, entry in model.model_fields.items():
+        for kind in dict.fromkeys(tables_in(entry.annotation)):
+            found |= tables(kind, f"{name}.{key}".lstrip("."))
+    return found
+
+
+def entries(model: type[Table]) -> dict[str, FieldInfo]:
+    """{key: its field} of all keys of a schema: the fields that have a meaning, not those that only hold tables."""
+    return {
+        f"{name}.{key}".lstrip("."): entry
+        for name, table in tables(model).items()
+        for key, entry in table.model_fields.items()
+        if entry.title
+    }
+
+
+def written(table: Any, key: str) -> Any:
+    """The value of a key as it stands in the file; None of a table, and of what cannot be found."""
+    for part in key.split("."):
+        table = table.get(part) if isinstance(table, dict) else None
+    return None if isinstance(table, dict) else table

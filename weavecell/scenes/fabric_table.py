@@ -1,0 +1,200 @@
+"""The table [fabric] of input files, of impacts and of coupons."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, model_validator
+
+from fabrics.checks import FilePath
+from fabrics.errors import InputError
+from fabrics.schema import (
+    TEXT,
+    TEXT_OR_TWO,
+    Table,
+    described,
+    from_text,
+    in_python,
+    number,
+    one_of,
+    quantity,
+    string,
+)
+from fabrics.yarn import STATUSES
+
+
+class InlineLaw(Table):
+    """Compression law given by its two coefficients, in place of `law = ...`, for both families.
+
+    [fabric.law]
+    a = "0.045 mm"
+    b = "0.058 mm N^(1/3)"
+    """
+
+    a: quantity("thickness reduction of a yarn at large contact force, thesis eq. 4-12", "m", "0.045 mm", zero=True)
+    b: quantity(
+        "coefficient of the cube root of the contact force, thesis eq. 4-12",
+        "m N^(1/3)", "0.058 mm N^(1/3)", zero=True, kind="a value {} in mm N^(1/3)",
+    )  # fmt: skip
+    form: one_of(
+        "behaviour at zero contact force: `regularised` (finite stiffness, erratum E-05) or as `printed` in the "
+        "thesis", "regularised", "printed",
+    ) = "regularised"  # fmt: skip
+
+
+_NAMED_LAWS = "published", "solid", "pressure_law"
+LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
+
+
+def _law_kind(value):
+    return "inline" if isinstance(value, (Mapping, InlineLaw)) else "text"
+
+
+def _law(value, info):
+    if in_python(info) or (isinstance(value, str) and (value == "published" or value.endswith(".json"))):
+        return value
+    raise ValueError("not a law")
+
+
+def _object(value, info):
+    if in_python(info) or isinstance(value, str):
+        return value
+    raise ValueError("not a path")
+
+
+Law = Annotated[
+    Annotated[Any, BeforeValidator(_law), Tag("text"), WithJsonSchema(TEXT)] | Annotated[InlineLaw, Tag("inline")],
+    Discriminator(_law_kind),
+]
+
+
+def _toe(value, read):
+    pair = isinstance(value, (list, tuple))
+    toes = [read(part, "") for part in (value if pair else (value,))]
+    if len(toes) != 1 + pair or not all(0 <= toe <= 0.1 for toe in toes):
+        raise ValueError("out of range")
+    return tuple(toes) if pair else toes[0]
+
+
+class WeavingDamageTable(Table):
+    """Modulus and strength of the woven yarn over those of the virgin yarn (thesis section 5.2.3), where yarns drawn
+    from the fabric were tested.
+
+    [fabric.weaving_damage]
+    modulus = 0.95
+    strength = 0.9
+    source = "yarns drawn from the fabric, 20 tests"
+    status = "measured"
+    """
+
+    modulus: number("modulus of the woven yarn over that of the virgin yarn", 0.9, gt=0.0, le=1.0) = 1.0
+    strength: number("strength of the woven yarn over that of the virgin yarn", 0.8, gt=0.0, le=1.0) = 1.0
+    source: Annotated[str, described(
+        "origin of the two ratios, kept in the results", "a text: where the shares come from", min_length=1,
+    )]  # fmt: skip
+    status: one_of("whether the ratios are measured or assumed, kept in the results", *STATUSES) = "assumed"
+
+
+class FabricTable(Table):
+    """The fabric of all plies that name no other, its compression law and the model of its unit cell. The first two
+    lines are all that most input files need.
+
+    [fabric]
+    name = "S-728"
+    law = "published"
+    """
+
+    name: string(
+        "fabric of the catalogue (`weavecell fabrics list`); either this or `fabric.file`",
+        "the name of a fabric of the catalogue",
+    ) = None  # fmt: skip
+    file: string("fabric file of the user; either this or `fabric.name`", "the path of a fabric file (*.toml)") = None
+    linear_density: one_of(
+        "the linear density that is used where a fabric file has two: `effective`, from the areal density of the runs "
+        "of the thesis (erratum E-07), or `nominal`, of the data sheet", "effective", "nominal",
+    ) = "effective"  # fmt: skip
+    weaving_damage: Annotated[
+        WeavingDamageTable | None, Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }')
+    ] = None
+    law: Annotated[Law, described(
+        "compression law of warp and weft; needed for a fabric without a published one, such as your own", LAW,
+    )] = "published"  # fmt: skip
+    cell_model: one_of(
+        "unit cell: yarns that compress, incompressible yarns, or warp and weft without interaction",
+        "compressible", "incompressible", "decoupled",
+    ) = "compressible"  # fmt: skip
+    cell_formulation: one_of(
+        "how forces follow from the state of the cell: gradient of the stored energy (`variational`), force "
+        "equilibrium as in the thesis (`equilibrium`), or interpolated tensions of a response surface (`direct`)",
+        "variational", "equilibrium", "direct",
+    ) = "variational"  # fmt: skip
+    cell_profile: one_of("centre line of a crimped yarn in the cell", "cosine", "straight") = "cosine"
+    fibre_slack: from_text(
+        float | tuple[float, float], _toe,
+        "mean slack of the fibres of a yarn, which become taut one after another (toe of the tensile curve)",
+        'a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft', "", "0.1 %", TEXT_OR_TWO,
+    ) = 0.0  # fmt: skip
+    surface: Annotated[Any, BeforeValidator(_object), WithJsonSchema(TEXT), described(
+        "response surface of the 3D crossover, which replaces the analytical cell and `fabric.law`",
+        "the path of a surface written by `weavecell surface`",
+    )] = None  # fmt: skip
+    crossover_gap: quantity("play between warp and weft at a crossover before they touch", "m", "0 mm", zero=True) = 0.0
+    bending: quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True) = 0.0
+
+    @model_validator(mode="after")
+    def _of_one_cell(self):
+        if self.surface is not None:
+            keys = "law cell_model crossover_gap cell_profile fibre_slack weaving_damage"
+            self.refuse(keys, "left out with fabric.surface")
+        if self.cell_model != "compressible":
+            models = '"incompressible" or "decoupled", whose yarns are not compressed'
+            self.refuse("law", f"left out where fabric.cell_model is {models}")
+        if self.cell_model == "decoupled":
+            words = 'left out where fabric.cell_model is "decoupled", whose yarns never touch'
+            self.refuse("crossover_gap", words)
+        other, words = ("direct", "without") if self.surface is None else ("equilibrium", "with")
+        if self.cell_formulation == other:
+            forms = "variational or equilibrium" if self.surface is None else "variational or direct"
+            raise InputError(key="cell_formulation", allowed=f"{forms} {words} fabric.surface")
+        return self
+
+
+def anchored(scene: Any, file: FilePath) -> Any:
+    """The scene with its relative paths taken from the folder of the scene file.
+
+    Raises
+    ------
+    InputError : a path that is not that of a file
+    """
+
+    def of(name, table, keys):
+        """The table [name] whose paths, all texts but the names of laws, are taken from that folder."""
+        given = {key: getattr(table, key) for key in keys}
+        texts = {key: text for key, text in given.items() if isinstance(text, str) and text not in _NAMED_LAWS}
+        paths = {key: os.path.normpath(Path(file).parent / text) for key, text in texts.items()}
+        for key, path in paths.items():
+            if not os.path.isfile(path):
+                allowed = type(table).model_fields[key].description
+                raise InputError(
+                    f"there is no file {path}", file=file, key=f"{name}.{key}", value=texts[key], allowed=allowed
+                )
+        return table.model_copy(update=paths)
+
+    updates: dict[str, Any] = {"fabric": of("fabric", scene.fabric, ("file", "law", "surface"))}
+    shot, panel = getattr(scene, "projectile", None), getattr(scene, "panel", None)
+    if shot is not None:
+        updates["projectile"] = of("projectile", shot, ("stl",))
+    if panel is not None:
+        plies = tuple(of("panel.ply", ply, ("file", "law")) for ply in panel.ply)
+        updates["panel"] = of("panel", panel, ("ply_contact",)).model_copy(update={"ply": plies})
+    return scene.model_copy(update=updates)
+
+
+def exactly_one(table: Table, keys: Sequence[str], name: str = "") -> None:
+    """InputError unless exactly one of some keys of the table [name] is given."""
+    if sum(getattr(table, key) is not None for key in keys) != 1:
+        paths = [f"{name}.{key}".lstrip(".") for key in keys]
+        raise InputError(f"give exactly one of {', '.join(paths[:-1])} and {paths[-1]}", key=name or None)
