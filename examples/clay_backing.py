@@ -19,7 +19,7 @@ print(f"{shot.outcome}, checks {shot.checks_text}")
 print(f"back-face signature {found['back_face_signature_mm']:.1f} mm, dent {1e6 * found['dent_volume_m3']:.2f} cm3")
 
 figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
-block = shot.record.backing
+block = shot.backing
 for family, section in (("along the warp", block.crater), ("along the weft", block.crater_weft)):
     axes.plot(1e3 * section[:, 0], -1e3 * section[:, 1], "o-", label=f"{family}, nodes of the face")
 axes.set(xlabel="distance from the impact point [mm]", ylabel="face of the clay [mm]")

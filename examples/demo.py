@@ -15,7 +15,7 @@ from pathlib import Path
 
 import weavecell as wc
 from weavecell.report import chapters, page
-from weavecell.report.shot import chapters_mesh, chapters_shot, tables_shot
+from weavecell.report.shot import chapters_shot
 from weavecell.results import provenance
 
 TARGETS = {"92.5 m/s": ("stopped", "thesis Figure 5-4"), "155 m/s": ("perforated", "thesis Figure 5-5")}
@@ -32,9 +32,9 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
     shots = wc.sweep(setups)
     for (velocity, law), shot in zip(cases, shots):
         folder = shot.to_vtk(out / f"{velocity.split()[0]}-{law.split()[0]}").parent
-        shot.record.write(folder / "histories.h5")
+        shot.write(folder / "histories.h5")
 
-    records = [replace(shot.record, title=", ".join(case)) for case, shot in zip(cases, shots)]
+    records = [replace(shot, title=", ".join(case)) for case, shot in zip(cases, shots)]
     rows = []
     for (velocity, _), record in zip(cases, records):
         outcome, source = TARGETS[velocity]
@@ -52,10 +52,10 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
         chapters.mesh(solved.mesh.summary(), (out / "calibration" / "crossover.png").read_bytes()),
         fit,
         cell,
-        chapters_mesh.section(records[0], setups[0]),
+        chapters_shot.mesh(records[0], setups[0]),
         chapters_shot.assumptions(setups[0], shots[0].assumed, body=records[0].rigid_check),
         chapters.sources(used),
-        chapters.making(stamp, times, tables_shot.cost(records, setups[0])),
+        chapters.making(stamp, times, chapters_shot.cost(records, setups[0])),
     )
     fitted = chapters.law_card(solved.law, laws["published law"], "fitted to the 3D crossover")
     cards = (chapters.fabric_card(used), fitted), tuple(map(chapters_shot.card, records))

@@ -53,14 +53,15 @@ class Record:
         ends = {name: [""] if np.ndim(self[name]) == 1 else [f"_{k}" for k in range(len(flat[name]))] for name in flat}
         return DataFrame({name + end: part for name in flat for end, part in zip(ends[name], flat[name])})
 
-    def to_xarray(self, dimension: str = "row") -> Dataset:
-        """The columns as variables over `dimension`, with units; further axes of a column are name_1, name_2, ..."""
+    def to_xarray(self, *dimensions: str) -> Dataset:
+        """The columns as variables over `dimensions` ("row" without), with units; further axes are name_1, ..."""
         from xarray import Dataset
 
+        named = dimensions or ("row",)
         return Dataset(
             {
                 name: (
-                    (dimension, *(f"{name}_{axis}" for axis in range(1, np.ndim(values)))),
+                    [*named[: np.ndim(values)], *(f"{name}_{axis}" for axis in range(len(named), np.ndim(values)))],
                     values,
                     {"units": self.unit(name), "long_name": self.meanings[name].partition("] ")[2]},
                 )

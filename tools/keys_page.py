@@ -46,9 +46,9 @@ COMMANDS = {
 RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
-    "summary.json of coupons": keys.COUPON,
-    "critical-velocity.json": keys.CRITICAL_VELOCITY,
-    "Energies": keys.ENERGIES,
+    "summary.json of coupons": keys.TABLES["coupon"],
+    "critical-velocity.json": keys.TABLES["critical_velocity"],
+    "Energies": keys.TABLES["energies"],
     "histories.h5 of impacts": keys.DATASETS,
     "histories.h5 of coupons": keys.COUPON_DATASETS,
     "Attributes in histories.h5": keys.ATTRIBUTES,

@@ -36,7 +36,7 @@ from weavecell.api import keywords, targets
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_coupon
 from weavecell.results import coupon as coupon_results
-from weavecell.results import progress, run_folder
+from weavecell.results import display, progress, run_folder
 from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
@@ -274,7 +274,7 @@ class CouponResult(Result):
         """What the test came to, as printed."""
         facts = self.record.facts
         return [
-            *(f"{name:<34}{text}" for name, text in pictures_coupon.last(self.record).items()),
+            *(f"{name:<34}{display.text(values[-1], unit, name)}" for name, (unit, values) in self._measured().items()),
             f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
             f"most, {facts['wall_time_s']:.1f} s",
         ]
@@ -289,9 +289,13 @@ class CouponResult(Result):
     def table(self) -> DataFrame:
         """All load steps, in the units of the report, with residual (out-of-balance force over the reaction)."""
         states = self.solved.states
-        return pictures_coupon.shown(self.record).assign(
+        return display.frame(self._measured()).assign(
             residual=[f"{state.residual:.1e}" for state in states], iterations=[state.iterations for state in states]
         )
+
+    def _measured(self):
+        """{column: (SI unit, values)}."""
+        return {name: (self.record.unit(name), values) for name, values in self.record.columns.items()}
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """{file: (caption, function that draws it, its arguments beside pyplot)}."""

@@ -23,7 +23,7 @@ from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.study_result import StudyResult
-from weavecell.report import chapters_assumed, checks
+from weavecell.report import checks
 from weavecell.results import progress
 from weavecell.scenes import honoured
 
@@ -265,7 +265,8 @@ class CriticalVelocityResult(StudyResult):
         for shot in shots:
             shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
         content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
-        content |= checks.summary(self.checks) | chapters_assumed.summary(self.range)
+        content |= checks.summary(self.checks)
+        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
         return {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
 
     def lines(self) -> list[str]:

@@ -70,20 +70,10 @@ class Result:
         raise NotImplementedError
 
     def to_dataframe(self) -> DataFrame:
-        """The result as a pandas.DataFrame; names of the columns end in their SI unit.
+        """The result as a pandas.DataFrame; names of the columns end in their SI unit."""
+        from pandas import DataFrame
 
-        Raises
-        ------
-        ModuleNotFoundError : pandas is not installed
-        """
-        try:
-            import pandas
-        except ModuleNotFoundError:
-            raise ModuleNotFoundError(
-                "to_dataframe() needs the Python package pandas, which is not installed: pip install pandas",
-                name="pandas",
-            ) from None
-        return pandas.DataFrame(dict(self._columns()))
+        return DataFrame(dict(self._columns()))
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{key}={_text(value)}" for key, value in self.summary().items() if plain(value))

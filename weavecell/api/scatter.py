@@ -8,7 +8,6 @@ The folders that `save` writes, beside runs/ with a file for each run
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
@@ -94,7 +93,6 @@ def v50(
     from weavecell.studies import inputs
     from weavecell.studies import v50 as analysis
 
-    began = time.perf_counter()
     own: dict[str, Any] = {"shape": weibull_shape}
     for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
         own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
@@ -103,7 +101,7 @@ def v50(
     with targets.study(panel, f"{panel.title}, repeated shots", out, resume, jobs, executor) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
-        return run.saved(V50Result(study, panel, seed, batch, time.perf_counter() - began))
+        return run.saved(V50Result(study, panel, seed, batch, run.wall_time))
 
 
 def sensitivity(
@@ -153,20 +151,26 @@ def sensitivity(
     """
     from weavecell.studies import sobol
 
-    began = time.perf_counter()
     velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
     panel = targets.of(target, options, honoured.SENSITIVITY)
     own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
     with targets.study(panel, f"{panel.title}, sensitivities", out, resume, jobs, executor) as run:
         sizes = {"samples": samples, "seed": seed}
         indices = sobol.study(panel.setup, velocities or own, **sizes, report=run.report(), **run.runs)
-        return run.saved(SensitivityResult(indices, panel, samples, seed, time.perf_counter() - began))
+        return run.saved(SensitivityResult(indices, panel, samples, seed, run.wall_time))
 
 
 def draws(
-    target: Fabric | FilePath | ImpactSetup, count: int = 20, *, weibull_shape: float | None = None, seed: int = 1,
-    jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None, resume: bool = False,
-) -> DrawsResult:  # fmt: skip
+    target: Fabric | FilePath | ImpactSetup,
+    count: int = 20,
+    *,
+    weibull_shape: float | None = None,
+    seed: int = 1,
+    jobs: int = 1,
+    executor: str | Executor = "local",
+    out: FilePath | None = None,
+    resume: bool = False,
+) -> DrawsResult:
     """One shot at many whole panels or packs, each yarn of each ply with a strength of its own (Weibull).
 
     The symmetry of the input file is not used, since the whole panel is computed, nor are [history] and what a run
@@ -193,19 +197,18 @@ def draws(
 
     Examples
     --------
-    >>> found = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2, seed=7)
-    >>> found.summary()["in_flight"]
+    >>> panels = wc.draws(wc.setup("S-720", "150 m/s", opening="20 mm", end_time="10 us"), 2, seed=7)
+    >>> panels.summary()["in_flight"]
     2
     """
     from weavecell.studies import draws as analysis
     from weavecell.studies import inputs
 
-    began, scatter = time.perf_counter(), inputs.published()
+    scatter = inputs.published() if weibull_shape is None else replace(inputs.published(), shape=weibull_shape)
     panel = targets.of(target, {}, honoured.DRAWS, one_shot=True)
-    scatter = scatter if weibull_shape is None else replace(scatter, shape=weibull_shape)
     with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor) as run:
         study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
-        result = run.saved(DrawsResult(study, panel, time.perf_counter() - began))
+        result = run.saved(DrawsResult(study, panel, run.wall_time))
     unstable = len(study.draws) - len(study.counted)
     if unstable:
         problem = UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate")

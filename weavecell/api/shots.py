@@ -21,10 +21,12 @@ from __future__ import annotations
 import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
+from typing import TYPE_CHECKING, Any, Unpack
 
-from fabrics import run_cache
-from fabrics.checks import FilePath, FloatArray
+import numpy as np
+
+from fabrics import files, run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import targets
@@ -32,29 +34,33 @@ from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
 from weavecell.results import progress, run_folder
+from weavecell.results.impact import ImpactRecord
+from weavecell.results.impact_shapes import Shape
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from shellfabric.impact.simulation import ImpactSetup
-    from shellfabric.panel.quality import Indicator
-    from weavecell.results.impact import ImpactRecord
-    from weavecell.results.impact_shapes import Shape
+    from shellfabric.impact.simulation import ImpactResult, ImpactSetup
+    from weavecell.scenes.build import Case
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation
 
 __all__ = ["ShotResult", "impact"]
 
-Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
-
 
 def impact(
-    target: Fabric | FilePath | ImpactSetup | None, velocity: float | str | None = None, *,
-    assumed_range: bool = False, uncertainty: bool = False, check: bool = False, out: FilePath | None = None,
-    resume: bool = False, **options: Unpack[Keywords],
-) -> ShotResult:  # fmt: skip
+    target: Fabric | FilePath | ImpactSetup | None,
+    velocity: float | str | None = None,
+    *,
+    assumed_range: bool = False,
+    uncertainty: bool = False,
+    check: bool = False,
+    out: FilePath | None = None,
+    resume: bool = False,
+    **options: Unpack[Keywords],
+) -> ShotResult:
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
 
     A shot that is still in flight at the end time is a result with the outcome "in flight". An input file with a table
@@ -132,7 +138,6 @@ _BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projecti
 def _answer(panel, key, folder, resume, uncertainty):
     """(ShotResult, the UnstableError that ended the run or None), of the finest mesh that [accuracy] asks for where
     there is one, or of a pair of meshes."""
-    from weavecell.results.impact import ImpactRecord
     from weavecell.studies import mesh_uncertainty
 
     scene, setup = None if panel.case is None else panel.case.scene, panel.setup
@@ -153,16 +158,16 @@ def _answer(panel, key, folder, resume, uncertainty):
         kept = folder is not None and run_folder.checkpoints(folder)
         hint = "; --resume goes on from its last checkpoint" if kept else ""
         raise run_folder.Interrupted(f"interrupted{hint}") from None
-    record = ImpactRecord.of(shot.result, panel.shot_title, panel.law_name, str(shot.failure or ""))
-    shapes, lines = shapes_of(shot.result.snapshots), targets.assumed_of(setup)
-    return ShotResult(record, shapes, setup.fabric, lines, None, panel, pair, key), shot.failure
+    return shot_of(panel, shot.result, str(shot.failure or ""), target=panel, pair=pair, key=key), shot.failure
 
 
-def shapes_of(snapshots: Any) -> tuple[tuple[Shape, ...], ...]:
-    """The Shapes of a run's snapshots, of each instant those of all plies."""
-    from weavecell.results.impact_shapes import Shape
-
-    return tuple(tuple(map(Shape.of, plies)) for plies in snapshots)
+def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
+    """The ShotResult of what a run at a target came to; why it became unstable, or ""; `more` of its fields."""
+    shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
+    fabric, lines = panel.setup.fabric, targets.assumed_of(panel.setup)
+    return ShotResult.of(
+        result, panel.shot_title, panel.law_name, message, shapes=shapes, fabric=fabric, assumed=lines, **more
+    )
 
 
 def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
@@ -196,13 +201,12 @@ def _range(setup, shot):
         return None
 
 
-@dataclass(frozen=True, repr=False)
-class ShotResult(Result):
-    """One impact on one ply or on a pack.
+@dataclass(frozen=True, repr=False, kw_only=True)
+class ShotResult(ImpactRecord, Result):
+    """One impact on one ply or on a pack, with all that `weavecell.results.impact.ImpactRecord` has.
 
     Parameters
     ----------
-    record : `weavecell.results.impact.ImpactRecord`
     shapes : of each instant of `snapshot_interval` the tuple of the plies' Shape
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
@@ -222,7 +226,6 @@ class ShotResult(Result):
     'panel.pvd'
     """
 
-    record: ImpactRecord
     shapes: tuple[tuple[Shape, ...], ...] = ()
     fabric: Fabric | None = None
     assumed: tuple[str, ...] = ()
@@ -232,47 +235,24 @@ class ShotResult(Result):
     key: str = ""
 
     @property
-    def outcome(self) -> Outcome:
-        """ "stopped", "perforated", "in flight" (the end time came first) or "unstable"."""
-        return cast("Outcome", self.record.outcome)
+    def case(self) -> Case:
+        """What was built from the input file.
 
-    @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks of the shot."""
-        return self.record.checks
-
-    @property
-    def strike_velocity(self) -> float:
-        """[m/s]"""
-        return float(self.record.strike_velocity)
-
-    @property
-    def residual_velocity(self) -> float:
-        """[m/s] at the end, along the panel's normal; 0 of a projectile that has stopped."""
-        return float(self.record.residual_velocity)
-
-    @property
-    def time(self) -> FloatArray:
-        """(n,) [s] of the histories `deflection` and `contact_force`."""
-        return self.record.time
-
-    @property
-    def deflection(self) -> FloatArray:
-        """(n,) [m] of the back face: largest displacement along the normal, of a pack that of its last ply."""
-        return self.record.deflection
-
-    @property
-    def contact_force(self) -> FloatArray:
-        """(n,) [N] on the projectile along the panel's normal, against its flight; the mean since the time before."""
-        return self.record.contact_force
+        Raises
+        ------
+        InputError : a shot of a sweep, or of a set-up, whose panel no report can describe
+        """
+        if self.target is None or self.target.case is None:
+            raise InputError("a shot of a set-up has no report: give the fabric and its keywords, or an input file")
+        return self.target.case
 
     def summary(self) -> dict[str, Any]:
         """The entries of summary.json (docs/reference/input.md), the checks in words, the areal density of the first
         ply, and what is assumed."""
-        found = self.record.summary() | {"checks": self.checks_text}
+        known = self.facts() | {"checks": self.checks_text}
         if self.fabric is not None:
-            found["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
-        return found | self._what_is_assumed()
+            known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
+        return known | self._what_is_assumed()
 
     def __repr__(self) -> str:
         more = f", assumed: {len(self.assumed)} laws" if self.assumed else ""
@@ -280,25 +260,23 @@ class ShotResult(Result):
         return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
 
     def _what(self):
-        return f"{self.record.fabric}, {self.strike_velocity:g} m/s: {self.outcome}"
+        return f"{self.fabric_name}, {self.strike_velocity:g} m/s: {self.outcome}"
 
     def _columns(self):
-        record = self.record
-        columns = {
-            "time_s": record.time, "velocity_m_s": record.velocity, "nose_position_m": record.nose_position,
-            "deflection_m": record.deflection, "contact_force_N": record.contact_force,
-            "failed_yarn_segments": record.failed_segments,
-        }  # fmt: skip
-        columns |= {f"energy_{name}_J": values for name, values in record.energies.items()}
-        columns |= {f"reaction_{name}_N": record.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")}
-        return columns | {"checks": [self.checks_text] * len(record.time)}
+        histories, columns = self.histories, {}
+        for name, values in histories.columns.items():
+            if np.ndim(values) == 1:
+                unit = histories.unit(name).replace("/", "_")
+                columns["failed_yarn_segments" if unit == "1" else f"{name}_{unit}"] = values
+        columns |= {f"reaction_{name}_N": self.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")}
+        return columns | {"checks": [self.checks_text] * len(self.time)}
 
     def plot(self) -> Figure:
         """A matplotlib figure: velocity of the projectile [m/s] against time [us]."""
         from weavecell.report import pictures
 
-        label = f"{self.record.fabric}, {self.strike_velocity:g} m/s"
-        return figure(pictures.velocity, {label: (self.record.time, self.record.velocity)})
+        label = f"{self.fabric_name}, {self.strike_velocity:g} m/s"
+        return figure(pictures.velocity, {label: (self.time, self.velocity)})
 
     def plot_panel(self) -> Figure:
         """A matplotlib figure: the whole panel or pack and the projectile at the end, seen from behind.
@@ -307,7 +285,7 @@ class ShotResult(Result):
         """
         from weavecell.report.shot import view
 
-        return figure(view.end, self.record)
+        return figure(view.end, self)
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``, all plies in each.
@@ -322,9 +300,9 @@ class ShotResult(Result):
         """
         from weavecell.results import vtk
 
-        folder, final = Path(folder), self.record.final
+        folder, final = Path(folder), self.final
         before = [plies for plies in self.shapes if plies[0].t < final[0].t]
-        vtk.write_panel(folder, [*before, final], self.record.quads)
+        vtk.write_panel(folder, [*before, final], self.quads)
         return folder / "panel.pvd"
 
     def save(self, out: FilePath) -> None:
@@ -332,56 +310,57 @@ class ShotResult(Result):
 
         Raises
         ------
-        InputError : a shot of a sweep, or of a set-up, whose panel no report can describe
+        InputError : as `case`
         """
-        from weavecell.report import chapters_assumed, chapters_discretisation, checks, page
+        from weavecell.report import chapters_discretisation, checks, page
         from weavecell.report.shot import shot_page
-        from weavecell.results import provenance
+        from weavecell.results import json_file, provenance
         from weavecell.scenes import words
 
-        if self.target is None or self.target.case is None:
-            raise InputError("a shot of a set-up has no report: give the fabric and its keywords, or an input file")
-        out, case, record, setup = Path(out), self.target.case, self.record, self.target.setup
-        outputs, shot = case.scene.run.outputs, case.scene.projectile
-        stamp = provenance.stamp(self.target.text, setup=setup)
-        more = checks.summary(record.checks) | chapters_assumed.summary(self.range)
-        more |= chapters_discretisation.summary(self.pair) | {"projectile": words.shot_in_words(shot)}
-        run_folder.write(out, self.target.text, record, more | {"run_key": self.key}, stamp)
-        if shot.stl is not None:
-            shutil.copyfile(shot.stl, out / "projectile.stl")
+        out, scene, target = Path(out), self.case.scene, self.target
+        assert target is not None  # since it has a case
+        outputs, projectile = scene.run.outputs, scene.projectile
+        stamp = provenance.stamp(target.text, setup=target.setup)
+        if target.text:
+            files.write(out / "scene.toml", target.text)
+        self.write(out / "histories.h5")
+        content = self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
+        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
+        content |= {"projectile": words.shot_in_words(projectile), "run_key": self.key, "provenance": stamp}
+        json_file.write_summary(out / "summary.json", content)
+        if projectile.stl is not None:
+            shutil.copyfile(projectile.stl, out / "projectile.stl")
         shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
         if "paraview" in outputs:
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
             return
-        used = setup if self.pair is None else self.pair.setup
-        sections = shot_page.sections(case, used, record, self.range, self.pair)
+        used = target.setup if self.pair is None else self.pair.setup
+        sections = shot_page.sections(self, used)
         if "pictures" in outputs:
             page.write_pictures(sections, out / "pictures")
         if "report" in outputs:
-            page.write(shot_page.page(case, used, record, sections, stamp), out / "report.html")
+            page.write(shot_page.page(self, used, sections, stamp), out / "report.html")
 
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation
-        from weavecell.report.shot import tables_shot
+        from weavecell.report.shot import chapters_shot
+        from weavecell.results.display import text
 
-        record = self.record
-        lines = [f"{record.title}: {record.outcome}, {tables_shot.residual(record)}"]
-        if record.pack:
-            lines.append(record.contact_words)
-            by_ply = ", ".join(f"{n:g}" for n in record.plies["failed_yarns"][-1])
-            lines += [f"failed yarn segments by ply: {by_ply}", record.gap_words]
-        error = 100 * record.energy_error_max
-        lines.append(f"energy error at most {error:.3f} % of the strike energy, {record.strike_energy:.2f} J")
-        if record.rigid_check:
-            lines.append(record.rigid_check)
-        if record.backing is not None:
-            moving = 100 * record.energies["backing_kinetic"][-1] / record.strike_energy
-            signature = 1e3 * record.backing.back_face_signature
-            said = f"back-face signature {signature:.3g} mm"
-            lines.append(f"{said}; the block still moves with {moving:.2g} % of the strike energy")
-        share, absorbed = 100 * record.viscous_energy_fraction, record.absorbed_energy
-        lines.append(f"viscous energy {share:.1f} % of the {absorbed:.2f} J absorbed")
+        lines = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
+        if self.pack:
+            lines.append(self.contact_words)
+            by_ply = ", ".join(f"{n:g}" for n in self.plies["failed_yarns"][-1])
+            lines += [f"failed yarn segments by ply: {by_ply}", self.gap_words]
+        error = text(self.energy_error_max, "1", "error", ".3f")
+        lines.append(f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J")
+        if self.rigid_check:
+            lines.append(self.rigid_check)
+        if self.backing is not None:
+            said = f"back-face signature {text(self.backing.back_face_signature, 'm', form='.3g')}"
+            lines.append(f"{said}; the block still moves with {chapters_shot.block_moves(self)} of the strike energy")
+        share = text(self.viscous_energy_fraction, "1", "share", ".1f")
+        lines.append(f"viscous energy {share} of the {self.absorbed_energy:.2f} J absorbed")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
         if self.pair is not None:

@@ -26,7 +26,7 @@ from fabrics.fabric import Fabric
 from fabrics.schema import entries, unit_of
 from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain
-from weavecell.api.shots import ShotResult, shapes_of
+from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.scenes import honoured
 from weavecell.scenes import impact as scenes
@@ -241,12 +241,9 @@ def _of_setups(setups, jobs, executor):
 def _fire(setup):
     """The ShotResult of a set-up, in a process of a sweep."""
     from shellfabric.impact import simulation
-    from weavecell.results.impact import ImpactRecord
 
     result, problem = simulation.fired(setup)
-    panel = targets.of(setup, {}, honoured.IMPACT)
-    record = ImpactRecord.of(result, panel.shot_title, panel.law_name, problem)
-    return ShotResult(record, shapes_of(result.snapshots), setup.fabric, targets.assumed_of(setup))
+    return shot_of(targets.of(setup, {}, honoured.IMPACT), result, problem)
 
 
 @dataclass(frozen=True, repr=False)

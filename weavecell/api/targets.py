@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import inspect
 import os
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -134,6 +135,12 @@ class Study:
     folder: Path | None
     runs: dict[str, Any]
     advance: Callable[..., Any]
+    began: float = field(default_factory=time.perf_counter)
+
+    @property
+    def wall_time(self) -> float:
+        """[s] since it began."""
+        return time.perf_counter() - self.began
 
     def report(self, part: int = 0, parts: int = 1) -> Callable[[int, int], None]:
         """Progress of the runs of a part of the study, called as report(number done, number of all)."""

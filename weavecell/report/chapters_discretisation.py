@@ -6,6 +6,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from weavecell.report.page import Section, Table
+from weavecell.results import display
 
 if TYPE_CHECKING:
     from weavecell.studies.mesh_uncertainty import Discretisation
@@ -25,17 +26,23 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
         one.name: {"unit": one.unit, "value": one.value, other: one.other, "uncertainty": one.uncertainty}
         for one in pair.intervals
     }
-    meshes, outcomes = list(pair.meshes), list(pair.outcomes)
-    found: dict[str, Any] = {"discretisation": {"meshes": meshes, "outcomes": outcomes, "results": results}}
+    meshes = list(pair.meshes)
+    entries: dict[str, Any] = {
+        "discretisation": {"meshes": meshes, "outcomes": list(pair.outcomes), "results": results}
+    }
     if pair.targets:
         errors = {name: pair.errors.get(name, inf) for name in pair.targets}
-        found["accuracy"] = {
-            "targets": dict(pair.targets), "model": meshes[-1], "symmetry": pair.setup.symmetry,
-            "projectile": pair.setup.projectile.body, "compared_with": "".join(meshes[-2:-1]), "models_run": meshes,
+        entries["accuracy"] = {
+            "targets": dict(pair.targets),
+            "model": meshes[-1],
+            "symmetry": pair.setup.symmetry,
+            "projectile": pair.setup.projectile.body,
+            "compared_with": "".join(meshes[-2:-1]),
+            "models_run": meshes,
             "confirmed": pair.confirmed,
             "estimated_errors": {name: None if error == inf else error for name, error in errors.items()},
-        }  # fmt: skip
-    return found
+        }
+    return entries
 
 
 def words(pair: Discretisation) -> str:
@@ -70,22 +77,20 @@ def _verdict(pair):
 
 
 def _percent(share):
-    return "not known" if share == inf else f"{100 * share:.2g} %"
+    return "not known" if share == inf else display.text(share, "1", "share", ".2g")
 
 
 def section(pair: Discretisation) -> Section:
     """For the report."""
-    rows = tuple(
-        (f"{one.name} [{one.unit}]", f"{one.value:.4g}", f"{one.other:.4g}", f"{one.uncertainty:.2g}")
-        for one in pair.intervals
-    )
-    meshes = pair.meshes[-1:-3:-1] if pair.targets else pair.meshes
+    from pandas import DataFrame
+
+    meshes, tables = pair.meshes[-1:-3:-1] if pair.targets else pair.meshes, []
     lead = " ".join(line[0].upper() + line[1:] + "." for line in (*_verdict(pair), *_outcomes(pair)))
-    if rows:
+    if pair.intervals:
         lead = f"{lead} {_INDEX.format('on the finer mesh' if pair.targets else 'on the mesh of the scene')}".strip()
-    columns = ("result", *meshes, "uncertainty")
-    tables = [Table(columns, rows, numeric=columns[1:])] if rows else []
+        rows = [(f"{one.name} [{one.unit}]", one.value, one.other, one.uncertainty) for one in pair.intervals]
+        tables.append(Table.of(DataFrame(rows, columns=["result", *meshes, "uncertainty"])))
     if pair.targets:
-        runs = tuple(zip(pair.meshes, pair.outcomes))
-        tables.append(Table(("mesh", "outcome"), runs, "Meshes that were run"))
+        runs = DataFrame({"mesh": pair.meshes, "outcome": pair.outcomes})
+        tables.append(Table.of(runs, "Meshes that were run"))
     return Section("discretisation", "Discretisation uncertainty", lead, (), tuple(tables))

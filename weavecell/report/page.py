@@ -56,11 +56,11 @@ class Table:
     numeric: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, frame: DataFrame, caption: str = "") -> Table:
-        """The table of a frame, numbers with four digits."""
+    def of(cls, frame: DataFrame, caption: str = "", numeric: Iterable[str] = ()) -> Table:
+        """The table of a frame, numbers with four digits; `numeric` are columns of texts that are numbers."""
         rows = frame.itertuples(index=False, name=None)
         texts = tuple(tuple(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) for row in rows)
-        return cls(tuple(frame), texts, caption, tuple(frame.select_dtypes("number")))
+        return cls(tuple(frame), texts, caption, (*frame.select_dtypes("number"), *numeric))
 
 
 @dataclass(frozen=True)

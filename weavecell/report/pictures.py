@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from meshing.pictures_style import (  # fmt: skip
+from meshing.pictures_style import (
     BLUE,
     COLOURS,
     DASHES,
@@ -26,8 +26,9 @@ from meshing.pictures_style import (  # fmt: skip
     plots,
     tension_map,
 )
+from weavecell.results.display import US
 
-US, UM = 1e6, 1e6
+UM = 1e6
 
 # energies from the largest and best known down to the losses: name in the results, name in the plot, colour
 ENERGIES = (
@@ -284,26 +285,3 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
 
 def _with_interval(value, interval):
     return f"{value:.2f} ({interval[0]:.2f} to {interval[1]:.2f})" if interval else f"{value:.2f} (its bound)"
-
-
-def reactions(pyplot: Any, runs: Any) -> Any:
-    """Tension at the clamped ends of the two yarns through the impact point, one panel a run.
-
-    Parameters
-    ----------
-    runs : {title: (t, warp, weft)} [s, N, N]
-    """
-    across = min(2, len(runs))
-    down = -(-len(runs) // across)
-    size = (5.6, 5.6) if len(runs) == 1 else (10.4, 0.7 + 2.6 * down)
-    figure, grid = pyplot.subplots(down, across, figsize=size, sharey=True, sharex=True, squeeze=False, layout="none")
-    place(figure, 1.1, 0.2, 0.7, 0.4 if len(runs) > 1 else 0.15, across=0.3, down=0.45)
-    for axes, (title, (t, warp, weft)) in zip(grid.flat, runs.items()):
-        axes.plot(US * t, warp, color=WARP, label="warp yarn")
-        axes.plot(US * t, weft, color=WEFT, ls="--", label="weft yarn")
-        axes.set_title(title if len(runs) > 1 else "")
-        axes.set_xlim(left=0)
-    figure.supxlabel("time after strike [µs]", fontsize=12)
-    figure.supylabel("tension at the clamped edge [N]", fontsize=12)
-    grid[0, 0].legend(loc="upper left")
-    return figure

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshing.pictures_style import BLUE, FAINT, INK, RED
+from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
     from shellfabric.backing.coupling import BackingResult
     from shellfabric.projectile.dynamics import BarHistory
 
-US, MM = 1e6, 1e3
 _AT = 24e-3  # [m] least half-width of the cut that is shown
 
 

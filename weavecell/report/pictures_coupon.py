@@ -9,10 +9,9 @@ import numpy as np
 
 from fabrics.record import Record
 from meshing.pictures_style import COLOURS, FAINT, INK, WARP, WEFT, tension_map
+from weavecell.results.display import shown
 
 if TYPE_CHECKING:
-    from pandas import DataFrame
-
     from shellfabric.coupon.pull_out_curve import PullOutCurve
     from shellfabric.coupon.solver import Result
 
@@ -49,30 +48,7 @@ CURVES: dict[str, tuple[tuple[str, tuple[str, ...], str, str], ...]] = {
     ),
 }
 _KNOWN = ("cell", "trellis", "zone C")  # closed forms, which are dashed
-_AXES = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°"), "N": (1.0, "N"), "Pa": (1e-6, "MPa")}
 _SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # even steps of lightness
-
-
-def axis(record: Record, name: str) -> tuple[float, str]:
-    """(factor, unit) of a column in pictures and texts; strains in %."""
-    unit = record.unit(name)
-    return (100.0, "%") if unit == "1" and "strain" in name else _AXES.get(unit, (1.0, ""))
-
-
-def shown(record: Record) -> DataFrame:
-    """The columns of a record in the units of pictures, which its headings name."""
-    from pandas import DataFrame
-
-    axes = {name: axis(record, name) for name in record.columns}
-    return DataFrame(
-        {f"{name} [{unit}]" if unit else name: factor * record[name] for name, (factor, unit) in axes.items()}
-    )
-
-
-def last(record: Record) -> dict[str, str]:
-    """{column: its last value with the unit of pictures}."""
-    axes = {name: axis(record, name) for name in record.columns}
-    return {name: f"{factor * record[name][-1]:.4g} {unit}".rstrip() for name, (factor, unit) in axes.items()}
 
 
 def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
@@ -103,7 +79,7 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
     if record.facts["test"] == "bias_extension":
         _zones(left, solved)
     prescribed = record.facts["prescribed_name"]
-    factor, unit = axis(record, prescribed)
+    unit, factor = shown(record.unit(prescribed), prescribed)
     state = f"{prescribed} {factor * record[prescribed][-1]:.3g} {unit}"
     for axes, title, drawn, label in (
         (left, f"shear, {state}", elements, "shear angle [°]"),
@@ -141,8 +117,8 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
     """Columns of one unit against what was prescribed; closed forms (cell, trellis law, zone C of yarns that do not
     stretch) are dashed. The label of the axis is without its unit."""
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
-    prescribed, (factor, unit) = record.facts["prescribed_name"], axis(record, names[0])
-    across, across_unit = axis(record, prescribed)
+    prescribed, (unit, factor) = record.facts["prescribed_name"], shown(record.unit(names[0]), names[0])
+    across_unit, across = shown(record.unit(prescribed), prescribed)
     computed = " ".join(name for name in names if not name.startswith(_KNOWN))
     colours = iter((WARP, WEFT) if "warp" in computed and "weft" in computed else COLOURS)
     for name in names:

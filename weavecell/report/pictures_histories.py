@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, ORANGE, RED, WARP, WEFT, tension_map
+from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
     from shellfabric.output.histories import YarnHistory
 
-US, MM = 1e6, 1e3
 _WAVES = {"longitudinal": INK, "transverse": RED}
 _CURVES = 8  # deflection profiles drawn
 

@@ -13,7 +13,7 @@ sliding crossovers. Nodes count from the middle surface of the first ply at rest
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from math import degrees
 from typing import TYPE_CHECKING, Any, Self
 
@@ -22,12 +22,15 @@ import numpy as np
 from fabrics.checks import FilePath, FloatArray
 from fabrics.files import read_hdf5, write_hdf5
 from fabrics.ply_law import SOLID_TRAVEL
-from weavecell.results import keys
-from weavecell.results.hdf5_file import plain, put
-from weavecell.results.impact_groups import read_group, read_measured, write_group, write_measured
-from weavecell.results.impact_shapes import Cut, Peak, Shape, read_cuts, read_shape, write_cuts, write_shape
+from fabrics.record import Record
+from weavecell.results import display, json_file, keys
+from weavecell.results.hdf5_file import plain, put, read_group, write_group
+from weavecell.results.impact_shapes import Cut, Peak, Shape
+from weavecell.results.keys import TABLES
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from shellfabric.backing.coupling import BackingResult
     from shellfabric.impact.simulation import ImpactResult
     from shellfabric.output.histories import Histories
@@ -35,64 +38,29 @@ if TYPE_CHECKING:
     from shellfabric.sliding.model import SlipSummary
 
 FORMAT = "weavecell impact 7"  # and version of the files
-# attribute of the record: attribute of the file, and key of summary.json
-SCALARS = {
-    "title": "title",
-    "fabric": "fabric",
-    "law_name": "law_name",
-    "strike_velocity": "strike_velocity_m_s",
-    "outcome": "outcome",
-    "residual_velocity": "residual_velocity_m_s",
-    "mass": "projectile_mass_kg",
-    "failure_message": "failure_message",
-    "rigid_check": "rigid_check",
-    "mirror_x": "mirror_x",
-    "mirror_y": "mirror_y",
-    "wall_time": "wall_time_s",
-    "ns_per_element_step": "element_step_time_ns",
-    "elements": "elements",
-    "steps": "steps",
-    "max_deflection": "max_deflection_m",
-}
-HISTORIES = keys.units(keys.HISTORIES)
-_PLY_UNITS, _PLIES = keys.units(keys.PLY_HISTORIES), keys.units(keys.PLIES)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImpactRecord:
-    """One impact on one ply or several, from strike to its end.
+    """One impact on one ply or several, from strike to its end; energies and forces are those of the whole panel.
+
+    Scalars, histories (n,) and data of the plies (plies, ...) are in SI units and as results/keys.toml has them, in the
+    tables run, impact, histories and plies.
 
     Parameters
     ----------
-    title, fabric, law_name : for the reader
-    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant, along the
-        normal, and 0 of a projectile that has stopped
-    outcome : "stopped", "perforated", "in flight" or "unstable"
-    mass : [kg] of the projectile
-    failure_message : why an unstable run was ended; "" for others
-    rigid_check : whether a rigid projectile is justified, in words; "" where that is not known
-    mirror_x, mirror_y : whether the panel continues mirrored beyond x = 0, y = 0; energies and forces are those of the
-        whole panel
-    wall_time, ns_per_element_step, elements, steps : cost of the run
-    time, velocity, nose_position : (n,) [s, m/s, m] time, velocity of the projectile along the normal, foremost point
-    contact_force : (n,) [N] on the projectile along the normal, against its flight; the mean since the time before
-    deflection : (n,) [m] largest displacement of the last ply along the normal
-    failed_segments : (n,) number of failed yarn segments of all plies
-    energies : {name: (n,)} [J], names of keys.ENERGIES
-    plies : {name: (n, plies)} with the names of shellfabric.solver.pack_solver.PLY_SAMPLES
+    energies : {name: (n,)} [J], names of the table energies
+    plies : {name: (n, plies)} of the table ply_histories
     strength, peak_tension, peak_tension_time : (plies, 2) [N, N, s] of warp and weft, over the run, and when
     peak_tension_place : (plies, 2, 2) [m] where at rest, along warp and weft from the impact point
-    z_rest, thickness : (plies,) [m] middle surfaces at rest
-    gaps : (plies - 1,) [m]
-    max_penetration_ratio : (plies - 1,) [-] deepest penetration of a ply into the next, over the thickness
-    torn_contact : (2,) [-] impulses that kept torn fabric from passing through another ply, and how often it did
+    gaps, max_penetration_ratio : (plies - 1,) [m, -]
+    torn_contact : (2,) impulses that kept torn fabric from passing through another ply, and how often it did
     half_energy, final : (plies,) Shape when the projectile had lost half of the energy that it lost, and at the end
     quads : (plies,) arrays (m, 4) of node numbers
     cuts : tuple of Cut
     projectile : (a, b, 3) [m] surface of the projectile about its nose, as it is drawn
-    max_deflection : [m] largest entry of `deflection`
-    pack : {key of keys.PACK: value} what is stacked, of several plies; empty of one
-    failure : {key of keys.FAILURE: value} of strengths that follow strain rate or bending; empty of constant ones
+    pack : {key: value} of the table stacking, of several plies; empty of one
+    failure : {key: value} of the table failure, of strengths that follow strain rate; empty of constant ones
     checks : tuple of shellfabric.panel.quality.Indicator
     measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
     bar : shellfabric.projectile.dynamics.BarHistory of an elastic projectile, or None
@@ -101,7 +69,7 @@ class ImpactRecord:
     """
 
     title: str
-    fabric: str
+    fabric_name: str
     law_name: str
     strike_velocity: float
     outcome: str
@@ -115,6 +83,7 @@ class ImpactRecord:
     ns_per_element_step: float
     elements: int
     steps: int
+    max_deflection: float
     time: np.ndarray
     velocity: np.ndarray
     nose_position: np.ndarray
@@ -136,7 +105,6 @@ class ImpactRecord:
     final: tuple[Shape, ...]
     quads: tuple[np.ndarray, ...]
     projectile: np.ndarray
-    max_deflection: float
     cuts: tuple = ()
     pack: dict[str, Any] = field(default_factory=dict)
     failure: dict[str, float | None] = field(default_factory=dict)
@@ -147,36 +115,49 @@ class ImpactRecord:
     slips: tuple[SlipSummary, ...] = ()
 
     @classmethod
-    def of(cls, result: ImpactResult, title: str, law_name: str, message: str = "") -> Self:
-        """The record of a `shellfabric.impact.simulation.ImpactResult`."""
+    def of(cls, result: ImpactResult, title: str, law_name: str, message: str = "", **more: Any) -> Self:
+        """The record of a `shellfabric.impact.simulation.ImpactResult`; `more` fields of a derived class."""
         from shellfabric.output.snapshots import quads
 
-        setup, panels, (mirror_x, mirror_y) = result.setup, result.panels, result.mirrored
-        target = result.target
-        several = len(panels) > 1
+        setup, panels, target = result.setup, result.panels, result.target
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
+        same = {entry.name for entry in fields(ImpactRecord)} & {entry.name for entry in fields(result)} - {"velocity"}
         return cls(
-            title=title, fabric=setup.name, law_name=law_name,
+            **{name: getattr(result, name) for name in same},
+            **more,
+            title=title,
+            fabric_name=setup.name,
+            law_name=law_name,
             strike_velocity=setup.strike_velocity,
-            outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
-            failure_message=message, rigid_check=str(result.rigidity or ""), mirror_x=mirror_x, mirror_y=mirror_y,
-            wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step,
-            elements=sum(panel.elements for panel in panels), steps=result.steps, time=result.t, velocity=result.v,
-            nose_position=result.nose_position, contact_force=result.contact_force, deflection=result.deflection,
-            failed_segments=result.failed_segments, energies=dict(result.energies), plies=dict(result.plies),
+            mass=setup.projectile.mass,
+            failure_message=message,
+            rigid_check=str(result.rigidity or ""),
+            mirror_x=result.mirrored[0],
+            mirror_y=result.mirrored[1],
+            elements=sum(panel.elements for panel in panels),
+            time=result.t,
+            velocity=result.v,
+            failed_segments=result.failed_segments.astype(int),
             strength=np.array([[yarn.strength for yarn in panel.weave.yarns] for panel in panels]),
-            peak_tension=result.peaks[..., 0], peak_tension_time=result.peaks[..., 1],
-            peak_tension_place=result.peaks[..., 2:], z_rest=target.places,
+            peak_tension=result.peaks[..., 0],
+            peak_tension_time=result.peaks[..., 1],
+            peak_tension_place=result.peaks[..., 2:],
+            z_rest=target.places,
             thickness=np.array([panel.weave.thickness for panel in panels]),
-            gaps=np.array(target.gaps), max_penetration_ratio=result.deepest,
-            torn_contact=result.held_apart, half_energy=_half_energy(result, final), final=final,
+            gaps=np.array(target.gaps),
+            max_penetration_ratio=result.deepest,
+            torn_contact=np.asarray(result.held_apart).astype(int),
+            half_energy=_half_energy(result, final),
+            final=final,
             quads=tuple(map(quads, panels)),
-            cuts=tuple(Cut.of(shots, result.panels) for shots in (*before, result.last)),
-            projectile=_drawn(setup.projectile), max_deflection=result.max_deflection,
-            pack=_stacked(setup, target) if several else {}, checks=result.checks, measured=result.histories,
-            bar=result.bar, backing=result.backing, slips=result.slips, failure=_failure(result),
-        )  # fmt: skip
+            cuts=tuple(Cut.of(shots, panels) for shots in (*before, result.last)),
+            # set back by its edge radius: the flat elements of the fabric cut across the rounding that they lie on
+            projectile=setup.projectile.surface(setup.projectile.edge_radius),
+            pack=_stacked(setup, target) if len(panels) > 1 else {},
+            measured=result.histories,
+            failure=_failure(result),
+        )
 
     @property
     def count(self) -> int:
@@ -190,14 +171,21 @@ class ImpactRecord:
         words = f"contact of plies: {law['source']} ({law['status']})"
         if law["travel_m"] <= SOLID_TRAVEL:
             return words
-        return f"{words}, travel {1e6 * law['travel_m']:.3g} um, then solid fibre"
+        return f"{words}, travel {law['travel_m'] * 1e6:.3g} um, then solid fibre"
 
     @property
     def gap_words(self) -> str:
         """The gap between plies at rest, its range and its source in one line."""
         low, high = (self.pack[f"ply_gap_{end}_m"] for end in ("low", "high"))
-        span = f" ({1e3 * low:.3g} .. {1e3 * high:.3g} mm)" if high > low else ""
-        return f"ply gap {1e3 * self.gaps[0]:.3g} mm{span}, {self.pack['ply_gap_source']}"
+        span = (
+            f" ({display.number(low, 'm', form='.3g')} .. {display.text(high, 'm', form='.3g')})" if high > low else ""
+        )
+        return f"ply gap {display.text(self.gaps[0], 'm', form='.3g')}{span}, {self.pack['ply_gap_source']}"
+
+    @property
+    def stop_time(self) -> float | None:
+        """[s] at which the projectile stopped, or None."""
+        return float(self.time[np.argmax(self.velocity <= 0)]) if self.outcome == "stopped" else None
 
     @property
     def strike_energy(self) -> float:
@@ -220,6 +208,12 @@ class ImpactRecord:
         return float(self.energies["viscous"][-1]) / self.absorbed_energy
 
     @property
+    def signature_mm(self) -> float:
+        """[mm] depth of the deepest point of the block's face at the end."""
+        assert self.backing is not None
+        return 1e3 * self.backing.back_face_signature
+
+    @property
     def rear(self) -> tuple[Shape, Shape]:
         """Shapes of the last ply: when half of the energy was absorbed, and at the end."""
         return self.half_energy[-1], self.final[-1]
@@ -230,121 +224,146 @@ class ImpactRecord:
         return np.array([np.interp(t, [0.0, *(shape.t for shape in self.rear)], places[:, axis]) for axis in (0, 1)])
 
     @property
+    def ply_shares(self) -> FloatArray:
+        """(plies,) [-] highest tension over strength in each ply."""
+        return (self.peak_tension / self.strength).max(axis=1)
+
+    @property
     def peaks(self) -> dict[str, Peak]:
         """{"warp", "weft": Peak} the highest tension of each family over all plies."""
-        found = {}
+        peaks = {}
         for family, name in enumerate(("warp", "weft")):
-            ply = int(np.argmax(self.peak_tension[:, family]))
-            at = ply, family
-            tension, share = float(self.peak_tension[at]), float(self.peak_tension[at] / self.strength[at])
-            time, place = float(self.peak_tension_time[at]), self.peak_tension_place[at]
-            found[name] = Peak(tension, share, time, place, ply + 1)
-        return found
+            at = int(np.argmax(self.peak_tension[:, family])), family
+            tension, time = float(self.peak_tension[at]), float(self.peak_tension_time[at])
+            peaks[name] = Peak(tension, tension / self.strength[at], time, self.peak_tension_place[at], at[0] + 1)
+        return peaks
 
-    def summary(self) -> dict[str, Any]:
-        """The scalars of the record, and what follows from them, as a flat dict."""
-        found: dict[str, Any] = {key: getattr(self, name) for name, key in SCALARS.items()}
-        stop = float(self.time[np.argmax(self.velocity <= 0)]) if self.outcome == "stopped" else None
-        found |= {"end_time_s": float(self.time[-1]), "stop_time_s": stop}
-        found |= {
-            "plies": self.count,
-            "failed_yarn_segments": int(self.failed_segments[-1]),
-            "ply_failed_yarn_segments": self.plies["failed_yarns"][-1].tolist(),
-            "ply_peak_tension_over_strength": (self.peak_tension / self.strength).max(axis=1).tolist(),
-            "ply_energies_J": self.plies["energy"][-1].tolist(),
+    @property
+    def slip(self) -> SlipSummary:
+        """Sliding crossovers of all plies: the largest lengths, the sums of segments and work."""
+        longest = {name: max(getattr(slip, name) for slip in self.slips) for name in _LENGTHS}
+        sums = {
+            name: sum(getattr(slip, name) for slip in self.slips) for name in ("pulled_out_segments", "friction_work")
         }
-        if self.pack:
-            found |= self.pack | {
-                "ply_gap_m": float(self.gaps[0]),
-                "max_penetration_ratio": float(self.max_penetration_ratio.max()),
-                "torn_corrections": int(self.torn_contact[0]),
-                "torn_unresolved": int(self.torn_contact[1]),
-            }
-        found |= self.failure
-        if self.bar is not None:
-            found |= {"plastic_shortening_m": self.bar.shortening, "bar_period_s": self.bar.period}
-        if self.backing is not None:
-            block = self.backing
-            found |= {
-                "crater_depth_m": block.depth,
-                "back_face_signature_mm": 1e3 * block.back_face_signature,
-                "dent_volume_m3": block.volume,
-                "crater_wall_angle_rad": block.steepness,
-            }
-        if self.slips:
-            found |= {
-                "pulled_out_length_m": max(slip.pulled_out_length for slip in self.slips),
-                "largest_window_m": max(slip.largest_window for slip in self.slips),
-                "pulled_out_segments": sum(slip.pulled_out_segments for slip in self.slips),
-                "crossover_friction_work_J": sum(slip.friction_work for slip in self.slips),
-            }
-        return (
-            found
-            | _peak_entries(self)
-            | {
-                "peak_contact_force_N": _known(self.contact_force.max()),
-                "strike_energy_J": self.strike_energy,
-                "absorbed_energy_J": self.absorbed_energy,
-                "energy_error_max": self.energy_error_max,
-                "viscous_energy_fraction": self.viscous_energy_fraction,
-                "energies_at_end_J": {name: float(values[-1]) for name, values in self.energies.items()},
-            }
-        )
+        return type(self.slips[0])(**longest, **sums)
+
+    def facts(self) -> dict[str, Any]:
+        """{key: value} of all quantities of results/keys.toml, as summary.json has them."""
+        tables = ["run", "impact", *(table for part, table in keys.OF_SOME.items() if getattr(self, part))]
+        known = {key.name: key.value(self) for key in keys.table(*tables)} | self.pack | self.failure
+        at_end = {name: values[-1] for name, values in self.energies.items()}
+        return json_file.finite(known | {"energies_at_end_J": at_end})
+
+    @property
+    def histories(self) -> Record:
+        """All that has a value an instant: of the shot, (n,) energy_NAME [J] of `energies`, (n, plies) ply_NAME."""
+        values = {key: key.value(self) for key in TABLES["histories"]}
+        for prefix, table, held in (("energy", "energies", self.energies), ("ply", "ply_histories", self.plies)):
+            known = {key.name: key for key in TABLES[table]}
+            for name, history in held.items():
+                key = known.get(name, keys.Key(name, "J", name.replace("_", " ")))
+                values[key._replace(name=f"{prefix}_{name}")] = history
+        meanings = {key.name: f"[{key.unit}] {key.meaning}" for key in values}
+        return Record({key.name: history for key, history in values.items()}, meanings, self.facts())
+
+    def to_xarray(self) -> Dataset:
+        """The histories as an xarray.Dataset over time, those of plies over time and ply, with units and meanings."""
+        return self.histories.to_xarray("time", "ply")
 
     def write(self, path: FilePath) -> None:
         """Write the record, whole or not at all."""
+        groups: dict[str, tuple[Any, str]] = {"histories": (self, "histories"), "plies": (self, "plies")}
+        groups |= {f"half_energy/{ply:02d}": (shape, "shape") for ply, shape in enumerate(self.half_energy)}
+        groups |= {f"final/{ply:02d}": (shape, "shape") for ply, shape in enumerate(self.final)}
+        groups |= {f"cuts/{number:04d}": (cut, "cut") for number, cut in enumerate(self.cuts)}
+        groups |= {f"slip/{ply:02d}": (slip, "slip") for ply, slip in enumerate(self.slips)}
+        groups |= {name: (getattr(self, name), name) for name in ("bar", "backing") if getattr(self, name) is not None}
+        units = {key.name: key.unit for key in TABLES["ply_histories"]}
         with write_hdf5(path, FORMAT) as file:
             for name, key in SCALARS.items():
                 file.attrs[key] = getattr(self, name)
-            file.attrs["checks"] = json.dumps([asdict(one) for one in self.checks])
-            file.attrs["pack"] = json.dumps(self.pack)
-            file.attrs["failure"] = json.dumps(self.failure)
-            for name, unit in HISTORIES.items():
-                put(file, f"histories/{name}", getattr(self, name), unit)
+            for name, content in (("checks", list(map(asdict, self.checks))), *((n, getattr(self, n)) for n in _TEXTS)):
+                file.attrs[name] = json.dumps(content)
+            for name, (source, table) in groups.items():
+                write_group(file.create_group(name), source, TABLES[table])
             for name, values in self.energies.items():
                 put(file, f"energies/{name}", values, "J")
             for name, values in self.plies.items():
-                put(file, f"plies/histories/{name}", values, _PLY_UNITS[name])
-            for name, unit in _PLIES.items():
-                put(file, f"plies/{name}", getattr(self, name), unit)
-            put(file, "projectile", self.projectile, "m")
+                put(file, f"plies/histories/{name}", values, units[name])
             for ply, quads in enumerate(self.quads):
                 put(file, f"quads/{ply:02d}", quads, "1")
-                write_shape(file, f"half_energy/{ply:02d}", self.half_energy[ply])
-                write_shape(file, f"final/{ply:02d}", self.final[ply])
-            write_cuts(file, self.cuts)
+            for number, cut in enumerate(self.cuts):
+                for ply, line in enumerate(cut.lines):
+                    put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
             for ply, measured in enumerate(self.measured):
-                write_measured(file.create_group(f"measured/{ply:02d}"), measured)
-            if self.bar is not None:
-                write_group(file.create_group("bar"), self.bar, keys.BAR, ("period", "shortening"))
-            if self.backing is not None:
-                write_group(file.create_group("backing"), self.backing, keys.BACKING, ("face", "share"))
-            for ply, slip in enumerate(self.slips):
-                write_group(file.create_group(f"slip/{ply:02d}"), slip, (), vars(slip))
+                _write_measured(file.create_group(f"measured/{ply:02d}"), measured)
+            put(file, "projectile", self.projectile, "m")
 
     @classmethod
     def read(cls, path: FilePath) -> Self:
         """Read what `write` wrote; InputError if the file is not one of these."""
+        from shellfabric.backing.coupling import BackingResult
+        from shellfabric.panel.quality import Indicator
+        from shellfabric.projectile.dynamics import BarHistory
+        from shellfabric.sliding.model import SlipSummary
+
         with read_hdf5(path, FORMAT) as file:
+            parts = {name: [group for _, group in sorted(file.get(name, {}).items())] for name in _PARTS}
             values = {name: plain(file.attrs[key]) for name, key in SCALARS.items()}
-            values |= {name: file[f"histories/{name}"][()] for name in HISTORIES}
-            values |= {name: file[f"plies/{name}"][()] for name in _PLIES}
+            for group in ("histories", "plies"):
+                values |= {key.name: file[group][key.name][()] for key in TABLES[group]}
             for name, group in (("energies", "energies"), ("plies", "plies/histories")):
                 values[name] = {key: data[()] for key, data in file[group].items()}
             for name in ("half_energy", "final"):
-                values[name] = tuple(read_shape(group) for _, group in sorted(file[name].items()))
-            values["quads"] = tuple(data[()] for _, data in sorted(file["quads"].items()))
-            values["measured"] = tuple(read_measured(group) for _, group in sorted(file.get("measured", {}).items()))
-            values["slips"] = tuple(read_group(file, f"slip/{ply}") for ply in sorted(file.get("slip", ())))
+                values[name] = tuple(read_group(group, Shape, "shape") for group in parts[name])
+            for name, kind in (("bar", BarHistory), ("backing", BackingResult)):
+                values[name] = read_group(file[name], kind, name) if name in file else None
+            values |= {name: json.loads(file.attrs.get(name, "{}")) for name in _TEXTS}
+            lines = [tuple(line[()] for _, line in sorted(group["lines"].items())) for group in parts["cuts"]]
             return cls(
-                **values, projectile=file["projectile"][()], cuts=read_cuts(file), bar=read_group(file, "bar"),
-                backing=read_group(file, "backing"), checks=_read_checks(file.attrs["checks"]),
-                pack=json.loads(file.attrs["pack"]), failure=json.loads(file.attrs.get("failure", "{}")),
-            )  # fmt: skip
+                **values,
+                checks=tuple(Indicator(**entry) for entry in json.loads(file.attrs["checks"])),
+                quads=tuple(quads[()] for quads in parts["quads"]),
+                projectile=file["projectile"][()],
+                cuts=tuple(read_group(group, Cut, "cut", lines=own) for group, own in zip(parts["cuts"], lines)),
+                measured=tuple(map(_read_measured, parts["measured"])),
+                slips=tuple(read_group(group, SlipSummary, "slip") for group in parts["slip"]),
+            )
+
+
+_TEXTS = ("pack", "failure")
+_PARTS = ("half_energy", "final", "quads", "cuts", "measured", "slip")
+_LENGTHS = ("pulled_out_length", "largest_window")
+# attribute of the record: attribute of the file, and key of summary.json
+SCALARS = {
+    key.field: key.name
+    for key in keys.table("run", "impact")
+    if key.field in {entry.name for entry in fields(ImpactRecord)}
+}
+
+
+def _write_measured(group, measured):
+    """Histories, and the fronts read off them, which are for the reader alone."""
+    from shellfabric.output.wave_fronts import fronts
+
+    put(group, "time", measured.t, "s")
+    for number, yarn in enumerate(measured.yarns):
+        write_group(group.create_group(f"yarns/{number:03d}-{yarn.family}"), yarn, TABLES["yarn"])
+    for name, forces in measured.edges.items():
+        put(group, f"edges/{name}", forces, "N")
+    for front in fronts(measured):
+        write_group(group.create_group(f"fronts/{front.family}-{front.kind}"), front, TABLES["front"])
+
+
+def _read_measured(group):
+    from shellfabric.output.histories import EDGES, Histories, YarnHistory
+
+    yarns = tuple(read_group(yarn, YarnHistory, "yarn") for _, yarn in sorted(group.get("yarns", {}).items()))
+    return Histories(group["time"][()], yarns, {name: group[f"edges/{name}"][()] for name in EDGES})
 
 
 def _stacked(setup, pack):
-    """{key of keys.PACK: value} what is stacked."""
+    """{key: value} of the table stacking."""
     from shellfabric.plies.gap import PlyGap, gap_between
 
     law, given = pack.laws[0], setup.lay_up[0].gap if setup.lay_up else setup.ply_gap
@@ -354,17 +373,21 @@ def _stacked(setup, pack):
         "stacking": "lay-up" if setup.lay_up else setup.stacking,
         "ply_fabrics": [setup.fabric_of(p).name for p in plies],
         "ply_angles_deg": [round(degrees(setup.angle_of(p)), 6) for p in plies],
-        "ply_gap_low_m": gap.low, "ply_gap_high_m": gap.high, "ply_gap_source": gap.source,
-        "ply_contact_source": law.source, "ply_contact_status": law.status, "ply_contact_travel_m": law.travel,
-    }  # fmt: skip
+        "ply_gap_low_m": gap.low,
+        "ply_gap_high_m": gap.high,
+        "ply_gap_source": gap.source,
+        "ply_contact_source": law.source,
+        "ply_contact_status": law.status,
+        "ply_contact_travel_m": law.travel,
+    }
 
 
 def _failure(result):
-    """{key of keys.FAILURE: value} where strengths follow the strain rate; None before a yarn has failed."""
+    """{key: value} of the table failure, where strengths follow the strain rate; None before a yarn has failed."""
     if not result.setup.rate_dependence:
         return {}
     count, *sums = result.failures.sum(axis=0)
-    return {key.name: float(value / count) if count else None for key, value in zip(keys.FAILURE, sums)}
+    return {key.name: float(value / count) if count else None for key, value in zip(TABLES["failure"], sums)}
 
 
 def _half_energy(result, final):
@@ -375,33 +398,3 @@ def _half_energy(result, final):
     shots = [shots for shots in result.snapshots if shots[0].t <= final[0].t]
     nearest = min(shots, key=lambda shots: abs(shots[0].t - instant), default=None)
     return final if nearest is None else tuple(map(Shape.of, nearest))
-
-
-def _peak_entries(record):
-    """Entries of the summary on the peak tensions."""
-    found = {}
-    for family, peak in record.peaks.items():
-        name = f"peak_tension_{family}"
-        found |= {f"{name}_N": peak.tension, f"{name}_over_strength": peak.share, f"{name}_time_s": _known(peak.time)}
-        found |= {f"{name}_place_m": [_known(x) for x in peak.place], f"{name}_ply": peak.ply}
-    return found
-
-
-def _known(value):
-    """A number, or None for JSON where it is NaN."""
-    return float(value) if np.isfinite(value) else None
-
-
-def _read_checks(text):
-    """The indicators of an attribute of a file."""
-    from shellfabric.panel.quality import Indicator
-
-    return tuple(Indicator(**entry) for entry in json.loads(text))
-
-
-def _drawn(shot):
-    """The projectile as it is drawn, set back by its edge radius.
-
-    The flat elements of the fabric cut across the rounding that they lie on, and it would stick out between them.
-    """
-    return shot.surface(shot.edge_radius)

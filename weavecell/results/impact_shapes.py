@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-
-from weavecell.results import keys
-from weavecell.results.hdf5_file import PACKED, plain, put
 
 if TYPE_CHECKING:
     from shellfabric.output.snapshots import Snapshot
     from shellfabric.panel.model import Panel
 
-# datasets whose attribute in the object that holds them has another name
-_SHAPE_FIELDS = {"time": "t"}
 _GRIDS = ("nodes", "tension", "failed", "pressure", "area", "failed_segments", "slip")  # of nodes or elements
 
 
@@ -49,10 +44,8 @@ class Shape:
     def of(cls, shot: Snapshot) -> Shape:
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         grids = {name: getattr(shot, name) for name in _GRIDS}
-        return cls(
-            float(shot.t), float(shot.nose_position), shot.projectile_position,
-            **{name: grid.reshape(grid.shape[0] * grid.shape[1], *grid.shape[2:]) for name, grid in grids.items()},
-        )  # fmt: skip
+        flat = {name: grid.reshape(grid.shape[0] * grid.shape[1], *grid.shape[2:]) for name, grid in grids.items()}
+        return cls(float(shot.t), float(shot.nose_position), shot.projectile_position, **flat)
 
 
 @dataclass(frozen=True)
@@ -78,9 +71,8 @@ class Cut:
             line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.failed[:, j, 0])
             if panel.ply_angle:
                 line, gone = _across(shot, panel)
-            long = np.flatnonzero(
-                np.abs(np.diff(line, axis=0)).max(axis=1) > 1e-9
-            )  # beyond the opening it has no length
+            # beyond the opening it has no length
+            long = np.flatnonzero(np.abs(np.diff(line, axis=0)).max(axis=1) > 1e-9)
             line, gone = line[long[0] : long[-1] + 2], gone[(gone >= long[0]) & (gone <= long[-1])] - long[0]
             lines.append(np.insert(line, gone + 1, np.nan, axis=0))
         return cls(float(shots[0].t), float(shots[0].nose_position), tuple(lines))
@@ -117,34 +109,3 @@ class Peak:
     time: float
     place: np.ndarray
     ply: int
-
-
-def write_shape(file: Any, group: str, shape: Shape) -> None:
-    """Write a Shape to a group of an open file."""
-    for name, unit in keys.units(keys.SHAPE).items():
-        values = getattr(shape, _SHAPE_FIELDS.get(name, name))
-        put(file, f"{group}/{name}", values, unit, **(PACKED if name in _GRIDS else {}))
-
-
-def read_shape(group: Any) -> Shape:
-    """The Shape that `write_shape` has written."""
-    return Shape(**{_SHAPE_FIELDS.get(name, name): plain(group[name][()]) for name in keys.units(keys.SHAPE)})
-
-
-def write_cuts(file: Any, cuts: Iterable[Cut]) -> None:
-    """Write cuts to an open file."""
-    for number, cut in enumerate(cuts):
-        put(file, f"cuts/{number:04d}/time", cut.t, "s")
-        put(file, f"cuts/{number:04d}/nose_position", cut.nose, "m")
-        for ply, line in enumerate(cut.lines):
-            put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
-
-
-def read_cuts(file: Any) -> tuple[Cut, ...]:
-    """The cuts that `write_cuts` has written."""
-    return tuple(_read_cut(group) for _, group in sorted(file.get("cuts", {}).items()))
-
-
-def _read_cut(group):
-    lines = tuple(line[()] for _, line in sorted(group["lines"].items()))
-    return Cut(float(group["time"][()]), float(group["nose_position"][()]), lines)

@@ -15,19 +15,20 @@ from weavecell.results import keys
 
 
 def write(path: FilePath, content: object) -> None:
-    """Write `content`; numpy numbers and arrays become numbers and lists, what is not finite becomes null."""
+    """Write `content`, as `finite` makes it."""
     with write_whole(path) as file:
-        json.dump(_finite(content), file, indent=2, allow_nan=False)
+        json.dump(finite(content), file, indent=2, allow_nan=False)
         file.write("\n")
 
 
-def _finite(content):
+def finite(content: Any) -> Any:
+    """Content with numpy numbers and arrays as numbers and lists, and None for what is not finite."""
     if isinstance(content, Mapping):
-        return {key: _finite(value) for key, value in content.items()}
+        return {key: finite(value) for key, value in content.items()}
     if isinstance(content, (list, tuple)):
-        return [_finite(value) for value in content]
+        return [finite(value) for value in content]
     if hasattr(content, "tolist"):
-        return _finite(content.tolist())
+        return finite(content.tolist())
     return None if isinstance(content, float) and not isfinite(content) else content
 
 

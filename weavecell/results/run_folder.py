@@ -1,13 +1,11 @@
-"""The files that every run leaves in its folder, whatever it was of: the scene, the record and the summary."""
+"""What a folder holds of a run: the results of a finished one, checkpoints of one that was interrupted."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fabrics import files
 from fabrics.errors import WeavecellError
 from weavecell.results import json_file
 
@@ -51,20 +49,3 @@ def finished(out: Path, key: str) -> Finished | None:
 def checkpoints(out: Path) -> list[Path]:
     """The checkpoints in a folder: one, or one for each model that has been tried."""
     return sorted(out.glob("checkpoint*.h5"))
-
-
-def write(out: Path, scene_text: str, record: Any, more: Mapping[str, Any], stamp: Mapping[str, str]) -> None:
-    """Write scene.toml, histories.h5 and summary.json.
-
-    Parameters
-    ----------
-    out : folder
-    scene_text : the scene as it was written, "" where there is none
-    record : with write(path) and summary(), such as `results.impact.ImpactRecord`
-    more : further entries of the summary
-    stamp : of `results.provenance`
-    """
-    if scene_text:
-        files.write(out / "scene.toml", scene_text)
-    record.write(out / "histories.h5")
-    json_file.write_summary(out / "summary.json", record.summary() | dict(more) | {"provenance": stamp})

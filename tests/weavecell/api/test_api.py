@@ -162,8 +162,7 @@ def _choices(kind):
     return set().union(*(_choices(part) for part in typing.get_args(kind))) if typing.get_args(kind) else set()
 
 
-def test_a_shot_as_text_table_and_figures(shot, tmp_path, monkeypatch):
-    pytest.importorskip("pandas")
+def test_a_shot_as_text_table_and_figures(shot):
     assert shot.outcome == "in flight"
     assert 100 < shot.residual_velocity < shot.strike_velocity == 155
     assert "in flight" in repr(shot)
@@ -171,19 +170,24 @@ def test_a_shot_as_text_table_and_figures(shot, tmp_path, monkeypatch):
     assert shot.summary()["areal_density_kg_m2"] == pytest.approx(wc.fabric("S-720").weave.areal_density)
     table = shot.to_dataframe()
     assert list(table.columns[:3]) == ["time_s", "velocity_m_s", "nose_position_m"]
-    assert np.array_equal(table["energy_kinetic_projectile_J"], shot.record.energies["kinetic_projectile"])
+    assert np.array_equal(table["energy_kinetic_projectile_J"], shot.energies["kinetic_projectile"])
     for name in ("time_s", "deflection_m", "contact_force_N"):
         assert np.array_equal(table[name], getattr(shot, name.rpartition("_")[0]))
     assert shot.deflection.max() == shot.summary()["max_deflection_m"] > 0
     impulse = (shot.contact_force[1:] * np.diff(shot.time)).sum()
-    assert impulse == pytest.approx(shot.record.mass * (155 - shot.residual_velocity), rel=1e-9)
+    assert impulse == pytest.approx(shot.mass * (155 - shot.residual_velocity), rel=1e-9)
     assert shot.plot().axes[0].get_ylabel() == "velocity of the projectile [m/s]"
     picture = shot.plot_panel()
     assert shot.outcome in " ".join(text.get_text() for text in picture.texts)
     assert picture.axes[0].images[0].get_array().std() > 5  # not an empty picture
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ModuleNotFoundError, match="needs the Python package pandas"):
-        shot.to_dataframe()
+
+
+def test_a_shot_is_an_xarray_over_time_and_ply(shot):
+    pytest.importorskip("xarray")
+    table = shot.to_xarray()
+    assert (table.deflection.dims, table.ply_energy.dims) == (("time",), ("time", "ply"))
+    assert np.array_equal(table.ply_energy, shot.plies["energy"])
+    assert (table.contact_force.units, table.energy_friction.units) == ("N", "J")
 
 
 def test_a_shot_writes_the_files_of_the_command(shot, results, tmp_path):
@@ -191,12 +195,11 @@ def test_a_shot_writes_the_files_of_the_command(shot, results, tmp_path):
     assert shot.to_vtk(tmp_path / "vtk") == tmp_path / "vtk" / "panel.pvd"
     for path in (folder / "panel").iterdir():
         assert (tmp_path / "vtk" / "panel" / path.name).read_bytes() == path.read_bytes()
-    shot.record.write(tmp_path / "histories.h5")
+    shot.write(tmp_path / "histories.h5")
     assert (tmp_path / "histories.h5").stat().st_size > 0
 
 
 def test_a_sweep_of_one_job_starts_no_process(monkeypatch):
-    pytest.importorskip("pandas")
     monkeypatch.setattr("fabrics.executors.ProcessPoolExecutor", None)
     found = wc.sweep([wc.setup("S-720", v, **SMALL) for v in (100.0, 150.0)])
     assert [one.strike_velocity for one in found] == [100.0, 150.0]
@@ -222,7 +225,7 @@ def test_a_stopped_projectile_has_no_residual_velocity():
     """The run ends in the step in which the projectile turns back; its velocity there is none of rebound."""
     found = wc.impact("S-720", 10.0, opening="30 mm")
     assert found.outcome == "stopped"
-    assert found.record.velocity[-1] < 0.0 == found.residual_velocity == found.summary()["residual_velocity_m_s"]
+    assert found.velocity[-1] < 0.0 == found.residual_velocity == found.summary()["residual_velocity_m_s"]
     assert "residual velocity 0 m/s" in repr(found)
 
 
@@ -230,7 +233,6 @@ COARSE = {"projectile": CUT | {"mass": "3 g", "edge_radius": "0.05 mm"}, "numeri
 
 
 def test_a_doubtful_shot_warns_and_says_so_everywhere(shot):
-    pytest.importorskip("pandas")
     assert not shot.doubtful
     assert {one.name for one in shot.checks} >= {"energy error", "viscous energy"}
     assert all(one.text.startswith(one.name) and one.meaning in one.text for one in shot.checks)

@@ -14,14 +14,14 @@ from meshing.pictures_style import plots
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures
-from weavecell.report.shot import chapters_shot, tables_shot
+from weavecell.report.shot import chapters_shot, pictures_shot
 from weavecell.results import provenance
 from weavecell.results.impact import ImpactRecord
 
 
 @pytest.fixture
 def record():
-    return fired("impact").record
+    return fired("impact")
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def test_the_outcome_is_one_line(record):
         "DOUBTFUL: energy error."
     )
     assert said(replace(record, outcome="unstable", failure_message="a node flies")).startswith("UNSTABLE at 155 m/s")
-    assert tables_shot.residual(held) == "residual velocity 0 m/s"
+    assert chapters_shot.residual(held) == "residual velocity 0 m/s"
 
 
 def texts(figure):
@@ -144,7 +144,7 @@ def test_parts_of_the_energy_picture_add_up():
         "yarn_strain": np.array([0.0, 6.5]),
         "formulation_residual": np.array([0.0, -0.5]),
     }
-    drawn = chapters_shot.parts(energies)
+    drawn = pictures_shot.parts(energies)
     assert drawn["kinetic_projectile"] + drawn["yarn_strain"] == pytest.approx([10.0, 10.0])
     assert energies["yarn_strain"][1] == 6.5
 

@@ -121,7 +121,7 @@ def record(together):
     table = SHOT
     for name in together.split(", ") if together else ():
         table = merged(table, OPTIONS[name][0])
-    return wc.sweep([set_up(table)])[0].record
+    return wc.sweep([set_up(table)])[0]
 
 
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult", "ignore:one sliding ply")

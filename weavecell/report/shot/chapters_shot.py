@@ -1,22 +1,24 @@
-"""The chapters of a report that every impact has, on one ply or on a pack: outcome, pictures, results, assumptions."""
+"""The chapters of the report of an impact, on one ply or on a pack: outcome, pictures, tables, mesh, assumptions."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report import pictures, pictures3d
+from weavecell.report import pictures, pictures3d, pictures_body, pictures_histories
 from weavecell.report.page import Card, Figure, Section, Table
-from weavecell.report.shot import pictures_pack, pictures_shot
-from weavecell.report.shot.tables_shot import percent, ply_table, residual, results
-from weavecell.results import vtk
+from weavecell.report.shot import pictures_shot
+from weavecell.results import display, keys, vtk
+from weavecell.results.display import text
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
+    from shellfabric.output.histories import Histories
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
+    from weavecell.studies.assumed_range import AssumedRange
 
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
 _HALF_HEIGHT = 0.6 * CLOSE_UP  # [m] of its picture
@@ -26,7 +28,7 @@ _STEP = 0.1  # [-] of the strength: the scale of tensions ends at a multiple of 
 
 def outcome(record: ImpactRecord) -> str:
     """The result of an impact in one line."""
-    strike, end = f"{record.strike_velocity:g} m/s", f"{1e6 * record.time[-1]:.0f} µs"
+    strike, end = f"{record.strike_velocity:g} m/s", text(record.time[-1], "s", form=".0f")
     if record.outcome == "unstable":
         return f"UNSTABLE at {strike}: the run was ended after {end} and has no result ({record.failure_message})."
     words = {
@@ -34,12 +36,20 @@ def outcome(record: ImpactRecord) -> str:
         "perforated": f"Perforated: COMPLETE PENETRATION, {strike}, {residual(record)}",
         "in flight": f"Not decided: {strike}, still moving with {record.residual_velocity:.1f} m/s at the end, {end}",
     }[record.outcome]
-    found = [words]
-    if record.outcome != "perforated":
-        found.append(f"back-face deflection {1e3 * record.max_deflection:.1f} mm")
-    found.append(_load(record))
-    doubtful = [one.name for one in record.checks if not one.ok]
-    return ", ".join(found) + (f". DOUBTFUL: {', '.join(doubtful)}." if doubtful else ".")
+    deflection = [] if record.outcome == "perforated" else [_deflection(record)]
+    doubtful = [check.name for check in record.checks if not check.ok]
+    end = f". DOUBTFUL: {', '.join(doubtful)}." if doubtful else "."
+    return ", ".join([words, *deflection, _load(record)]) + end
+
+
+def residual(record: ImpactRecord) -> str:
+    """Velocity at the end, as text."""
+    name = "velocity at the end" if record.outcome in ("in flight", "unstable") else "residual velocity"
+    return f"{name} {record.residual_velocity:.1f} m/s".replace(" 0.0 m/s", " 0 m/s")
+
+
+def _deflection(record):
+    return f"back-face deflection {text(record.max_deflection, 'm', form='.1f')}"
 
 
 def _load(record):
@@ -48,20 +58,15 @@ def _load(record):
     if count:
         return f"{count} failed yarn segments"
     family, peak = max(record.peaks.items(), key=lambda item: item[1].share)
-    return f"peak tension {percent(peak.share)} of the strength ({family})"
+    return f"peak tension {text(peak.share, '1', 'share', '.3g')} of the strength ({family})"
 
 
 def card(record: ImpactRecord) -> Card:
     """What one impact came to."""
-    names = {"in flight": "still moving"}
     tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
-    lines = (
-        residual(record),
-        f"back-face deflection {1e3 * record.max_deflection:.1f} mm",
-        f"contact force up to {1e-3 * record.contact_force.max():.2g} kN",
-        _load(record),
-    )
-    return Card(record.title, names.get(record.outcome, record.outcome), lines, tone)
+    force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
+    lines = (residual(record), _deflection(record), force, _load(record))
+    return Card(record.title, "still moving" if record.outcome == "in flight" else record.outcome, lines, tone)
 
 
 def chapter(records: Sequence[ImpactRecord]) -> Section:
@@ -79,19 +84,82 @@ def _several_plies(records):
     return records[0].count > 1
 
 
+def results(records: Sequence[ImpactRecord]) -> Table:
+    """Every number of the summary but the energies, one column a run."""
+    from pandas import DataFrame
+
+    tables = keys.table("impact", *keys.OF_SOME.values(), "failure")
+    summaries = [record.facts() for record in records]
+    names = ["value"] if len(records) == 1 else [record.title for record in records]
+    rows = [["outcome", *(record.outcome for record in records)]]
+    for key in tables:
+        values = [summary.get(key.name) for summary in summaries]
+        if key.unit and any(key.name in summary for summary in summaries):
+            label = display.heading(key.meaning.partition(";")[0].replace("`", ""), key.unit, key.name)
+            rows.append([label, *(display.number(value, key.unit, key.name) for value in values)])
+    return Table.of(DataFrame(rows, columns=["result", *names]), "Results", names)
+
+
+def ply_table(record: ImpactRecord) -> Table:
+    """One row a ply of a pack."""
+    shares = record.peak_tension / record.strength
+    table = display.frame(
+        {
+            "ply": ("", np.arange(1, record.count + 1)),
+            "failed yarn segments": ("", record.plies["failed_yarns"][-1].astype(int)),
+            "peak tension / strength, warp": ("1", shares[:, 0]),
+            "peak tension / strength, weft": ("1", shares[:, 1]),
+            "energy at the end": ("J", record.plies["energy"][-1]),
+        }
+    )
+    deepest = text(record.max_penetration_ratio.max(), "1", "share", ".0f")
+    caption = f"Plies, from the front. A ply was pressed into the next by at most {deepest} of its thickness."
+    held, missed = record.torn_contact
+    if held or missed:
+        caption += f" Torn fabric was kept from passing through other plies {held:g} times, {missed:g} times in vain."
+    return Table.of(table, caption)
+
+
+def cost(records: Sequence[ImpactRecord], setup: ImpactSetup | None = None) -> tuple[Table, ...]:
+    """Tables for those who develop the code: cost of the time integration, and settings of the model."""
+    from pandas import DataFrame
+
+    unstored = [np.atleast_1d(record.energies.get("formulation_residual", 0.0))[-1] for record in records]
+    table = DataFrame(
+        {
+            "run": [record.title for record in records],
+            "elements": [record.elements for record in records],
+            "steps": [record.steps for record in records],
+            "time integration [s]": [record.wall_time for record in records],
+            "ns per element and step": [record.ns_per_element_step for record in records],
+            "formulation residual [%]": [100 * J / record.strike_energy for J, record in zip(unstored, records)],
+        }
+    )
+    caption = "Cost. Formulation residual: work of the cell's forces that the yarns do not store, of the strike energy."
+    if setup is None:
+        return (Table.of(table, caption),)
+    settings = {
+        "cell model": setup.cell_model,
+        "cell formulation": setup.form,
+        "stretches along each side of the cell table": setup.table_size,
+        "time between energy audits": text(setup.audit_interval, "s"),
+        **{name.replace("_", " "): value for name, value in vars(setup.numerics).items()},
+    }
+    return (
+        Table.of(table, caption),
+        Table(("setting", "value"), tuple((k, f"{v}") for k, v in settings.items()), "Settings of the solver"),
+    )
+
+
 def _histories(records):
     """Velocity, deflection and contact force."""
     ply = "last ply" if _several_plies(records) else "ply"
-    found = {
-        record.title: (record.time, record.velocity, record.deflection, record.nose_position, record.contact_force)
-        for record in records
-    }
-    interval = 1e6 * float(np.median(np.diff(records[0].time)))
+    interval = text(float(np.median(np.diff(records[0].time))), "s", form=".2g")
     caption = (
         f"Velocity of the projectile; back-face deflection, the largest displacement of the {ply} along the normal; "
-        f"contact force on the projectile, mean over {interval:.2g} µs."
+        f"contact force on the projectile, mean over {interval}."
     )
-    return Figure(pictures.render(pictures_shot.histories, found), "svg", caption, "histories")
+    return Figure(pictures.render(pictures_shot.histories, records), "svg", caption, "histories")
 
 
 def _cuts(records):
@@ -107,35 +175,18 @@ def _cuts(records):
 
 def _energies(records):
     """Energies over time, and the energy error."""
-    runs = {
-        record.title: (record.time, parts(record.energies), record.strike_energy, record.energies["error"])
-        for record in records
-    }
     caption = (
         "Energy of projectile and fabric; dotted: the strike energy. Below, the error of the energy balance in % of "
         "the strike energy (green band: 1 %)."
     )
-    picture = pictures.render(pictures_shot.energies, runs)
-    return Figure(picture, "svg", caption, "energies", wide=len(records) > 1)
+    return Figure(pictures.render(pictures_shot.energies, records), "svg", caption, "energies", wide=len(records) > 1)
 
 
 def _edges(records):
     """Tensions at the edges."""
-    tensions = [[record.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")] for record in records]
-    runs = {record.title: (record.time, *both) for record, both in zip(records, tensions)}
     caption = "Tension at the edge of the panel, of the warp and the weft yarn through the impact point"
     caption += ", summed over the plies." if _several_plies(records) else "."
-    picture = pictures.render(pictures.reactions, runs)
-    return Figure(picture, "svg", caption, "reactions", wide=len(records) > 1)
-
-
-def parts(energies: Mapping[str, Any]) -> dict[str, Any]:
-    """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all friction."""
-    found = dict(energies)
-    found["yarn_strain"] = energies["yarn_strain"] + energies.get("formulation_residual", 0.0)
-    for name in ("contact", "friction"):
-        found[name] = energies.get(name, 0.0) + energies.get(f"ply_{name}", 0.0) + 0 * found["yarn_strain"]
-    return found
+    return Figure(pictures.render(pictures_shot.reactions, records), "svg", caption, "reactions", wide=len(records) > 1)
 
 
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
@@ -156,7 +207,7 @@ def _cut_views(records):
         title = "" if len(records) == 1 else f"{record.title}, "
         for cut in dict.fromkeys((*(cut.t for cut in found), cuts[-1].t)):
             this = next(one for one in cuts if one.t == cut)
-            chosen.append(cut_view(record, this, f"{title}{1e6 * cut:.0f} µs"))
+            chosen.append(cut_view(record, this, title + text(cut, "s", form=".0f")))
     return chosen
 
 
@@ -176,7 +227,7 @@ def _panels(records):
             else:
                 half_height = 0.48 * pictures3d.width(shape.nodes, record.mirror_x)
                 image = pictures3d.cropped(pictures3d.panel(*what, half_height, top_share=top))
-            views.append((f"at {1e6 * shape.t:.0f} µs", image))
+            views.append((f"at {text(shape.t, 's', form='.0f')}", image))
         images[record.title] = tuple(views)
     bar = _SCALE_BAR * pictures3d.SIZE[1] / (2 * _HALF_HEIGHT)
     several = _several_plies(records)
@@ -193,21 +244,15 @@ def _of_plies(record):
     plies = record.plies
     both = zip((plies["peak_warp"], plies["peak_weft"]), record.strength.T)
     tension = np.max([column / strength for column, strength in both], axis=0)
-    return [
-        Figure(
-            pictures.render(
-                pictures_pack.shares, record.peak_tension / record.strength, plies["failed_yarns"][-1],
-                plies["energy"][-1],
-            ), "svg",
-            "What each ply bears. The energy of a ply is its kinetic and stored energy and what it has dissipated.",
-            "plies",
-        ),
-        Figure(
-            pictures.render(pictures_pack.pushes, record.time, plies["push"], plies["deflection"], tension), "svg",
-            "Contact force of the projectile on the plies that it touches, at single steps; deflection of each ply "
-            "from its own plane; highest tension of its warp or weft so far, over the strength.", "pushes",
-        ),
-    ]  # fmt: skip
+    peaks, failed, energy = record.peak_tension / record.strength, plies["failed_yarns"][-1], plies["energy"][-1]
+    bears = "What each ply bears. The energy of a ply is its kinetic and stored energy and what it has dissipated."
+    pushes = (
+        "Contact force of the projectile on the plies that it touches, at single steps; deflection of each ply "
+        "from its own plane; highest tension of its warp or weft so far, over the strength."
+    )
+    shares = pictures.render(pictures_shot.shares, peaks, failed, energy)
+    histories = pictures.render(pictures_shot.pushes, record.time, plies["push"], plies["deflection"], tension)
+    return [Figure(shares, "svg", bears, "plies"), Figure(histories, "svg", pushes, "pushes")]
 
 
 def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> Section:
@@ -219,8 +264,8 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> 
     lines : that name the laws that are assumed (`fabrics.assumed.lines`)
     body : whether a rigid projectile is justified, in words
     """
-    each = [(one.name, " / ".join(f"{yarn.strength:.0f}" for yarn in one.weave.yarns)) for one in setup.fabrics]
-    strength = ", ".join(f"{words} N ({name}, warp / weft)" for name, words in each)
+    strengths = [(fabric.name, [f"{yarn.strength:.0f}" for yarn in fabric.weave.yarns]) for fabric in setup.fabrics]
+    strength = ", ".join(f"{' / '.join(words)} N ({name}, warp / weft)" for name, words in strengths)
     if setup.crossovers is None:
         pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
         pinned += " In the one pair of tests at hand (S-726) the computed limit is too high."
@@ -229,14 +274,152 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> 
         pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
     fails = f"A yarn fails at its strength, {strength}, the same for all yarns and at any strain rate."
     shot, between = setup.projectile, setup.ply_friction
+    projectile = "Rigid." if shot.body == "rigid" else "Elastic-plastic along its axis."
+    projectile += f" {body[0].upper()}{body[1:]}." if body else ""
+    projectile += f" Friction on the fabric {shot.friction:g}." if shot.friction else " No friction on the fabric."
     rows = [
         ("crossovers", pinned),
         ("failure of yarns", fails if setup.failure else "Yarns do not fail."),
         ("strain rate", "Stiffness and strength of the yarns do not depend on it."),
-        ("projectile", ("Rigid." if shot.body == "rigid" else "Elastic-plastic along its axis.")
-         + (f" {body[0].upper()}{body[1:]}." if body else "")
-         + (f" Friction on the fabric {shot.friction:g}." if shot.friction else " No friction on the fabric.")),
-        *((("between plies", f"Friction {between:g}." if between else "No friction."),) if setup.plies > 1 else ()),
-        *(("assumed law", line) for line in lines),
-    ]  # fmt: skip
+        ("projectile", projectile),
+    ]
+    if setup.plies > 1:
+        rows.append(("between plies", f"Friction {between:g}." if between else "No friction."))
+    rows += [("assumed law", line) for line in lines]
     return Section("assumptions", "Assumptions", tables=(Table(("of", "in this run"), tuple(rows)),))
+
+
+def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
+    """The mesh, of a set-up with the mesh that was used."""
+    weave = setup.fabric.weave
+    side = 1 / setup.resolved_elements_per_crossover if setup.grading is None else setup.grading[0][1]  # [crossovers]
+    fewer, step = (
+        "" if setup.grading is None else " about the impact point, fewer outside",
+        record.time[-1] / record.steps,
+    )
+    rows = (
+        ("elements per crossover, along each side", f"{1 / side:.3g}{fewer}"),
+        ("smallest element [mm]", " x ".join(display.number(2 * w * side, "m", form=".2f") for w in weave.w)),
+        ("projectile radius / longest side of it", f"{setup.projectile.radius / (2 * max(weave.w) * side):.2g}"),
+        ("elements of the modelled part", f"{record.elements}"),
+        ("modelled part of the panel", setup.symmetry),
+        ("time steps", f"{record.steps} of {1e9 * step:.3g} ns"),
+    )
+    lead = (
+        "The option --uncertainty of weavecell impact computes what the results change on a second mesh; a table "
+        "[accuracy] in the input file finds the mesh that they need. Near the critical velocity the outcome itself "
+        "depends on the mesh."
+    )
+    return Section("panel-mesh", "Mesh", lead, tables=(Table(("mesh", "value"), rows, numeric=("value",)),))
+
+
+def assumed(around: AssumedRange) -> Section:
+    """The range of a velocity over assumed laws, and the runs that it consists of."""
+    lead = (
+        f"{around.words().capitalize()}. The file of the fabric does not give it; laws are those of its fibre family, "
+        "with the range that the sources of the fabric state. The run was repeated with the soft and the stiff end of "
+        "each law, and with each end of a crimp computed from the thickness. The range is that of these runs and no "
+        "bound."
+    )
+    runs = [(run.laws, run.outcome or "-", display.number(run.velocity, "m/s")) for run in around.rows]
+    columns = ("laws", "outcome", f"{around.quantity} [m/s]")
+    table = Table(columns, tuple(runs), numeric=columns[2:])
+    return Section("assumed", "What the assumed laws leave open", lead, (), (table,))
+
+
+def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:
+    """What was recorded along yarns and at the edges.
+
+    Parameters
+    ----------
+    recorded : shellfabric.output.histories.Histories
+    places : [m] along the yarns whose histories are drawn
+    ply : number of the ply in a pack, the first is 1; None of a single panel
+    """
+    from shellfabric.output.wave_fronts import fronts
+
+    t, waves = recorded.t, fronts(recorded)
+    through = [yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None]
+    drawn: list[tuple[str, str, tuple[Any, ...]]] = []
+    of_ply = f"-ply-{ply}" if ply else ""
+    if recorded.yarns:
+        within = [place for place in places if any(place <= yarn.X[-1] for yarn in recorded.yarns)]
+        drawn = [
+            ("tensions", "Tension and fibre strain of the yarns that were followed.", (recorded.yarns, within)),
+            (
+                "fronts",
+                "Tension over place and time, with the longitudinal front (dark: tension arrives) and the transverse "
+                "one (red: the foot of the pyramid); the lines are fitted.",
+                (through, waves),
+            ),
+            ("profiles", "Deflection along the yarns nearest the impact point.", (through,)),
+        ]
+    drawn.append(("edges", "Force of the fabric on the edges of the whole panel.", (recorded.edges,)))
+    figures = tuple(
+        Figure(pictures.render(getattr(pictures_histories, name), t, *arguments), "svg", caption, name + of_ply)
+        for name, caption, arguments in drawn
+    )
+    title = f"Along the yarns and at the edges{f', ply {ply}' if ply else ''}"
+    columns = ("front", "yarn", "speed in the fabric [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
+    table = (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else ()
+    return Section(f"measures{of_ply}", title, "", figures, table)
+
+
+def body(record: ImpactRecord) -> list[Section]:
+    """Sections of an elastic projectile, of a block behind the panel and of sliding crossovers, where there are any."""
+    sections = []
+    if record.bar is not None:
+        bar = record.bar
+        lead = f"{record.rigid_check}. " if record.rigid_check else ""
+        lead += f"Plastic strain has shortened it by {text(bar.shortening, 'm', form='.3g')}."
+        swing = f" They swing in {text(bar.swing, 's', form='.3g')}." if np.isfinite(bar.swing) else ""
+        caption = (
+            "Tip, tail and centre of mass of the projectile; the first mode has "
+            f"{text(bar.period, 's', form='.3g')}.{swing}"
+        )
+        figure = Figure(pictures.render(pictures_body.bar, bar), "svg", caption, "bar")
+        sections.append(Section("bar", "The projectile as a bar", lead, (figure,)))
+    if record.backing is not None:
+        block = record.backing
+        lead = (
+            f"Back-face signature: {text(block.back_face_signature, 'm', form='.1f')}, volume of the dent "
+            f"{text(block.volume, 'm3', form='.3g')}; the block still moves with {block_moves(record)} of the strike "
+            f"energy. The crater is {text(block.depth, 'm', form='.1f')} deep and "
+            f"{text(2 * block.half_width, 'm', form='.1f')} wide at half of that; its wall stands at "
+            f"{display.number(block.steepness, 'rad', form='.0f')}° to the face. {int(block.gone.sum())} bricks of "
+            f"{'the block' if block.share == 1 else 'its modelled part'} are eroded."
+        )
+        picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
+        caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
+        deep = pictures.render(pictures_body.depth_map, block, kind="png")
+        seen = "Depth of the face of the block at the end of the run, seen along the flight; lines every fifth of it."
+        figures = (Figure(picture, "png", caption, "crater"), Figure(deep, "png", seen, "depth-map"))
+        sections.append(Section("backing", "The block behind", lead, figures))
+    return [*sections, _slips(record)] if record.slips else sections
+
+
+def block_moves(record: ImpactRecord) -> str:
+    """Share of the strike energy with which the block moves at the end."""
+    return text(record.energies["backing_kinetic"][-1] / record.strike_energy, "1", "share", ".2g")
+
+
+def _slips(record):
+    """Section of sliding crossovers: a row a ply."""
+    rows = {
+        "ply": ("", np.arange(1, record.count + 1)),
+        "segments that a yarn has left": ("", [slip.pulled_out_segments for slip in record.slips]),
+        "longest yarn through a crossover": ("m", [slip.pulled_out_length for slip in record.slips]),
+        "widest distance of neighbouring yarns": ("m", [slip.largest_window for slip in record.slips]),
+        "work of friction": ("J", [slip.friction_work for slip in record.slips]),
+    }
+    share = text(record.slip.friction_work / record.strike_energy, "1", "share", ".3g")
+    table = Table.of(display.frame(rows), f"Friction at the crossovers: {share} of the strike energy.")
+    return Section("slip", "Sliding crossovers", "", (), (table,))
+
+
+def _front_row(wave, recorded):
+    if not np.isfinite(wave.speed):
+        return wave.kind, wave.family, "-", "-", "-"
+    along = f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}" if wave.kind == "longitudinal" else "-"
+    low, high = wave.interval
+    return wave.kind, wave.family, f"{wave.speed:.0f}", f"{low:.0f} to {high:.0f}", along

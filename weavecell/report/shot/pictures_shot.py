@@ -1,54 +1,50 @@
-"""Plots of one impact, on one ply or on a pack: histories, cuts through the fabric, and where the energy is."""
+"""Plots of one impact, on one ply or on a pack: histories, cuts, where the energy is, and what each ply bears."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, STEEL
+from meshing.pictures_style import BLUE, COLOURS, DASHES, FAINT, INK, ORANGE, RED, STEEL, WARP, WEFT
 from weavecell.report.pictures import ENERGIES, place
-from weavecell.report.shot.pictures_pack import shades
+from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
+    from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
 
-US, MM = 1e6, 1e3
+_STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")  # plies from the front to the rear
 
 
-def histories(pyplot: Any, runs: Any) -> Any:
-    """Velocity of the projectile, deflection of the back face and contact force over time, one below the other.
-
-    Parameters
-    ----------
-    runs : {label: (t, velocity, deflection, nose, force)} [s, m/s, m, m, N]; of runs of one strike velocity the next
-        are dashed
-    """
+def histories(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
+    """Velocity of the projectile, deflection of the back face and contact force over time, one below the other; of
+    shots of one strike velocity the next are dashed."""
     figure, (top, middle, low) = pyplot.subplots(
         3, 1, figsize=(10.4, 8.6), sharex=True, height_ratios=(1.2, 1, 1), layout="none"
     )
     place(figure, 1.05, 0.2, 0.65, 0.15, down=0.2)
-    strikes = list(dict.fromkeys(round(float(run[1][0]), 6) for run in runs.values()))
+    strikes = list(dict.fromkeys(round(float(record.velocity[0]), 6) for record in records))
     seen = dict.fromkeys(strikes, 0)
-    for label, (t, velocity, deflection, nose, force) in runs.items():
-        strike = round(float(velocity[0]), 6)
+    for record in records:
+        t, strike = US * record.time, round(float(record.velocity[0]), 6)
         style: dict[str, Any] = {"ls": DASHES[seen[strike] % 4], "color": COLOURS[strikes.index(strike) % 6]}
         seen[strike] += 1
-        top.plot(US * t, velocity, label=label, **style)
-        middle.plot(US * t, MM * deflection, **style)
-        if len(runs) == 1:
-            middle.plot(US * t, MM * nose, color=STEEL, ls=":", label="nose of the projectile")
-        low.plot(US * t, 1e-3 * force, **{**style, "lw": 1.4})
+        top.plot(t, record.velocity, label=record.title, **style)
+        middle.plot(t, MM * record.deflection, **style)
+        if len(records) == 1:
+            middle.plot(t, MM * record.nose_position, color=STEEL, ls=":", label="nose of the projectile")
+        low.plot(t, 1e-3 * record.contact_force, **{**style, "lw": 1.4})
     top.axhline(0.0, color=FAINT, lw=1)
     top.set_ylabel("velocity [m/s]")
     middle.set_ylabel("deflection of the\nback face [mm]")
-    middle.set_ylim(0, 1.35 * MM * max(float(np.nanmax(run[2])) for run in runs.values()) + 0.1)
+    middle.set_ylim(0, 1.35 * MM * max(float(np.nanmax(record.deflection)) for record in records) + 0.1)
     low.set(xlabel="time after strike [µs]", ylabel="contact force [kN]")
     low.set_ylim(bottom=min(0.0, low.get_ylim()[0]))
-    low.set_xlim(0, US * max(float(run[0][-1]) for run in runs.values()))
-    if len(runs) > 1:
+    low.set_xlim(0, US * max(float(record.time[-1]) for record in records))
+    if len(records) > 1:
         top.legend(loc="best", fontsize=10)
     else:
         middle.legend(loc="upper left", fontsize=10)
@@ -153,48 +149,131 @@ def _band(line, thickness):
     return np.concatenate([line + normal, (line - normal)[::-1]])
 
 
-def energies(pyplot: Any, runs: Any) -> Any:
-    """Where the strike energy is at every instant, stacked, and below it the energy error, for each run.
+def parts(energies: Mapping[str, Any]) -> dict[str, Any]:
+    """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all friction."""
+    drawn = dict(energies)
+    drawn["yarn_strain"] = energies["yarn_strain"] + energies.get("formulation_residual", 0.0)
+    for name in ("contact", "friction"):
+        drawn[name] = energies.get(name, 0.0) + energies.get(f"ply_{name}", 0.0) + 0 * drawn["yarn_strain"]
+    return drawn
 
-    Parameters
-    ----------
-    runs : {title: (t, parts, strike_energy, error)}: [s], {name of ENERGIES: (n,)} [J], [J], (n,) [J]; parts that are
-        absent or zero throughout are left out
-    """
-    across = min(2, len(runs))
-    down = -(-len(runs) // across)
-    size = (5.6, 5.8) if len(runs) == 1 else (10.4, 0.9 + 4.1 * down)
+
+def energies(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
+    """Where the strike energy is at every instant, stacked, and below it the energy error, for each shot; parts
+    that are absent or zero throughout are left out."""
+    one, across = len(records) == 1, min(2, len(records))
+    down = -(-len(records) // across)
     figure, grid = pyplot.subplots(
         2 * down,
         across,
-        figsize=size,
+        figsize=(5.6, 5.8) if one else (10.4, 0.9 + 4.1 * down),
         squeeze=False,
         height_ratios=(3.2, 1) * down,
         sharex="col" if down == 1 else False,
-        layout="none" if len(runs) == 1 else "constrained",
+        layout="none" if one else "constrained",
     )
-    parts_of = [parts for _, parts, _, _ in runs.values()]
-    known = [row for row in ENERGIES if any(np.any(parts.get(row[0], 0.0)) for parts in parts_of)]
+    drawn = [parts(record.energies) for record in records]
+    known = [row for row in ENERGIES if any(np.any(energies.get(row[0], 0.0)) for energies in drawn)]
     handles: Any = []
-    for number, (title, (t, parts, strike_energy, error)) in enumerate(runs.items()):
+    for number, (record, energies) in enumerate(zip(records, drawn)):
+        t, error = US * record.time, 100 * record.energies["error"] / record.strike_energy
         top, low = grid[2 * (number // across), number % across], grid[2 * (number // across) + 1, number % across]
-        values = [np.maximum(parts.get(name, np.zeros_like(t)), 0.0) for name, _, _ in known]
-        handles = top.stackplot(US * t, values, colors=[colour for *_, colour in known], lw=0.4, ec="white")
-        top.axhline(strike_energy, color=INK, lw=1, ls=":")
-        top.set(ylabel="energy [J]", title=title if len(runs) > 1 else "", ylim=(0, 1.04 * strike_energy))
+        values = [np.maximum(energies.get(name, np.zeros_like(t)), 0.0) for name, _, _ in known]
+        handles = top.stackplot(t, values, colors=[colour for *_, colour in known], lw=0.4, ec="white")
+        top.axhline(record.strike_energy, color=INK, lw=1, ls=":")
+        top.set(ylabel="energy [J]", title="" if one else record.title, ylim=(0, 1.04 * record.strike_energy))
         low.axhspan(-1, 1, color="#e8f5f0", lw=0)
-        low.plot(US * t, 100 * error / strike_energy, color=INK, lw=1.6)
-        reach = max(1.25, 1.15 * float(np.max(np.abs(100 * error / strike_energy))))
+        low.plot(t, error, color=INK, lw=1.6)
+        reach = max(1.25, 1.15 * float(np.max(np.abs(error))))
         low.set(xlabel="time after strike [µs]", ylabel="error [%]", ylim=(-reach, reach))
         for axes in (top, low):
-            axes.set_xlim(0, US * float(t[-1]))
-    for number in range(len(runs), down * across):
+            axes.set_xlim(0, float(t[-1]))
+    for number in range(len(records), down * across):
         for row in range(2):
             grid[2 * (number // across) + row, number % across].set_visible(False)
     labels, columns = [label for _, label, _ in known], 2 * across
-    if len(runs) == 1:
-        rows = -(-len(labels) // columns)
-        place(figure, 0.9, 0.2, 0.75 + 0.215 * rows, 0.15, down=0.2)
-    side = "lower center" if len(runs) == 1 else "outside lower center"
+    if one:
+        place(figure, 0.9, 0.2, 0.75 + 0.215 * -(-len(labels) // columns), 0.15, down=0.2)
+    side = "lower center" if one else "outside lower center"
     figure.legend(handles, labels, loc=side, ncols=columns, fontsize=10)
+    return figure
+
+
+def reactions(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
+    """Tension at the clamped ends of the two yarns through the impact point, of all plies, one panel a shot."""
+    across = min(2, len(records))
+    down = -(-len(records) // across)
+    size = (5.6, 5.6) if len(records) == 1 else (10.4, 0.7 + 2.6 * down)
+    figure, grid = pyplot.subplots(down, across, figsize=size, sharey=True, sharex=True, squeeze=False, layout="none")
+    place(figure, 1.1, 0.2, 0.7, 0.4 if len(records) > 1 else 0.15, across=0.3, down=0.45)
+    for axes, record in zip(grid.flat, records):
+        for name, colour, dash in (("warp", WARP, "-"), ("weft", WEFT, "--")):
+            tension = record.plies[f"reaction_{name}"].sum(axis=1)
+            axes.plot(US * record.time, tension, dash, color=colour, label=f"{name} yarn")
+        axes.set_title(record.title if len(records) > 1 else "")
+        axes.set_xlim(left=0)
+    figure.supxlabel("time after strike [µs]", fontsize=12)
+    figure.supylabel("tension at the clamped edge [N]", fontsize=12)
+    grid[0, 0].legend(loc="upper left")
+    return figure
+
+
+def shades(count: int) -> list:
+    """Colours of plies from the front to the rear, in even steps."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    ramp = LinearSegmentedColormap.from_list("plies", _STEPS)
+    return [ramp(n / max(1, count - 1)) for n in range(count)]
+
+
+def shares(pyplot: Any, peaks: np.ndarray, failed: np.ndarray, energy: np.ndarray) -> Any:
+    """What each ply bears: highest tension, failed yarn segments, energy at the end.
+
+    Parameters
+    ----------
+    peaks : (plies, 2) [-] highest tension of warp and weft over the strength
+    failed : (plies,)
+    energy : (plies,) [J]
+    """
+    figure, row = pyplot.subplots(1, 3, figsize=(10.4, 3.6))
+    ply = np.arange(1, len(failed) + 1)
+    for column, (name, colour) in enumerate((("warp", BLUE), ("weft", RED))):
+        row[0].bar(ply + 0.2 * (2 * column - 1), peaks[:, column], 0.38, color=colour, label=name)
+    row[0].axhline(1.0, color=FAINT, ls=":", lw=1.2)
+    row[0].set(title="highest tension / strength", ylim=(0, max(1.3, 1.25 * float(peaks.max()))))
+    row[0].legend(loc="upper right", ncols=2)
+    row[1].bar(ply, failed, 0.7, color=ORANGE)
+    row[1].set(title="failed yarn segments", ylim=(0, max(1.0, 1.1 * float(np.max(failed)))))
+    row[2].bar(ply, energy, 0.7, color=BLUE)
+    row[2].set(title="energy at the end [J]", ylim=(0, 1.1 * float(np.max(energy))))
+    for axes in row:
+        axes.set_xlabel("ply, from the front")
+        axes.set_xticks(ply if len(ply) <= 8 else ply[:: -(-len(ply) // 8)])
+        axes.grid(axis="x", visible=False)
+    return figure
+
+
+def pushes(pyplot: Any, t: np.ndarray, push: np.ndarray, deflection: np.ndarray, tension: np.ndarray) -> Any:
+    """Force of the nose on each ply it touches, deflections of the plies, and their highest tensions.
+
+    Parameters
+    ----------
+    t : (n,) [s]
+    push, deflection, tension : (n, plies) [N, m, -], of the tension the share of the strength
+    """
+    figure, (left, right, third) = pyplot.subplots(1, 3, figsize=(10.4, 3.7))
+    colours = shades(push.shape[1])
+    for ply, colour in enumerate(colours):
+        label = f"ply {ply + 1}" if ply in (0, push.shape[1] - 1) else None
+        if np.any(push[:, ply]):
+            left.plot(US * t, 1e-3 * push[:, ply], color=colour, lw=1.6, label=f"ply {ply + 1}")
+        right.plot(US * t, MM * deflection[:, ply], color=colour, lw=1.6, label=label)
+        third.plot(US * t, 100 * tension[:, ply], color=colour, lw=1.6)
+    left.set(title="projectile on a ply [kN]", xlabel="time after strike [µs]")
+    right.set(title="deflection [mm]", xlabel="time after strike [µs]")
+    third.set(title="peak tension / strength [%]", xlabel="time after strike [µs]")
+    left.legend(loc="upper right", ncols=2)
+    right.legend(loc="upper left")
+    for axes in (left, right, third):
+        axes.set_xlim(0, US * float(t[-1]))
     return figure

@@ -2,86 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from fabrics import assumed
-from weavecell.report import chapters, chapters_assumed, chapters_discretisation, chapters_impact, checks
+from weavecell.report import chapters, chapters_discretisation, checks
 from weavecell.report.page import Report, Section
-from weavecell.report.shot import chapters_mesh, chapters_shot, tables_shot
+from weavecell.report.shot import chapters_shot
 from weavecell.scenes import words
-from weavecell.scenes.build import Case
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
-    from weavecell.results.impact import ImpactRecord
-    from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.mesh_uncertainty import Discretisation
+    from weavecell.api.shots import ShotResult
 
 
-def sections(
-    this: Case, setup: ImpactSetup, record: ImpactRecord, around: AssumedRange | None = None,
-    pair: Discretisation | None = None,
-) -> list[Section]:  # fmt: skip
-    """The chapters that have pictures or follow from options.
-
-    Parameters
-    ----------
-    this : of the scene
-    setup : what was run
-    around, pair : the range over assumed laws, the discretisation uncertainty
-    """
-    used, places = setup.meshed, this.scene.history.report_positions if this.scene.history else ()
-    found = [chapters_shot.chapter([record]), chapters_mesh.section(record, used)]
-    if pair is not None:
-        found.append(chapters_discretisation.section(pair))
-    if around is not None:
-        found.append(chapters_assumed.section(around))
-    ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the last
-    found += [chapters_impact.measures(record.measured[p], places, p + 1 if record.pack else None) for p in ends]
-    found += [*chapters_impact.body(record), *_cell(this)]
-    return [
-        *found,
-        chapters_shot.assumptions(
-            used, tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric)), body=record.rigid_check
-        ),
-    ]
+def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
+    """The chapters that have pictures or follow from options; `setup` is what was run."""
+    case, used = shot.case, setup.meshed
+    places = case.scene.history.report_positions if case.scene.history else ()
+    found = [chapters_shot.chapter([shot]), chapters_shot.mesh(shot, used)]
+    if shot.pair is not None:
+        found.append(chapters_discretisation.section(shot.pair))
+    if shot.range is not None:
+        found.append(chapters_shot.assumed(shot.range))
+    ends = dict.fromkeys((0, shot.count - 1)) if shot.measured else ()  # the ply that is struck, and the last
+    found += [chapters_shot.measures(shot.measured[p], places, p + 1 if shot.pack else None) for p in ends]
+    found += chapters_shot.body(shot)
+    if case.surface is None:
+        model, options = case.scene.fabric.cell_model, chapters.options(case.scene.fabric)
+        found.append(chapters.cell(case.fabric, {case.law_name: case.laws}, model, **options))
+    return [*found, chapters_shot.assumptions(used, shot.assumed, body=shot.rigid_check)]
 
 
-def _cell(this):
-    """The cell's response where it has laws."""
-    if this.surface is not None:
-        return ()
-    model = this.scene.fabric.cell_model
-    return (chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),)
-
-
-def page(
-    this: Case, setup: ImpactSetup, record: ImpactRecord, found: Sequence[Section],
-    stamp: dict[str, str],
-) -> Report:  # fmt: skip
+def page(shot: ShotResult, setup: ImpactSetup, found: Sequence[Section], stamp: Mapping[str, str]) -> Report:
     """The report of one impact; `found` are the chapters of `sections`."""
-    shot, panel, model = this.scene.projectile, this.scene.panel, this.scene.fabric.cell_model
-    source = this.law_name if model == "compressible" else model
-    laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
-    plies, more = f"One ply of {record.fabric}", ""
-    if record.pack:
-        plies = f"{record.count} plies: {record.fabric}"
+    case = shot.case
+    projectile, panel, model = case.scene.projectile, case.scene.panel, case.scene.fabric.cell_model
+    source = case.law_name if model == "compressible" else model
+    laws = (chapters.law_card(case.laws[0], source=source),) if case.surface is None else ()
+    plies, more = f"One ply of {shot.fabric_name}", ""
+    if shot.pack:
+        plies = f"{shot.count} plies: {shot.fabric_name}"
         if not setup.lay_up:
-            plies = f"{record.count} plies of {record.fabric}, {record.pack['stacking']}"
-        more = f" At rest: {record.gap_words}; {record.contact_words}."
+            plies = f"{shot.count} plies of {shot.fabric_name}, {shot.pack['stacking']}"
+        more = f" At rest: {shot.gap_words}; {shot.contact_words}."
+    cost = chapters_shot.cost([shot], setup.meshed)
     return Report(
-        record.title,
-        f"{plies}, {words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
-        f"{words.shot_in_words(shot)}.{more}",
-        ((chapters_shot.card(record), *map(chapters.fabric_card, setup.fabrics), *laws),),
+        shot.title,
+        f"{plies}, {words.panel_in_words(panel)}, struck at {projectile.strike_velocity:g} m/s by "
+        f"{words.shot_in_words(projectile)}.{more}",
+        ((chapters_shot.card(shot), *map(chapters.fabric_card, setup.fabrics), *laws),),
         (
             *found,
-            checks.section(record.checks),
+            checks.section(shot.checks),
             chapters.sources(*setup.fabrics),
-            chapters.making(stamp, {"time integration": record.wall_time}, tables_shot.cost([record], setup.meshed)),
+            chapters.making(stamp, {"time integration": shot.wall_time}, cost),
         ),
         f"weavecell {stamp['weavecell']}, {stamp['date']}",
-        outcome=chapters_shot.outcome(record),
-        tone=record.outcome,
+        outcome=chapters_shot.outcome(shot),
+        tone=shot.outcome,
     )
