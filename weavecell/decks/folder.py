@@ -16,13 +16,15 @@ from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page, pictures
 from weavecell.results import json_file, provenance
 from weavecell.scenes import honoured
-from weavecell.scenes.impact import SlipTable
+from weavecell.scenes.panel import SlipTable
 
 CODES = {"lsdyna": ls_dyna, "radioss": radioss}
 ROWS = {
-    "rms": "rms over the biaxial plane", "largest": "largest over the biaxial plane",
-    "uniaxial": "largest in uniaxial tension", "shear": "largest in trellis shear until locking",
-}  # fmt: skip
+    "rms": "rms over the biaxial plane",
+    "largest": "largest over the biaxial plane",
+    "uniaxial": "largest in uniaxial tension",
+    "shear": "largest in trellis shear until locking",
+}
 _SIDES = [f"panel.boundary.{side}{key}" for side in ("", "warp.", "weft.") for key in SlipTable.model_fields]
 _IN_PART = "panel.boundary", "panel.ply.angle"  # refused for some of their values, the angle by `model.build`
 NOT_HONOURED = (

@@ -249,13 +249,11 @@ def build(setup: ImpactSetup, code: ModuleType, units: str, match: str, *, title
         points = np.column_stack([x, y, np.full(x.size, z)])
         plies.append(Ply(p + 1, f"ply {p + 1}", cards[id(panel)], points, quads(panel) + first, held))
         first += len(points)
-    materials, share = tuple(cards.values()), pack.plies[0].share
+    materials, share, mirrors = tuple(cards.values()), pack.plies[0].share, pack.plies[0].mirrors
     nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
     header = _header(materials, units, share, f"{code.KEYWORD}, {_NEAREST[match]}", source, code.NAME)
-    return Deck(
-        _ascii(title)[:70], header, UNITS[units], materials, tuple(plies), nose, pack.plies[0].mirrors, pack.friction,
-        setup.end_time,
-    )  # fmt: skip
+    title, end, friction = _ascii(title)[:70], setup.end_time, pack.friction
+    return Deck(title, header, UNITS[units], materials, tuple(plies), nose, mirrors, friction, end)
 
 
 def _nose(setup, share, thickness, ply, first):
@@ -270,11 +268,9 @@ def _nose(setup, share, thickness, ply, first):
         if seen < _SEEN * volume(shot.solid.points, shot.solid.faces):
             allowed = "a body whose surface is seen from its axis: from there it is drawn"
             raise InputError(key="projectile.stl", allowed=allowed)
-    return Nose(
-        points=start + points, quads=faces + first, centre=start - shot.radius * shot.frame[2],
-        reference=first + len(points), mass=share * shot.mass, inertia=0.4 * share * shot.mass * shot.radius**2,
-        velocity=setup.strike_velocity * shot.flight, friction=shot.friction,
-    )  # fmt: skip
+    mass, centre, number = share * shot.mass, start - shot.radius * shot.frame[2], first + len(points)
+    inertia, velocity = 0.4 * mass * shot.radius**2, setup.strike_velocity * shot.flight
+    return Nose(start + points, faces + first, centre, number, mass, inertia, velocity, shot.friction)
 
 
 def _header(cards, units, share, law, source, code):

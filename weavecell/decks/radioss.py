@@ -122,10 +122,9 @@ def _body(deck: Deck) -> Iterator[str]:
     J, (vx, vy, vz) = u.kg * u.m**2 * nose.inertia, u.velocity(nose.velocity)
     yield f"/GRNOD/NODE/{main}\nmain node of the projectile\n" + numbers(_MARK, "node_ID", [nose.reference], 10)
     yield "/RBODY/1\nprojectile\n"
-    yield _card(
-        node_ID=nose.reference, sens_ID=0, skew_ID=0, Ispher=0, Mass=u.kg * nose.mass, grnd_ID=surface, Ikrem=0,
-        ICoG=4, surf_ID=0,
-    )  # fmt: skip
+    node, mass = nose.reference, u.kg * nose.mass
+    flags = {"grnd_ID": surface, "Ikrem": 0, "ICoG": 4, "surf_ID": 0}
+    yield _card(node_ID=node, sens_ID=0, skew_ID=0, Ispher=0, Mass=mass, **flags)
     yield _card(J11=J, J22=J, J33=J) + _card(J12=0.0, J23=0.0, J13=0.0) + _card(Ioptoff=0)
     yield f"/BCS/{main}\nprojectile\n" + _held("".join(str(int(mirror)) for mirror in deck.mirrors) + "0 111", main)
     for number, nodes in enumerate((main, surface), 1):

@@ -24,9 +24,16 @@ _AMBIENT = 0.48
 
 
 def panel(
-    grid: Any, strength: FloatArray, body: FloatArray, mirrors: Sequence[bool], half_height: float,
-    centre: Sequence[float] | FloatArray = (0.0, 0.0, 0.0), *, top_share: float = 1.0, open_quarter: bool = False,
-) -> np.ndarray:  # fmt: skip
+    grid: Any,
+    strength: FloatArray,
+    body: FloatArray,
+    mirrors: Sequence[bool],
+    half_height: float,
+    centre: Sequence[float] | FloatArray = (0.0, 0.0, 0.0),
+    *,
+    top_share: float = 1.0,
+    open_quarter: bool = False,
+) -> np.ndarray:
     """The image (rows, columns, 3) of a panel in parallel projection.
 
     Parameters
