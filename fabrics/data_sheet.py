@@ -1,4 +1,4 @@
-"""Quantities of a data sheet with their bounds, and what follows from them: crimp from thickness, failure strain from
+"""What follows from the quantities of a data sheet: crimp from thickness, failure strain from
 strength, checks.
 
 Warp and weft touch at the crossover, so that the sum of the heights of their centrelines is half of the sum of the
@@ -13,62 +13,20 @@ data sheet: `data_sheet.toml` has its value with a range, and that of the thickn
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-from fabrics.checks import FilePath
 from fabrics.errors import InputError
+from fabrics.fabric_tables import FAMILIES, OF_YARN
 from fabrics.families import Entry, entry
-from fabrics.units import in_one_of, si
 from fabrics.weave import Weave, arc_length, height_from_length
 from fabrics.yarn import CLOSEST_PACKING, Yarn
 
 Crimps: TypeAlias = tuple[float | None, float | None]
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A quantity of a yarn or a fabric, as `quantities.toml` has it.
-
-    Parameters
-    ----------
-    bounds : {SI unit that a value converts to: lowest and highest value, such as "1 to 1000 GPa"}
-    example, meaning : texts for messages and prompts
-    """
-
-    bounds: Mapping[str, str]
-    example: str
-    meaning: str
-
-    def limits(self, unit: str) -> tuple[float, float]:
-        """(lowest, highest) value in the SI `unit`."""
-        low, _, rest = self.bounds[unit].partition(" to ")
-        return si(f"{low} {rest.partition(' ')[2]}", unit), si(rest, unit)
-
-    def read(self, value: Any, *, file: FilePath | None = None, key: str | None = None) -> tuple[float, str]:
-        """(number, its SI unit) of a value as it is written.
-
-        Raises
-        ------
-        InputError : no quantity of these units, or one out of bounds
-        """
-        number, unit = in_one_of(value, tuple(self.bounds), file=file, key=key)
-        low, high = self.limits(unit)
-        if not low <= number <= high:
-            raise InputError(file=file, key=key, value=value, allowed=f"from {self.bounds[unit]}")
-        return number, unit
-
-
-_FILE = Path(__file__).with_name("quantities.toml")
-OF_YARN, OF_FABRIC, OTHERS = (
-    {key: Quantity(**entry) for key, entry in table.items()}
-    for table in tomllib.loads(_FILE.read_text(encoding="utf-8")).values()
-)
-QUANTITIES = OF_YARN | OF_FABRIC | OTHERS
-FAMILIES = ("warp", "weft")
 FROM_THICKNESS = "computed from the thickness"
 
 

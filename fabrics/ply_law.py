@@ -32,6 +32,7 @@ from fabrics.assumed import family_of, with_solid_laws
 from fabrics.checks import FilePath, FloatArray, positive
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.fabric_tables import STATUSES
 from fabrics.files import read_columns
 from fabrics.plate_curve import PlateCurve
 from fabrics.units import si
@@ -39,7 +40,6 @@ from fabrics.units import si
 TESTED = 4  # plies of the packs that the thesis takes the contact of plies from (section 5.2.2)
 _TABLE = ("closure", "pressure", "source", "status")
 UNITS = {"closure": "m", "pressure": "Pa"}
-STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")  # of the data of a fabric
 
 SOLID_TRAVEL = 1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway
 

@@ -244,7 +244,11 @@ def _problems(found, model, given, file):
     """
     problems: dict[str, InputError] = {}
     meant = set()
-    for error in sorted(found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"):
+
+    def order(error):
+        return len(error["loc"]) if error["type"] == "extra_forbidden" else math.inf
+
+    for error in sorted(found.errors(include_url=False), key=order):
         names, field, table = _locate(model, error["loc"])
         key, cause = ".".join(names), error.get("ctx", {}).get("error")
         if error["type"] == "extra_forbidden":
@@ -257,9 +261,12 @@ def _problems(found, model, given, file):
         elif error["type"] == "missing":
             line = InputError("is missing", file=file, key=key, allowed=field.description)
         elif isinstance(cause, InputError):
-            key = ".".join(filter(None, (*names, cause.key)))
-            value = written(given, key) if cause.key and cause.value is None else cause.value
-            line = InputError(cause.message, file=file, key=key or None, value=value, allowed=cause.allowed)
+            for one in getattr(cause, "problems", (cause,)):
+                key = ".".join(filter(None, (*names, one.key)))
+                value = written(given, key) if one.message is None and one.value is None else one.value
+                line = InputError(one.message, file=file, key=key or None, value=value, allowed=one.allowed)
+                problems.setdefault(key, line)
+            continue
         else:
             line = refused(error["input"], field.description, file=file, key=key)
         problems.setdefault(key, line)
@@ -270,7 +277,8 @@ def _locate(model, location):
     """Follow an error's location to (the key's names, the field it belongs to, the table that holds it)."""
     names, field, table = [], None, model
     for step in location:
-        inner = _inner(field) if field is not None else model
+        tables = [model] if field is None else list(tables_in(field.annotation))
+        inner = next((one for one in tables if step in one.model_fields), tables[0] if tables else None)
         if isinstance(step, int) or step in ("text", "inline", "pair"):  # list index, tag of a union
             continue
         if inner is None:
@@ -281,11 +289,6 @@ def _locate(model, location):
         if field is None:
             break
     return names, field, table
-
-
-def _inner(field):
-    """The table that a field holds, if it holds one."""
-    return next(tables_in(field.annotation), None)
 
 
 def unit_of(entry: Any) -> str | None:

@@ -301,7 +301,7 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.results import vtk
 
         folder, final = Path(folder), self.final
-        before = [plies for plies in self.shapes if plies[0].t < final[0].t]
+        before = [plies for plies in self.shapes if plies[0].time < final[0].time]
         vtk.write_panel(folder, [*before, final], self.quads)
         return folder / "panel.pvd"
 

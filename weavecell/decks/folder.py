@@ -16,7 +16,7 @@ from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page, pictures
 from weavecell.results import json_file, provenance
 from weavecell.scenes import honoured
-from weavecell.scenes.impact import SlipTable
+from weavecell.scenes.panel import SlipTable
 
 CODES = {"lsdyna": ls_dyna, "radioss": radioss}
 ROWS = {

@@ -31,7 +31,6 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
         "discretisation": {"meshes": meshes, "outcomes": list(pair.outcomes), "results": results}
     }
     if pair.targets:
-        errors = {name: pair.errors.get(name, inf) for name in pair.targets}
         entries["accuracy"] = {
             "targets": dict(pair.targets),
             "model": meshes[-1],
@@ -40,7 +39,7 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
             "compared_with": "".join(meshes[-2:-1]),
             "models_run": meshes,
             "confirmed": pair.confirmed,
-            "estimated_errors": {name: None if error == inf else error for name, error in errors.items()},
+            "estimated_errors": {name: pair.errors.get(name) for name in pair.targets},
         }
     return entries
 
@@ -58,9 +57,7 @@ def words(pair: Discretisation) -> str:
 
 def _outcomes(pair):
     """A line where the outcome depends on the mesh."""
-    first, last = pair.outcomes[0], pair.outcomes[-1]
-    if pair.targets:
-        first = pair.outcomes[max(0, len(pair.outcomes) - 2)]
+    first, last = (pair.outcomes[-2:] if pair.targets else pair.outcomes)[0], pair.outcomes[-1]
     return [] if pair.same_outcome else [f"the outcome depends on the mesh: {first}, and {last} on the finer one"]
 
 

@@ -221,7 +221,7 @@ class ImpactRecord:
     def nose_place(self, t: float) -> FloatArray:
         """(2,) [m] place x and y of the nose at time t, linear between impact, half energy and end."""
         places = np.array([np.zeros(3), *(shape.projectile_position for shape in self.rear)])
-        return np.array([np.interp(t, [0.0, *(shape.t for shape in self.rear)], places[:, axis]) for axis in (0, 1)])
+        return np.array([np.interp(t, [0.0, *(shape.time for shape in self.rear)], places[:, axis]) for axis in (0, 1)])
 
     @property
     def ply_shares(self) -> FloatArray:
@@ -395,6 +395,6 @@ def _half_energy(result, final):
     kinetic = result.energies["kinetic_projectile"]
     lost = kinetic[0] - kinetic
     instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
-    shots = [shots for shots in result.snapshots if shots[0].t <= final[0].t]
+    shots = [shots for shots in result.snapshots if shots[0].t <= final[0].time]
     nearest = min(shots, key=lambda shots: abs(shots[0].t - instant), default=None)
     return final if nearest is None else tuple(map(Shape.of, nearest))

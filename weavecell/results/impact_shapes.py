@@ -21,7 +21,7 @@ class Shape:
 
     Parameters
     ----------
-    t, nose_position : [s, m] time, and the foremost point of the projectile
+    time, nose_position : [s, m] and the foremost point of the projectile
     projectile_position : (3,) [m] position of its nose
     nodes : (k, 3) [m]
     tension : (m, 2) [N] of warp and weft
@@ -29,7 +29,7 @@ class Shape:
     pressure, area, failed_segments, slip : of the nodes, (k, ...), as of a Snapshot
     """
 
-    t: float
+    time: float
     nose_position: float
     projectile_position: np.ndarray
     nodes: np.ndarray
@@ -54,12 +54,12 @@ class Cut:
 
     Parameters
     ----------
-    t, nose : [s, m] time, and the foremost point of the projectile
+    time, nose_position : [s, m] and the foremost point of the projectile
     lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its yarn has failed
     """
 
-    t: float
-    nose: float
+    time: float
+    nose_position: float
     lines: tuple
 
     @classmethod

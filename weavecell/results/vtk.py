@@ -78,7 +78,7 @@ def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[
     for number, plies in enumerate(instants):
         name = f"panel/panel-{number:04d}.vtu"
         write_grid(out / name, panel(plies, quads))
-        times[name] = plies[0].t
+        times[name] = plies[0].time
     write_series(out / "panel.pvd", times)
 
 

@@ -14,15 +14,14 @@ modulus, failure strain or the trellis law by fits.
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from fabrics import assumed, catalogue
 from fabrics.checks import FilePath
-from fabrics.data_sheet import OF_FABRIC, OF_YARN
-from fabrics.errors import InputError, together
+from fabrics.errors import InputError, nearest, together
 from fabrics.fabric import Fabric
+from fabrics.fabric_tables import OF_FABRIC, OF_YARN
 from fabrics.files import read_csv, replace_whole
 from fabrics.units import decimal_comma, refused, si
 from weavecell.scenes import curves
@@ -130,7 +129,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
     tried: set[str] = set()
     for number, cells in rows[1:]:
         key = cells[0]
-        tried |= {key, *difflib.get_close_matches(key, ALL, n=1, cutoff=0.75)}
+        tried |= {key, nearest(key, ALL) or key}
         if not 2 <= len(cells) <= len(heading):
             hint = decimal_comma(",".join(cells))
             message = f"{len(cells)} fields, {len(heading)} expected" + (f"; {hint}" if hint else "")
@@ -152,8 +151,8 @@ def _row(entry, path, problems):
     """The Value of one row, or None with what is wrong with it added to `problems`."""
     key = entry["key"]
     if key not in ALL:
-        near = difflib.get_close_matches(key, ALL, n=1, cutoff=0.75)
-        hint = f'is not a known key, did you mean "{near[0]}"?' if near else None
+        near = nearest(key, ALL)
+        hint = f'is not a known key, did you mean "{near}"?' if near else None
         allowed = None if hint else f"one of {', '.join(ALL)}"
         problems.append(InputError(hint, file=path, key="key", value=key, allowed=allowed))
         return None

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import degrees
 
-from weavecell.scenes.impact import SHAPES, PanelTable, ProjectileTable
+from weavecell.scenes.impact import SHAPES, ProjectileTable
+from weavecell.scenes.panel import PanelTable
 
 
 def shot_in_words(shot: ProjectileTable) -> str:

@@ -192,23 +192,19 @@ def _edges(records):
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
     """What `pictures_shot.cuts` draws of a cut of a record."""
     outline = pictures_shot.outline(record.projectile)
-    outline[:, 0] += record.nose_place(cut.t)[0]
+    outline[:, 0] += record.nose_place(cut.time)[0]
     return pictures_shot.CutView(title, cut, record.thickness, record.mirror_x, outline)
 
 
 def _cut_views(records):
     """Three instants of one record, the end of each of several."""
-    chosen = []
+    shares, views = (0.2, 0.5, 1.0) if len(records) == 1 else (1.0,), []
     for record in records:
-        cuts, end = record.cuts, record.cuts[-1].t
-        found = (
-            [min(cuts, key=lambda cut, at=at: abs(cut.t - at * end)) for at in (0.2, 0.5)] if len(records) == 1 else []
-        )
-        title = "" if len(records) == 1 else f"{record.title}, "
-        for cut in dict.fromkeys((*(cut.t for cut in found), cuts[-1].t)):
-            this = next(one for one in cuts if one.t == cut)
-            chosen.append(cut_view(record, this, title + text(cut, "s", form=".0f")))
-    return chosen
+        times, name = np.array([cut.time for cut in record.cuts]), f"{record.title}, " if len(records) > 1 else ""
+        for number in dict.fromkeys(int(np.argmin(np.abs(times - share * times[-1]))) for share in shares):
+            title = name + text(times[number], "s", form=".0f")
+            views.append(cut_view(record, record.cuts[number], title))
+    return views
 
 
 def _panels(records):
@@ -227,7 +223,7 @@ def _panels(records):
             else:
                 half_height = 0.48 * pictures3d.width(shape.nodes, record.mirror_x)
                 image = pictures3d.cropped(pictures3d.panel(*what, half_height, top_share=top))
-            views.append((f"at {text(shape.t, 's', form='.0f')}", image))
+            views.append((f"at {text(shape.time, 's', form='.0f')}", image))
         images[record.title] = tuple(views)
     bar = _SCALE_BAR * pictures3d.SIZE[1] / (2 * _HALF_HEIGHT)
     several = _several_plies(records)

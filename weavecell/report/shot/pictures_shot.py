@@ -89,7 +89,7 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
         cut, colours = row.cut, shades(len(row.thickness))
         for axes, near in zip(axes_row, (False, True)):
             body = row.projectile
-            axes.fill(MM * body[:, 0], MM * (body[:, 1] + cut.nose), fc="#d5dae0", ec=STEEL, lw=1.0, zorder=1)
+            axes.fill(MM * body[:, 0], MM * (body[:, 1] + cut.nose_position), fc="#d5dae0", ec=STEEL, lw=1.0, zorder=1)
             for line, thickness, colour in zip(cut.lines, row.thickness, colours):
                 for image in _images(line, row.mirrored):
                     axes.plot(*(MM * image.T), color=colour, lw=1.4, zorder=2, solid_joinstyle="round")
@@ -139,7 +139,7 @@ def _images(line, mirrored):
 
 def foremost(cut: Cut) -> float:
     """[m] highest point of the plies and the nose."""
-    return max(cut.nose, *(float(part[:, 1].max()) for line in cut.lines for part in pieces(line)))
+    return max(cut.nose_position, *(float(part[:, 1].max()) for line in cut.lines for part in pieces(line)))
 
 
 def _band(line, thickness):

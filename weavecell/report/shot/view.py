@@ -60,7 +60,7 @@ class Panel:
 
     def time_of(self, file: Path) -> float:
         """[s] of a snapshot."""
-        return dict(self.series).get(file, self.record.rear[-1].t)
+        return dict(self.series).get(file, self.record.rear[-1].time)
 
     def image(self, grid: Any, t: float) -> np.ndarray:
         """(rows, columns, 3) the whole panel or pack and its projectile in one snapshot, seen from behind."""
@@ -158,7 +158,7 @@ def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:
 
 def end(pyplot: Any, record: ImpactRecord) -> Any:
     """The figure of the last instant of a record, without the files of a run."""
-    return compose(pyplot, Panel(record, []), vtk.panel(record.final, record.quads), record.final[-1].t)
+    return compose(pyplot, Panel(record, []), vtk.panel(record.final, record.quads), record.final[-1].time)
 
 
 def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
@@ -179,7 +179,7 @@ def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
 def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
     """The figure of a cut of the record, by its number, with heights up to the highest of all cuts."""
     record = panel.record
-    row = chapters_shot.cut_view(record, record.cuts[number], panel.caption(record.cuts[number].t))
+    row = chapters_shot.cut_view(record, record.cuts[number], panel.caption(record.cuts[number].time))
     top = max(map(pictures_shot.foremost, record.cuts))
     figure = pictures_shot.cuts(pyplot, [row], chapters_shot.CLOSE_UP, top)
     figure.suptitle(panel.headline(), weight="bold", color=INK, x=0.02, y=0.995, ha="left", fontsize=11)

@@ -1,0 +1,283 @@
+"""Tables of a fabric file: every key with its units and bounds, an example and its meaning.
+
+A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"`; it is
+read as a `Datum`. The bounds hold for any yarn or fabric: what lies outside is an error of the unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from fabrics.errors import InputError, nearest, together
+from fabrics.schema import Table, described, string
+from fabrics.units import example, in_one_of, si
+
+STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")  # of the data of a fabric
+FAMILIES = ("warp", "weft")
+
+
+@dataclass(frozen=True)
+class Datum:
+    """A number of a fabric file: its value in the SI `unit`, as it is `written`, and where it comes from."""
+
+    value: float
+    unit: str
+    written: str
+    source: str
+    status: str
+
+    @property
+    def entry(self) -> dict[str, str]:
+        """As `Fabric.sources` has it."""
+        return {"value": self.written, "source": self.source, "status": self.status}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a number of a fabric file may be.
+
+    Parameters
+    ----------
+    bounds : {SI unit that a value converts to: lowest and highest value, such as "1 to 1000 GPa", or "" of a number
+        that the law made from it checks}
+    example, meaning : texts for messages and prompts
+    """
+
+    bounds: Mapping[str, str]
+    example: str
+    meaning: str
+
+    def limits(self, unit: str) -> tuple[float, float]:
+        """(lowest, highest) value in the SI `unit`."""
+        low, _, rest = self.bounds[unit].partition(" to ")
+        return si(f"{low} {rest.partition(' ')[2]}", unit), si(rest, unit)
+
+    def read(self, value: Any, *, key: str | None = None) -> tuple[float, str]:
+        """(number, its SI unit) of a value as it is written.
+
+        Raises
+        ------
+        InputError : no quantity of these units, or one out of bounds
+        """
+        number, unit = in_one_of(value, tuple(self.bounds), key=key)
+        if self.bounds[unit]:
+            low, high = self.limits(unit)
+            if not low <= number <= high:
+                raise InputError(key=key, value=value, allowed=f"from {self.bounds[unit]}")
+        return number, unit
+
+    def datum(self, entry: Any, info: Any) -> Datum:
+        """The Datum of an entry of a file, whose name is the source of one that gives none."""
+        if not isinstance(entry, dict):
+            entry = {"value": entry, "source": info.context["source"]}
+        for key in set(entry) - {"value", "source", "status"}:
+            message, allowed = _unknown(nearest(key, ("value", "source", "status")), ("value", "source", "status"))
+            raise InputError(message, key=key, allowed=allowed)
+        status = entry.get("status", "user")
+        if status not in STATUSES:
+            raise InputError(key="status", value=status, allowed=f"one of {', '.join(STATUSES)}")
+        number, unit = self.read(entry.get("value"))
+        return Datum(number, unit, str(entry["value"]), entry.get("source", ""), status)
+
+
+def _data(meaning, sample, bounds):
+    """The type of a key that holds a Datum, `bounds` as of Quantity."""
+    of = Quantity(bounds, sample, meaning)
+    return Annotated[Any, of, BeforeValidator(of.datum), described(meaning, f'such as "{sample}"')]
+
+
+def _number(meaning, unit):
+    """The type of a key in SI `unit`, "" of a ratio, that the law made from it checks."""
+    of = Quantity({unit: ""}, example(unit), meaning)
+    allowed = f'such as "{of.example}"' if unit else "a number"
+    return Annotated[Any, of, BeforeValidator(of.datum), described(meaning, allowed)]
+
+
+def _unknown(near, keys):
+    if near:
+        return f'is not a known key, did you mean "{near}"?', None
+    return "is not a known key", f"one of {', '.join(keys)}"
+
+
+class DataTable(Table):
+    """A table of a fabric file."""
+
+    @classmethod
+    def unknown(cls, near: str | None) -> tuple[str, str | None]:
+        """As of Table."""
+        return _unknown(near, cls.model_fields)
+
+    @classmethod
+    def quantities(cls) -> dict[str, Quantity]:
+        """{key: Quantity} of the numbers of the table."""
+        parts = ((key, part) for key, field in cls.model_fields.items() for part in field.metadata)
+        return {key: part for key, part in parts if isinstance(part, Quantity)}
+
+    def data(self, prefix: str = "") -> Iterator[tuple[str, Datum]]:
+        """(dotted key, Datum) of all numbers of the table and of those in it."""
+        for key, value in self:
+            if isinstance(value, Datum):
+                yield f"{prefix}{key}", value
+            elif isinstance(value, DataTable):
+                yield from value.data(f"{prefix}{key}.")
+
+
+class YarnTable(DataTable):
+    """A yarn family, [warp] or [weft]."""
+
+    fibre_density: _data("density of the fibre", "1.44 g/cm^3", {"kg/m^3": "0.5 to 23 g/cm^3"})
+    modulus: _data("axial modulus of the fibre", "90 GPa", {"Pa": "1 to 1000 GPa", "N/(kg/m)": "0.5 to 500 N/tex"})
+    linear_density: _data("mass per length of the yarn", "1100 dtex", {"kg/m": "5 to 100000 dtex"}) = None
+    effective_linear_density: _data("of the runs of the thesis (E-07)", "1100 dtex", {"kg/m": "5 to 100000 dtex"}) = (
+        None
+    )
+    failure_strain: _data("failure strain of the fibre", "3.3 %", {"": "0.1 to 50 %"}) = None
+    crimp: _data("yarn length over length of fabric, minus one", "1.2 %", {"": "0 to 50 %"}) = None
+    count: _data("yarns per width of fabric", "8.5 / cm", {"1/m": "0.5 to 100 / cm"})
+    strength: _data(
+        "of one yarn, or a stress of the fibre", "220 N", {"N": "0.1 to 100000 N", "Pa": "0.1 to 20 GPa"}
+    ) = None
+    tenacity: _data("strength over linear density", "2350 mN/tex", {"N/(kg/m)": "0.05 to 10 N/tex"}) = None
+    width: _data("width of the yarn in the fabric, across its family", "1.1 mm", {"m": "0.02 to 20 mm"}) = None
+    section_area: _data("area of the yarn's section", "0.11 mm^2", {"m^2": "0.0001 to 100 mm^2"}) = None
+    axial_stiffness: _data("modulus times area of the fibres of a yarn", "38000 N", {"N": "1 to 10000000 N"}) = None
+
+    @model_validator(mode="after")
+    def _of_one_mass_and_one_strength(self):
+        if self.axial_stiffness is not None:
+            self.refuse("linear_density effective_linear_density", "left out beside axial_stiffness")
+        elif self.linear_density is None:
+            raise self._missing("linear_density")
+        if self.strength is not None and self.tenacity is not None:
+            raise InputError("give strength or tenacity, which are the same", key="tenacity")
+        if self.strength is self.tenacity is self.failure_strain is None:
+            raise self._missing("failure_strain")
+        return self
+
+    def _missing(self, key):
+        return InputError("is missing", key=key, allowed=type(self).model_fields[key].description)
+
+
+class LawTable(DataTable):
+    """The compression law of both families, or of one (thesis eq. 4-12)."""
+
+    a: _number("compression law, thesis eq. 4-12", "m")
+    b: _number("compression law, thesis eq. 4-12", "m * N**(1/3)")
+    form: string("form of the law", "a text") = "regularised"
+
+
+class ShearTable(DataTable):
+    """The trellis law (thesis eq. 4-35)."""
+
+    G1: _number("tangent shear modulus before parallel yarns touch (eq. 4-35)", "Pa")
+    G2: _number("tangent shear modulus after locking (eq. 4-35)", "Pa")
+    gamma1: _number("shear angle in radians at which parallel yarns touch", "")
+    gamma2: _number("shear angle in radians of locking", "")
+
+
+class SolidTable(DataTable):
+    """The yarn as a solid, of both families or of one."""
+
+    E_a: _number("axial modulus of the solid (eq. 3-2); the fibre bars carry the tension", "Pa")
+    E_c: _number("transverse modulus of the packed yarn (eq. 3-14)", "Pa")
+    K_r: _number("share of E_c in a loose yarn (eq. 3-10)", "")
+    K_G: _number("shear modulus over E_c / 2 (eq. 3-16)", "")
+    V_c: _number("fibre volume fraction at which the yarn is packed", "")
+    Vf0: _number("fibre volume fraction at rest", "")
+
+
+class MicrographTable(DataTable):
+    """What a micrograph of a section shows."""
+
+    width: _number("width of the yarn", "m")
+    thickness: _number("section of the yarn in a micrograph", "m")
+    crossing_thickness: _number("thickness of the yarn at a crossover", "m")
+    total_thickness: _number("thickness of the fabric at a crossover", "m")
+    count: _number("yarns per width of fabric", "1/m")
+    crimp: _number("length of the yarn over length of the fabric, minus one", "")
+    void: _number("share of voids in the cell", "")
+
+
+def _keys(kind):
+    return f"a table with {', '.join(key for key in kind.model_fields if key != 'form')}"
+
+
+def _table(kind):
+    """The type of a table that may be left out."""
+    return Annotated[kind | None, Field(description=_keys(kind))]
+
+
+class Laws(DataTable):
+    """A compression law of each family."""
+
+    warp: LawTable
+    weft: LawTable
+
+
+class Solids(DataTable):
+    """A solid law of each family."""
+
+    warp: SolidTable
+    weft: SolidTable
+
+
+class Micrographs(DataTable):
+    """Micrographs of the families."""
+
+    warp: _table(MicrographTable) = None
+    weft: _table(MicrographTable) = None
+
+
+def _of_both(value):
+    return "pair" if isinstance(value, dict) and {"warp", "weft"} & set(value) else "inline"
+
+
+def _both(table, pair):
+    """The type of a table for both yarns, or of one each under warp and weft."""
+    kinds = Annotated[table, Tag("inline")] | Annotated[pair, Tag("pair")]
+    return Annotated[Annotated[kinds, Discriminator(_of_both)] | None, Field(description=_keys(table))]
+
+
+class FabricFile(DataTable):
+    """A fabric file. [ply_contact] and [strain_rate] are read by the laws themselves."""
+
+    name: string("name of the fabric", "a text") = None
+    section: string("shape of the yarns' sections in the 3D crossover", "a text") = None
+    interlayer_gap: _data("play between plies of a pack at rest", "0.1 mm", {"m": "0 to 5 mm"}) = None
+    areal_density: _data("of the fabric, as its data sheet has it", "200 g/m^2", {"kg/m^2": "5 to 5000 g/m^2"}) = None
+    areal_density_measured: _data("for the pressure law of packs", "200 g/m^2", {"kg/m^2": "5 to 5000 g/m^2"}) = None
+    thickness: _data("of the fabric, as its data sheet has it", "0.30 mm", {"m": "0.02 to 5 mm"}) = None
+    warp: _table(YarnTable) = None
+    weft: _table(YarnTable) = None
+    compression: _both(LawTable, Laws) = None
+    shear: _table(ShearTable) = None
+    ply_contact: Any = None
+    solid: _both(SolidTable, Solids) = None
+    micrograph: _table(Micrographs) = None
+    strain_rate: Any = None
+
+    @property
+    def yarns(self) -> dict[str, YarnTable]:
+        """{"warp", "weft": its table}"""
+        return {family: getattr(self, family) for family in FAMILIES}
+
+    @model_validator(mode="after")
+    def _of_two_yarns(self):
+        missing = {f"[{family}]": "a table with the yarn's data" for family, yarn in self.yarns.items() if yarn is None}
+        if not missing and self.thickness is None:
+            allowed = 'given, such as "1.2 %", or computed: give thickness, such as "0.3 mm", above [warp]'
+            missing = {f"{family}.crimp": allowed for family, yarn in self.yarns.items() if yarn.crimp is None}
+        if missing:
+            raise together([InputError("is missing", key=key, allowed=text) for key, text in missing.items()])
+        return self
+
+
+# of a data sheet
+OF_YARN, OF_FABRIC = YarnTable.quantities(), FabricFile.quantities()
+for _key in ("effective_linear_density", "axial_stiffness"):
+    del OF_YARN[_key]
+del OF_FABRIC["areal_density_measured"]

@@ -1,0 +1,307 @@
+"""The table [panel] of an impact: opening, edges, plies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, model_validator
+
+from fabrics.errors import InputError
+from fabrics.schema import (
+    TEXT,
+    TEXT_OR_TWO,
+    Table,
+    angle,
+    as_tuple,
+    described,
+    flag,
+    from_text,
+    in_python,
+    number,
+    one_of,
+    quantities,
+    quantity,
+    string,
+    whole,
+)
+from weavecell.scenes.fabric_table import LAW, Law
+
+
+class SlipTable(Table):
+    """Yarns that slip in their clamps (thesis section 6.4.3): either `clamp_force`, a friction clamp, or `pull_in` with
+    `start` and `end`, a prescribed slip. A list of two tables holds for their two ends.
+
+    [panel.boundary]
+    warp = [{ clamp_force = "20 N" }, { clamp_force = "40 N" }]
+    weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
+    """
+
+    clamp_force: quantity("friction-limited clamp: tension of a yarn at which it slips", "N", "20 N") = None
+    pull_in: quantity("prescribed slip of the yarn in the middle of the zone, into the panel", "m", "5 mm") = None
+    start: quantity("time at which the prescribed slip begins", "s", "200 us", zero=True) = None
+    end: quantity("time at which the prescribed slip ends", "s", "650 us") = None
+    zone: quantity(
+        "width of the triangular zone of the side that slips, about its middle; 60 mm where not given", "m", "60 mm"
+    ) = None
+
+    @model_validator(mode="after")
+    def _clamped_or_pulled(self):
+        given = {name for name in self.model_fields_set if getattr(self, name) is not None}
+        if given == {"clamp_force"} or (type(self) is not SlipTable and not given & set(SlipTable.model_fields)):
+            return self
+        if given - {"zone"} != {"pull_in", "start", "end"}:
+            raise InputError("give clamp_force alone, or pull_in with start and end (and zone)")
+        if self.end <= self.start:
+            raise InputError("must end after its start")
+        return self
+
+
+_SIDE = (
+    '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
+    "or a list of two such for its ends"
+)
+WIDEST = 5.0  # [m] of an opening: a larger number has another unit
+_BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a table { warp = ..., weft = ... } of sides'
+
+
+def _kind(value):
+    return "inline" if isinstance(value, (Mapping, Table)) else "pair" if isinstance(value, (list, tuple)) else "text"
+
+
+_Text = Annotated[Literal["clamped", "free"], Tag("text")]
+_One = Annotated[_Text | Annotated[SlipTable, Tag("inline")], Discriminator(_kind)]
+_Pair = Annotated[tuple[_One, _One], BeforeValidator(tuple), Tag("pair")]
+Side = Annotated[_Text | Annotated[SlipTable, Tag("inline")] | _Pair, Discriminator(_kind)]
+
+
+class BoundaryTable(SlipTable):
+    """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys of a slipping side,
+    which then holds for all four: `boundary = { clamp_force = "5 N" }`.
+
+    [panel.boundary]
+    warp = "clamped"
+    weft = "free"
+    """
+
+    warp: Annotated[Side, described("how the warp yarns end at the frame", _SIDE)] = "clamped"
+    weft: Annotated[Side, described("how the weft yarns end at the frame", _SIDE)] = "clamped"
+
+    @property
+    def sides(self) -> dict[str, Any]:
+        """{"warp": side, "weft": side} in the forms of these keys; where all four slip alike, this table itself."""
+        alike = bool(self.model_fields_set & set(SlipTable.model_fields))
+        return {name: self if alike else getattr(self, name) for name in ("warp", "weft")}
+
+
+Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discriminator(_kind)]
+
+
+def _opening(value, read):
+    sides = [read(text, "m") for text in (value if isinstance(value, list) and len(value) == 2 else [value])]
+    if not 0 < min(sides) <= max(sides) <= WIDEST:
+        raise ValueError("out of range")
+    return sides[0] if len(sides) == 1 else tuple(sides)
+
+
+_ZONE = {"type": "array", "prefixItems": [{"type": ["number", "string"]}] * 2, "minItems": 2, "maxItems": 2}
+_PLY_CONTACT = '"solid", "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv'
+
+
+def _ply_contact(value, info):
+    if in_python(info) or value in (None, "solid", "pressure_law") or str(value).endswith((".json", ".csv")):
+        return value
+    raise ValueError("no law")
+
+
+def _ply_angle(text, read):
+    """[rad] above -pi/2 and at most pi/2: half a turn leaves a weave as it is."""
+    degrees = round(math.degrees(read(text, "rad")), 6)
+    if not -180 <= degrees <= 180:
+        raise ValueError("out of range")
+    least = math.remainder(degrees, 180)
+    return math.radians(90 if least == -90 else least)
+
+
+def _zones(value):
+    """Zones (until, side) [crossovers] of a grading, as numbers."""
+    if value is None:
+        return None
+    numbers = [part for zone in value for part in zone] if all(isinstance(zone, list) for zone in value) else [None]
+    if any(isinstance(part, bool) or not isinstance(part, (int, float, str)) for part in numbers):
+        raise ValueError("no zones")
+    return tuple((_crossovers(until), _crossovers(side)) for until, side in value)
+
+
+def _crossovers(value):
+    """A number of crossovers, or a fraction of one such as "1/3"."""
+    if not isinstance(value, str):
+        return float(value)
+    over, _, under = value.partition("/")
+    if int(under) == 0:
+        raise ValueError("divided by 0")
+    return int(over) / int(under)
+
+
+MOST_PLIES = 100
+BESIDE_ANGLES = "where a ply is at another angle than 0 and 90 deg"
+
+
+class PlyTable(Table):
+    """One table for each group of plies that are alike, from the struck side to the back. `panel.plies` and
+    `panel.stacking` are then left out.
+
+    [[panel.ply]]
+    count = 2
+
+    [[panel.ply]]
+    name = "S-726"
+    angle = "45 deg"
+    gap = "0.1 mm"
+    """
+
+    name: string(
+        "fabric of the catalogue; without name and file the fabric of the table [fabric]",
+        "the name of a fabric of the catalogue",
+    ) = None  # fmt: skip
+    file: string("fabric file; its path is relative to the input file", "the path of a fabric file (*.toml)") = None
+    law: Annotated[Law | None, described(
+        "compression law of the ply; where not given `published`, for plies of [fabric] the law of `fabric.law`", LAW,
+    )] = None  # fmt: skip
+    angle: from_text(
+        float, _ply_angle,
+        "angle of the warp of the ply to that of a ply at 0, towards its weft; another one than 0 and 90 deg needs "
+        "clamped edges and pinned crossovers, and has the whole panel modelled",
+        'an angle from -180 to 180 deg, such as "45 deg"', "rad", "45 deg",
+    ) = 0.0  # fmt: skip
+    gap: quantity(
+        "clearance to the next ply at rest; where not given `panel.ply_gap`, else the mean of the gaps of both "
+        "fabrics", "m", "0.12 mm", zero=True,
+    ) = None  # fmt: skip
+    count: whole("number of plies that are alike", 1, MOST_PLIES) = 1
+
+    @model_validator(mode="after")
+    def _of_one_fabric(self):
+        if self.name is not None and self.file is not None:
+            raise InputError("give one of panel.ply.name and panel.ply.file")
+        return self
+
+
+class PanelTable(Table):
+    """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables `[[panel.ply]]`.
+
+    [panel]
+    opening = "150 mm"
+    boundary = "clamped"
+    plies = 4
+    """
+
+    opening: from_text(
+        float | tuple[float, float], _opening,
+        "side of the square opening of the frame, or both sides; diameter of a round one",
+        f'a length above 0 and at most {WIDEST:g} m, such as "203 mm", or a list of two, along warp and weft',
+        "m", "203 mm", TEXT_OR_TWO,
+    )  # fmt: skip
+    opening_shape: one_of("shape of the opening; a round one needs clamped edges", "rectangular", "round") = (
+        "rectangular"
+    )
+    impact_point: Annotated[
+        quantities(
+            "where the projectile hits, from the middle of the opening along its two sides. Where not given the "
+            "middle; of one ply with sliding crossovers, computed whole, a quarter of the spacing off a crossover in "
+            "both directions. Off the middle it needs a symmetry across which it is 0, `half` for a point on the "
+            "second axis, else `whole`; with pinned crossovers also clamped edges",
+            "m", "a list of two lengths", '["20 mm", "0 mm"]',
+        ),
+        Field(min_length=2, max_length=2),
+    ] = None  # fmt: skip
+    boundary: Annotated[Boundary, described("how the yarns end at the frame", _BOUNDARY)] = "clamped"
+    symmetry: one_of(
+        "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg). Where "
+        "not given, one ply with sliding crossovers is whole: symmetry can decide its outcome",
+        "quarter", "half", "whole",
+    ) = "quarter"  # fmt: skip
+    weave_angle: angle("angle of the warp to the sides of the opening", -89, 89, "45 deg") = 0.0
+    plies: whole("number of plies; above 1 a pack with contact between plies", 1, MOST_PLIES) = 1
+    ply: Annotated[tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")] = ()
+    stacking: one_of("pack: all plies alike, or every second one turned by 90 degrees", "aligned", "alternating") = (
+        "aligned"
+    )
+    ply_gap: quantity(
+        "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
+        "a range ([Packs](../pack.md))", "m", "0.12 mm", zero=True,
+    ) = None  # fmt: skip
+    ply_contact: Annotated[Any, BeforeValidator(_ply_contact), WithJsonSchema(TEXT), described(
+        "pack: law of pressure against closure between two plies; where not given the law in the file of "
+        "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
+        _PLY_CONTACT,
+    )] = None  # fmt: skip
+    ply_friction: number("pack: Coulomb coefficient between plies", 0.2, ge=0.0, le=2.0) = 0.0
+    yarn_failure: flag("whether a yarn fails at its strength") = True
+    rate_dependence: flag(
+        "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the table "
+        "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
+    ) = False  # fmt: skip
+    grading: Annotated[
+        tuple[tuple[float, float], ...] | None,
+        BeforeValidator(_zones),
+        WithJsonSchema({"type": "array", "items": _ZONE}),
+        described(
+            "coarser mesh with the distance from the impact point: zones of distance and element side, in crossovers",
+            'zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]',
+        ),
+    ] = None
+    crossovers: one_of(
+        "whether warp and weft are pinned to each other where they cross, or slide against friction "
+        "([sliding](../reports/sliding.md))", "pinned", "sliding",
+    ) = "pinned"  # fmt: skip
+    crossover_friction: number(
+        "sliding crossovers: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given", 0.3, ge=0.0, le=2.0
+    ) = None
+    crossover_cohesion: quantity(
+        "sliding crossovers: friction of a crossover without contact force; 0 where not given", "N", "0.1 N", zero=True
+    ) = None
+
+    @property
+    def angled(self) -> bool:
+        """Whether a ply of a lay-up is at another angle than 0 and 90 deg."""
+        return any(ply.angle not in (0.0, math.pi / 2) for ply in self.ply)
+
+    @model_validator(mode="after")
+    def _of_a_lay_up(self):
+        """The panel with the number of the plies of its tables [[panel.ply]]."""
+        if not self.ply:
+            return self
+        for key in {"plies", "stacking"} & self.model_fields_set:
+            raise InputError(key=key, allowed="left out beside [[panel.ply]]")
+        self.refuse("weave_angle", "left out with [[panel.ply]]")
+        plies = sum(ply.count for ply in self.ply)
+        if not 2 <= plies <= MOST_PLIES:
+            allowed = f"2 to {MOST_PLIES} plies in all; [fabric] alone is one ply"
+            raise InputError(key="ply", value=f"{plies} plies", allowed=allowed)
+        return self.model_copy(update={"plies": plies})
+
+    @model_validator(mode="after")
+    def _of_one_or_more_plies(self):
+        if not self.yarn_failure:
+            self.refuse("rate_dependence", "left out where yarns do not fail")
+        if self.crossovers == "pinned":
+            self.refuse("crossover_friction crossover_cohesion", "left out where crossovers are pinned")
+        if self.angled:
+            self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
+            self.refuse("crossovers", f"pinned {BESIDE_ANGLES}")
+        if self.plies == 1:
+            self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
+        if self.weave_angle != 0:
+            self.refuse("stacking", "aligned where the weave is oblique")
+        return self
+
+    @model_validator(mode="after")
+    def _of_the_modelled_part(self):
+        """The whole panel where a ply is at an angle, and of one ply of sliding yarns unless its symmetry is given."""
+        given = "symmetry" in self.model_fields_set
+        if self.angled and given and self.symmetry != "whole":
+            raise InputError(key="symmetry", allowed=f"whole, or left out, {BESIDE_ANGLES}")
+        slides = self.crossovers == "sliding" and self.plies == 1 and not given
+        return self.model_copy(update={"symmetry": "whole"}) if self.angled or slides else self
