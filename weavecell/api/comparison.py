@@ -70,7 +70,8 @@ def compare(
 
     Examples
     --------
-    >>>     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
     >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
     >>> comparison.comparison.agree
     2
@@ -114,7 +115,8 @@ class ComparisonResult(StudyResult):
 
     Examples
     --------
-    >>>     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
     >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
     >>> list(comparison.to_dataframe()["computed"])
     ['stopped', 'perforated']

@@ -16,7 +16,7 @@ NUMBERS = {
     "areal_density": (r"4 x S-728, 925 g/m2: limit", 227),
     "clay_backing": (r"back-face signature", 9.7),
     "coupon": (r"shear stress", 1218.98),
-    "crossover_calibration": (r"a = 0.0447 mm, b =", 0.0580),
+    "crossover_calibration": (r"a = 0.0447 mm, b =", 0.0571),
     "export_deck": (r"LAW58 {'rms': '", 3.4),
     "first_shot": (r"150 m/s: perforated, residual velocity", 81.2),
     "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 224),
