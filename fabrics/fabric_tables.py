@@ -131,12 +131,18 @@ class YarnTable(DataTable):
 
     fibre_density: _data("density of the fibre", "1.44 g/cm^3", {"kg/m^3": "0.5 to 23 g/cm^3"})
     modulus: _data("axial modulus of the fibre", "90 GPa", {"Pa": "1 to 1000 GPa", "N/(kg/m)": "0.5 to 500 N/tex"})
-    linear_density: _data("mass per length of the yarn", "1100 dtex", {"kg/m": "5 to 100000 dtex"}) = None
-    effective_linear_density: _data("of the runs of the thesis (E-07)", "1100 dtex", {"kg/m": "5 to 100000 dtex"}) = (
-        None
-    )
-    failure_strain: _data("failure strain of the fibre", "3.3 %", {"": "0.1 to 50 %"}) = None
-    crimp: _data("yarn length over length of fabric, minus one", "1.2 %", {"": "0 to 50 %"}) = None
+    linear_density: _data(
+        "mass per length of the yarn; needed without axial_stiffness", "1100 dtex", {"kg/m": "5 to 100000 dtex"}
+    ) = None
+    effective_linear_density: _data(
+        "linear density of the runs of the thesis (erratum E-07)", "1100 dtex", {"kg/m": "5 to 100000 dtex"}
+    ) = None
+    failure_strain: _data(
+        "failure strain of the fibre; needed without strength and tenacity", "3.3 %", {"": "0.1 to 50 %"}
+    ) = None
+    crimp: _data(
+        "yarn length over length of fabric, minus one; needed without thickness", "1.2 %", {"": "0 to 50 %"}
+    ) = None
     count: _data("yarns per width of fabric", "8.5 / cm", {"1/m": "0.5 to 100 / cm"})
     strength: _data(
         "of one yarn, or a stress of the fibre", "220 N", {"N": "0.1 to 100000 N", "Pa": "0.1 to 20 GPa"}
@@ -144,7 +150,9 @@ class YarnTable(DataTable):
     tenacity: _data("strength over linear density", "2350 mN/tex", {"N/(kg/m)": "0.05 to 10 N/tex"}) = None
     width: _data("width of the yarn in the fabric, across its family", "1.1 mm", {"m": "0.02 to 20 mm"}) = None
     section_area: _data("area of the yarn's section", "0.11 mm^2", {"m^2": "0.0001 to 100 mm^2"}) = None
-    axial_stiffness: _data("modulus times area of the fibres of a yarn", "38000 N", {"N": "1 to 10000000 N"}) = None
+    axial_stiffness: _data(
+        "force per strain of a yarn, in place of linear_density", "38000 N", {"N": "1 to 10000000 N"}
+    ) = None
 
     @model_validator(mode="after")
     def _of_one_mass_and_one_strength(self):
@@ -211,6 +219,13 @@ def _table(kind):
     return Annotated[kind | None, Field(description=_keys(kind))]
 
 
+def _yarn(family):
+    """The type of the table of a family, which messages write as a heading."""
+    return Annotated[
+        YarnTable, Field(description="a table with the yarn's data", json_schema_extra={"heading": f"[{family}]"})
+    ]
+
+
 class Laws(DataTable):
     """A compression law of each family."""
 
@@ -247,12 +262,22 @@ class FabricFile(DataTable):
 
     name: string("name of the fabric", "a text") = None
     section: string("shape of the yarns' sections in the 3D crossover", "a text") = None
-    interlayer_gap: _data("play between plies of a pack at rest", "0.1 mm", {"m": "0 to 5 mm"}) = None
-    areal_density: _data("of the fabric, as its data sheet has it", "200 g/m^2", {"kg/m^2": "5 to 5000 g/m^2"}) = None
-    areal_density_measured: _data("for the pressure law of packs", "200 g/m^2", {"kg/m^2": "5 to 5000 g/m^2"}) = None
-    thickness: _data("of the fabric, as its data sheet has it", "0.30 mm", {"m": "0.02 to 5 mm"}) = None
-    warp: _table(YarnTable) = None
-    weft: _table(YarnTable) = None
+    interlayer_gap: _data(
+        "approach of neighbouring plies of a pack in a test up to 19.4 MPa", "0.1 mm", {"m": "0 to 5 mm"}
+    ) = None
+    areal_density: _data(
+        "of the data sheet; checked against counts, linear densities and crimp",
+        "200 g/m^2",
+        {"kg/m^2": "5 to 5000 g/m^2"},
+    ) = None
+    areal_density_measured: _data(
+        "of Kevlar 129, for the pressure law of thesis eq. 2-6", "200 g/m^2", {"kg/m^2": "5 to 5000 g/m^2"}
+    ) = None
+    thickness: _data(
+        "of the data sheet; crimp that is missing is computed from it", "0.30 mm", {"m": "0.02 to 5 mm"}
+    ) = None
+    warp: _yarn("warp")
+    weft: _yarn("weft")
     compression: _both(LawTable, Laws) = None
     shear: _table(ShearTable) = None
     ply_contact: Any = None
@@ -266,13 +291,11 @@ class FabricFile(DataTable):
         return {family: getattr(self, family) for family in FAMILIES}
 
     @model_validator(mode="after")
-    def _of_two_yarns(self):
-        missing = {f"[{family}]": "a table with the yarn's data" for family, yarn in self.yarns.items() if yarn is None}
-        if not missing and self.thickness is None:
+    def _of_known_crimp(self):
+        missing = [f"{family}.crimp" for family, yarn in self.yarns.items() if yarn.crimp is None]
+        if missing and self.thickness is None:
             allowed = 'given, such as "1.2 %", or computed: give thickness, such as "0.3 mm", above [warp]'
-            missing = {f"{family}.crimp": allowed for family, yarn in self.yarns.items() if yarn.crimp is None}
-        if missing:
-            raise together([InputError("is missing", key=key, allowed=text) for key, text in missing.items()])
+            raise together([InputError("is missing", key=key, allowed=allowed) for key in missing])
         return self
 
 

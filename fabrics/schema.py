@@ -259,7 +259,8 @@ def _problems(found, model, given, file):
         elif error["type"] == "missing" and key in meant:
             continue
         elif error["type"] == "missing":
-            line = InputError("is missing", file=file, key=key, allowed=field.description)
+            heading = (field.json_schema_extra or {}).get("heading", key)
+            line = InputError("is missing", file=file, key=heading, allowed=field.description)
         elif isinstance(cause, InputError):
             for one in getattr(cause, "problems", (cause,)):
                 key = ".".join(filter(None, (*names, one.key)))
