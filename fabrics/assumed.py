@@ -134,10 +134,11 @@ def lines(fabric: Fabric) -> list[str]:
     name = family.name if family is not None else "unknown"
     more = {"shear": ", its angles from width and spacing of the yarns"}
     return [
-        _crimp_line(fabric) if table == "crimp"
+        _crimp_line(fabric)
+        if table == "crimp"
         else f"assumed: [{table}] of {name} yarns{more.get(table, '')}, because {fabric.name} gives none"
         for table in fabric.assumed
-    ]  # fmt: skip
+    ]
 
 
 def _crimp_line(fabric):
@@ -197,8 +198,9 @@ def _completed(fabric, table, law_of):
     if table == "solid":
         sources |= {
             f"solid.Vf0.{name}": {"value": f"{made.Vf0:.4f}", "source": "section_area", "status": "derived"}
-            for name, made, area in zip(FAMILIES, law, fabric.yarn_area) if area is not None
-        }  # fmt: skip
+            for name, made, area in zip(FAMILIES, law, fabric.yarn_area)
+            if area is not None
+        }
     if table == "shear":
         sources |= _derived(law, family)
     if table == "strain_rate":

@@ -112,10 +112,11 @@ def mass_note(computed: float, stated: float) -> list[str]:
     limit, off = entries()["areal_density"].value, computed / stated - 1
     if abs(off) > limit:
         raise InputError(
-            key="areal_density", value=f"{1e3 * stated:g} g/m^2",
+            key="areal_density",
+            value=f"{1e3 * stated:g} g/m^2",
             allowed=f"within {100 * limit:g} % of {1e3 * computed:.1f} g/m^2, which counts, linear densities and crimp "
             "give: check these",
-        )  # fmt: skip
+        )
     if abs(off) < 0.01:
         return []
     return [

@@ -17,9 +17,14 @@ from fabrics.units import si
 
 _FILE = Path(__file__).with_name("materials.toml")
 _UNITS = {
-    "density": "kg/m^3", "modulus": "Pa", "poisson": "", "yield_stress": "Pa", "hardening": "Pa",
-    "rate_exponent": "", "reference_rate": "1/s",
-}  # fmt: skip
+    "density": "kg/m^3",
+    "modulus": "Pa",
+    "poisson": "",
+    "yield_stress": "Pa",
+    "hardening": "Pa",
+    "rate_exponent": "",
+    "reference_rate": "1/s",
+}
 _ROUND = {"diameter": "m", "length": "m", "mass": "kg", "bore": "m"}
 
 

@@ -112,12 +112,14 @@ class PlateCurve:
         """
         path = Path(path)
         column = read_columns(
-            path, {"pressure": "Pa", "thickness": "m", "closure": "m"}, what="a plate curve",
+            path,
+            {"pressure": "Pa", "thickness": "m", "closure": "m"},
+            what="a plate curve",
             content="a plate curve: pressure and thickness or closure",
             heading="pressure, thickness or closure with its unit, such as pressure [MPa]",
             accepts=lambda names: sorted(names) in (["closure", "pressure"], ["pressure", "thickness"]),
             columns="pressure, and thickness or closure",
-        )  # fmt: skip
+        )
         closure = column["closure"] if "closure" in column else -column["thickness"]
         try:
             return cls(column["pressure"], closure - closure[:1].sum(), path.name)

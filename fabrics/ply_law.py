@@ -144,10 +144,14 @@ class PlyLaw:
         path = Path(path)
         if path.suffix == ".csv":
             columns = read_columns(
-                path, UNITS, what="a contact law of plies", content="a contact law of plies: closure and pressure",
+                path,
+                UNITS,
+                what="a contact law of plies",
+                content="a contact law of plies: closure and pressure",
                 heading="closure or pressure with its unit, such as closure [um]",
-                accepts=lambda names: sorted(names) == ["closure", "pressure"], columns="closure, pressure",
-            )  # fmt: skip
+                accepts=lambda names: sorted(names) == ["closure", "pressure"],
+                columns="closure, pressure",
+            )
             return cls._checked(columns, path.name, "user", fabric, path, "")
         content = _content(path)
         table, stated = content.get("ply_contact"), content.get("fabric", "")

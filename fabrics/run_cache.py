@@ -177,9 +177,16 @@ class RunCache:
 
 
 def results(
-    function: Callable, arguments: Sequence[tuple], *, folder: FilePath, executor: str | Executor = "local",
-    jobs: int = 1, fresh: bool = False, resume: bool = True, report: Callable[[int, int], object] | None = None,
-) -> list:  # fmt: skip
+    function: Callable,
+    arguments: Sequence[tuple],
+    *,
+    folder: FilePath,
+    executor: str | Executor = "local",
+    jobs: int = 1,
+    fresh: bool = False,
+    resume: bool = True,
+    report: Callable[[int, int], object] | None = None,
+) -> list:
     """function(*one) for each one of `arguments`, in their order; each is kept as soon as it is done.
 
     Nothing depends on how many runs are under way, or in which order they end.

@@ -106,9 +106,17 @@ def reader(info: ValidationInfo) -> Callable[[Any, str], float]:
 
 
 _KINDS = {
-    "": "a strain", "kg": "a mass", "m": "a length", "s": "a time", "m/s": "a speed", "N": "a force", "Pa": "a stress",
-    "1/s": "a rate", "kg/m^3": "a density", "N m^2": "a bending stiffness",
-}  # fmt: skip
+    "": "a strain",
+    "kg": "a mass",
+    "m": "a length",
+    "s": "a time",
+    "m/s": "a speed",
+    "N": "a force",
+    "Pa": "a stress",
+    "1/s": "a rate",
+    "kg/m^3": "a density",
+    "N m^2": "a bending stiffness",
+}
 
 
 def quantity(
@@ -245,10 +253,7 @@ def _problems(found, model, given, file):
     problems: dict[str, InputError] = {}
     meant = set()
 
-    def order(error):
-        return len(error["loc"]) if error["type"] == "extra_forbidden" else math.inf
-
-    for error in sorted(found.errors(include_url=False), key=order):
+    for error in sorted(found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"):
         names, field, table = _locate(model, error["loc"])
         key, cause = ".".join(names), error.get("ctx", {}).get("error")
         if error["type"] == "extra_forbidden":

@@ -32,9 +32,18 @@ FACTORS = {
 }
 # SI unit: an example for messages; of others "1" of the unit itself
 EXAMPLES = {
-    "m": "0.3 mm", "kg/m": "1100 dtex", "kg/m^3": "1.44 g/cm^3", "kg/m^2": "200 g/m^2", "1/m": "8.5 / cm",
-    "Pa": "90 GPa", "N": "220 N", "N/(kg/m)": "2350 mN/tex", "kg": "1.1 g", "m/s": "100 m/s", "s": "100 us",
-}  # fmt: skip
+    "m": "0.3 mm",
+    "kg/m": "1100 dtex",
+    "kg/m^3": "1.44 g/cm^3",
+    "kg/m^2": "200 g/m^2",
+    "1/m": "8.5 / cm",
+    "Pa": "90 GPa",
+    "N": "220 N",
+    "N/(kg/m)": "2350 mN/tex",
+    "kg": "1.1 g",
+    "m/s": "100 m/s",
+    "s": "100 us",
+}
 _NAMES = {"N/(kg/m)": "N/tex"}
 _PER_DENIER = ("g/den", "g/denier", "gf/den", "gpd")  # of a data sheet: grams as a force
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")

@@ -55,10 +55,12 @@ def with_yarns(fabric: Fabric, **values: Value) -> Fabric:
 
 def scale_yarns(fabric: Fabric, **factors: Value) -> Fabric:
     """Values of the yarns, each times a factor [-]; `factors` by the fields of `Yarn`."""
-    return fabric.with_yarns(**{
-        name: tuple(getattr(yarn, name) * factor for yarn, factor in zip(fabric.weave.yarns, pair(factors)))
-        for name, factors in factors.items()
-    })  # fmt: skip
+    return fabric.with_yarns(
+        **{
+            name: tuple(getattr(yarn, name) * factor for yarn, factor in zip(fabric.weave.yarns, pair(factors)))
+            for name, factors in factors.items()
+        }
+    )
 
 
 def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:

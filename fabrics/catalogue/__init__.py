@@ -95,9 +95,12 @@ def _fabric(file, sources, path):
     notes += thickness_note(weave, thickness) if thickness else []
     notes += mass_note(weave.areal_density, areal_density) if areal_density else []
     effective = tuple(_value(yarn.effective_linear_density) for yarn in file.yarns.values())
-    laws = _of_both(file.compression, "compression", Laws, lambda key, table: _made(
-        CompressionLaw, key, table.a.value, table.b.value, table.form, path.name
-    ))  # fmt: skip
+    laws = _of_both(
+        file.compression,
+        "compression",
+        Laws,
+        lambda key, table: _made(CompressionLaw, key, table.a.value, table.b.value, table.form, path.name),
+    )
     solid = _of_both(file.solid, "solid", Solids, lambda key, table: _made(SolidLaw, key, **_values(table)))
     rate_law = None if file.strain_rate is None else _rate_law(file.strain_rate, path)
     fabric = Fabric(

@@ -102,9 +102,13 @@ class RateLaw:
         growth = np.log(rates[1:] / rates[:-1]) / np.diff(loads)
         first = rates[0] / (RAMP * loads[0])
         slopes = np.concatenate([[first], growth * rates[:-1], [0.0]])
-        return np.array([
-            [(1 - RAMP) * loads[0], *loads], slopes / failure_strain, [0.0, *growth, 0.0],
-        ])  # fmt: skip
+        return np.array(
+            [
+                [(1 - RAMP) * loads[0], *loads],
+                slopes / failure_strain,
+                [0.0, *growth, 0.0],
+            ]
+        )
 
     def sources(self) -> dict[str, dict[str, str]]:
         """{"strain_rate": {"value", "source", "status"}} as `Fabric.sources` has them."""

@@ -99,9 +99,13 @@ class PullOutLaw:
         slope, start = (float(part) for part in np.polyfit(forces, thresholds, 1))
         off = thresholds - start - slope * forces
         return cls(
-            start, max(slope, 0.0), tuple(forces.tolist()), tuple(thresholds.tolist()),
-            residual_rms=float(np.sqrt(np.mean(off**2))), **others,
-        )  # fmt: skip
+            start,
+            max(slope, 0.0),
+            tuple(forces.tolist()),
+            tuple(thresholds.tolist()),
+            residual_rms=float(np.sqrt(np.mean(off**2))),
+            **others,
+        )
 
     def group(self) -> dict[str, Any]:
         """The content of the group "pull_out", as plain types."""
@@ -156,10 +160,17 @@ class PullOutLaw:
             F_c, T_f = (tuple(float(value) for value in group[key]) for key in ("F_c_N", "T_f_N"))
             rms = group.get("residual_rms_N")
             return cls(
-                si(group["c0"], "N", file=path, key=f"{GROUP}.c0"), float(group["mu_eff"]), F_c, T_f,
-                float(group["friction"]), (low, high), str(group["status"]), str(group["source"]),
-                None if rms is None else float(rms), str(group.get("provenance", "")),
-            )  # fmt: skip
+                si(group["c0"], "N", file=path, key=f"{GROUP}.c0"),
+                float(group["mu_eff"]),
+                F_c,
+                T_f,
+                float(group["friction"]),
+                (low, high),
+                str(group["status"]),
+                str(group["source"]),
+                None if rms is None else float(rms),
+                str(group.get("provenance", "")),
+            )
         except KeyError as missing:
             raise InputError("is missing", file=path, key=f"{GROUP}.{missing.args[0]}") from None
         except InputError as problem:

@@ -26,9 +26,13 @@ __all__ = ["DeckResult", "export"]
 
 
 def export(
-    target: Fabric | FilePath | ImpactSetup, to: Literal["lsdyna", "radioss"], out: FilePath, *,
-    units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s", match: Literal["plane", "uniaxial"] = "plane",
-) -> DeckResult:  # fmt: skip
+    target: Fabric | FilePath | ImpactSetup,
+    to: Literal["lsdyna", "radioss"],
+    out: FilePath,
+    *,
+    units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s",
+    match: Literal["plane", "uniaxial"] = "plane",
+) -> DeckResult:
     """A panel or pack as a deck for another code: mesh, material card, boundary, rigid projectile, contact, output.
 
     The error of the material card against the unit cell is in the deck's header, printed, and in report.html. Warp and

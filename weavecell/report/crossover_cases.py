@@ -117,6 +117,4 @@ def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
 
 
 def _law(law):
-    return {
-        "gamma1 [rad]": law.gamma1, "gamma2 [rad]": law.gamma2, "G1 [MPa]": law.G1 / 1e6, "G2 [MPa]": law.G2 / 1e6
-    }  # fmt: skip
+    return {"gamma1 [rad]": law.gamma1, "gamma2 [rad]": law.gamma2, "G1 [MPa]": law.G1 / 1e6, "G2 [MPa]": law.G2 / 1e6}

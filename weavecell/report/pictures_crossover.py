@@ -32,9 +32,14 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     )
     axes.axvline(100 * record.facts["crimp"], color=FAINT, lw=1, ls=":")
     axes.annotate(
-        "crimp", (100 * record.facts["crimp"], 1), xycoords=("data", "axes fraction"), xytext=(4, -4),
-        textcoords="offset points", va="top", color=FAINT,
-    )  # fmt: skip
+        "crimp",
+        (100 * record.facts["crimp"], 1),
+        xycoords=("data", "axes fraction"),
+        xytext=(4, -4),
+        textcoords="offset points",
+        va="top",
+        color=FAINT,
+    )
     axes.set_xlabel("strain of the end distance [%]")
     axes.set_ylabel("tension [N]")
     axes.set_title(f"{fabric.name}, one {name} pulled straight")

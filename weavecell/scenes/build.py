@@ -213,8 +213,9 @@ def _laws(table, key, fabric, file, given):
         raise InputError(
             f"fabric {fabric.name} has no compression law: run `weavecell calibrate {table.file or table.name}` and "
             'name its result, law = ".../law.json", or give law = { a = ..., b = ... }',
-            file=file, key=f"{key}.law",
-        )  # fmt: skip
+            file=file,
+            key=f"{key}.law",
+        )
     laws = laws_of(fabric, law, file, f"{key}.law")
     if law != "published":
         return laws, "fitted to the 3D crossover" if isinstance(law, (str, Path)) else laws[0].provenance
@@ -279,20 +280,24 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     for name in ("fabric", "panel", "run"):
         given |= {key: value for key, value in _given(getattr(scene, name), name).items() if key in of_setup}
     try:
-        made = ImpactSetup(**given | {  # in place of texts and tables the objects that they describe
-            "fabric": case.fabric,
-            "laws": case.laws,
-            "surface": case.surface,
-            "lay_up": case.lay_up,
-            "strike_velocity": scene.projectile.strike_velocity,
-            "projectile": _projectile(scene.projectile),
-            "edge": _edge(panel.boundary),
-            "round": panel.opening_shape == "round",
-            "crossovers": _crossovers(panel),
-            "backing": _backing(scene.backing),
-            "history": scene.history and HistoryRequest(**_given(scene.history, "history", but=("report_positions",))),
-            "numerics": Numerics(**_given(scene.numerics, "numerics")),
-        })  # fmt: skip
+        made = ImpactSetup(
+            **given
+            | {  # in place of texts and tables the objects that they describe
+                "fabric": case.fabric,
+                "laws": case.laws,
+                "surface": case.surface,
+                "lay_up": case.lay_up,
+                "strike_velocity": scene.projectile.strike_velocity,
+                "projectile": _projectile(scene.projectile),
+                "edge": _edge(panel.boundary),
+                "round": panel.opening_shape == "round",
+                "crossovers": _crossovers(panel),
+                "backing": _backing(scene.backing),
+                "history": scene.history
+                and HistoryRequest(**_given(scene.history, "history", but=("report_positions",))),
+                "numerics": Numerics(**_given(scene.numerics, "numerics")),
+            }
+        )
     except InputError as problem:
         raise in_file(problem, file) from None
     for note in made.notes if file is not None else ():

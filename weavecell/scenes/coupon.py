@@ -88,8 +88,10 @@ class BiaxialTable(Table):
 
     strain: quantities(
         "nominal strains of the arms at the end",
-        "", "a list of two strains of at least 0, one of them above, of warp and weft", '["2 %", "1 %"]',
-    )  # fmt: skip
+        "",
+        "a list of two strains of at least 0, one of them above, of warp and weft",
+        '["2 %", "1 %"]',
+    )
     centre: whole("crossovers along each side of the central square", 2, 400) = 12
     arm: whole("crossovers along each arm", 1, 400) = 8
     cross_yarns_removed: flag(

@@ -65,12 +65,14 @@ def picture_frame(path: FilePath, thickness: float, side: float | None = None) -
     from unitcell3d.identify.shear_fit import fit
 
     column = read_columns(
-        path, {"shear angle": "rad", "shear stress": "Pa", "force": "N"}, what="a picture-frame curve",
+        path,
+        {"shear angle": "rad", "shear stress": "Pa", "force": "N"},
+        what="a picture-frame curve",
         content="a picture-frame curve: shear angle, and shear stress or force",
         heading="shear angle, shear stress or force with its unit, such as shear angle [deg]",
         accepts=lambda names: sorted(names) in (["shear angle", "shear stress"], ["force", "shear angle"]),
         columns="shear angle, and shear stress or force",
-    )  # fmt: skip
+    )
     gamma = column["shear angle"]
     if not np.all(np.diff(gamma) > 0) or gamma.min(initial=0.0) < 0:
         raise InputError(file=path, key="shear angle", value="not rising", allowed="at least 0 and rising")
@@ -98,11 +100,14 @@ def yarn_tension(path: FilePath) -> YarnFit:
     InputError : one line naming the file, the row, the value and what is allowed
     """
     column = read_columns(
-        path, {"strain": "", "force": "N"}, what="a tensile curve of a yarn",
+        path,
+        {"strain": "", "force": "N"},
+        what="a tensile curve of a yarn",
         content="a tensile curve of a yarn: strain and force",
         heading="strain or force with its unit, such as strain [%] or force [N]",
-        accepts=lambda names: sorted(names) == ["force", "strain"], columns="strain and force",
-    )  # fmt: skip
+        accepts=lambda names: sorted(names) == ["force", "strain"],
+        columns="strain and force",
+    )
     strain, force = column["strain"], column["force"]
     peak = int(np.argmax(force)) if len(force) else 0
     top = float(force[peak]) if len(force) else 0.0

@@ -79,14 +79,16 @@ class Draft:
         ]
         lines += [
             f"{key} = {_entry(value.warp, value.source, value.status)}"
-            for key, value in self.values.items() if key in OF_FABRIC
-        ]  # fmt: skip
+            for key, value in self.values.items()
+            if key in OF_FABRIC
+        ]
         for family in ("warp", "weft"):
             lines += ["", f"[{family}]"]
             lines += [
                 f"{key} = {_entry(getattr(value, family), value.source, value.status)}"
-                for key, value in self.values.items() if key not in OF_FABRIC
-            ]  # fmt: skip
+                for key, value in self.values.items()
+                if key not in OF_FABRIC
+            ]
         if self.shear:
             lines += ["", "[shear]", *(f"{key} = {_entry(*entry)}" for key, entry in self.shear.items())]
         return "\n".join(lines) + "\n"

@@ -37,12 +37,16 @@ class InlineLaw(Table):
     a: quantity("thickness reduction of a yarn at large contact force, thesis eq. 4-12", "m", "0.045 mm", zero=True)
     b: quantity(
         "coefficient of the cube root of the contact force, thesis eq. 4-12",
-        "m N^(1/3)", "0.058 mm N^(1/3)", zero=True, kind="a value {} in mm N^(1/3)",
-    )  # fmt: skip
+        "m N^(1/3)",
+        "0.058 mm N^(1/3)",
+        zero=True,
+        kind="a value {} in mm N^(1/3)",
+    )
     form: one_of(
-        "behaviour at zero contact force: `regularised` (finite stiffness, erratum E-05) or as `printed` in the "
-        "thesis", "regularised", "printed",
-    ) = "regularised"  # fmt: skip
+        "behaviour at zero contact force: `regularised` (finite stiffness, erratum E-05) or as `printed` in the thesis",
+        "regularised",
+        "printed",
+    ) = "regularised"
 
 
 _NAMED_LAWS = "published", "solid", "pressure_law"
@@ -92,9 +96,14 @@ class WeavingDamageTable(Table):
 
     modulus: number("modulus of the woven yarn over that of the virgin yarn", 0.9, gt=0.0, le=1.0) = 1.0
     strength: number("strength of the woven yarn over that of the virgin yarn", 0.8, gt=0.0, le=1.0) = 1.0
-    source: Annotated[str, described(
-        "origin of the two ratios, kept in the results", "a text: where the shares come from", min_length=1,
-    )]  # fmt: skip
+    source: Annotated[
+        str,
+        described(
+            "origin of the two ratios, kept in the results",
+            "a text: where the shares come from",
+            min_length=1,
+        ),
+    ]
     status: one_of("whether the ratios are measured or assumed, kept in the results", *STATUSES) = "assumed"
 
 
@@ -110,37 +119,56 @@ class FabricTable(Table):
     name: string(
         "fabric of the catalogue (`weavecell fabrics list`); either this or `fabric.file`",
         "the name of a fabric of the catalogue",
-    ) = None  # fmt: skip
+    ) = None
     file: string("fabric file of the user; either this or `fabric.name`", "the path of a fabric file (*.toml)") = None
     linear_density: one_of(
         "the linear density that is used where a fabric file has two: `effective`, from the areal density of the runs "
-        "of the thesis (erratum E-07), or `nominal`, of the data sheet", "effective", "nominal",
-    ) = "effective"  # fmt: skip
+        "of the thesis (erratum E-07), or `nominal`, of the data sheet",
+        "effective",
+        "nominal",
+    ) = "effective"
     weaving_damage: Annotated[
         WeavingDamageTable | None, Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }')
     ] = None
-    law: Annotated[Law, described(
-        "compression law of warp and weft; needed for a fabric without a published one, such as your own", LAW,
-    )] = "published"  # fmt: skip
+    law: Annotated[
+        Law,
+        described(
+            "compression law of warp and weft; needed for a fabric without a published one, such as your own",
+            LAW,
+        ),
+    ] = "published"
     cell_model: one_of(
         "unit cell: yarns that compress, incompressible yarns, or warp and weft without interaction",
-        "compressible", "incompressible", "decoupled",
-    ) = "compressible"  # fmt: skip
+        "compressible",
+        "incompressible",
+        "decoupled",
+    ) = "compressible"
     cell_formulation: one_of(
         "how forces follow from the state of the cell: gradient of the stored energy (`variational`), force "
         "equilibrium as in the thesis (`equilibrium`), or interpolated tensions of a response surface (`direct`)",
-        "variational", "equilibrium", "direct",
-    ) = "variational"  # fmt: skip
+        "variational",
+        "equilibrium",
+        "direct",
+    ) = "variational"
     cell_profile: one_of("centre line of a crimped yarn in the cell", "cosine", "straight") = "cosine"
     fibre_slack: from_text(
-        float | tuple[float, float], _toe,
+        float | tuple[float, float],
+        _toe,
         "mean slack of the fibres of a yarn, which become taut one after another (toe of the tensile curve)",
-        'a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft', "", "0.1 %", TEXT_OR_TWO,
-    ) = 0.0  # fmt: skip
-    surface: Annotated[Any, BeforeValidator(_object), WithJsonSchema(TEXT), described(
-        "response surface of the 3D crossover, which replaces the analytical cell and `fabric.law`",
-        "the path of a surface written by `weavecell surface`",
-    )] = None  # fmt: skip
+        'a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft',
+        "",
+        "0.1 %",
+        TEXT_OR_TWO,
+    ) = 0.0
+    surface: Annotated[
+        Any,
+        BeforeValidator(_object),
+        WithJsonSchema(TEXT),
+        described(
+            "response surface of the 3D crossover, which replaces the analytical cell and `fabric.law`",
+            "the path of a surface written by `weavecell surface`",
+        ),
+    ] = None
     crossover_gap: quantity("play between warp and weft at a crossover before they touch", "m", "0 mm", zero=True) = 0.0
     bending: quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True) = 0.0
 

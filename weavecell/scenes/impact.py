@@ -29,9 +29,13 @@ from weavecell.scenes.fabric_table import FabricTable, anchored, exactly_one
 from weavecell.scenes.panel import PanelTable
 
 SHAPES = {  # of `shellfabric.projectile.projectile`, in words
-    "flat": "a cylinder", "hemisphere": "a round-nosed cylinder", "cone": "a conical projectile", "sphere": "a sphere",
-    "chisel": "a chisel-nosed fragment simulator", "stl": "a body from an STL file",
-}  # fmt: skip
+    "flat": "a cylinder",
+    "hemisphere": "a round-nosed cylinder",
+    "cone": "a conical projectile",
+    "sphere": "a sphere",
+    "chisel": "a chisel-nosed fragment simulator",
+    "stl": "a body from an STL file",
+}
 
 
 def _name_or_size(schema):
@@ -55,22 +59,26 @@ class ProjectileTable(Table):
     name: string(
         "projectile of `weavecell projectiles list`; its data stand for keys that are not given, required ones too",
         "the name of a projectile",
-    ) = None  # fmt: skip
+    ) = None
     mass: quantity(
         "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.1 to 30 diameters",
-        "kg", "3 g",
-    )  # fmt: skip
+        "kg",
+        "3 g",
+    )
     diameter: quantity("diameter", "m", "5.5 mm")
     edge_radius: quantity(
         "rounding of the edges; required except for a sphere. Of an STL file the smallest radius of the nose's edges, "
-        "to which sharp ones are rounded", "m", "0.3 mm",
-    ) = None  # fmt: skip
+        "to which sharp ones are rounded",
+        "m",
+        "0.3 mm",
+    ) = None
     strike_velocity: quantity("speed along the line of flight", "m/s", "92.5 m/s", most="1000 m/s")
     shape: one_of("shape of the nose", *SHAPES) = "flat"
     length: quantity(
-        "overall length; without it a cylinder has no rear end, and the elastic bar has the length given in the "
-        "thesis", "m", "8 mm",
-    ) = None  # fmt: skip
+        "overall length; without it a cylinder has no rear end, and the elastic bar has the length given in the thesis",
+        "m",
+        "8 mm",
+    ) = None
     half_angle: angle("angle between axis and flank of a cone; required for a cone", 5, 85, "45 deg") = None
     tip_radius: quantity("rounding of the tip of a cone; required for a cone", "m", "0.5 mm") = None
     flat_width: quantity("width of the flat strip across a chisel nose; required for a chisel", "m", "2.5 mm") = None
@@ -79,8 +87,9 @@ class ProjectileTable(Table):
     ) = None
     stl: string(
         "STL file of the body, its z axis along the flight; required for the shape stl. Its path is relative to the "
-        "input file", "the path of an STL file (*.stl)",
-    ) = None  # fmt: skip
+        "input file",
+        "the path of an STL file (*.stl)",
+    ) = None
     stl_unit: one_of("unit of the lengths in the STL file; required with it", *stl_file.UNITS) = None
     density: quantity("density of the body of an STL file, in place of its mass", "kg/m^3", "7.85 g/cm^3") = None
     obliquity: angle("angle between line of flight and normal of the panel", 0, 75, "30 deg") = 0.0
@@ -122,7 +131,7 @@ class BackingTable(Table):
     material: string(
         "backing of `weavecell backings list`; its data stand for keys of the material that are not given",
         "the name of a backing",
-    ) = None  # fmt: skip
+    ) = None
     size: quantities(
         "length, width and thickness of the block", "m", "a list of three lengths", '["300 mm", "300 mm", "180 mm"]'
     ) = None
@@ -141,15 +150,21 @@ class BackingTable(Table):
     )
     outer_boundary: one_of(
         "condition on the faces other than the struck one: fixed, absorbing (dashpots) or free",
-        "fixed", "absorbing", "free",
-    ) = None  # fmt: skip
+        "fixed",
+        "absorbing",
+        "free",
+    ) = None
     min_size: quantity("edge length of the smallest elements, under the impact point", "m", "1 mm") = None
     refined_depth: quantity("extent of the smallest elements from the axis and from the face", "m", "8 mm") = None
     growth: number("ratio of the edge lengths of neighbouring elements outside the refined region", 1.3, ge=1.0) = None
     after_stop: quantity(
         "time for which the run goes on after the projectile has stopped, so that the block comes to rest; where not "
-        "given, the run ends with the dent as it is then", "s", "1 ms", zero=True, most="10 ms",
-    ) = None  # fmt: skip
+        "given, the run ends with the dent as it is then",
+        "s",
+        "1 ms",
+        zero=True,
+        most="10 ms",
+    ) = None
 
     @model_validator(mode="after")
     def _of_three_lengths(self):
@@ -169,17 +184,23 @@ class RunTable(Table):
 
     end_time: quantity(
         "latest end of the run; it ends earlier when the projectile stops (see backing.after_stop) or has perforated",
-        "s", "250 us", most="10 ms",
-    ) = 800e-6  # fmt: skip
+        "s",
+        "250 us",
+        most="10 ms",
+    ) = 800e-6
     elements_per_crossover: whole(
         "elements along each side of a crossover; where not given, 1 for one ply, and for a pack 2 about the impact "
-        "point and longer ones outside", 1, 8,
-    ) = None  # fmt: skip
+        "point and longer ones outside",
+        1,
+        8,
+    ) = None
     snapshot_interval: quantity("time between the shapes kept for ParaView and the pictures", "s", "10 us") = 1e-5
     checkpoint_interval: quantity(
         "time between checkpoints for `--resume`; in the first 10 s of wall time, and within 10 s of the last, none "
-        "is written", "s", "50 us",
-    ) = 5e-5  # fmt: skip
+        "is written",
+        "s",
+        "50 us",
+    ) = 5e-5
     outputs: some_of(
         "which outputs are written beside `histories.h5` and `summary.json`", "paraview", "pictures", "report"
     ) = ("paraview", "pictures", "report")
@@ -208,8 +229,10 @@ class HistoryTable(Table):
     weft: quantities("weft yarns that are recorded", "m", _YARNS.format("weft"), '["0 mm", "10 mm"]') = (0.0,)
     report_positions: quantities(
         "positions along the yarns at which the report plots tension and strain",
-        "m", "a list of positions along the yarns", '["5 mm", "50 mm"]',
-    ) = (5e-3, 20e-3, 50e-3, 80e-3)  # fmt: skip
+        "m",
+        "a list of positions along the yarns",
+        '["5 mm", "50 mm"]',
+    ) = (5e-3, 20e-3, 50e-3, 80e-3)
 
 
 def _share(meaning):
@@ -253,16 +276,24 @@ class NumericsTable(Table):
     stretch_viscosity: number("damping ratio of the highest mode along a yarn", 0.2, ge=0.0, le=1.0) = None
     penalty: number(
         "stiffness of the contact between projectile and fabric, in units of nodal mass over the square of the time "
-        "step", 0.3, gt=0.0,
-    ) = None  # fmt: skip
+        "step",
+        0.3,
+        gt=0.0,
+    ) = None
     contact_damping: number("damping ratio of the contact between projectile and fabric", 0.6, ge=0.0) = None
     contact_points: whole(
         "contact points along each side of a crossover; where not given 8, and more under a sharp nose", 1, 64
     ) = None
-    threads: Annotated[int | None, described(
-        "threads of the time integration; where not given, chosen by the size of the model. Results do not depend on "
-        "it", "a number of threads", example=1, ge=1,
-    )] = None  # fmt: skip
+    threads: Annotated[
+        int | None,
+        described(
+            "threads of the time integration; where not given, chosen by the size of the model. Results do not depend "
+            "on it",
+            "a number of threads",
+            example=1,
+            ge=1,
+        ),
+    ] = None
 
 
 class Scene(Table):

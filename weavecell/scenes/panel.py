@@ -164,21 +164,30 @@ class PlyTable(Table):
     name: string(
         "fabric of the catalogue; without name and file the fabric of the table [fabric]",
         "the name of a fabric of the catalogue",
-    ) = None  # fmt: skip
+    ) = None
     file: string("fabric file; its path is relative to the input file", "the path of a fabric file (*.toml)") = None
-    law: Annotated[Law | None, described(
-        "compression law of the ply; where not given `published`, for plies of [fabric] the law of `fabric.law`", LAW,
-    )] = None  # fmt: skip
+    law: Annotated[
+        Law | None,
+        described(
+            "compression law of the ply; where not given `published`, for plies of [fabric] the law of `fabric.law`",
+            LAW,
+        ),
+    ] = None
     angle: from_text(
-        float, _ply_angle,
+        float,
+        _ply_angle,
         "angle of the warp of the ply to that of a ply at 0, towards its weft; another one than 0 and 90 deg needs "
         "clamped edges and pinned crossovers, and has the whole panel modelled",
-        'an angle from -180 to 180 deg, such as "45 deg"', "rad", "45 deg",
-    ) = 0.0  # fmt: skip
+        'an angle from -180 to 180 deg, such as "45 deg"',
+        "rad",
+        "45 deg",
+    ) = 0.0
     gap: quantity(
-        "clearance to the next ply at rest; where not given `panel.ply_gap`, else the mean of the gaps of both "
-        "fabrics", "m", "0.12 mm", zero=True,
-    ) = None  # fmt: skip
+        "clearance to the next ply at rest; where not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
+        "m",
+        "0.12 mm",
+        zero=True,
+    ) = None
     count: whole("number of plies that are alike", 1, MOST_PLIES) = 1
 
     @model_validator(mode="after")
@@ -198,11 +207,14 @@ class PanelTable(Table):
     """
 
     opening: from_text(
-        float | tuple[float, float], _opening,
+        float | tuple[float, float],
+        _opening,
         "side of the square opening of the frame, or both sides; diameter of a round one",
         f'a length above 0 and at most {WIDEST:g} m, such as "203 mm", or a list of two, along warp and weft',
-        "m", "203 mm", TEXT_OR_TWO,
-    )  # fmt: skip
+        "m",
+        "203 mm",
+        TEXT_OR_TWO,
+    )
     opening_shape: one_of("shape of the opening; a round one needs clamped edges", "rectangular", "round") = (
         "rectangular"
     )
@@ -212,16 +224,20 @@ class PanelTable(Table):
             "middle; of one ply with sliding crossovers, computed whole, a quarter of the spacing off a crossover in "
             "both directions. Off the middle it needs a symmetry across which it is 0, `half` for a point on the "
             "second axis, else `whole`; with pinned crossovers also clamped edges",
-            "m", "a list of two lengths", '["20 mm", "0 mm"]',
+            "m",
+            "a list of two lengths",
+            '["20 mm", "0 mm"]',
         ),
         Field(min_length=2, max_length=2),
-    ] = None  # fmt: skip
+    ] = None
     boundary: Annotated[Boundary, described("how the yarns end at the frame", _BOUNDARY)] = "clamped"
     symmetry: one_of(
         "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg). Where "
         "not given, one ply with sliding crossovers is whole: symmetry can decide its outcome",
-        "quarter", "half", "whole",
-    ) = "quarter"  # fmt: skip
+        "quarter",
+        "half",
+        "whole",
+    ) = "quarter"
     weave_angle: angle("angle of the warp to the sides of the opening", -89, 89, "45 deg") = 0.0
     plies: whole("number of plies; above 1 a pack with contact between plies", 1, MOST_PLIES) = 1
     ply: Annotated[tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")] = ()
@@ -230,19 +246,27 @@ class PanelTable(Table):
     )
     ply_gap: quantity(
         "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
-        "a range ([Packs](../pack.md))", "m", "0.12 mm", zero=True,
-    ) = None  # fmt: skip
-    ply_contact: Annotated[Any, BeforeValidator(_ply_contact), WithJsonSchema(TEXT), described(
-        "pack: law of pressure against closure between two plies; where not given the law in the file of "
-        "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
-        _PLY_CONTACT,
-    )] = None  # fmt: skip
+        "a range ([Packs](../pack.md))",
+        "m",
+        "0.12 mm",
+        zero=True,
+    ) = None
+    ply_contact: Annotated[
+        Any,
+        BeforeValidator(_ply_contact),
+        WithJsonSchema(TEXT),
+        described(
+            "pack: law of pressure against closure between two plies; where not given the law in the file of "
+            "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
+            _PLY_CONTACT,
+        ),
+    ] = None
     ply_friction: number("pack: Coulomb coefficient between plies", 0.2, ge=0.0, le=2.0) = 0.0
     yarn_failure: flag("whether a yarn fails at its strength") = True
     rate_dependence: flag(
         "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the table "
         "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
-    ) = False  # fmt: skip
+    ) = False
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(_zones),
@@ -254,8 +278,10 @@ class PanelTable(Table):
     ] = None
     crossovers: one_of(
         "whether warp and weft are pinned to each other where they cross, or slide against friction "
-        "([sliding](../reports/sliding.md))", "pinned", "sliding",
-    ) = "pinned"  # fmt: skip
+        "([sliding](../reports/sliding.md))",
+        "pinned",
+        "sliding",
+    ) = "pinned"
     crossover_friction: number(
         "sliding crossovers: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given", 0.3, ge=0.0, le=2.0
     ) = None
