@@ -86,7 +86,7 @@ def test_as_module_and_without_heavy_imports():
 
 def test_the_log_is_plain_whatever_a_library_sets_up():
     code = "import logging\nlogging.basicConfig()\nfrom weavecell.cli import app\n"
-    code += "app.program = lambda: lambda **_: logging.getLogger('weavecell').warning('compiling')\napp.main([])"
+    code += "app.program = lambda _: lambda **_: logging.getLogger('weavecell').warning('compiling')\napp.main([])"
     assert in_a_program(code).stderr == "compiling\n"
 
 
