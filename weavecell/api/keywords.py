@@ -30,7 +30,7 @@ __all__ = ["DEFAULTS", "Keywords", "scene"]
 
 FLAT = ("fabric", "panel", "run")
 GROUPS = ("projectile", "history", "numerics", "backing")
-# keys of the file that Python has not: the fabric is an argument, nothing is written or resumed, shots have no slack
+# keys of the file that Python has not: the fabric is an argument, a call writes all outputs, shots have no slack
 NOT_HERE = (
     "fabric.name",
     "fabric.file",
