@@ -19,7 +19,7 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.files import write, write_csv
 from validation import marked_page
 from validation.published import pictures_calibration
-from weavecell.api import calibration
+from weavecell.api import calibration, targets
 from weavecell.report import chapters, pictures
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
@@ -52,14 +52,16 @@ def command(
     if page is not None:
         marked_page.split(page, *MARKS)
     out_folder.claim(out, resume)
-    runs = calibration.solid_runs(out, resume)
-    fits, failed = _fit(fabrics, runs, jobs, executor)
-    choices = {"size": size, "friction": friction, "jobs": jobs, "executor": executor}
-    done = {
-        "file": _laws([fit.started for fit in fits], lambda name: out / name / SOLID_OF_THE_FILE, resume, **choices),
-        "fitted": _laws([fit.fabric for fit in fits], lambda name: out / name, resume, **choices),
-    }
-    intervals = _intervals(fits, done["fitted"], runs, out, friction, jobs, executor)
+    with targets.kept_runs(out, resume, calibration.SOLID_RUNS) as runs:
+        fits, failed = _fit(fabrics, runs, jobs, executor)
+        choices = {"size": size, "friction": friction, "jobs": jobs, "executor": executor}
+        done = {
+            "file": _laws(
+                [fit.started for fit in fits], lambda name: out / name / SOLID_OF_THE_FILE, resume, **choices
+            ),
+            "fitted": _laws([fit.fabric for fit in fits], lambda name: out / name, resume, **choices),
+        }
+        intervals = _intervals(fits, done["fitted"], runs, out, friction, jobs, executor)
     for fit in fits:
         fit.write(out / fit.fabric.name / "solid.json")
     tables = {

@@ -13,11 +13,9 @@ The folder of `weavecell calibrate`
 
 from __future__ import annotations
 
-import shutil
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -93,32 +91,32 @@ def calibrate(
 
     Examples
     --------
-    >>> found = wc.calibrate("S-720", mesh="coarse", assumed_range=False)  # doctest: +SKIP
-    >>> wc.impact("S-720", "150 m/s", law=found)  # doctest: +SKIP
+    >>> calibrated = wc.calibrate("S-720", mesh="coarse", assumed_range=False)  # doctest: +SKIP
+    >>> wc.impact("S-720", "150 m/s", law=calibrated)  # doctest: +SKIP
     """
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
 
-    size, cloth, solid = meshes.size(mesh), meshes.of_3d(fabric), None
-    curve = curve_of(cloth, platen_curve) if platen_curve is not None or fit_solid else None
+    size, named, solid = meshes.size(mesh), not isinstance(fabric, Fabric), None
+    fabric = meshes.of_3d(fabric)
+    curve = curve_of(fabric, platen_curve) if platen_curve is not None or fit_solid else None
     choices: dict[str, Any] = {"friction": friction, "jobs": jobs}
     choices["executor"] = InProcess() if executor == "local" and jobs == 1 else executor
-    with targets.folder_of(out, resume) as folder, TemporaryDirectory() as spare:
-        runs = solid_runs(Path(spare) if folder is None else folder, resume)
+    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume, SOLID_RUNS) as runs:
         if curve is not None:
-            solid = _solid(cloth, curve, runs)
-            cloth = assumed.given(solid.fabric, "solid")
-        built = meshes.MeshResult(cloth, meshes.build(cloth, "whole", size=size))
-        with progress.bar(f"Calibration of {cloth.name}") as advance:
+            solid = _solid(fabric, curve, runs)
+            fabric = assumed.given(solid.fabric, "solid")
+        built = meshes.MeshResult(fabric, meshes.build(fabric, "whole", size=size))
+        with progress.bar(f"Calibration of {fabric.name}") as advance:
             watch = progress.by_path(advance, solver.CASES)
-            done = solver.calibrate(cloth, size=size, out=folder, resume=resume, on_progress=watch, **choices)
+            done = solver.calibrate(fabric, size=size, out=folder, resume=resume, on_progress=watch, **choices)
         failed: dict[str, str] = {}
-        if assumed_range and "solid" in cloth.assumed:
-            with progress.bar(f"Assumed solid law of {cloth.name}, soft and stiff end") as advance:
+        if assumed_range and "solid" in fabric.assumed:
+            with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
                 watch = progress.by_path(advance, 2 * solver.CASES)
-                done, failed = ends.with_assumed_range(cloth, done, size=size, on_progress=watch, **choices)
+                done, failed = ends.with_assumed_range(fabric, done, size=size, on_progress=watch, **choices)
         interval = None if solid is None else _interval(solid, runs, choices)
-        shot_at = cloth if isinstance(fabric, Fabric) else with_linear_density(cloth, "effective")
+        shot_at = with_linear_density(fabric, "effective") if named else fabric
         result = CalibrationResult(
             replace(shot_at, laws=(done.law, done.law)), done, built, failed, solid, interval, resumable=bool(folder)
         )
@@ -143,15 +141,8 @@ def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
     return PlateCurve.pressure_law(fabric.areal_density_measured)
 
 
-def solid_runs(out: Path, resume: bool) -> Path:
-    """The folder of the finished runs of fitted solids, emptied unless a command goes on."""
-    if not resume:
-        shutil.rmtree(out / SOLID_RUNS, ignore_errors=True)
-    return out / SOLID_RUNS
-
-
 def _solid(fabric, curve, runs):
-    """The SolidFit of a plate curve, that of an earlier run where it is kept."""
+    """The SolidFit of a plate curve; an earlier run's where it is kept."""
     from unitcell3d.identify import solid_fit
 
     kept = run_cache.RunCache(runs)
@@ -203,8 +194,8 @@ class CalibrationResult(Result):
 
     Examples
     --------
-    >>> found = wc.calibrate("S-720", mesh="coarse")  # doctest: +SKIP
-    >>> found.law.a, found.law.b  # doctest: +SKIP
+    >>> calibrated = wc.calibrate("S-720", mesh="coarse")  # doctest: +SKIP
+    >>> calibrated.law.a, calibrated.law.b  # doctest: +SKIP
     """
 
     fabric: Fabric
@@ -287,7 +278,7 @@ class CalibrationResult(Result):
         """(name, a [mm], b [mm N^(1/3)], rms [um]) as texts: the law with intervals and spread, what it leaves out."""
         done, law = self.calibration, self.law
         pairs = [("fitted", law), ("published", done.published)]
-        rows = [_row(name, one.a, one.b, one.residual_rms) for name, one in pairs if one is not None]
+        rows = [_row(name, pair.a, pair.b, pair.residual_rms) for name, pair in pairs if pair is not None]
         rows.insert(1, _row("95 % interval", law.a_interval, law.b_interval))
         if done.spread:
             rows.append(_row("each path", done.spread["a"], done.spread["b"]))
@@ -413,7 +404,7 @@ class CalibrationResult(Result):
         )
 
     def _of_the_solid(self):
-        """What the platen curve tells of the solid's constants."""
+        """The constants of the solid, and which of them the platen curve determines."""
         from pandas import DataFrame
 
         from weavecell.report import pictures, pictures_crossover

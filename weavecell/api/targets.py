@@ -163,12 +163,18 @@ def study(
     ------
     InputError : the folder cannot be written to, or another run writes to it; any other names the target's file
     """
-    with folder_of(out, resume) as folder, TemporaryDirectory() as spare:
-        kept = Path(spare) if folder is None else folder / RUNS
+    with folder_of(out, resume) as folder, kept_runs(folder, resume) as runs, panel.named(), progress.bar(title) as bar:
+        yield Study(folder, {"folder": runs, "executor": executor, "jobs": jobs}, bar)
+
+
+@contextmanager
+def kept_runs(folder: Path | None, resume: bool, name: str = RUNS) -> Iterator[Path]:
+    """The folder of the finished runs, emptied but to `resume`; a temporary one where `folder` is None."""
+    with TemporaryDirectory() as spare:
+        runs = Path(spare) if folder is None else folder / name
         if not resume:
-            run_cache.RunCache(kept).clear()
-        with panel.named(), progress.bar(title) as advance:
-            yield Study(folder, {"folder": kept, "executor": executor, "jobs": jobs}, advance)
+            run_cache.RunCache(runs).clear()
+        yield runs
 
 
 def folder_of(out: FilePath | None, resume: bool = False) -> AbstractContextManager[Path | None]:
