@@ -19,7 +19,6 @@ from fabrics.checks import FloatArray
 
 OK, NOTED, DOUBTFUL = "ok", "noted", "doubtful"
 _T = ("T1", "T2")
-_DEPTH = 2  # column of what a monitor samples of a ply (`quality_kernels.DEPTH`)
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
 
@@ -165,12 +164,12 @@ class Monitor:
         for (_, const, state), row, (i, j), light in zip(parts, self.found, self._places, self._light):
             sample(state, const, i, j, *light, row)
         if len(parts) > 1:
-            self.found[:-1, _DEPTH] = solver.squeezed
+            self.found[:-1, -1] = solver.squeezed
 
     @property
     def oscillation(self) -> float:
         """[-] root of the ratio of the two sums of squares."""
-        alternation, squares = self.found[:, :_DEPTH].sum(axis=0)
+        alternation, squares = self.found[:, :-1].sum(axis=0)
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 
@@ -200,7 +199,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         *_extrapolation(solver),
     ]
     if len(solver.parts) > 1:
-        found.append(indicator("ply penetration", solver.monitor.found[:, _DEPTH].max()))
+        found.append(indicator("ply penetration", solver.monitor.found[:, -1].max()))
         found.append(indicator("unresolved torn contact", solver.held_apart[1]))
     return tuple(found)
 

@@ -81,8 +81,8 @@ def biaxial(
 
     Examples
     --------
-    >>> found = wc.biaxial("S-720", ratio=["1:1"])
-    >>> end = found.summary()["paths"]["1:1"]
+    >>> stretched = wc.biaxial("S-720", ratio=["1:1"])
+    >>> end = stretched.summary()["paths"]["1:1"]
     >>> end["failed"], [round(float(strain), 4) for strain in end["strain"]]  # [-]
     ('weft', [0.0375, 0.0375])
     """
@@ -92,24 +92,24 @@ def biaxial(
     if profile not in ("cosine", "straight"):
         raise InputError(key="profile", value=profile, allowed="cosine or straight")
     wanted = {text: _ratio(text) for text in ratio or RATIOS}
-    cloth = targets.as_fabric(fabric)
-    if compare_3d is not None:
-        of_3d = meshes.of_3d(fabric)
-        cloth = of_3d if isinstance(fabric, Fabric) else with_linear_density(of_3d, "effective")
+    named = not isinstance(fabric, Fabric)
+    fabric = targets.as_fabric(fabric) if compare_3d is None else meshes.of_3d(fabric)
+    if named and compare_3d is not None:
+        fabric = with_linear_density(fabric, "effective")
     source = "published"
     if law is not None:
         source = law.provenance if isinstance(law, CompressionLaw) else str(law)
         law = law if isinstance(law, CompressionLaw) else CompressionLaw.from_json(law)
-        cloth = replace(cloth, laws=(law, law))
-    elif cloth.laws is None:
-        allowed = f"given, a law.json of `weavecell calibrate`: fabric {cloth.name} has no compression law"
+        fabric = replace(fabric, laws=(law, law))
+    elif fabric.laws is None:
+        allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
         raise InputError(key="law", allowed=allowed)
     toe: Any = quantities.pair(fibre_slack, "", "fibre_slack")
     options: dict[str, Any] = {"profile": profile, "toe": toe[0] if toe[0] == toe[1] else toe}
-    model, began = CellModel(cloth, **options), time.perf_counter()
+    model, began = CellModel(fabric, **options), time.perf_counter()
     with targets.folder_of(out) as folder:
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
-        solved = {} if compare_3d is None else _crossovers(cloth, paths, meshes.size(compare_3d))
+        solved = {} if compare_3d is None else _crossovers(fabric, paths, meshes.size(compare_3d))
         seconds = time.perf_counter() - began
         result = BiaxialResult(model, paths, solved, options, source, compare_3d, seconds)
         if folder is not None:
@@ -158,8 +158,8 @@ class BiaxialResult(Result):
 
     Examples
     --------
-    >>> found = wc.biaxial("S-720", ratio=["1:0"])
-    >>> found.paths["1:0"].tension.shape
+    >>> stretched = wc.biaxial("S-720", ratio=["1:0"])
+    >>> stretched.paths["1:0"].tension.shape
     (241, 2)
     """
 

@@ -110,16 +110,16 @@ def crossover(
     """
     kind, options = _checked(case, locals())
     gap, text = quantities.number(yarn_gap, "m", "yarn_gap"), mesh if isinstance(mesh, str) else str(mesh).strip("()")
-    cloth = meshes.of_3d(fabric)
+    fabric = meshes.of_3d(fabric)
     if law is not None:  # refused before anything is computed
-        compression.CompressionLaw.from_json(law).require_fabric(cloth.name, key="law", value=str(law))
-    run = kind.run(cloth, **options)
+        compression.CompressionLaw.from_json(law).require_fabric(fabric.name, key="law", value=str(law))
+    run = kind.run(fabric, **options)
     part = _domain(case, domain, shift)
     with targets.folder_of(out) as folder:
-        built = meshes.build(cloth, part, size=meshes.size(mesh), section=section, gap=gap)
-        with progress.bar(f"{cloth.name}, {case}") as advance:
+        built = meshes.build(fabric, part, size=meshes.size(mesh), section=section, gap=gap)
+        with progress.bar(f"{fabric.name}, {case}") as advance:
             record = run(built, hooks=[lambda share, row: advance(share)])
-        result = CrossoverResult(cloth, case, built, record, part, text, kind.summary(cloth, record))
+        result = CrossoverResult(fabric, case, built, record, part, text, kind.summary(fabric, record))
         if folder is not None:
             result.save(folder)
     if record.failed:
@@ -266,20 +266,20 @@ def _numerics(friction=0.0):
     return Numerics(friction=friction)
 
 
-def _yarn(cloth, yarn="warp", bars=None, failure=False, reduced_integration=False):
+def _yarn(fabric, yarn="warp", bars=None, failure=False, reduced_integration=False):
     from unitcell3d.cases import single_yarn
     from unitcell3d.material import solid_law
 
     points = solid_law.ONE_POINT if reduced_integration else solid_law.FULL
     options = {"bars": bars, "failure": failure, "integration": points}
-    return partial(single_yarn.pull, fabric=cloth, family=FAMILIES.index(yarn), **options)
+    return partial(single_yarn.pull, fabric=fabric, family=FAMILIES.index(yarn), **options)
 
 
 def _shift(shift):
     return quantities.pair(shift or 0.0, "", "shift", "along x and y")
 
 
-def _stack(cloth, plies=2, shift=None, pressure=None, friction=0.0):
+def _stack(fabric, plies=2, shift=None, pressure=None, friction=0.0):
     from unitcell3d.cases import stack
 
     end = stack.PLATEN_PRESSURE if pressure is None else quantities.number(pressure, "Pa", "pressure")
@@ -287,28 +287,28 @@ def _stack(cloth, plies=2, shift=None, pressure=None, friction=0.0):
     if plies < 1:
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
     options = {"plies": plies, "shift": offset, "pressure": end, "numerics": _numerics(friction)}
-    return partial(stack.stack_compression, fabric=cloth, **options)
+    return partial(stack.stack_compression, fabric=fabric, **options)
 
 
-def _biaxial(cloth, end_displacement="0 mm", failure=False, friction=0.0):
+def _biaxial(fabric, end_displacement="0 mm", failure=False, friction=0.0):
     from unitcell3d.cases import periodic_cell
 
     d = quantities.pair(end_displacement, "m", "end_displacement")
     if not any(d):
         raise InputError(key="end_displacement", value=end_displacement, allowed="a length that is not 0")
-    return partial(periodic_cell.biaxial, fabric=cloth, d=d, failure=failure, numerics=_numerics(friction))
+    return partial(periodic_cell.biaxial, fabric=fabric, d=d, failure=failure, numerics=_numerics(friction))
 
 
-def _path(cloth, path=None, failure=False, friction=0.0):
+def _path(fabric, path=None, failure=False, friction=0.0):
     from unitcell3d.cases import load_path
 
     if path is None:
         raise InputError(key="path", allowed="given: a CSV file of corners d1, d2")
     options = {"corners": load_path.read(path), "failure": failure, "numerics": _numerics(friction)}
-    return partial(load_path.along, fabric=cloth, **options)
+    return partial(load_path.along, fabric=fabric, **options)
 
 
-def _shear(cloth, shear_angle=0.6, end_displacement=0.0, failure=False, friction=0.0):
+def _shear(fabric, shear_angle=0.6, end_displacement=0.0, failure=False, friction=0.0):
     from unitcell3d.cases import periodic_cell
 
     gamma = quantities.number(shear_angle, "rad", "shear_angle")
@@ -317,10 +317,10 @@ def _shear(cloth, shear_angle=0.6, end_displacement=0.0, failure=False, friction
         allowed = f"above 0 and at most {periodic_cell.STEEPEST} rad"
         raise InputError(key="shear_angle", value=shear_angle, allowed=allowed)
     options = {"gamma": gamma, "stretch": stretch, "failure": failure, "numerics": _numerics(friction)}
-    return partial(periodic_cell.shear, fabric=cloth, **options)
+    return partial(periodic_cell.shear, fabric=fabric, **options)
 
 
-def _pull_out(cloth, yarn="warp", end_displacement=(), pressure=(), pull=None, friction=FRICTION, law=None):
+def _pull_out(fabric, yarn="warp", end_displacement=(), pressure=(), pull=None, friction=FRICTION, law=None):
     from unitcell3d.cases import pull_out
 
     family = FAMILIES.index(yarn)
@@ -331,13 +331,13 @@ def _pull_out(cloth, yarn="warp", end_displacement=(), pressure=(), pull=None, f
     if pressures and not min(pressures) > 0:
         raise InputError(key="pressure", value=pressure, allowed="pressures above 0")
     options = {
-        "displacements": lengths or ([] if pressures else list(pull_out.displacements(cloth, family))),
+        "displacements": lengths or ([] if pressures else list(pull_out.displacements(fabric, family))),
         "pressures": pressures,
         "pulled": family,
         "pull": None if pull is None else quantities.number(pull, "m", "pull"),
         "numerics": _numerics(friction),
     }
-    return partial(pull_out.pull_out, fabric=cloth, **options)
+    return partial(pull_out.pull_out, fabric=fabric, **options)
 
 
 class Case(NamedTuple):

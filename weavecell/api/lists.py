@@ -49,8 +49,9 @@ class Listing:
 
     Parameters
     ----------
-    tables : {title: (headings, rows)}; of one whose headings end in units all columns but the first are set flush right
+    tables : {title: (headings, rows)}
     notes : lines below the first table
+    numeric : whether the columns of the first table but the first are numbers, which are set flush right
 
     Examples
     --------
@@ -60,6 +61,7 @@ class Listing:
 
     tables: dict[str, tuple[tuple[str, ...], list[tuple[str, ...]]]]
     notes: tuple[str, ...] = ()
+    numeric: bool = False
 
     def save(self, out: FilePath) -> None:
         """Write the first table as CSV."""
@@ -74,7 +76,7 @@ class Listing:
         console = Console()
         with console.capture() as shown:
             for number, (title, (heads, rows)) in enumerate(self.tables.items()):
-                right = heads == ("quantity", "value") or heads[0] == "fabric"
+                right = self.numeric and number == 0
                 table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
                 table.box, table.pad_edge, table.padding = box.SIMPLE_HEAD, False, (0, 1, 0, 0)
                 for k, head in enumerate(heads):
@@ -111,7 +113,7 @@ def list_fabrics(*, out: FilePath | None = None) -> Listing:
     '252.9'
     """
     rows = [tuple(text(fabric) for text in COLUMNS.values()) for fabric in map(catalogue.load, catalogue.list_names())]
-    return _saved(Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}), out)
+    return _saved(Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}, numeric=True), out)
 
 
 def list_projectiles(*, out: FilePath | None = None) -> Listing:
@@ -225,7 +227,7 @@ def show_fabric(fabric: FilePath, *, out: FilePath | None = None) -> Listing:
     if rows := _assumptions(plain, whole):
         tables[f"{whole.name}: what is assumed"] = ("key", "value (range)", "source"), rows
     tables[f"{whole.name}: where each number comes from"] = _sources(plain.sources)
-    return Listing(tables, (*problems, *whole.notes))
+    return Listing(tables, (*problems, *whole.notes), numeric=True)
 
 
 def _assumptions(plain, whole):
@@ -333,7 +335,7 @@ def _asked():
                 typer.echo(str(problem), err=True)
 
     source = typer.prompt("source of the values", default="data sheet")
-    found = {}
+    values = {}
     for key in fabric_file.REQUIRED:
         others = fabric_file.INSTEAD.get(key, ())
         skip = f" (Enter: from the {others[-1]})" if others else ""
@@ -345,8 +347,8 @@ def _asked():
             asked = fabric_file.ALL[key]
             warp = value(key, f"{key}, {asked.meaning}, such as {asked.example}")
         weft = "" if key in fabric_file.OF_FABRIC else value(key, f"{key} of the weft", warp)
-        found[key] = fabric_file.Value(warp, weft, source)
-    return found
+        values[key] = fabric_file.Value(warp, weft, source)
+    return values
 
 
 def view(

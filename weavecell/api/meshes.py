@@ -85,7 +85,7 @@ def mesh(
     >>> wc.mesh("S-720", mesh="coarse", domain="whole").summary()["hexahedra"]
     '768'
     """
-    cloth = of_3d(fabric)
+    fabric = of_3d(fabric)
     if patch is not None and domain is not None:
         raise InputError(key="patch", value=patch, allowed="left out where --domain is given")
     formats = [part.strip().lstrip(".").lower() for part in format.split(",")]
@@ -104,7 +104,7 @@ def mesh(
     }
     count = None if patch is None else _count(patch)
     with targets.folder_of(out) as folder:
-        result = MeshResult(cloth, build(cloth, domain or "quarter", count, **options), tuple(dict.fromkeys(formats)))
+        result = MeshResult(fabric, build(fabric, domain or "quarter", count, **options), tuple(dict.fromkeys(formats)))
         if folder is not None:
             result.save(folder)
     return result
@@ -122,15 +122,15 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
     from meshing.mesh_plan import with_room
 
     try:
-        found = fabric if isinstance(fabric, Fabric) else catalogue.load(fabric)
-        cloth = with_room(assumed.with_solid_laws(found))
+        plain = fabric if isinstance(fabric, Fabric) else catalogue.load(fabric)
+        whole = with_room(assumed.with_solid_laws(plain))
     except InputError as problem:
         if problem.file or problem.key:
             raise
         raise InputError(str(problem), key="fabric", value=getattr(fabric, "name", str(fabric))) from None
-    for line in (*cloth.notes, *assumed.lines(cloth)):
+    for line in (*whole.notes, *assumed.lines(whole)):
         logging.getLogger("weavecell").info(line)
-    return cloth
+    return whole
 
 
 def size(value: Any) -> Any:
@@ -153,10 +153,10 @@ def _count(patch):
     """(n, m) numbers of warp and weft yarns, also of a text such as "3x4"."""
     if not isinstance(patch, str):
         return tuple(patch)
-    found = re.fullmatch(r"\s*(\d+)\s*[xX×]\s*(\d+)\s*", patch)
-    if found is None:
+    counts = re.fullmatch(r"\s*(\d+)\s*[xX×]\s*(\d+)\s*", patch)
+    if counts is None:
         raise InputError(key="patch", value=patch, allowed="numbers of warp and weft yarns, such as 3x4")
-    return int(found[1]), int(found[2])
+    return int(counts[1]), int(counts[2])
 
 
 def build(fabric: Fabric, domain: str, count: Sequence[int] | None = None, **options: Any) -> YarnMesh:

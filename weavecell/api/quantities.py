@@ -59,7 +59,7 @@ def pair(value: Any, unit: str, key: str, what: str = "of warp and weft") -> tup
     ------
     InputError : as `number`, or more than two
     """
-    found = numbers(value, unit, key)
-    if len(found) > 2:
+    values = numbers(value, unit, key)
+    if len(values) > 2:
         raise InputError(key=key, value=value, allowed=f"one value, or two separated by a comma, {what}")
-    return found[0], found[-1]
+    return values[0], values[-1]

@@ -267,7 +267,8 @@ class ShotResult(ImpactRecord, Result):
         for name, values in histories.columns.items():
             if np.ndim(values) == 1:
                 unit = histories.unit(name).replace("/", "_")
-                columns["failed_yarn_segments" if unit == "1" else f"{name}_{unit}"] = values
+                columns[name if unit == "1" else f"{name}_{unit}"] = values
+        columns["failed_yarn_segments"] = columns.pop("failed_segments")
         columns |= {f"reaction_{name}_N": self.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")}
         return columns | {"checks": [self.checks_text] * len(self.time)}
 

@@ -78,18 +78,18 @@ def surface(
 
     Examples
     --------
-    >>> found = wc.surface("S-720", mesh="coarse", points=5)  # doctest: +SKIP
-    >>> wc.impact("S-720", "90 m/s", surface=found.surface)  # doctest: +SKIP
+    >>> sampled = wc.surface("S-720", mesh="coarse", points=5)  # doctest: +SKIP
+    >>> wc.impact("S-720", "90 m/s", surface=sampled.surface)  # doctest: +SKIP
     """
     from unitcell3d.identify import response_surface
 
-    cloth, stamp = meshes.of_3d(fabric), provenance.stamp("")
+    fabric, stamp = meshes.of_3d(fabric), provenance.stamp("")
     spans = [_span(value, key) for value, key in ((d1, "d1"), (d2, "d2"))]
     size = meshes.size(mesh)
     with targets.folder_of(out, resume) as folder:
-        with progress.bar(f"Response surface of {cloth.name}") as advance:
+        with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
-                cloth,
+                fabric,
                 d1=spans[0],
                 d2=spans[1],
                 points=(points, points),
@@ -104,7 +104,7 @@ def surface(
                 provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
             )
         settings = {
-            "fabric": cloth.name,
+            "fabric": fabric.name,
             "mesh": mesh,
             "friction": friction,
             "d1_m": spans[0],
@@ -112,7 +112,7 @@ def surface(
             "lines": sampled.surface.T1.shape,
             "tolerance": tolerance,
         }
-        result = SurfaceResult(cloth, sampled, settings, _cell(cloth, sampled.surface))
+        result = SurfaceResult(fabric, sampled, settings, _cell(fabric, sampled.surface))
         if folder is not None:
             result.save(folder)
             (folder / "partial.h5").unlink(missing_ok=True)
@@ -151,8 +151,8 @@ class SurfaceResult(Result):
 
     Examples
     --------
-    >>> found = wc.surface("S-720", mesh="coarse", points=5)  # doctest: +SKIP
-    >>> found.surface.T1.shape  # doctest: +SKIP
+    >>> sampled = wc.surface("S-720", mesh="coarse", points=5)  # doctest: +SKIP
+    >>> sampled.surface.T1.shape  # doctest: +SKIP
     (5, 5)
     """
 

@@ -38,7 +38,7 @@ def panel(
 
     Parameters
     ----------
-    grid, strength, mirrors, top_share : as of `cloth`
+    grid, strength, mirrors, top_share : as of `coloured`
     body : (a, b, 3) [m] surface of the projectile
     half_height, centre : [m] of what is seen
     open_quarter : whether the quarter of the fabric in front of the projectile is left out
@@ -48,7 +48,7 @@ def panel(
     from matplotlib.colors import to_rgb
     from matplotlib.figure import Figure
 
-    fabric = cloth(grid, strength, mirrors, top_share)
+    fabric = coloured(grid, strength, mirrors, top_share)
     quads, colours = fabric.points[fabric.cells.reshape(-1, 5)[:, 1:]], fabric["colour"] / 255
     if open_quarter:
         (x, y), middle = tip(body)[:2], quads.mean(axis=1)
@@ -74,7 +74,7 @@ def panel(
     return np.array(canvas.buffer_rgba())[..., :3]
 
 
-def cloth(grid: Any, strength: FloatArray, mirrors: Sequence[bool], top_share: float = 1.0) -> Any:
+def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool], top_share: float = 1.0) -> Any:
     """The grid of the whole panel with its "colour" (m, 3) uint8: tension, broken yarns in vermilion.
 
     Elements without a yarn are left out.

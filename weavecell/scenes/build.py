@@ -42,7 +42,7 @@ FIELDS = {
 
 
 @dataclass(frozen=True)
-class Cloth:
+class Material:
     """What plies are made of.
 
     Parameters
@@ -60,8 +60,8 @@ class Cloth:
 
 
 @dataclass(frozen=True)
-class Case(Cloth):
-    """What a scene describes: its cloth, of a lay-up that of the first ply.
+class Case(Material):
+    """What a scene describes: its material (of a lay-up the first ply's), tables and plies.
 
     Parameters
     ----------
@@ -93,25 +93,25 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     if file is not None and shot is not None and (shot.name is not None or shot.stl is not None):
         LOG.info(f"projectile: {shot_in_words(shot)}")
     if panel is None or not panel.ply:
-        return Case(**vars(cloth(scene.fabric, "fabric", scene, file, fabric)), scene=scene, name=name)
+        return Case(**vars(material(scene.fabric, "fabric", scene, file, fabric)), scene=scene, name=name)
     from shellfabric.impact.simulation import Ply
 
-    cloths: dict[str, Cloth] = {}
+    materials: dict[str, Material] = {}
     plies: list[Ply] = []
     for table in panel.ply:
         named = table.name is not None or table.file is not None
         own = {"name": table.name, "file": table.file, "law": "published"} if named else {}
         own |= {} if table.law is None else {"law": table.law}
-        if (key := repr(own)) not in cloths:
+        if (key := repr(own)) not in materials:
             of_ply, where = scene.fabric.model_copy(update=own), "panel.ply" if own else "fabric"
-            cloths[key] = cloth(of_ply, where, scene, file, None if named else fabric)
+            materials[key] = material(of_ply, where, scene, file, None if named else fabric)
         gap = panel.ply_gap if table.gap is None else table.gap
-        plies += [Ply(cloths[key].fabric, cloths[key].laws, table.angle, gap)] * table.count
-    return Case(**vars(next(iter(cloths.values()))), scene=scene, name=name, lay_up=tuple(plies))
+        plies += [Ply(materials[key].fabric, materials[key].laws, table.angle, gap)] * table.count
+    return Case(**vars(next(iter(materials.values()))), scene=scene, name=name, lay_up=tuple(plies))
 
 
-def cloth(table: FabricTable, key: str, scene: Any, file: FilePath | None, given: Fabric | None = None) -> Cloth:
-    """The cloth of a table [fabric].
+def material(table: FabricTable, key: str, scene: Any, file: FilePath | None, given: Fabric | None = None) -> Material:
+    """The Material of a table [fabric].
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def cloth(table: FabricTable, key: str, scene: Any, file: FilePath | None, given
             raise InputError(f"needs more: {problem}", file=file, key="panel.rate_dependence") from None
     fabric = _sheared(fabric, getattr(scene, "trellis_law", "needed"), file)
     if table.surface is not None:
-        return Cloth(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
+        return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
     laws, law_name = _laws(table, key, fabric, file, given)
     if panel is not None and panel.plies > 1:
         try:
@@ -141,7 +141,7 @@ def cloth(table: FabricTable, key: str, scene: Any, file: FilePath | None, given
             key = "panel.ply_contact" if problem.key in (None, "ply_contact") else problem.key
             message = None if problem.key is not None else str(problem)
             raise InputError(message, file=file, key=key, value=problem.value, allowed=problem.allowed) from None
-    return Cloth(fabric, laws, law_name)
+    return Material(fabric, laws, law_name)
 
 
 def _fabric(table, key, file):
@@ -249,12 +249,12 @@ def laws_of(fabric: Fabric, law: Any = None, file: FilePath | None = None, key: 
     if isinstance(law, (str, Path)):
         law = CompressionLaw.from_json(law)
     warp, weft = law if isinstance(law, (tuple, list)) and len(law) == 2 else (law, law)
-    for one in (warp, weft):
-        if not isinstance(one, CompressionLaw):
+    for law in (warp, weft):
+        if not isinstance(law, CompressionLaw):
             allowed = "a CompressionLaw, a pair (warp, weft) of them, or a law.json"
             raise InputError(key="law", value=written, allowed=allowed)
         value = str(written) if isinstance(written, (str, Path)) else None
-        one.require_fabric(fabric.name, file=file, key=key, value=value)
+        law.require_fabric(fabric.name, file=file, key=key, value=value)
     return warp, weft
 
 

@@ -73,6 +73,10 @@ def fit(
     >>> round(wc.fit(stress, [0.38e6, 0.76e6], {"factor": (0.5, 1, 2)}).values["factor"], 2)
     0.9
     """
+    from scipy.optimize import least_squares
+
+    from unitcell3d.identify.least_squares import identify
+
     points, (low, start, high) = np.asarray(measured, float), np.array(list(unknowns.values()), float).T
     freedom, scale, width = len(points) - len(unknowns), np.abs(points).max(), high - low
     if not np.all((low <= start) & (start <= high) & (low < high)):
@@ -102,10 +106,6 @@ def fit(
     begin = np.clip((start - low) / width, 1e-6, 1 - 1e-6)
     if not np.isfinite(misfit(*begin)).all():
         raise UnstableError("the model cannot be computed with the values that the fit begins with")
-    from scipy.optimize import least_squares
-
-    from unitcell3d.identify.least_squares import identify
-
     solution = least_squares(
         lambda u: misfit(*u), begin, jac=jacobian, bounds=(0.0, 1.0), xtol=CONVERGED, ftol=CONVERGED, max_nfev=MOST
     )

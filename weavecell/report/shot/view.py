@@ -222,7 +222,7 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
             t = panel.time_of(file)
             text = f"{panel.headline()}\n{panel.caption(t)}\n{text}"
             scene.add_mesh(pyvista.StructuredGrid(*np.moveaxis(panel.body(grid, t), -1, 0)), color=STEEL)
-        fabric = pictures3d.cloth(grid, np.array([top, top]), panel.mirrors if panel else (False, False))
+        fabric = pictures3d.coloured(grid, np.array([top, top]), panel.mirrors if panel else (False, False))
         scene.add_mesh(fabric, scalars="colour", rgb=True)
     else:
         scalars = "yarn" if "yarn" in grid.cell_data else None
