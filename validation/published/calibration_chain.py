@@ -55,12 +55,9 @@ def command(
     with targets.kept_runs(out, resume, calibration.SOLID_RUNS) as runs:
         fits, failed = _fit(fabrics, runs, jobs, executor)
         choices = {"size": size, "friction": friction, "jobs": jobs, "executor": executor}
-        done = {
-            "file": _laws(
-                [fit.started for fit in fits], lambda name: out / name / SOLID_OF_THE_FILE, resume, **choices
-            ),
-            "fitted": _laws([fit.fabric for fit in fits], lambda name: out / name, resume, **choices),
-        }
+        before, after = [fit.started for fit in fits], [fit.fabric for fit in fits]
+        done = {"file": _laws(before, lambda name: out / name / SOLID_OF_THE_FILE, resume, **choices)}
+        done["fitted"] = _laws(after, lambda name: out / name, resume, **choices)
         intervals = _intervals(fits, done["fitted"], runs, out, friction, jobs, executor)
     for fit in fits:
         fit.write(out / fit.fabric.name / "solid.json")
