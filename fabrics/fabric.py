@@ -45,6 +45,7 @@ class Fabric:
     notes : lines about numbers of the data file that disagree
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     strain_rate : RateLaw of its yarns, or None
+    failure_length : [m] half width, across a yarn's fibres, of the mean of the tension that is held against the strength
     """
 
     name: str
@@ -65,6 +66,7 @@ class Fabric:
     notes: tuple[str, ...] = ()
     ply_contact: PlyLaw | None = None
     strain_rate: RateLaw | None = None
+    failure_length: float = 0.75e-3
 
     def __post_init__(self):
         if self.section is not None and self.section not in SECTIONS:
