@@ -1,17 +1,26 @@
 """Failure of yarns: criterion, removal and energies. Forces of damaged elements: `damage_kernels`.
 
-What fails is a segment of a yarn between two crossovers. Where elements are shorter than a crossover a yarn has several
-lines: its axis, and the lines between it and the axes of its two neighbours, whose fabric both share in proportion to
-the distance from the other's axis (`panel.grading.YarnLines`). Its tension is the mean over these lines by these
-shares, the shape function of a yarn's line on a mesh of one element a crossover: the same quantity on every mesh. It is
-compared with the strength as it is, or low-passed over a time tau:
+What fails is an edge: the piece of a grid line between two nodes, which stands for a bundle of fibres as wide as the
+line. Each line breaks by itself, at one place. What is held against the strength T_u of the yarn that is nearest to the
+line is a tension averaged over one fixed length l across the fibres (`Fabric.failure_length`), and over the time that a
+wave needs across it:
 
-    dT_f/dt = (T - T_f) / tau
+    M(y) = int k(y - y') phi T dy' / int k(y - y') phi dy',     k(y) = max(0, 1 - |y| / l)
+    dF/dt = (M - F) / t_f,   t_f = 2 max(l, h) / c_w,           the edge breaks where F > T_u
 
-The strength is that of the yarn, or follows the strain rate (`strength_kernels`).
+phi is 1 of a whole edge and 0 of a broken one: a hole must not shield its rim. h is the length of the edge, c_w the
+wave speed along the yarn in the weave. Both lengths are needed. The first wave in a crimped yarn is a shock, which a
+mesh overshoots by up to two thirds for about the time that a wave needs across an element; and beside the rim of a nose
+the tension of a membrane is singular, so that without a length it grows with every finer mesh. M is the exact integral
+over lines of constant tension (`panel.failure.mean_weights`).
 
-A failed segment is gone for good, its mass stays. Its crossing yarns lose the contact with it: see `membrane_kernels`
-for alpha and kappa. What it stored is booked as lost, with the half step in which its old force has acted.
+F follows M only where one of them is above half of the strength, and is half of it elsewhere: fabric that is far from
+failure costs nothing. The reported peak is the smaller of M and F. The strength is that of the yarn, or follows the
+strain rate (`strength_kernels`).
+
+What has broken is gone for good, its mass stays. The yarns that cross it lose the contact with it: see
+`membrane_kernels` for alpha and kappa. What it stored is booked as lost, with the half step in which its old force has
+acted.
 """
 
 import numpy as np
@@ -20,164 +29,91 @@ from shellfabric.cell.crossover_kernels import yarn_alone
 from shellfabric.cloth import energy_kernels, strength_kernels
 from shellfabric.cloth.damage_kernels import WARP, WEFT, sum_crossing, trellis_intact_fraction, yarn_properties
 from shellfabric.cloth.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED
-from shellfabric.cloth.table_kernels import potential
+from shellfabric.cloth.table_kernels import max_value, potential
 from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
 
-ROUNDING = 1e-9  # of an intact fraction: less is nothing
-
 
 @kernel(_nrt=False)
-def lines_of_yarn(along, axis):
-    """(first, last) of the lines of which a part belongs to the yarn whose axis is line `axis`."""
-    first, last = axis, axis
-    while first > 0 and along.yarn[first - 1] < 0:
-        first -= 1
-    while last + 1 < along.yarn.size and along.yarn[last + 1] < 0:
-        last += 1
-    return first, last
-
-
-@kernel(_nrt=False)
-def line_share(along, line, axis):
-    """Share of a line that belongs to the yarn whose axis is line `axis`."""
-    return 1.0 - along.share[line] if line < axis else along.share[line]
-
-
-@kernel(_nrt=False)
-def yarn_tension(const, tension, family, row, column):
-    """Tension of the yarn segment that begins at node (row, column): mean over its length and its lines' shares of that
-    of edges, such as state.T[family]."""
-    if family == WARP:
-        along, across = const.yarn_columns, const.yarn_rows
-    else:
-        along, across = const.yarn_rows, const.yarn_columns
-    axis, start = (column, row) if family == WARP else (row, column)
-    first, last = lines_of_yarn(along, axis)
+def mean_tension(const, state, family, i, j):
+    """M [N] of the edge (i, j): see the module."""
+    lines, tension, intact = const.warp_lines, state.T[family], state.intact_fraction[family]
+    line, step, k = j, 1, i * const.row_stride
+    if family == WEFT:
+        lines, line, step, k = const.weft_lines, i, const.row_stride, j
     total, weight = 0.0, 0.0
-    for line in range(first, last + 1):
-        share = line_share(along, line, axis) * along.width[line]
-        for place in range(start, start + across.elements[start]):
-            part = share * across.side[place]
-            i, j = (place, line) if family == WARP else (line, place)
-            total += part * tension[np.uint64(i * const.row_stride + j)]
-            weight += part
+    for m in range(lines.weights.shape[1]):
+        at = np.uint64(k + (lines.first[line] + m) * step)
+        part = lines.weights[line, m] * intact[at]
+        total += part * tension[at]
+        weight += part
     return total / weight
 
 
 @kernel(_nrt=False)
-def yarn_strength(const, family, row, column):
-    """Strength of the yarn whose axis runs through node (row, column)."""
-    if family == WARP:
-        return const.yarn_strengths1[const.yarn_columns.yarn[column]]
-    return const.yarn_strengths2[const.yarn_rows.yarn[row]]
+def may_fail(const, state, block):
+    """Whether an edge of a block may break, follow a tension above half of its strength, or have a new peak tension."""
+    most = state.block_max_tension[block]
+    return (
+        state.warm_blocks[block]
+        or most[0] > min(state.peak_tension[0], const.half_strength1)
+        or most[1] > min(state.peak_tension[1], const.half_strength2)
+    )
 
 
 @kernel(_nrt=False)
-def loading(const, state, family, row, column, T):
-    """(load, damage after this step) of the segment of tension T from node (row, column) on: the load is the tension
-    over the strength of the yarn, the damage 0 without a law of rates."""
-    load, k = T / yarn_strength(const, family, row, column), np.uint64(row * const.row_stride + column)
-    return load, strength_kernels.damage(const.rate_law, family, const.dt, state.rate_damage[family], k, load)
+def find_failures(const, state, family, first, last):
+    """Let F of the edges of the node rows first .. last - 1 follow their M, and mark those that break in state.failed.
 
-
-@kernel(_nrt=False)
-def is_past(const, load, damage):
-    """Whether a segment fails at a load and a damage, as `loading` gives them."""
-    return load > strength_kernels.highest_load(const.rate_law) or damage >= 1.0
-
-
-@kernel(_nrt=False)
-def begins_segment(const, i, j):
-    """Whether segments of yarns begin at node (i, j), where the axes of a warp and of a weft yarn cross."""
-    return const.yarn_rows.yarn[i] >= 0 and const.yarn_columns.yarn[j] >= 0
-
-
-@kernel(_nrt=False)
-def any_past_strength(const, state, family, first, last):
-    """Whether a yarn segment that begins in the node rows first .. last exceeds its yarn's strength."""
-    rows = last - 1 if family == WARP else last
-    columns = const.nj if family == WARP else const.nj - 1
-    for i in range(first, rows + 1):
-        for j in range(0, columns + 1):
-            whole = begins_segment(const, i, j) and not state.failed[family][np.uint64(i * const.row_stride + j)]
-            if whole:
-                T = yarn_tension(const, state.T[family], family, i, j)
-                load, damage = loading(const, state, family, i, j, T)
-                if T > 0.0 and is_past(const, load, damage):
-                    return True
-    return False
-
-
-@kernel(_nrt=False)
-def filter_tensions(const, state):
-    """Low-pass the tensions of all edges of the active rows; means of them are then those of filtered tensions."""
-    first, last = state.active_rows[0] * const.row_stride, (state.active_rows[1] + 1) * const.row_stride
-    for family in range(2):
-        slow, tension = state.filtered_tension[family], state.T[family]
-        for k in range(np.uint64(first), np.uint64(last)):
-            slow[k] += const.filter_alpha * (tension[k] - slow[k])
-
-
-@kernel(_nrt=False)
-def detect_failures(const, state, family, first, last):
-    """Break the yarn segments that exceed their strength, among those that begin in the node rows first .. last.
-
-    Where const.filter_alpha > 0 the filtered tension counts. Keeps the peak with its segment and step. Returns how many
-    have failed.
+    Nothing is removed yet, so that what is found does not depend on an order. Keeps the peak with its edge and step.
+    Returns how many edges break.
     """
-    failures = 0
-    # a segment of one edge that is below the peak and the lowest strength needs no closer look
-    lowest = const.min_strength1 if family == WARP else const.min_strength2
-    single = const.n_per_crossover == 1 and const.filter_alpha == 0.0
-    bound = min(state.peak_tension[family], lowest) if single else -1.0
-    rows = last - 1 if family == WARP else last
-    columns = const.nj if family == WARP else const.nj - 1
-    for i in range(first, rows + 1):
-        for j in range(0, columns + 1):
-            k = np.uint64(i * const.row_stride + j)
-            if state.T[family][k] <= bound or state.failed[family][k] or not begins_segment(const, i, j):
+    lines, s, columns, count = const.warp_lines, const.row_stride, const.nj + 1, 0
+    lowest = const.half_strength1
+    if family == WEFT:
+        lines, columns, lowest = const.weft_lines, const.nj, const.half_strength2
+    tension, slow, intact = state.T[family], state.filtered_tension[family], state.intact_fraction[family]
+    for i in range(first, last):
+        watched = min(state.peak_tension[family], lowest)
+        if not state.warm_rows[family, i] and max_value(i * s, columns, tension) <= watched:
+            continue
+        state.warm_rows[family, i] = False
+        for j in range(columns):
+            k, (line, place) = np.uint64(i * s + j), (j, i) if family == WARP else (i, j)
+            half = lines.half_strength[line]
+            if intact[k] == 0.0 or (slow[k] <= half and tension[k] <= min(state.peak_tension[family], half)):
                 continue
-            T = yarn_tension(const, state.T[family], family, i, j)
-            if T > state.peak_tension[family]:
+            mean = mean_tension(const, state, family, i, j)
+            if max(mean, slow[k]) > half:
+                slow[k] = max(half, slow[k] + lines.filter_factor[place] * (mean - slow[k]))
+            if min(mean, slow[k]) > state.peak_tension[family]:
+                state.peak_tension[family] = min(mean, slow[k])
                 state.peak_segment[family, 0], state.peak_segment[family, 1] = k, state.counter[0] + 1
-            state.peak_tension[family] = max(state.peak_tension[family], T)
-            if const.filter_alpha > 0.0:
-                T = yarn_tension(const, state.filtered_tension[family], family, i, j)
-            if T <= lowest:
+            if slow[k] <= half:
                 continue
-            load, damage = loading(const, state, family, i, j, T)
+            state.warm_rows[family, i] = True
+            load = slow[k] / lines.strength[line]
+            damage = strength_kernels.damage(const.rate_law, family, const.dt, state.rate_damage[family], k, load)
             strength_kernels.keep_damage(const.rate_law, state.rate_damage[family], k, damage)
-            if is_past(const, load, damage):
+            if load > strength_kernels.highest_load(const.rate_law) or damage >= 1.0:
                 state.failure_sums[0] += 1.0
                 state.failure_sums[1] += load
                 state.failed[family][k] = 1
-                break_segment(const, state, family, i, j)
-                failures += 1
-    return failures
+                count += 1
+    return count
 
 
 @kernel(_nrt=False)
-def break_segment(const, state, family, row, column):
-    """Break the yarn segment that begins at node (row, column): reduce its edges' intact fraction and yarn length."""
-    if family == WARP:
-        along, across = const.yarn_columns, const.yarn_rows
-    else:
-        along, across = const.yarn_rows, const.yarn_columns
-    axis, start = (column, row) if family == WARP else (row, column)
-    first, last = lines_of_yarn(along, axis)
-    for line in range(first, last + 1):
-        share = line_share(along, line, axis)
-        for place in range(start, start + across.elements[start]):
-            i, j = (place, line) if family == WARP else (line, place)
+def break_edges(const, state, family, first, last):
+    """Remove the yarn of the edges of the node rows first .. last that `find_failures` has marked."""
+    columns = const.nj + 1 if family == WARP else const.nj
+    for i in range(first, min(last, const.ni - 1 if family == WARP else const.ni) + 1):
+        for j in range(columns):
             k = np.uint64(i * const.row_stride + j)
-            before = state.intact_fraction[family][k]
-            # the shares of all yarns of a line add up to one but for the last digit
-            after = before - share if before - share > ROUNDING else 0.0
-            state.intact_fraction[family][k] = after
-            state.yarn_length[family][k] *= after / before
-            flag_elements(const, state, family, i, j)
+            if state.failed[family][k] != 0 and state.intact_fraction[family][k] > 0.0:
+                state.intact_fraction[family][k] = state.yarn_length[family][k] = 0.0
+                flag_elements(const, state, family, i, j)
 
 
 @kernel(_nrt=False)

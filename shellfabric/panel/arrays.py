@@ -12,7 +12,7 @@ from shellfabric.cell import packed_table
 from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.by_reference import by_reference
-from shellfabric.panel import boundary, grading
+from shellfabric.panel import boundary, failure, grading
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.projectile import contact, dynamics, window_kernels
 
@@ -27,25 +27,25 @@ _ROWS = 6  # of a block at least: with fewer, most of the work would be on the r
 
 Constants = namedtuple(
     "Constants",
-    "ni nj row_stride rows_per_block n_per_crossover yarn_rows yarn_columns mirror_x mirror_y x0 y0 dx dy inv_dx "
-    "inv_dy dt tension1 tension2 tension_bound_table1 tension_bound_step1 tension_bound_table2 tension_bound_step2 "
-    "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
-    "table_last2 table_grid table_beyond force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 "
-    "cv2 trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
-    "yarn_strengths2 filter_alpha rate_law erosion_gap_ratio window_limits points_per_side "
-    "shape_functions point_law projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps "
-    "nose_shape nose_parameters projectile_length frame tilted window_follows body_depth draw_in_reach "
-    "foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends bar_mass bar_h "
-    "bar_area bar_law bar_substeps has_backing line_offset1 line_offset2",
+    "ni nj row_stride rows_per_block n_per_crossover warp_lines weft_lines mean_reach mirror_x mirror_y x0 y0 dx "
+    "dy inv_dx inv_dy dt tension1 tension2 tension_bound_table1 tension_bound_step1 tension_bound_table2 "
+    "tension_bound_step2 potential_coefficients potential_constant table_start1 table_scale1 table_last1 "
+    "table_start2 table_scale2 table_last2 table_grid table_beyond force_per_slope1 force_per_slope2 variational "
+    "mean_weight1 mean_weight2 cv1 cv2 trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 half_strength1 "
+    "half_strength2 rate_law erosion_gap_ratio window_limits points_per_side shape_functions point_law "
+    "projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps nose_shape nose_parameters "
+    "projectile_length frame tilted window_follows body_depth draw_in_reach foremost_offset shoulder friction "
+    "slip_node slip_axis slip_data bending jamming yarn_ends bar_mass bar_h bar_area bar_law bar_substeps "
+    "has_backing line_offset1 line_offset2",
 )
 State = namedtuple(
     "State",
-    "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch yarn_length "
-    "intact_fraction failed filtered_tension rate_damage failure_sums element_flag block_damage "
-    "tension_stale block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
+    "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch yarn_length intact_fraction failed "
+    "filtered_tension warm_rows warm_blocks rate_damage failure_sums element_flag block_damage tension_stale "
+    "block_max_tension last_contact_force in_contact dv_other dv_contact force_scale f_contact "
     "projectile_position projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums "
-    "peak_tension peak_segment contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth bar_u "
-    "bar_v bar_plastic bar_stress bar_energy",
+    "peak_tension peak_segment contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth "
+    "bar_u bar_v bar_plastic bar_stress bar_energy",
 )
 Work = namedtuple(
     "Work",
@@ -83,11 +83,10 @@ def _constants(panel, out_of_plane):
     mass = weave.areal_density * dx * dy
     (x0, y0), shot = panel.origin, panel.shot
     rim_node, rim_axis, rim = panel.rim()
-    strengths = _strengths(panel)
+    warp_lines, weft_lines = failure.lines_of(panel)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
-    yarns = panel.yarn_lines
     slots: dict[str, Any] = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "trellis_volume": dx * dy * weave.thickness}
     slots |= {"cv1": cv1, "cv2": cv2, "line_offset1": 0.0, "line_offset2": 0.0}
     slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
@@ -96,8 +95,8 @@ def _constants(panel, out_of_plane):
         slots |= grading.line_offsets(panel.lines(), panel.origin, panel.spacing, aligned_zeros)
     return Constants(
         ni=ni, nj=nj, row_stride=nj + 1, rows_per_block=_block(panel), mirror_x=mirror_x, mirror_y=mirror_y,
-        x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, n_per_crossover=panel.lines_per_crossover, yarn_rows=yarns[0],
-        yarn_columns=yarns[1], **slots,
+        x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, n_per_crossover=panel.lines_per_crossover,
+        warp_lines=warp_lines, weft_lines=weft_lines, mean_reach=weft_lines.weights.shape[1] - 1, **slots,
         tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
         tension_bound_table1=panel.ceilings[0][0], tension_bound_step1=panel.ceilings[0][1],
         tension_bound_table2=panel.ceilings[1][0], tension_bound_step2=panel.ceilings[1][1],
@@ -112,10 +111,8 @@ def _constants(panel, out_of_plane):
         force_per_slope1=rx / (2 * w1), force_per_slope2=ry / (2 * w2), variational=table.model.form == "variational",
         G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
         w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
-        **_lowest(panel, strengths),
-        yarn_strengths1=strengths[0], yarn_strengths2=strengths[1],
-        filter_alpha=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0,
-        rate_law=_rate_law(panel) if panel.rate_dependence else None,
+        half_strength1=warp_lines.half_strength.min(), half_strength2=weft_lines.half_strength.min(),
+        rate_law=panel.rate_law,
         erosion_gap_ratio=knobs.widest, window_limits=_near(panel, roaming), **_contact(panel, mass),
         projectile_radius=shot.radius, edge_radius=shot.edge_radius, projectile_mass=shot.mass * panel.share,
         free_dofs=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
@@ -167,7 +164,8 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         stretch=stretches, N=forces, T=two() if const.variational else forces, dstretch=small, yarn_length=lengths,
         intact_fraction=tuple((y > 0).astype(float) for y in lengths),
         failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
-        filtered_tension=aligned_zeros(2, slots if const.filter_alpha > 0 else 0),
+        filtered_tension=_half_strengths(const, two()), warm_rows=np.zeros((2, ni + 1), np.bool_),
+        warm_blocks=np.zeros(blocks, np.bool_),
         rate_damage=aligned_zeros(2, slots if const.rate_law is not None else 0),
         failure_sums=np.zeros(2),
         block_damage=np.zeros(blocks, np.uint8), tension_stale=np.zeros(blocks, np.bool_),
@@ -256,24 +254,11 @@ def _yarn_lengths(panel, const):
     return found
 
 
-def _strengths(panel):
-    """(warp, weft) [N] strength of each yarn of the modelled part."""
-    factors = panel.strength_factors or tuple(np.ones(count) for count in panel.yarn_counts)
-    return tuple(
-        np.asarray(given, float) * (yarn.strength if panel.failure else inf)
-        for given, yarn in zip(factors, panel.weave.yarns)
-    )
-
-
-def _rate_law(panel):
-    """(2, 3, n) `RateLaw.table` of warp and weft."""
-    return np.array([panel.fabric.strain_rate.table(yarn.failure_strain) for yarn in panel.weave.yarns])
-
-
-def _lowest(panel, strengths):
-    """Bounds [N] below which no yarn fails: the lowest strength, at any strain rate."""
-    slowest = _rate_law(panel)[0, 0, 0] if panel.rate_dependence else 1.0
-    return {f"min_strength{n}": slowest * strength.min() for n, strength in zip((1, 2), strengths)}
+def _half_strengths(const, slots):
+    """(warp, weft) slots of the nodes, filled with half of the strength of their lines."""
+    grids = [each[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, -1) for each in slots]
+    grids[0][:], grids[1][:] = const.warp_lines.half_strength, const.weft_lines.half_strength[:, None]
+    return slots
 
 
 def _near(panel, roaming):

@@ -1,13 +1,13 @@
 """Internal forces of the elements of a panel, block by block: stretches, tensions, yarn forces, trellis.
 
-Tensions of the variational form are evaluated only where they may reach a new peak or a strength (`tension_bound`,
-`refresh_tensions`). Compiled without reference counts, as all kernels that the state is handed to
+Tensions of the variational form are evaluated only where they may reach a new peak or half of a strength
+(`tension_bound`, `refresh_tensions`). Compiled without reference counts, as all kernels that the state is handed to
 (`solver.ply_kernels`).
 """
 
 import numpy as np
 
-from shellfabric.cloth import damage_kernels, membrane_kernels, table_kernels, trellis_kernels
+from shellfabric.cloth import damage_kernels, failure_kernels, membrane_kernels, table_kernels, trellis_kernels
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
 
@@ -150,7 +150,7 @@ def refresh_tensions(state, const, first, last, work):
 def potential_gradient(state, const, block, first, last, thin, work):
     """Forces of the variational form, into work.N1 and work.N2 (see `table_kernels`).
 
-    Returns whether no tension can be past the peak so far or a strength, so that none need be looked up.
+    Returns whether no tension can be past the peak so far or half of a strength, so that none need be looked up.
     """
     s, c, w, low = const.row_stride, const, work, max(first - 1, 0)
     m0, m1 = 2 * s, (low - first + 2) * s
@@ -182,11 +182,7 @@ def potential_gradient(state, const, block, first, last, thin, work):
     most = state.block_max_tension[block]
     most[0] = tension_bound(const, p1, q1, high1, c.tension_bound_step1, c.tension_bound_table1)
     most[1] = tension_bound(const, p2, q2, high2, c.tension_bound_step2, c.tension_bound_table2)
-    state.tension_stale[block] = (
-        const.filter_alpha == 0.0
-        and most[0] <= min(state.peak_tension[0], const.min_strength1)
-        and most[1] <= min(state.peak_tension[1], const.min_strength2)
-    )
+    state.tension_stale[block] = not failure_kernels.may_fail(const, state, block)
     return state.tension_stale[block]
 
 

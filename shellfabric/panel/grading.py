@@ -10,15 +10,12 @@ A grading is a sequence of (until, side): up to `until` crossovers from the impa
 long, a whole number or one over a whole number (1/2, 1/3, ...). The last `until` is infinite. Each zone but the last
 goes on until the rest can be filled with whole elements of the next.
 
-Yarns. Failure is that of yarns, not of lines (`failure_kernels`). Lines at whole crossovers are the axes of yarns:
-where elements are shorter than a crossover every axis is that of one yarn, where they are longer it is that of all the
-yarns that its line stands for, which fail together. The lines between two axes belong to both yarns, each by its
-distance from the other axis.
+Yarns. Lines at whole crossovers are the axes of yarns: where elements are shorter than a crossover every axis is that
+of one yarn, where they are longer it is that of all the yarns that its line stands for.
 """
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import pairwise
@@ -28,14 +25,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics.checks import FloatArray
+from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
 
 MOST_LINES = 8  # elements along a crossover, at most
 _SNAP = 0.01 + 1e-9  # relative distance of a side from 1/n at which it is 1/n: 0.33 is 1/3
-
-# of the lines of one family, for `failure_kernels`
-YarnLines = namedtuple("YarnLines", "yarn elements share width side")
 
 
 def exact(side: float) -> Fraction:
@@ -92,8 +86,8 @@ def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
     return np.array(found, float)
 
 
-def yarn_lines(places: ArrayLike, lines_per_crossover: int) -> YarnLines:
-    """Which lines of the grid are axes of yarns, and what of the others belongs to them.
+def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray, IntArray]:
+    """Which lines of the grid are axes of yarns, and which yarn is nearest to each line.
 
     Parameters
     ----------
@@ -102,22 +96,13 @@ def yarn_lines(places: ArrayLike, lines_per_crossover: int) -> YarnLines:
 
     Returns
     -------
-    YarnLines
-        yarn : (lines,) number of the yarn or yarns whose axis the line is, -1 of others
-        elements : (lines,) elements from an axis to the next
-        share : (lines,) [-] of the line that belongs to the axis before it (1 of an axis); the rest is the next one's
-        width : (lines,) [sides of the smallest element] that the line stands for
-        side : (lines,) [sides of the smallest element] of the element behind the line, 0 of the last
+    axes : (yarns,) numbers of the lines at whole crossovers
+    yarns : (lines,) number of the yarn whose axis is nearest; of two that are as near, that nearer the impact point
     """
-    places = np.asarray(places, np.int64)
-    axes = np.flatnonzero(places % lines_per_crossover == 0)
-    yarn, elements, share = np.full(places.size, -1), np.zeros(places.size, np.int64), np.ones(places.size)
-    yarn[axes] = np.arange(axes.size)
-    for low, high in pairwise(axes):
-        elements[low] = high - low
-        share[low:high] = (places[high] - places[low:high]) / (places[high] - places[low])
-    gaps = np.diff(places).astype(float)
-    return YarnLines(yarn, elements, share, tributary(gaps), np.append(gaps, 0.0))
+    at = np.asarray(places, np.int64)
+    axes = np.flatnonzero(at % lines_per_crossover == 0)
+    inwards = np.abs(at[axes]) / (1 + 2 * np.abs(at).max())
+    return axes, np.argmin(np.abs(at[:, None] - at[axes]) + inwards, axis=1)
 
 
 def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
@@ -136,35 +121,6 @@ def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
     low = np.ceil(at - np.insert(halves, 0, 0.0)).astype(int)
     high = np.floor(at + np.append(halves, 0.0)).astype(int)
     return np.array([given[a : b + 1].min() for a, b in zip(low, high)])
-
-
-def segment_lengths(sides: FloatArray, lines: YarnLines) -> FloatArray:
-    """(n+1,) [crossovers] from each axis of a yarn to the next, at its line; 0 at other lines and at the last.
-
-    Parameters
-    ----------
-    sides : (n,) [crossovers]
-    lines : YarnLines
-    """
-    axes, found = np.flatnonzero(lines.yarn >= 0), np.zeros(sides.size + 1)
-    found[axes[:-1]] = np.add.reduceat(sides, axes[:-1])
-    return found
-
-
-def yarn_widths(sides: FloatArray, lines: YarnLines) -> FloatArray:
-    """(n+1,) yarns that break together at each axis; 0 at other lines. Those on the rim count as whole ones.
-
-    Parameters
-    ----------
-    sides, lines : as for `segment_lengths`
-    """
-    cloth, found = tributary(sides), np.zeros(sides.size + 1)
-    cloth[-1] = sides[-1]
-    axes = np.flatnonzero(lines.yarn >= 0)
-    before = np.searchsorted(axes, np.arange(cloth.size), side="right") - 1
-    np.add.at(found, axes[before], lines.share * cloth)
-    np.add.at(found, axes[np.minimum(before + 1, axes.size - 1)], (1 - lines.share) * cloth)
-    return found
 
 
 def covers(

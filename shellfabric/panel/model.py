@@ -27,7 +27,6 @@ from shellfabric.backing.block import Backing
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
 from shellfabric.panel import arrays, boundary, grading, time_step
-from shellfabric.panel.grading import YarnLines
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile import frames
 from shellfabric.projectile.projectile import Projectile
@@ -234,9 +233,7 @@ class Panel:
     @property
     def yarn_counts(self) -> tuple[int, ...]:
         """(warp, weft) yarns of the modelled part, with those on its rims; where elements are longer, their lines."""
-        if self.sides is None:
-            return tuple(count // self.lines_per_crossover + 1 for count in self.counts[::-1])
-        return tuple(int(lines.yarn.max()) + 1 for lines in self.yarn_lines[::-1])
+        return tuple(axes.size for axes in self.yarn_axes[::-1])
 
     @property
     def elements(self) -> int:
@@ -298,15 +295,26 @@ class Panel:
         return tuple(found)
 
     @cached_property
-    def yarn_lines(self) -> tuple[YarnLines, ...]:
-        """(rows, columns) `grading.YarnLines` of the grid lines across the warp and across the weft.
+    def _yarns(self):
+        """(rows, columns) `grading.nearest_yarns` of the grid lines along the weft and along the warp."""
+        per = self.lines_per_crossover
+        places = (np.rint(x / d) if per > 1 else np.arange(x.size) for x, d in zip(self.lines(), self.spacing))
+        return tuple(grading.nearest_yarns(place, per) for place in places)
 
-        Rows are the axes of weft yarns and bound the segments of the warp.
-        """
-        per, found = self.lines_per_crossover, []
-        for x, d in zip(self.lines(), self.spacing):
-            found.append(grading.yarn_lines(np.rint((x / d) if per > 1 else np.arange(x.size)), per))
-        return tuple(found)
+    @property
+    def yarn_axes(self) -> tuple[IntArray, ...]:
+        """(rows, columns) numbers of the grid lines that are axes of yarns: of weft yarns, of warp yarns."""
+        return tuple(axes for axes, _ in self._yarns)
+
+    @property
+    def nearest_yarns(self) -> tuple[IntArray, ...]:
+        """(rows, columns) number of the weft yarn nearest to each row of nodes, of the warp yarn to each column."""
+        return tuple(yarns for _, yarns in self._yarns)
+
+    @property
+    def element_sides(self) -> tuple[FloatArray, ...]:
+        """((ni,), (nj,)) [m] sides of the elements along warp and weft."""
+        return self.sides or tuple(map(np.full, self.counts, self.spacing))
 
     @property
     def grid_middle(self) -> tuple[float, float]:
@@ -360,18 +368,12 @@ class Panel:
 
     @cached_property
     def segments(self) -> list[FloatArray]:
-        """(warp, weft) each (ni+1, nj+1): yarn segments that an edge stands for; half of one on a plane of symmetry."""
-        shape, grids, found = (self.counts[0] + 1, self.counts[1] + 1), self.yarn_lines, []
-        for family, mirrored in enumerate(self.mirrors[::-1]):
-            n = np.ones(shape)
-            if self.sides is not None:
-                own, other = ((self.sides[n] / (2 * self.weave.w[n]), grids[n]) for n in (family, 1 - family))
-                n = np.multiply.outer(grading.segment_lengths(*own), grading.yarn_widths(*other))
-                n = n if family == 0 else n.T
-            elif mirrored:
-                np.moveaxis(n, 1 - family, 0)[0] *= 0.5
-            found.append(n)
-        return found
+        """(warp, weft) each (ni+1, nj+1): yarn segments, from crossover to crossover, that an edge stands for."""
+        lengths = [side / (2 * w) for side, w in zip(self.element_sides, self.weave.w)]
+        warp, weft = np.zeros((2, self.counts[0] + 1, self.counts[1] + 1))
+        warp[:-1] = np.multiply.outer(lengths[0], grading.tributary(lengths[1]))
+        weft[:, :-1] = np.multiply.outer(grading.tributary(lengths[0]), lengths[1])
+        return [warp, weft]
 
     @cached_property
     def areas(self) -> FloatArray:
@@ -388,6 +390,14 @@ class Panel:
             for j in (slice(None, -1), slice(1, None)):
                 mass[i, j] += corner
         return mass
+
+    @property
+    def rate_law(self) -> FloatArray | None:
+        """(2, 3, n) `RateLaw.table` of warp and weft; None where strengths do not depend on the strain rate."""
+        if not self.rate_dependence:
+            return None
+        assert self.fabric.strain_rate is not None  # checked by _check_strength
+        return np.array([self.fabric.strain_rate.table(yarn.failure_strain) for yarn in self.weave.yarns])
 
     def reach(self) -> tuple[float, ...]:
         """(along warp, along weft) [m] from the projectile's middle that fabric can come from to be under it.

@@ -27,7 +27,6 @@ class Numerics:
         None takes 8, and more under a sharp nose: as many as put them panel_arrays.SPACING nose radii apart, at most
         panel_arrays.MOST_POINTS along an element. Points further apart miss the edge: it acts as a rounder or a sharper
         one, as it lies among them
-    failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
     widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
     block : elements worked on together, six rows at least: more share the cost of a block and of the rows about it,
@@ -41,7 +40,6 @@ class Numerics:
     penalty: float = 0.6
     contact_damping: float = 0.5
     contact_points: int | None = None
-    failure_time: float = 0.0
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
@@ -53,7 +51,7 @@ class Numerics:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         if self.contact_points is not None and self.contact_points < 1:
             raise InputError(key="contact_points", value=self.contact_points, allowed="at least 1")
-        for key in ("stretch_viscosity", "contact_damping", "failure_time"):
+        for key in ("stretch_viscosity", "contact_damping"):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
         if self.threads is not None and self.threads < 1:

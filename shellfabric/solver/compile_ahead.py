@@ -85,8 +85,8 @@ def parts(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:
         (element_kernels.refresh_tensions, (*both, INDEX, INDEX, work)),
         (failure_kernels.stored_energy, rows),
         (failure_kernels.half_step_work, rows),
-        (failure_kernels.any_past_strength, family),
-        (failure_kernels.detect_failures, family),
+        (failure_kernels.find_failures, family),
+        (failure_kernels.break_edges, family),
     ], [
         (nose_kernels.contact_forces, (*both, scratch)),
         (nose_kernels.apply_contact_impulse, both),

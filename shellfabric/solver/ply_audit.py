@@ -113,9 +113,8 @@ def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> F
     for family, (slot, step) in enumerate(state.peak_segment):
         if step > 0:
             place = list(divmod(int(slot), const.row_stride))
-            along, lines = (const.yarn_rows, const.yarn_columns)[family], panel.lines()
-            ends = place[family], place[family] + along.elements[place[family]]
+            lines = panel.lines()
             found[family, 1] = const.dt * (step + steps - state.counter[STEP])
             found[family, 2:] = [lines[axis][at] for axis, at in enumerate(place)]
-            found[family, 2 + family] = 0.5 * (lines[family][ends[0]] + lines[family][ends[1]])
+            found[family, 2 + family] = 0.5 * (lines[family][place[family]] + lines[family][place[family] + 1])
     return found

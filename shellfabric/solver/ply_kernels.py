@@ -76,25 +76,6 @@ def grow_with_slip(state, const, slip):
             state.active_rows[1] = min(last + 2, const.ni)
 
 
-@kernel(_nrt=False)
-def rows_near_failure(state, const):
-    """(first, last) element rows that may hold a new peak or a failure: conservative, from block maxima.
-
-    The mean over a yarn is no higher than the highest of its edges, which are as many rows as a crossover has elements.
-    A filtered tension follows the tension at any height: all active rows.
-    """
-    first, last = state.active_rows[0], state.active_rows[1]
-    if const.filter_alpha > 0.0:
-        return first, last
-    bound1, bound2 = min(state.peak_tension[0], const.min_strength1), min(state.peak_tension[1], const.min_strength2)
-    low, high = last, first
-    for block in range(first // const.rows_per_block, (last + const.rows_per_block - 1) // const.rows_per_block):
-        if state.block_max_tension[block, 0] > bound1 or state.block_max_tension[block, 1] > bound2:
-            low = min(low, max(first, block * const.rows_per_block - const.n_per_crossover + 1))
-            high = max(high, min(last, (block + 1) * const.rows_per_block + const.n_per_crossover - 1))
-    return low, high
-
-
 @kernel(_nrt=False, inline="always")
 def out_of_plane_forces(state, const, first, last, acting):
     """Bending and jamming energy [J] of the node rows first .. last; adds their forces to state.f_int if `acting`."""
@@ -137,42 +118,43 @@ def leave_segments(state, const, slide):
 
 
 @kernel(_nrt=False, inline="always")
+def find_failures(state, const, slide, work):
+    """Edges that break in this step: how many, and the element rows (low, high) that hold them."""
+    first, last, per = state.active_rows[0], state.active_rows[1], const.rows_per_block
+    count, low, high = 0, const.ni, 0
+    for block in range(first // per, (last + per - 1) // per):
+        if not failure_kernels.may_fail(const, state, block):
+            continue
+        begin, end = max(first, block * per), min(last, (block + 1) * per)
+        near, far = max(first, begin - const.mean_reach), min(last, end + const.mean_reach)
+        refresh_tensions(state, const, slide, near // per, (far + per - 1) // per, work)
+        rows = end + 1 if end == const.ni else end  # of weft edges
+        failing = failure_kernels.find_failures(const, state, 0, begin, end)
+        failing += failure_kernels.find_failures(const, state, 1, begin, rows)
+        state.warm_blocks[block] = False
+        for i in range(begin, rows):
+            state.warm_blocks[block] |= state.warm_rows[0, i] or state.warm_rows[1, i]
+        if failing > 0:
+            low, high, count = min(low, begin), end, count + failing
+    return count, low, high
+
+
+@kernel(_nrt=False, inline="always")
 def apply_failure(state, const, slide, work):
     """Failure criterion, and segments that a yarn's end has left: remove them, and compute the forces of their blocks
     again."""
-    if const.filter_alpha > 0.0:
-        failure_kernels.filter_tensions(const, state)
-    first, last = rows_near_failure(state, const)
-    emptied, per, n = is_emptied(slide), const.rows_per_block, const.n_per_crossover
-    if first >= last and not emptied:
-        return
-    most1, most2 = 0.0, 0.0
-    if first < last:
-        start, end = max(state.active_rows[0], first - n + 1), min(state.active_rows[1], last + n - 1)
-        refresh_tensions(state, const, slide, start // per, (end + per - 1) // per, work)
-        for block in range(first // per, (last + per - 1) // per):
-            most1, most2 = max(most1, state.block_max_tension[block, 0]), max(most2, state.block_max_tension[block, 1])
-    # detecting failures breaks yarns: the energies before are computed first where there may be one
-    near = (
-        emptied
-        or const.filter_alpha > 0.0
-        or (most1 > const.min_strength1 and failure_kernels.any_past_strength(const, state, 0, first, last))
-        or (most2 > const.min_strength2 and failure_kernels.any_past_strength(const, state, 1, first, last))
-    )
-    stored, sheared, worked, damped = 0.0, 0.0, 0.0, 0.0
-    # a failure changes what its neighbours store, two rows away at most
-    low, high = max(first - n - 3, 0), min(last + n + 3, const.ni)
-    if emptied:
-        low, high = 0, const.ni
-    if near:
-        stored, sheared = stored_energy(state, const, slide, low, high)
-        worked, damped = failure_kernels.half_step_work(const, state, low, high)
-    count = 0
-    if first < last:
-        count += failure_kernels.detect_failures(const, state, 0, first, last)
-        count += failure_kernels.detect_failures(const, state, 1, first, last)
+    count, low, high = find_failures(state, const, slide, work)
+    emptied, per = is_emptied(slide), const.rows_per_block
     if count == 0 and not emptied:
         return
+    # a failure changes what its neighbours store, two rows away at most
+    low, high = max(low - 3, 0), min(high + 3, const.ni)
+    if emptied:
+        low, high = 0, const.ni
+    stored, sheared = stored_energy(state, const, slide, low, high)
+    worked, damped = failure_kernels.half_step_work(const, state, low, high)
+    failure_kernels.break_edges(const, state, 0, low, high)
+    failure_kernels.break_edges(const, state, 1, low, high)
     state.counter[FAILURES] += count
     dropped = leave_segments(state, const, slide)
     first, last = state.active_rows[0], state.active_rows[1]

@@ -47,8 +47,10 @@ def test_held_nodes_have_no_inverse_mass(symmetry, edge):
 def test_strength_of_each_yarn():
     factors = tuple(np.random.default_rng(3).uniform(0.7, 1.3, count) for count in make_panel().yarn_counts)
     const = make_panel(strength_factors=factors).constants()
-    strengths = zip((const.yarn_strengths1, const.yarn_strengths2), (const.min_strength1, const.min_strength2))
-    for (each, least), factor, yarn in zip(strengths, factors, make_panel().weave.yarns):
-        np.testing.assert_allclose(each, factor * yarn.strength, rtol=1e-15)
-        assert least == each.min()
-    assert np.isposinf(make_panel(failure=False).constants().yarn_strengths1).all()
+    for lines, factor, yarn, half in zip(
+        (const.warp_lines, const.weft_lines), factors, make_panel().weave.yarns,
+        (const.half_strength1, const.half_strength2),
+    ):  # fmt: skip
+        np.testing.assert_allclose(lines.strength, factor * yarn.strength, rtol=1e-15)
+        assert half == 0.5 * lines.strength.min()
+    assert np.isposinf(make_panel(failure=False).constants().warp_lines.strength).all()

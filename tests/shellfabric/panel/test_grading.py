@@ -13,11 +13,10 @@ from panels import COARSER, FINER, INF, SERIAL, make_panel, rest, set_nodal
 from fabrics.errors import UnstableError
 from shellfabric.backing.block import Backing
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth import failure_kernels
 from shellfabric.panel import grading, motion_kernels
 from shellfabric.panel.model import Numerics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solver import ply_audit, ply_kernels
+from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
 ZONES = [FINER, ((7, 0.5), (INF, 1)), ((7, 0.25), (9, 0.5), (13, 1), (INF, 4)), ((8, 1 / 3), (INF, 2))]
@@ -53,22 +52,26 @@ def test_elements_fill_the_panel(zones, length):
 
 @pytest.mark.parametrize("zones", ZONES)
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
-def test_lines_are_shared_out_among_the_yarns(zones, symmetry):
-    """Shares of a line add up to one; in the first zone each yarn has the cloth of one crossover, as a whole."""
+def test_each_line_has_the_nearest_yarn(zones, symmetry):
+    """Against a plain loop; of two yarns that are as near it is the inner one, so that halves are alike."""
     panel = make_panel(0.06, grading=zones, symmetry=symmetry)
-    for lines, sides, w in zip(panel.yarn_lines, panel.sides, panel.weave.w):
-        axes = np.flatnonzero(lines.yarn >= 0)
-        crossovers = sides / (2 * w)
-        np.testing.assert_array_equal(lines.yarn[axes], np.arange(axes.size))
-        assert lines.elements[axes[:-1]].sum() == sides.size
-        assert np.all(lines.share[axes] == 1.0)
-        between = np.setdiff1d(np.arange(lines.yarn.size), axes)
-        assert np.all((lines.share[between] > 0) & (lines.share[between] < 1))
-        widths = grading.yarn_widths(crossovers, lines)
-        assert widths.sum() == pytest.approx(crossovers.sum() + 0.5 * crossovers[-1], rel=1e-12)
-        first = 0 if symmetry == "quarter" else axes.size // 2
-        np.testing.assert_allclose(widths[axes[first + 1 : first + 6]], 1.0, rtol=1e-12)
-        np.testing.assert_allclose(grading.segment_lengths(crossovers, lines)[axes[first : first + 6]], 1.0, rtol=1e-12)
+    for x, axes, yarns, w in zip(panel.lines(), panel.yarn_axes, panel.nearest_yarns, panel.weave.w):
+        places = x / (2 * w)
+        assert np.all(np.abs(places[axes] - np.rint(places[axes])) < 1e-9)
+        for place, yarn in zip(places, yarns):
+            distance = np.round(np.abs(place - places[axes]), 9)
+            nearest = axes[distance == distance.min()]
+            assert axes[yarn] == nearest[np.abs(places[nearest]).argmin()]
+
+
+@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+def test_edges_stand_for_all_segments_of_the_panel(symmetry):
+    """Warp and weft of a panel of m x n crossovers have m n segments each, on every mesh."""
+    for zones in (None, *ZONES):
+        panel = make_panel(0.06, grading=zones, symmetry=symmetry)
+        crossovers = [side.sum() / (2 * w) for side, w in zip(panel.element_sides, panel.weave.w)]
+        for segments in panel.segments:
+            assert segments.sum() == pytest.approx(np.prod(crossovers), rel=1e-12)
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
@@ -144,30 +147,6 @@ def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
             if distance[line] == distance.min() and places[0] <= yarn <= places[-1]:
                 mine.append(factors[yarn + 20])
         assert factor == min(mine)
-
-
-def test_a_yarn_breaks_with_its_share_of_all_its_lines():
-    """The mean over its lines counts; what breaks is one yarn, and all yarns of a line leave nothing of it."""
-    panel = make_panel(0.06, grading=FINER, symmetry="whole", edge="free")
-    state, const, lines = panel.state(1.0), panel.constants(), panel.yarn_lines[1]
-    row, middle = (count // 2 for count in panel.counts)
-    assert lines.yarn[middle] >= 0
-    assert lines.yarn[middle + 3] == lines.yarn[middle] + 1
-    T = grid(const, state.T[0])
-    T[row : row + 3, middle - 2 : middle + 3] = const.min_strength1 * np.array([0.3, 0.9, 1.5, 1.2, 0.6])
-    expected = (0.3 / 3 + 0.9 * 2 / 3 + 1.5 + 1.2 * 2 / 3 + 0.6 / 3) / 3 * const.min_strength1
-    assert failure_kernels.yarn_tension(const, state.T[0], 0, row, middle) == pytest.approx(expected, rel=1e-12)
-    state.active_rows[:] = 0, const.ni
-    assert failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 1
-    intact = grid(const, state.intact_fraction[0])
-    broken = [1, 2 / 3, 1 / 3, 0, 1 / 3, 2 / 3, 1]
-    np.testing.assert_allclose(intact[row + 1, middle - 3 : middle + 4], broken, atol=1e-15)
-    assert np.all(intact[[row - 1, row + 3]][:, : const.nj] == 1.0)
-    assert ply_audit.failed_segments(panel, const, state) == pytest.approx(1.0, rel=1e-12)
-    T[:-1] = 2 * const.min_strength1
-    failure_kernels.detect_failures(const, state, 0, 0, const.ni)
-    assert np.all(intact == 0.0)
-    assert np.all(grid(const, state.yarn_length[0]) == 0.0)
 
 
 @pytest.mark.parametrize("changes", [

@@ -205,42 +205,6 @@ def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
     assert state.T[0][k] == 0.0
 
 
-def test_yarns_fail_as_wholes(small):
-    """A yarn's tension is the mean over its lines and its segment: one line past the strength does not break it."""
-    panel = small(edge="free", symmetry="whole", elements_per_crossover=2)
-    state, const = panel.state(1.0), panel.constants()
-    strength = const.min_strength1
-    state.active_rows[:] = 0, const.ni
-    line = 24
-    rows = state.T[0][: const.ni * const.row_stride].reshape(const.ni, const.row_stride)
-    rows[10:12, line - 1] = 0.0
-    rows[10:12, line] = 1.5 * strength
-    rows[10:12, line + 1] = 0.3 * strength
-    assert failure_kernels.yarn_tension(const, state.T[0], 0, 10, line) == pytest.approx(0.825 * strength)
-    assert failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 0
-    rows[10:12, line + 1] = 1.1 * strength
-    assert failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 1
-    intact = state.intact_fraction[0][: const.ni * const.row_stride].reshape(const.ni, const.row_stride)
-    np.testing.assert_array_equal(intact[10, line - 2 : line + 3], [1.0, 0.5, 0.0, 0.5, 1.0])
-    np.testing.assert_array_equal(intact[9:13, line], [1.0, 0.0, 0.0, 1.0])
-
-
-def test_filtered_failure(small, fabric):
-    """Low-passed over tau, a tension held at 1.2 of the strength breaks its yarn after tau ln 6."""
-    tau = 2e-6
-    panel = small(edge="free", symmetry="whole", numerics=Numerics(failure_time=tau))
-    state, const = panel.state(1.0), panel.constants()
-    state.T[0][:] = 1.2 * const.min_strength1
-    state.active_rows[:] = 0, const.ni
-    steps = 0
-    failure_kernels.filter_tensions(const, state)
-    while failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 0:
-        failure_kernels.filter_tensions(const, state)
-        steps += 1
-        assert steps < 1000
-    assert (steps + 1) * const.dt == pytest.approx(tau * np.log(6.0), abs=1.01 * const.dt)
-
-
 def test_stopping_and_the_end_of_time(shoot):
     slow = shoot(8.0, end_time=800e-6)
     assert slow.outcome == "stopped"
