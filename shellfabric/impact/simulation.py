@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
+from fractions import Fraction
 from functools import cached_property
 from itertools import groupby
 from math import ceil, degrees, inf, pi, remainder
@@ -41,7 +42,8 @@ from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver, begin_compil
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
-PACK_ELEMENTS, NEAR = 2, 10  # of packs, per crossover about the impact point, and to how many crossovers at least
+RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
+PACK_ELEMENTS = 2  # per crossover, of packs that have no graded mesh
 OFF_CROSSOVER = 0.25  # [spacings] from a crossover along warp and weft: impact point of one sliding ply, by default
 UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
@@ -82,9 +84,8 @@ class ImpactSetup:
     symmetry : "quarter", "half" or "whole"
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
-    elements_per_crossover : along each side; None takes 1, or as many as put an element's longer side within
-        ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS. Longer ones absorb less than shorter
-        ones do
+    elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is none 1, or as many
+        as put an element's longer side within ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS
     cell_model, form, gap, profile : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     jam : (stiffness [N], stretch) of yarns that are bunched up; see Panel
@@ -245,33 +246,36 @@ class ImpactSetup:
 
     @cached_property
     def meshed(self) -> ImpactSetup:
-        """The set-up with the mesh that is used: the given one, or the default of packs.
+        """The set-up with the mesh that is used: the given one, or the default, which follows from the failure length.
 
-        That has two elements per crossover, more for a small projectile, as far as anything can come under it, then
-        elements of one crossover to twice that distance, and of two beyond. One element per crossover overestimates the
-        first wave in the rear plies (docs/theory-panel.md, "Packs: contact between plies"). Where the projectile may
-        leave the first zone, in an oblique shot or with edges that are not clamped, the short elements are everywhere;
-        sliding crossovers have one per crossover.
+        As far as anything can come under the projectile an element is at most RESOLVED failure lengths long, and no
+        longer than `resolved_elements_per_crossover` allows, with MOST_ELEMENTS to a crossover at most. Further out
+        elements are twice as long and longer, up to two crossovers. Where the projectile may leave the first zone (in
+        an oblique shot, or with edges that are not clamped) all elements are alike: one to a crossover, of packs
+        PACK_ELEMENTS. Sliding crossovers have one to a crossover.
 
         Raises
         ------
         InputError : as `panel`
         """
         given = self.grading is not None or self.elements_per_crossover is not None
-        if self.plies == 1 or given or self.crossovers is not None:
+        if given or self.crossovers is not None:
             return self
-        sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
         clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
         if not clamped or self.projectile.obliquity != 0:
-            return replace(self, elements_per_crossover=sides)
-        coarse = [replace(one, elements_per_crossover=1) for one in self.kinds]
+            sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
+            return self if self.plies == 1 else replace(self, elements_per_crossover=sides)
+        wanted = (2 * max(one.weave.w) / (RESOLVED * one.failure_length) for one in self.fabrics)
+        sides = max(ceil(max(wanted) - 1e-9), *(one.resolved_elements_per_crossover for one in self.kinds))
+        sides = min(sides, MOST_ELEMENTS)
+        fine = [replace(one, elements_per_crossover=sides) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
-            coarse += [replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in coarse]
-        plain = [one.panel(one.plain_table()) for one in coarse]  # the reach does not depend on the values of the table
+            fine += [replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in fine]
+        plain = [one.panel(one.plain_table()) for one in fine]  # the reach does not depend on the values of the table
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
-        near = max(NEAR, *(ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)))
-        return replace(self, grading=((near, 1 / sides), (2 * near, 1), (inf, 2)))
+        reaches = [ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)]
+        return replace(self, grading=_zones(ceil(max(reaches) / sides), sides))
 
     @property
     def snapshots(self) -> int:
@@ -361,6 +365,16 @@ class ImpactSetup:
             panel, self.plies, stacking=self.stacking, gap=self.ply_gap, contact=self.contact,
             friction=self.ply_friction,
         )  # fmt: skip
+
+
+def _zones(near, count):
+    """Zones of the default mesh: `count` elements to a crossover up to `near` crossovers, then fewer, then longer."""
+    zones, side = [], Fraction(1, count)
+    while side < 2:
+        zones.append((float(near), float(side)))
+        near = ceil(1.5 * near if side < 1 else 2 * near)
+        side = Fraction(1) if side < 1 and side.denominator % 2 else 2 * side
+    return (*zones, (inf, 2.0))
 
 
 @dataclass(frozen=True)
