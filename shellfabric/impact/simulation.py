@@ -265,17 +265,37 @@ class ImpactSetup:
         if not clamped or self.projectile.obliquity != 0:
             sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
             return self if self.plies == 1 else replace(self, elements_per_crossover=sides)
-        wanted = (2 * max(one.weave.w) / (RESOLVED * one.failure_length) for one in self.fabrics)
-        sides = max(ceil(max(wanted) - 1e-9), *(one.resolved_elements_per_crossover for one in self.kinds))
-        sides = min(sides, MOST_ELEMENTS)
-        fine = [replace(one, elements_per_crossover=sides) for one in self.kinds]
+        return self.graded()
+
+    def graded(self, resolved: float = RESOLVED, longest: int = 2) -> ImpactSetup:
+        """The set-up with the graded mesh that follows from the failure length.
+
+        Parameters
+        ----------
+        resolved : [failure lengths] length of the elements about the impact point at most
+        longest : [crossovers] side of the elements far from it; a power of 2
+
+        Raises
+        ------
+        InputError : as `panel`
+        """
+        wanted = (2 * max(one.weave.w) / (resolved * one.failure_length) for one in self.fabrics)
+        count = max(ceil(max(wanted) - 1e-9), *(one.resolved_elements_per_crossover for one in self.kinds))
+        count = min(count, MOST_ELEMENTS)
+        fine = [replace(one, elements_per_crossover=count) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
             fine += [replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in fine]
         plain = [one.panel(one.plain_table()) for one in fine]  # the reach does not depend on the values of the table
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
         reaches = [ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)]
-        return replace(self, grading=_zones(ceil(max(reaches) / sides), sides))
+        near, side = ceil(max(reaches) / count), Fraction(1, count)
+        zones = []
+        while side < longest:
+            zones.append((float(near), float(side)))
+            near = ceil(1.5 * near if side < 1 else 2 * near)
+            side = Fraction(1) if side < 1 and side.denominator % 2 else 2 * side
+        return replace(self, grading=(*zones, (inf, float(longest))))
 
     @property
     def snapshots(self) -> int:
@@ -365,16 +385,6 @@ class ImpactSetup:
             panel, self.plies, stacking=self.stacking, gap=self.ply_gap, contact=self.contact,
             friction=self.ply_friction,
         )  # fmt: skip
-
-
-def _zones(near, count):
-    """Zones of the default mesh: `count` elements to a crossover up to `near` crossovers, then fewer, then longer."""
-    zones, side = [], Fraction(1, count)
-    while side < 2:
-        zones.append((float(near), float(side)))
-        near = ceil(1.5 * near if side < 1 else 2 * near)
-        side = Fraction(1) if side < 1 and side.denominator % 2 else 2 * side
-    return (*zones, (inf, 2.0))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from math import ceil, inf
 from typing import Any
 
 import numpy as np
@@ -37,7 +36,6 @@ from weavecell.studies.protocol import Series
 FIRST = 0.25  # of the deterministic limit, either way
 SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
 STOPS_BELOW = 0.1  # of the strike velocity, see `ballistic_limit.shoot`
-LEAST = 10  # [crossovers] to which elements of one crossover reach at least
 WIDER = 0.5  # of the gap between stops and perforations, beyond either end, where yarns scatter
 
 
@@ -151,25 +149,25 @@ def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
 
 
 def graded(setup: ImpactSetup) -> ImpactSetup:
-    """The set-up with the mesh of a study where it names none: elements of one crossover as far as anything can come
-    under the nose of nearly all drawn panels, of two to twice that distance, of four beyond.
+    """The set-up with the mesh of a study where it names none: elements of a failure length, twice as long as those of
+    a shot, as far as anything can come under the nose of nearly all drawn panels, and of four crossovers far from it.
 
-    A pack has a graded mesh of its own. Edges that are not clamped or no lines of the grid (oblique weaves, round
-    openings, impacts off the middle), oblique shots and sliding crossovers have the uniform mesh; so has
+    A pack has the mesh of a shot. Edges that are not clamped or no lines of the grid (oblique weaves, round openings,
+    impacts off the middle), oblique shots and sliding crossovers have the uniform mesh; so has
     `elements_per_crossover = 1`.
     """
     named = setup.grading is not None or setup.elements_per_crossover is not None or setup.crossovers is not None
     clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
     stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
-    if setup.plies > 1 or named or not clamped or setup.projectile.obliquity or stepped:
+    if setup.plies > 1 or named:
         return setup
-    crimped = setup
+    if not clamped or setup.projectile.obliquity or stepped:
+        return replace(setup, elements_per_crossover=setup.resolved_elements_per_crossover)
+    crimped = replace(setup, symmetry="whole")
     if setup.surface is None:
         crimp = 1 + 4 * published().crimp
-        crimped = changed_setup(setup, crimp_warp=crimp, crimp_weft=crimp)
-    panel = replace(crimped, elements_per_crossover=1, symmetry="whole").panel(crimped.plain_table())
-    near = max(LEAST, *(ceil(reach / step) + 1 for reach, step in zip(panel.reach(), panel.spacing)))
-    return replace(setup, grading=((near, 1), (2 * near, 2), (inf, 4)))
+        crimped = changed_setup(crimped, crimp_warp=crimp, crimp_weft=crimp)
+    return replace(setup, grading=crimped.graded(1.0, 4).grading)
 
 
 def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
