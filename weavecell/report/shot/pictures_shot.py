@@ -163,15 +163,11 @@ def energies(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
     that are absent or zero throughout are left out."""
     one, across = len(records) == 1, min(2, len(records))
     down = -(-len(records) // across)
-    figure, grid = pyplot.subplots(
-        2 * down,
-        across,
-        figsize=(5.6, 5.8) if one else (10.4, 0.9 + 4.1 * down),
-        squeeze=False,
-        height_ratios=(3.2, 1) * down,
-        sharex="col" if down == 1 else False,
-        layout="none" if one else "constrained",
-    )
+    looks = {"figsize": (5.6, 5.8), "layout": "none"}
+    if not one:
+        looks = {"figsize": (10.4, 0.9 + 4.1 * down), "layout": "constrained"}
+    sharing = {"sharex": "col" if down == 1 else False, "height_ratios": (3.2, 1) * down}
+    figure, grid = pyplot.subplots(2 * down, across, squeeze=False, **sharing, **looks)
     drawn = [parts(record.energies) for record in records]
     known = [row for row in ENERGIES if any(np.any(energies.get(row[0], 0.0)) for energies in drawn)]
     handles: Any = []
