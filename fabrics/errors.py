@@ -172,6 +172,6 @@ class DoubtfulResult(UserWarning):
     ...     try:
     ...         wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", numerics={"contact_points": 2})
     ...     except wc.DoubtfulResult as problem:
-    ...         print(str(problem)[:57])
+    ...         print(str(problem)[:58])
     S-720, 150 m/s: in flight: doubtful: contact point spacing
     """
