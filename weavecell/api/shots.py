@@ -197,11 +197,8 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     memory.check([setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None)
     hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)
     again = checkpoint if resume and checkpoint.exists() else None
-    return Shot(
-        *progress.watched(
-            lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table), panel.shot_title, hooks
-        )
-    )
+    run = lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
+    return Shot(*progress.watched(run, panel.shot_title, hooks))
 
 
 def _range(setup, shot):

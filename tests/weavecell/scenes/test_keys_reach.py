@@ -92,10 +92,8 @@ ROWS = {
         {"projectile.length": 4e-3, "projectile.radius": 18**0.5 * 1e-3, "projectile.solid.": ...}),
     "projectile.stl_unit": (
         DENSE, "cm",
-        {
-            "projectile.mass": 8e3 * 0.052**3, "projectile.length": 0.052, "projectile.radius": 0.052 * 0.5**0.5,
-            "projectile.solid.": ...,
-        }),
+        {"projectile.mass": 8e3 * 0.052**3, "projectile.length": 0.052, "projectile.radius": 0.052 * 0.5**0.5,
+         "projectile.solid.": ...}),
     "projectile.density": (DENSE, "4 g/cm^3", {"projectile.mass": 4e3 * 0.0052**3}),
     "projectile.bore_diameter": (
         {"projectile": {"body": "elastic_bar"}}, "4.5 mm", {"projectile.bore_diameter": 4.5e-3}),
