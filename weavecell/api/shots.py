@@ -8,8 +8,8 @@ The folder of `weavecell impact`
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
     pictures/       histories, cuts, energies, reactions, of several plies their shares (.svg), panel.png
     report.html     all of it on one page
-    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it, and from the
-    window/         finished shots of `--uncertainty` at other velocities
+    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
+    window/         finished shots of `--uncertainty` at other velocities, as long
 
 Where the input says how accurate its results are to be, finer and finer meshes are run (`analysis.discretisation`):
 summary.json and the report then tell which, and whether the targets were met.

@@ -62,7 +62,7 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
     tall = float(np.clip(height / width, 0.15, 2.0))
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 2.0 + 4.4 * tall))
     shears, most = LinearSegmentedColormap.from_list("shear", _SHEARS), max(float(np.quantile(degrees, 0.995)), 1.0)
-    looks = {"edgecolors": "face", "linewidth": 0.2, "rasterized": True}
+    looks: dict[str, Any] = {"edgecolors": "face", "linewidth": 0.2, "rasterized": True}
     elements = PolyCollection(x[coupon.quads], array=degrees, cmap=shears, clim=(0, most), **looks)
     left.add_collection(elements)
     tightest_last = np.argsort(tension)

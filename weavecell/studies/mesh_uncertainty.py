@@ -230,10 +230,11 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
     result, other_result = coarse.result, fine.result
     errors = {name: index(norm, of_finer=of_finer) for name, norm in differences(result, other_result).items()}
     scales = {"residual_velocity": result.setup.strike_velocity, "absorbed_energy": result.strike_energy}
-    for quantity, scale in scales.items() if coarse.window and fine.window else ():
-        (mean, error), (other_mean, other_error) = (shot.window.mean(quantity) for shot in (coarse, fine))
-        difference = index(abs(other_mean - mean), of_finer=of_finer)
-        errors[quantity] = (difference + hypot(error, other_error)) / scale
+    if coarse.window and fine.window:
+        for quantity, scale in scales.items():
+            (mean, error), (other_mean, other_error) = coarse.window.mean(quantity), fine.window.mean(quantity)
+            difference = index(abs(other_mean - mean), of_finer=of_finer)
+            errors[quantity] = (difference + hypot(error, other_error)) / scale
     counts, other = (fine, coarse) if of_finer else (coarse, fine)
     rows = zip(_rows(counts), _rows(other)) if result.outcome == other_result.outcome else ()
     intervals = tuple(

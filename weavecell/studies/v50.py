@@ -128,9 +128,9 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
     except UnstableError as problem:
         raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
-    checks = {"balance": shot.balance, "doubtful": tuple(check.name for check in shot.checks if check.doubtful)}
-    outcome = shot.residual_velocity, shot.perforated
-    return Shot(number, velocity, *outcome, **drawn.factors, weakest=drawn.weakest, **checks)
+    left, through, weakest, balance = shot.residual_velocity, shot.perforated, drawn.weakest, shot.balance
+    doubtful = tuple(check.name for check in shot.checks if check.doubtful)
+    return Shot(number, velocity, left, through, **drawn.factors, weakest=weakest, balance=balance, doubtful=doubtful)
 
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
