@@ -18,9 +18,20 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
 
 PACKAGES = (
-    "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "h5py", "pyvista", "vtk",
-    "matplotlib", "pydantic", "typer",
-)  # fmt: skip
+    "numpy",
+    "scipy",
+    "numba",
+    "fenics-dolfinx",
+    "petsc4py",
+    "gmsh",
+    "meshio",
+    "h5py",
+    "pyvista",
+    "vtk",
+    "matplotlib",
+    "pydantic",
+    "typer",
+)
 
 
 def stamp(scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None) -> dict[str, str]:
