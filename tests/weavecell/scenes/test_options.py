@@ -67,7 +67,7 @@ OPTIONS = {
     "whole": (WHOLE, elements(4, 4)),
     "yarns hold": (
         {"panel": {"yarn_failure": False}},
-        lambda shot, plain: shot.failed_segments[-1] == 0 < plain.failed_segments[-1],
+        lambda shot, plain: shot.cut_yarns[-1] == 0 < plain.cut_yarns[-1],
     ),
     "graded": (
         {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
@@ -92,25 +92,13 @@ OPTIONS = {
 }  # fmt: skip
 # chosen so that each option of the panel stands beside each of the shot that it may
 TOGETHER = [
-    "whole, viscosity", "cfl", "yarns hold, round",
-    "pack, turned, ply friction, grip, measure",
-    "pack, backing, bar, cfl",
-    "pack, oblique, nose friction, free",
-    "pack, weave angle, named, ply friction",
-    "pack, graded, turned, pull-in",
-    "pack, sliding, turned, nose friction",
-    "pack, round, bending, turned",
-    "pack, backing, off the middle, ply friction, yarns hold",
-    "pack, elements, law, free",
-    "oblique, bar, grip, bending",
-    "oblique, sliding, measure, free",
-    "oblique, weave angle, nose friction, yarns hold",
-    "oblique, round, law, measure",
-    "backing, nose friction, free",
-    "backing, graded, measure",
-    "backing, weave angle, bending",
-    "bar, round, elements, law",
-    "bar, sliding, free",
+    "whole, viscosity", "cfl", "yarns hold, round", "pack, turned, ply friction, grip, measure",
+    "pack, backing, bar, cfl", "pack, oblique, nose friction, free", "pack, weave angle, named, ply friction",
+    "pack, graded, turned, pull-in", "pack, sliding, turned, nose friction", "pack, round, bending, turned",
+    "pack, backing, off the middle, ply friction, yarns hold", "pack, elements, law, free",
+    "oblique, bar, grip, bending", "oblique, sliding, measure, free", "oblique, weave angle, nose friction, yarns hold",
+    "oblique, round, law, measure", "backing, nose friction, free", "backing, graded, measure",
+    "backing, weave angle, bending", "bar, round, elements, law", "bar, sliding, free",
     "weave angle, off the middle, measure",
 ]  # fmt: skip
 
