@@ -18,20 +18,9 @@ if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
 
 PACKAGES = (
-    "numpy",
-    "scipy",
-    "numba",
-    "fenics-dolfinx",
-    "petsc4py",
-    "gmsh",
-    "meshio",
-    "h5py",
-    "pyvista",
-    "vtk",
-    "matplotlib",
-    "pydantic",
-    "typer",
-)
+    "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "h5py", "pyvista", "vtk",
+    "matplotlib", "pydantic", "typer",
+)  # fmt: skip
 
 
 def stamp(scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None) -> dict[str, str]:
