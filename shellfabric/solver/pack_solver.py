@@ -317,7 +317,7 @@ class PackSolver(ExplicitSolver):
         for ply, ((panel, const, state), ends, energy, push, cloth) in enumerate(
             zip(self.parts, self._ends, energies, pushes, self._held)
         ):
-            cut = ply_audit.cut_yarns(panel, const, state, bool(self.slips))
+            cut = ply_audit.cut_yarns(panel, const, state)
             reactions = ply_audit.edge_reactions(panel, const, state, ends)
             deflection = ply_audit.deflection(const, state, cloth)
             own = cut, *reactions, -push / self.share, deflection, energy / self.share

@@ -59,17 +59,15 @@ def stored_energy(const: Constants, state: State, slide: Any) -> float:
     return out[kernels.STORED]
 
 
-def cut_yarns(panel: Panel, const: Constants, state: State, slides: bool = False) -> float:
+def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
     """Cut yarns of the whole ply, however often each is cut; of a yarn of several grid lines the part that is cut.
 
     A line stands for the yarns up to halfway to its neighbours. A plane of symmetry across a yarn makes no second one
-    of it, a plane along it does.
-
-    slides : whether yarns slide through crossovers: an end that has left one is no cut
+    of it, a plane along it does. The end of a sliding yarn that has left its crossover is no cut.
     """
     shape, total = (const.ni + 1, const.row_stride), 0.0
     for family, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):
-        broken = state.failed[family] != 0 if slides else state.intact_fraction[family] == 0.0
+        broken = state.failed[family] != 0
         edges = np.moveaxis(broken[: shape[0] * shape[1]].reshape(shape), family, 0)[:-1]  # along the family, lines
         yarns = count * grading.tributary(np.diff(panel.lines()[1 - family])) * (1 + panel.mirrors[1 - family])
         total += float(yarns[edges.any(axis=0)].sum())
