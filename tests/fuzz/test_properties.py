@@ -52,10 +52,7 @@ def test_tensions_are_not_negative_and_forces_are_the_gradient(scene, places):
     assert np.all(found["W"] >= -1e-12 * weave.warp.strength * weave.w1)
     if model.form == "equilibrium":
         return
-    for key, (a, b), w, yarn in (
-        ("N1", (step, 0), weave.w1, weave.warp),
-        ("N2", (0, step), weave.w2, weave.weft),
-    ):
+    for key, (a, b), w, yarn in (("N1", (step, 0), weave.w1, weave.warp), ("N2", (0, step), weave.w2, weave.weft)):
         ahead, behind = model.solve(x + a, y + b), model.solve(x - a, y - b)
         slope = (ahead["W"] - behind["W"]) / (4 * w * step)
         bend = np.abs(ahead[key] + behind[key] - 2 * found[key])  # a kink, where contact begins or a yarn is straight

@@ -28,6 +28,7 @@ LABELS = {
     "compression_b": "compression b",
     "trellis_stiffness": "trellis stiffness",
     "trellis_angles": "trellis angles",
+    "failure_length": "failure length",
 }
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 

@@ -11,18 +11,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema,
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from fabrics.schema import (
-    TEXT,
-    TEXT_OR_TWO,
-    Table,
-    described,
-    from_text,
-    in_python,
-    number,
-    one_of,
-    quantity,
-    string,
-)
+from fabrics.schema import TEXT, TEXT_OR_TWO, Table, described, from_text, in_python, number, one_of, quantity, string
 from fabrics.yarn import STATUSES
 
 
@@ -98,11 +87,7 @@ class WeavingDamageTable(Table):
     strength: number("strength of the woven yarn over that of the virgin yarn", 0.8, gt=0.0, le=1.0) = 1.0
     source: Annotated[
         str,
-        described(
-            "origin of the two ratios, kept in the results",
-            "a text: where the shares come from",
-            min_length=1,
-        ),
+        described("origin of the two ratios, kept in the results", "a text: where the shares come from", min_length=1),
     ]
     status: one_of("whether the ratios are measured or assumed, kept in the results", *STATUSES) = "assumed"
 
@@ -133,8 +118,7 @@ class FabricTable(Table):
     law: Annotated[
         Law,
         described(
-            "compression law of warp and weft; needed for a fabric without a published one, such as your own",
-            LAW,
+            "compression law of warp and weft; needed for a fabric without a published one, such as your own", LAW
         ),
     ] = "published"
     cell_model: one_of(

@@ -68,8 +68,7 @@ def test_the_table_of_a_pull_out_is_its_histories(results):
 
 
 @pytest.mark.parametrize(
-    "path",
-    [pytest.param(p, marks=pytest.mark.slow(30) if p.stem in LONG else (), id=p.stem) for p in EXAMPLES],
+    "path", [pytest.param(p, marks=pytest.mark.slow(30) if p.stem in LONG else (), id=p.stem) for p in EXAMPLES]
 )
 def test_examples_run(command, tmp_path, path):
     """Figure 4-27: without the trellis the shear runs into bands; what was computed is kept."""
