@@ -510,7 +510,7 @@ class SensitivityResult(StudyResult):
                 "strike velocity [m/s]": of.velocity,
                 "quantity": of.quantity,
                 "input": LABELS.get(name, name),
-                "range [%]": ranges[name].words,
+                "range [%]": f"-{100 * ranges[name].value:g} to +{100 * ranges[name].up:g}",
                 "status of the range": ranges[name].status,
                 "first order": of.first[k],
                 "± 95 %": of.first_half[k],

@@ -267,16 +267,8 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
     for outcome, fill in (("perforated", STEEL), ("stopped", "white")):
         residual = table["tested residual velocity [m/s]"].where(table["tested"] == outcome).dropna()
         axes.plot(strike[residual.index], residual, "s", ms=7, mfc=fill, mec=STEEL, label=f"test, {outcome}")
-    axes.plot(
-        strike,
-        table["computed residual velocity [m/s]"],
-        "o",
-        ms=6,
-        color=BLUE,
-        mec="white",
-        label="computed",
-        zorder=3,
-    )
+    style: Any = {"ms": 6, "color": BLUE, "mec": "white", "zorder": 3}
+    axes.plot(strike, table["computed residual velocity [m/s]"], "o", label="computed", **style)
     axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
     axes.set_ylim(-0.02 * high, high)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)

@@ -31,15 +31,8 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         strain, record["T"], "o-", color=(WARP, WEFT)[record.facts["yarn"]], ms=4, label=f"{name}, solid and bars"
     )
     axes.axvline(100 * record.facts["crimp"], color=FAINT, lw=1, ls=":")
-    axes.annotate(
-        "crimp",
-        (100 * record.facts["crimp"], 1),
-        xycoords=("data", "axes fraction"),
-        xytext=(4, -4),
-        textcoords="offset points",
-        va="top",
-        color=FAINT,
-    )
+    place = {"xycoords": ("data", "axes fraction"), "xytext": (4, -4), "textcoords": "offset points", "va": "top"}
+    axes.annotate("crimp", (100 * record.facts["crimp"], 1), color=FAINT, **place)
     axes.set_xlabel("strain of the end distance [%]")
     axes.set_ylabel("tension [N]")
     axes.set_title(f"{fabric.name}, one {name} pulled straight")
@@ -199,15 +192,9 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
                 for sheet in _sheets(grid):
                     nodes = 1e3 * image[sheet]
                     surface = pyvista.StructuredGrid(*(nodes[..., c] for c in range(3)))
-                    scene.add_mesh(
-                        surface,
-                        color=COLOURS[("warp", "weft")[family]],
-                        show_edges=True,
-                        edge_color=INK,
-                        line_width=0.7,
-                        ambient=0.4,
-                        diffuse=0.7,
-                    )
+                    edges = {"show_edges": True, "edge_color": INK, "line_width": 0.7}
+                    colour = COLOURS[("warp", "weft")[family]]
+                    scene.add_mesh(surface, color=colour, ambient=0.4, diffuse=0.7, **edges)
         scene.enable_parallel_projection()
         scene.view_vector((-5, -7, 6))
         scene.camera.zoom(1.3)

@@ -65,15 +65,9 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(9, 9.4), sharex=True, height_ratios=(1.3, 1))
     left, right = V.min() - 2, V.max() + 2
     edges = probit.band(V, hit, curve, _PROBABILITIES)
-    axis.fill_betweenx(
-        _PROBABILITIES,
-        np.maximum(edges[:, 0], left),
-        np.minimum(edges[:, 1], right),
-        color=BLUE,
-        alpha=0.18,
-        lw=0,
-        label=f"{100 * curve.confidence:g} % of the probit",
-    )
+    ends = np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right)
+    label = f"{100 * curve.confidence:g} % of the probit"
+    axis.fill_betweenx(_PROBABILITIES, *ends, color=BLUE, alpha=0.18, lw=0, label=label)
     grid = np.linspace(left, right, 400)
     axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
     axis.plot(grid, study.curves["logit"].probability(grid), color=GREEN, ls="--", label="logit")

@@ -17,21 +17,8 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.impact.simulation import ImpactSetup
 
-PACKAGES = (
-    "numpy",
-    "scipy",
-    "numba",
-    "fenics-dolfinx",
-    "petsc4py",
-    "gmsh",
-    "meshio",
-    "h5py",
-    "pyvista",
-    "vtk",
-    "matplotlib",
-    "pydantic",
-    "typer",
-)
+# whose versions are recorded
+PACKAGES = "numpy scipy numba fenics-dolfinx petsc4py gmsh meshio h5py pyvista vtk matplotlib pydantic typer"
 
 
 def stamp(scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None) -> dict[str, str]:
@@ -65,7 +52,7 @@ def versions() -> dict[str, str]:
     """
 
     found = {}
-    for name in PACKAGES:
+    for name in PACKAGES.split():
         module = sys.modules.get({"fenics-dolfinx": "dolfinx"}.get(name, name))
         version = getattr(module, "__version__", None)
         if version is None:

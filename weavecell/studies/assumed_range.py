@@ -3,10 +3,10 @@
 A law that no data sheet states is assumed with a range (`fabrics.families`). The shot, or the search of the critical
 velocity, is repeated with the soft and the stiff end of each assumed law, in all combinations: two runs for one assumed
 law, four for two. Where the crimp was computed from the thickness, the shot is repeated with each end of the thickness
-and of the warp's share too, and with each end of an assumed failure length, one at a time and with the nominal laws. The
-range is the envelope of these and the nominal run. It is a statement about these runs and no bound, since the outcome
-need not be monotonic in a law. The failure length is assumed for every fabric of the catalogue: how a limit changes with
-it is said in a sentence too (`limit_sensitivity`), which costs no run.
+and of the warp's share too, and with each end of an assumed failure length, one at a time and with the nominal laws.
+The range is the envelope of these and the nominal run. It is a statement about these runs and no bound, since the
+outcome need not be monotonic in a law. How a limit changes with the failure length is said in a sentence too, without
+a run (`limit_sensitivity`).
 """
 
 from __future__ import annotations
@@ -104,16 +104,8 @@ def limit_sensitivity(fabrics: Iterable[Fabric]) -> str:
 
 
 def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
-    """The set-up whose range is computed; None where it has no ends, or the choice is False.
-
-    Parameters
-    ----------
-    choice : True, "laws" (all but the ends of the failure length) or False
-
-    Raises
-    ------
-    InputError : another choice
-    """
+    """The set-up whose range is computed, None where it has no ends, by a choice of True, False and "laws", all but the
+    ends of the failure length; InputError: another choice."""
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
     if choice == "laws":

@@ -24,23 +24,13 @@ FILE = "inputs.toml"
 
 @dataclass(frozen=True)
 class Entry:
-    """A number of inputs.toml in SI, with where it comes from; of a range `up`, the width above, if not `value` too."""
+    """A number of inputs.toml in SI, with where it comes from; of a range its width below, and `up`, that above."""
 
     name: str
     value: float
     source: str
     status: str
-    up: float | None = None
-
-    @property
-    def factors(self) -> tuple[float, float]:
-        """(lowest, highest) factor [-] of a range."""
-        return 1 - self.value, 1 + (self.value if self.up is None else self.up)
-
-    @property
-    def words(self) -> str:
-        """A range in percent."""
-        return f"±{100 * self.value:g}" if self.up is None else f"-{100 * self.value:g} to +{100 * self.up:g}"
+    up: float
 
 
 @dataclass(frozen=True)
@@ -77,7 +67,7 @@ def table(section: str) -> dict[str, Entry]:
         if row.get("status") not in STATUSES or not row.get("source"):
             raise InputError(file=FILE, key=f"{section}.{name}", allowed="a value with its source and status")
         value = si(row["value"], "m" if name == "gauge_length" else "", file=FILE, key=name)
-        up = si(row["up"], "", file=FILE, key=name) if "up" in row else None
+        up = si(row["up"], "", file=FILE, key=name) if "up" in row else value
         entries[name] = Entry(name, value, row["source"], row["status"], up)
     return entries
 

@@ -26,13 +26,8 @@ def shear_slopes(n, sine, G1, G2, gamma1, gamma2, slope):
 
 
 GRADINGS = [
-    None,
-    COARSER,
-    FINER,
-    ((7, 0.5), (INF, 1)),
-    ((7, 0.25), (9, 0.5), (13, 1), (INF, 4)),
-    ((8, 1 / 3), (INF, 2)),
-]
+    None, COARSER, FINER, ((7, 0.5), (INF, 1)), ((7, 0.25), (9, 0.5), (13, 1), (INF, 4)), ((8, 1 / 3), (INF, 2)),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("grading", GRADINGS)
