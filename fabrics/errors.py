@@ -170,8 +170,8 @@ class DoubtfulResult(UserWarning):
     >>> with warnings.catch_warnings():
     ...     warnings.simplefilter("error", wc.DoubtfulResult)
     ...     try:
-    ...         wc.critical_velocity("S-720", tolerance="20 m/s", residual_shots=0, scan=False, opening="20 mm")
+    ...         wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", numerics={"contact_points": 2})
     ...     except wc.DoubtfulResult as problem:
-    ...         print(str(problem)[:24])
-    S-720, critical velocity
+    ...         print(str(problem)[:58])
+    S-720, 150 m/s: in flight: doubtful: contact point spacing
     """

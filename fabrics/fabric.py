@@ -46,7 +46,7 @@ class Fabric:
     notes : lines about numbers of the data file that disagree
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     strain_rate : RateLaw of its yarns, or None
-    failure_length : [m] half width, across a yarn's fibres, of the mean of the tension that fails it at its strength
+    failure_length : [m] half width, across a yarn's fibres, of the mean of tension that is held against the strength
     """
 
     name: str

@@ -15,14 +15,7 @@ import math
 
 import numpy as np
 
-from shellfabric.cell.crossover_kernels import (
-    VARIATIONAL,
-    cell,
-    compression,
-    contact_force,
-    forces_of_cell,
-    work_share,
-)
+from shellfabric.cell.crossover_kernels import VARIATIONAL, cell, compression, contact_force, forces_of_cell, work_share
 from shellfabric.cell.yarn_kernels import COSINE, elliptic, free_height, tension, yarn_alone
 from shellfabric.jit.compile import entry, kernel
 

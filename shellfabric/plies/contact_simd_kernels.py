@@ -29,12 +29,7 @@ from shellfabric.jit.simd import (
     where,
 )
 from shellfabric.panel.motion_kernels import FAILURES
-from shellfabric.plies.graded_kernels import (
-    add_column_offset8,
-    add_row_offset8,
-    add_weighted_offset,
-    scaled_by_area8,
-)
+from shellfabric.plies.graded_kernels import add_column_offset8, add_row_offset8, add_weighted_offset, scaled_by_area8
 from shellfabric.plies.law_kernels import law_at8
 from shellfabric.plies.normal_force_kernels import store_normal_force8
 from shellfabric.plies.surface_kernels import (

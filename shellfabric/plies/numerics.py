@@ -13,11 +13,7 @@ from fabrics.ply_law import PlyLaw
 from shellfabric.plies import surface_kernels
 
 _CELLS = 128  # of the table of a law over its travel
-FORMS = {
-    "smooth": surface_kernels.SMOOTH,
-    "facets": surface_kernels.FACETS,
-    "nodes": surface_kernels.NODES,
-}
+FORMS = {"smooth": surface_kernels.SMOOTH, "facets": surface_kernels.FACETS, "nodes": surface_kernels.NODES}
 
 
 @dataclass(frozen=True)

@@ -363,8 +363,12 @@ class ShotResult(ImpactRecord, Result):
         if self.backing is not None:
             said = f"back-face signature {text(self.backing.back_face_signature, 'm', form='.3g')}"
             lines.append(f"{said}; the block still moves with {chapters_shot.block_moves(self)} of the strike energy")
-        share = text(self.viscous_energy_fraction, "1", "share", ".1f")
-        lines.append(f"viscous energy {share} of the {self.absorbed_energy:.2f} J absorbed")
+        share, lost = text(self.viscous_energy_fraction, "1", "share", ".1f"), self.energies["failure_dissipation"][-1]
+        if self.failed_segments[-1]:
+            lines.append(f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")
+            lines.append(f"viscous energy {share} of what was absorbed until the first failure")
+        else:
+            lines.append(f"viscous energy {share} of the {self.absorbed_energy:.2f} J absorbed")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
         if self.pair is not None:

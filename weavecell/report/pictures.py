@@ -46,6 +46,7 @@ ENERGIES = (
     ("clamp_friction", "friction in the clamps", "#8c8c3f"),
     ("boundary_work", "work of pull-ins", "#4d6b3c"),
     ("viscous", "viscous", PURPLE),
+    ("recoil_of_cut_yarns", "recoil of cut yarns", "#d3aecd"),
     ("backing_kinetic", "block, kinetic", "#f3dfc1"),
     ("backing_elastic", "block, elastic", "#e3c08a"),
     ("backing_plastic", "block, plastic", "#c58f45"),

@@ -204,8 +204,19 @@ class ImpactRecord:
 
     @property
     def viscous_energy_fraction(self) -> float:
-        """[-] viscous energy at the end, over the energy absorbed."""
-        return float(self.energies["viscous"][-1]) / self.absorbed_energy
+        """[-] energy that viscosity has dissipated over the energy absorbed, until the first failure of a yarn."""
+        return self._viscous_split[0]
+
+    @property
+    def recoil_of_cut_yarns(self) -> float:
+        """[J] energy that viscosity has dissipated after the first failure of a yarn."""
+        return self._viscous_split[1]
+
+    @property
+    def _viscous_split(self):
+        from shellfabric.panel.quality import split_viscous
+
+        return split_viscous(self.failed_segments, self.energies)
 
     @property
     def signature_mm(self) -> float:

@@ -18,8 +18,7 @@ from validation.verification.stability import shots
 
 
 def small_panel(side=0.1, **numerics):
-    chosen = shots.Beyond(threads=1, **numerics)
-    return make_panel(side, table=shots.table(), numerics=chosen, failure=False)
+    return make_panel(side, table=shots.table(), numerics=shots.Beyond(threads=1, **numerics), failure=False)
 
 
 @pytest.mark.parametrize(
@@ -51,6 +50,12 @@ def test_alternation_of_a_known_wave():
     assert slope[1] > 0
 
 
+def test_viscous_energy_is_split_before_the_first_failure():
+    energies = {"kinetic_projectile": np.array([90.0, 70.0, 50.0, 30.0]), "viscous": np.array([0.0, 1.0, 4.0, 6.0])}
+    for failed, expected in (([0, 0, 0, 0], (0.1, 0.0)), ([0, 0, 3, 3], (0.05, 5.0)), ([0, 2, 3, 3], (0.0, 6.0))):
+        assert quality.split_viscous(np.array(failed), energies) == pytest.approx(expected)
+
+
 def narrow(velocity=300.0, **changes):
     """A shot whose projectile is narrow: an element of one crossover is 1.2 times as long as its radius."""
     changes = {"projectile": Projectile(mass=0.44e-3, radius=1.06e-3), "opening": 0.06, "table_size": 51} | changes
@@ -77,3 +82,7 @@ def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():
     assert np.abs(residual[2] - residual[0]).max() > 0.04
     assert all({check.name for check in shot.checks if not check.ok} == {"element side"} for shot in coarse)
     assert all(check.ok for shot in usual for check in shot.checks)
+    for shot in usual:
+        share, recoil = quality.split_viscous(shot.failed_segments, shot.energies)
+        assert quality.indicator("viscous energy", share) in shot.checks
+        assert 0 < recoil < shot.energies["viscous"][-1]

@@ -17,11 +17,8 @@ def test_yarns_on_a_plane_of_symmetry_count_by_half(small, symmetry):
     whose warp segments lie in pairs on either side of x = 0."""
     panel = small(symmetry=symmetry)
     const, state = panel.constants(), panel.state(100.0)
-    mirrored = symmetry != "whole"
     warp, weft = grid(const, state.failed[0]), grid(const, state.failed[1])
-    warp[const.ni // 2 if not mirrored else 0] = 1
-    if not mirrored:
-        warp[const.ni // 2 - 1] = 1
+    warp[[const.ni // 2 - 1, const.ni // 2] if symmetry == "whole" else 0] = 1
     assert ply_audit.failed_segments(panel, const, state) / panel.share == 2 * 25
     warp[:] = 0
     weft[:, 3] = 1

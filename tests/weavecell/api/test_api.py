@@ -262,13 +262,13 @@ def test_sliding_yarns_warn_at_the_line_of_the_user(call):
 
 
 def test_a_bracket_on_a_doubtful_shot_says_so():
-    good, bad = (Indicator("viscous energy", value, 0.25, "", "share", 0.1) for value in (0.05, 0.31))
+    good, bad = (Indicator("viscous energy", value, 0.15, "", "share", 0.1) for value in (0.05, 0.31))
     shots = [Shot(v, 0.0, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (one,)) for v, outcome, one in
              ((90.0, "stopped", bad), (110.0, "perforated", good), (100.0, "stopped", bad))]  # fmt: skip
     target = Target(None, wc.setup("S-720", 100.0), "", "S-720", from_file=False)
     found = wc.CriticalVelocityResult(target, Limit(100.0, 110.0, tuple(shots)))
     assert found.doubtful
-    assert found.bracket_checks == "doubtful stopped shot at 100 m/s (viscous energy 0.310 (limit 0.25))"
+    assert found.bracket_checks == "doubtful stopped shot at 100 m/s (viscous energy 0.310 (limit 0.15))"
     assert found.bracket_checks in repr(found)
     with pytest.warns(wc.DoubtfulResult, match="the limit rests on a doubtful stopped shot at 100 m/s"):
         found.warn()
@@ -277,7 +277,7 @@ def test_a_bracket_on_a_doubtful_shot_says_so():
     assert (sound.bracket_checks, sound.doubtful) == ("ok", False)
     faster = Shot(120.0, 0.0, "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (bad,))  # makes the outcomes mixed
     mixed = replace(sound, limit=Limit(100.0, 110.0, (*sound.limit.shots, faster)))
-    assert mixed.bracket_checks == "doubtful stopped shot at 120 m/s (viscous energy 0.310 (limit 0.25))"
+    assert mixed.bracket_checks == "doubtful stopped shot at 120 m/s (viscous energy 0.310 (limit 0.15))"
 
 
 def test_coupons_as_tables_and_figures(tmp_path):

@@ -139,14 +139,13 @@ def test_stamp_tells_versions_and_no_paths(monkeypatch):
 
 def test_parts_of_the_energy_picture_add_up():
     """The equilibrium form's forces do other work than the yarns store; the picture shows the work."""
-    energies = {
-        "kinetic_projectile": np.array([10.0, 4.0]),
-        "yarn_strain": np.array([0.0, 6.5]),
-        "formulation_residual": np.array([0.0, -0.5]),
-    }
-    drawn = pictures_shot.parts(energies)
-    assert drawn["kinetic_projectile"] + drawn["yarn_strain"] == pytest.approx([10.0, 10.0])
-    assert energies["yarn_strain"][1] == 6.5
+    stored = {"yarn_strain": np.array([0.0, 3.5, 4.0]), "formulation_residual": np.array([0.0, -0.5, -0.5])}
+    energies = stored | {"kinetic_projectile": np.array([10.0, 6.0, 4.0]), "viscous": np.array([0.0, 1.0, 2.5])}
+    drawn = pictures_shot.parts(energies, recoil=1.5)
+    assert drawn["recoil_of_cut_yarns"] == pytest.approx([0.0, 0.0, 1.5])
+    named = ("kinetic_projectile", "yarn_strain", "viscous", "recoil_of_cut_yarns")
+    assert sum(drawn[name] for name in named) == pytest.approx([10.0, 10.0, 10.0])
+    assert energies["yarn_strain"][1] == 3.5
 
 
 def test_a_cut_shows_an_oblique_projectile_where_it_is(record):

@@ -34,10 +34,8 @@ def test_status_line_summary_and_section():
     assert section.tables[0].rows[0][3] == "noted (noted above 0.1)"
 
 
-def test_a_viscous_share_is_noted_from_10_and_doubtful_from_25_per_cent():
-    limit, _, meaning = quality.LIMITS["viscous energy"]
-    found = [Indicator("viscous energy", share, limit, "", meaning, quality.NOTES["viscous energy"])
-             for share in (0.09, 0.11, 0.24, 0.31)]  # fmt: skip
+def test_a_viscous_share_is_noted_from_10_and_doubtful_from_15_per_cent():
+    found = [quality.indicator("viscous energy", share) for share in (0.09, 0.11, 0.14, 0.16)]
     assert [one.status for one in found] == ["ok", "noted", "noted", "doubtful"]
     assert checks.status(found) == "doubtful"
 

@@ -149,9 +149,12 @@ def _band(line, thickness):
     return np.concatenate([line + normal, (line - normal)[::-1]])
 
 
-def parts(energies: Mapping[str, Any]) -> dict[str, Any]:
-    """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all friction."""
-    drawn = dict(energies)
+def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
+    """Energies that add up, as drawn: membrane with the work that no yarn stores; all contacts, all friction; `recoil`
+    [J] of cut yarns, by its own name, for the last of the viscous energy."""
+    drawn, viscous = dict(energies), energies["viscous"]
+    drawn["viscous"] = np.minimum(viscous, viscous[-1] - recoil)
+    drawn["recoil_of_cut_yarns"] = viscous - drawn["viscous"]
     drawn["yarn_strain"] = energies["yarn_strain"] + energies.get("formulation_residual", 0.0)
     for name in ("contact", "friction"):
         drawn[name] = energies.get(name, 0.0) + energies.get(f"ply_{name}", 0.0) + 0 * drawn["yarn_strain"]
@@ -164,15 +167,10 @@ def energies(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
     one, across = len(records) == 1, min(2, len(records))
     down = -(-len(records) // across)
     figure, grid = pyplot.subplots(
-        2 * down,
-        across,
-        figsize=(5.6, 5.8) if one else (10.4, 0.9 + 4.1 * down),
-        squeeze=False,
-        height_ratios=(3.2, 1) * down,
-        sharex="col" if down == 1 else False,
-        layout="none" if one else "constrained",
-    )
-    drawn = [parts(record.energies) for record in records]
+        2 * down, across, figsize=(5.6, 5.8) if one else (10.4, 0.9 + 4.1 * down), squeeze=False,
+        height_ratios=(3.2, 1) * down, sharex="col" if down == 1 else False, layout="none" if one else "constrained",
+    )  # fmt: skip
+    drawn = [parts(record.energies, record.recoil_of_cut_yarns) for record in records]
     known = [row for row in ENERGIES if any(np.any(energies.get(row[0], 0.0)) for energies in drawn)]
     handles: Any = []
     for number, (record, energies) in enumerate(zip(records, drawn)):
