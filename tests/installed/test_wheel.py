@@ -81,10 +81,7 @@ GROUPS = {
         "export ply.toml --to lsdyna --out export",
     ),
     "meshes": ("mesh S-720 --mesh coarse --format msh,vtu,k,inp,rad --out mesh",),
-    "views": (
-        "impact ply.toml --out ply",
-        "view ply --screenshot ply.png",
-    ),
+    "views": ("impact ply.toml --out ply", "view ply --screenshot ply.png"),
 }  # fmt: skip
 NEED_PETSC = {"calibrate", "surface", "crossover"}
 # runs the lines of a file one after the other, as the program `weavecell` does, and stops at the first that fails

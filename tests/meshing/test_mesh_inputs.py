@@ -44,10 +44,7 @@ COUNTS = "must be two whole numbers from 1, of warp and of weft yarns"
         ({"width": (1.2e-3, 1.2e-3), "gap": 1e-5}, "gap = 1e-05: must be 0 where the widths are given"),
         ({"tip_thickness_ratio": 0.7}, "tip_thickness_ratio = 0.7: must be from 0.01 to 0.5"),
         ({"crimp": "guessed"}, "crimp = 'guessed': must be hand or micrograph"),
-        (
-            {"micrograph": {}, "crimp": "micrograph"},
-            "fabric S-720 has no micrographs of warp and weft: its crimp is ...",
-        ),
+        ({"micrograph": {}, "crimp": "micrograph"}, "fabric S-720 has no micrographs of warp and weft: its crimp ..."),
         ({"micrograph": NEGATIVE, "crimp": "micrograph"}, "crimp = -0.01: must be a fraction from 0 to below 1 ..."),
         ({"solid_laws": None}, "fabric S-720 has no solid laws: a 3D crossover needs Vf0 of warp and weft"),
         ({"section": "ellipse", "overlap": "refuse"}, "the ellipse sections of warp and weft overlap by 40.5 um ..."),
@@ -73,10 +70,7 @@ def test_bad_choices(build, choices, message):
         (lambda: fit_sections("sine", SPACINGS, [0.7, 0.62], FLAT, 0.1), "the sine sections of warp and weft ..."),
         (lambda: conform([1e-3, 1e-3], [1e-7, 1e-7], HALF_FLAT, 0.075), "conforming sections need crimp in warp ..."),
         (lambda: conform(SPACINGS, [1e-7, 1e-12], S720.weave, 0.075), "no conforming sections have the fibre ..."),
-        (
-            lambda: fit_sections("conforming", SPACINGS, [0.7, 0.62], THIN, 0.075),
-            "conforming sections leave room for ...",
-        ),
+        (lambda: fit_sections("conforming", SPACINGS, [0.7, 0.62], THIN, 0.075), "conforming sections leave ..."),
     ],
 )
 def test_bad_values(make, message):

@@ -59,68 +59,53 @@ RUNS = {
     "equilibrium form": (PANEL | {"form": "equilibrium"}, lambda run: torn(run) and spent(run, "formulation_residual")),
     "free": (
         PANEL | {"edge": "free", "bending": (1e-6, 1e-6), "strike_velocity": 150.0},
-        lambda run: spent(run, "bending") > 1e-4,
-    ),
+        lambda run: spent(run, "bending") > 1e-4),
     "oblique": (
         PANEL | {"symmetry": "whole", "projectile": Projectile(obliquity=0.5, azimuth=0.3, yaw=0.1)},
-        lambda run: torn(run) and run.stack.projectile_velocity[0] > 80.0,
-    ),
+        lambda run: torn(run) and run.stack.projectile_velocity[0] > 80.0),
     "weave at an angle": (
         PANEL | {"symmetry": "whole", "weave_angle": 0.4, "round": True, "impact_point": (3e-3, -2e-3)},
-        lambda run: torn(run) and 0 < run.panel.loose().sum() < 0.8 * run.panel.areas.size,
-    ),
+        lambda run: torn(run) and 0 < run.panel.loose().sum() < 0.8 * run.panel.areas.size),
     "graded": (PANEL | {"grading": ((8, 0.5), (10, 1), (inf, 2))}, lambda run: torn(run) and run.panel.sides),
     "refined": (
         PANEL | {"elements_per_crossover": 2, "numerics": Numerics(threads=1, block=60, failure_time=0.5e-6)},
-        lambda run: torn(run) and run.state.filtered_tension[0].any(),
-    ),
+        lambda run: torn(run) and run.state.filtered_tension[0].any()),
     "strength by rate": (
         PANEL | {"fabric": replace(S720, strain_rate=RATES), "rate_dependence": True, "strike_velocity": 250.0},
-        lambda run: torn(run) and run.state.rate_damage[0].any(),
-    ),
+        lambda run: torn(run) and run.state.rate_damage[0].any()),
     "bar": (
         PANEL | {"projectile": Projectile(body="elastic_bar")},
-        lambda run: torn(run) and spent(run, "plastic_projectile") > 1e-4,
-    ),
+        lambda run: torn(run) and spent(run, "plastic_projectile") > 1e-4),
     "nose friction": (
         PANEL | {"strike_velocity": 150.0, "projectile": Projectile(shape="hemisphere", friction=0.3)},
-        lambda run: spent(run, "friction") > 1e-3 and run.state.friction_state.any(),
-    ),
+        lambda run: spent(run, "friction") > 1e-3 and run.state.friction_state.any()),
     "grip": (PANEL | {"edge": Grip(20.0), "strike_velocity": 120.0}, lambda run: spent(run, "clamp_friction") > 1e-3),
     "pull-in": (
         PANEL | {"edge": PullIn(0.5e-3, 5e-6, 25e-6, 20e-3), "strike_velocity": 120.0},
-        lambda run: spent(run, "boundary_work") > 1e-3,
-    ),
+        lambda run: spent(run, "boundary_work") > 1e-3),
     "pack": (
         PACK | {"plies": 5, "opening": 0.03, "strike_velocity": 280.0, "end_time": 40e-6},
-        lambda run: torn(run) and run.held_apart[0] > 0 and spent(run, "ply_contact") > 1e-3,
-    ),
+        lambda run: torn(run) and run.held_apart[0] > 0 and spent(run, "ply_contact") > 1e-3),
     "turned pack": (
         PACK | {"symmetry": "whole", "lay_up": (Ply(S726), Ply(S720, angle=0.5)), "ply_friction": 0.2},
-        lambda run: torn(run) and run.pack.turns is not None and spent(run, "ply_friction") > 1e-3,
-    ),
+        lambda run: torn(run) and run.pack.turns is not None and spent(run, "ply_friction") > 1e-3),
     "ply friction": (
         PACK | {"stacking": "alternating", "ply_friction": 0.3, "projectile": Projectile(friction=0.2)},
-        lambda run: torn(run) and spent(run, "ply_friction") > 1e-3 and spent(run, "friction") > 1e-4,
-    ),
+        lambda run: torn(run) and spent(run, "ply_friction") > 1e-3 and spent(run, "friction") > 1e-4),
     "backing": (
         PANEL | {"backing": BLOCK, "failure": False, "jam": (1000.0, 0.99), "strike_velocity": 150.0},
-        lambda run: spent(run, "backing_plastic") > 1e-2 and run.sample("jamming").max() > 0.0,
-    ),
+        lambda run: spent(run, "backing_plastic") > 1e-2 and run.sample("jamming").max() > 0.0),
     "sliding": (
         PANEL | {"crossovers": CrossoverFriction(0.3), "opening": 0.05, "end_time": 40e-6, "impact_point": (0.0, 0.0)},
-        lambda run: torn(run) and pulled_out(run) and spent(run, "crossover_friction") > 1e-3,
-    ),
+        lambda run: torn(run) and pulled_out(run) and spent(run, "crossover_friction") > 1e-3),
     "sliding out": (
         PANEL
         | {"crossovers": CrossoverFriction(0.0), "impact_point": (0.0, 0.0), "edge": "free"}
         | {"strike_velocity": 80.0, "end_time": 150e-6},
-        lambda run: not torn(run) and pulled_out(run) and np.abs(run.sample("slip_residual")).max() > 0.0,
-    ),
+        lambda run: not torn(run) and pulled_out(run) and np.abs(run.sample("slip_residual")).max() > 0.0),
     "sliding pack": (
         PACK | {"crossovers": CrossoverFriction(0.1)},
-        lambda run: torn(run) and spent(run, "crossover_friction") > 1e-3 and spent(run, "ply_contact") > 1e-3,
-    ),
+        lambda run: torn(run) and spent(run, "crossover_friction") > 1e-3 and spent(run, "ply_contact") > 1e-3),
 }  # fmt: skip
 
 
@@ -336,14 +321,12 @@ EXCEPTIONS = {
     momentum: {
         "weave at an angle": "must be clamped", "turned pack": "must be clamped", "grip": "holds the panel",
         "pull-in": "holds the panel", "bar": "that of its masses, in projectile/test_bar.py",
-        "backing": "that of the block, in backing/test_coupling.py", "sliding out": "ends that have left take some",
-    },
+        "backing": "that of the block, in backing/test_coupling.py", "sliding out": "ends that have left take some"},
     threads: {"sliding": "a thread has one ply at least", "sliding out": "the same"},
     symmetry: {"oblique": "has none", "weave at an angle": "has none", "turned pack": "has none"},
     window: {
         "free": "all of it may come under the nose", "sliding out": "the same", "pull-in": "its edges move first",
-        "backing": "touches all of it",
-    },
+        "backing": "touches all of it"},
 }  # fmt: skip
 TABLE = [
     pytest.param(kind, invariant, id=f"{kind}-{invariant.__name__}")

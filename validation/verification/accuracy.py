@@ -22,7 +22,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from validation.marked_page import markdown
 from validation.program import program, publish
 from validation.verification import drawn_shots
-from weavecell.studies import mesh_uncertainty
+from weavecell.studies import mesh_uncertainty, window
 
 COUNT, SEED = 20, 2025
 TARGETS = (0.02, 0.05, 0.1)
@@ -67,9 +67,9 @@ def row(number: int) -> Row:
     def shoot(setup: ImpactSetup, table: Any, _: str = "") -> Any:
         began = time.process_time()
         result, problem = simulation.fired(setup, table=table)
-        results.append(result)
+        results.append(mesh_uncertainty.Shot(result, UnstableError(problem) if problem else None, window.about(result)))
         seconds.append(time.process_time() - began)
-        return mesh_uncertainty.Shot(result, UnstableError(problem) if problem else None)
+        return results[-1]
 
     _, found = mesh_uncertainty.climb(drawn, targets, shoot, fixed={"projectile"})
     answer, cost = results[-1], sum(seconds) / seconds[0]
@@ -78,12 +78,12 @@ def row(number: int) -> Row:
         shoot(mesh_uncertainty.halved(found.setup), table)
     except InputError:  # of a graded mesh no element is shorter than an eighth of a crossover
         shoot(finest, table)
-    strike = {"residual velocity": drawn.strike_velocity, "absorbed energy": answer.strike_energy}
+    strike = {"residual velocity": drawn.strike_velocity, "absorbed energy": answer.result.strike_energy}
     errors = dict.fromkeys(targets, 0.0)  # of what is not there
     for one in mesh_uncertainty.compare(answer, results[-1]).intervals:
         share = abs(one.other - one.value) / strike.get(one.name, one.other)
         errors[QUANTITIES[one.name]] = max(errors.get(QUANTITIES[one.name], 0.0), share)
-    outcomes = answer.outcome, results[-1].outcome
+    outcomes = answer.result.outcome, results[-1].result.outcome
     return Row(_words(drawn), targets, found.meshes, found.confirmed, outcomes, errors, cost)
 
 

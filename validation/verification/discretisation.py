@@ -23,7 +23,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from validation.marked_page import markdown
 from validation.program import program, publish
 from validation.verification import drawn_shots
-from weavecell.studies import mesh_uncertainty
+from weavecell.studies import mesh_uncertainty, window
 
 COUNT, SEED = 40, 808
 MARKS = "<!-- table of validation.verification.discretisation -->", "<!-- end of discretisation -->"
@@ -79,7 +79,8 @@ def row(number: int) -> Row:
     seconds: list[float] = []
     for this in (setup, refined, reference(setup, refined)):
         began = time.process_time()
-        results.append(simulation.run(this, table=table))
+        result = simulation.run(this, table=table)
+        results.append(mesh_uncertainty.Shot(result, window=window.about(result)))
         seconds.append(time.process_time() - began)
     pair = mesh_uncertainty.compare(*results[:2])
     finest = {one.name: one.other for one in mesh_uncertainty.compare(results[0], results[2]).intervals}
@@ -87,9 +88,8 @@ def row(number: int) -> Row:
         (one.name, one.unit, one.value, finest[one.name], one.uncertainty)
         for one in pair.intervals if one.name in finest
     )  # fmt: skip
-    outcomes = results[0].outcome, results[1].outcome, results[2].outcome
-    one, two, three = seconds
-    return Row(setup.fabric.name, setup.strike_velocity, outcomes, found, (one, two, three))
+    (outcome, *others), (one, two, three) = (shot.result.outcome for shot in results), seconds
+    return Row(setup.fabric.name, setup.strike_velocity, (outcome, *others), found, (one, two, three))
 
 
 def tables(rows: list[Row]) -> str:

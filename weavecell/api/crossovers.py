@@ -352,30 +352,17 @@ class Case(NamedTuple):
 
 _TENSIONS = crossover_cases.tensions, pictures_crossover.tensions
 _STACK = crossover_cases.stack, pictures_crossover.stack
+_YARN = crossover_cases.yarn, pictures_crossover.yarn
+_SHEAR = crossover_cases.shear, pictures_crossover.shear
+_PULL_OUT = crossover_cases.pull_out, pictures_crossover.pull_out
 CASES = {
-    "yarn": Case(
-        _yarn,
-        ("quarter", "whole"),
-        ("failure", "yarn", "bars", "reduced_integration"),
-        crossover_cases.yarn,
-        pictures_crossover.yarn,
-    ),
+    "yarn": Case(_yarn, ("quarter", "whole"), ("failure", "yarn", "bars", "reduced_integration"), *_YARN),
     "platens": Case(partial(_stack, plies=1), ("quarter",), ("friction", "pressure"), *_STACK),
     "stack": Case(_stack, ("quarter", "periodic"), ("friction", "plies", "shift", "pressure"), *_STACK),
     "biaxial": Case(_biaxial, ("whole", "periodic"), ("failure", "friction", "end_displacement"), *_TENSIONS),
     "path": Case(_path, ("quarter", "whole"), ("failure", "friction", "path"), *_TENSIONS),
-    "shear": Case(
-        _shear,
-        ("whole", "periodic"),
-        ("failure", "friction", "end_displacement", "shear_angle"),
-        crossover_cases.shear,
-        pictures_crossover.shear,
-    ),
+    "shear": Case(_shear, ("whole", "periodic"), ("failure", "friction", "end_displacement", "shear_angle"), *_SHEAR),
     "pull-out": Case(
-        _pull_out,
-        ("whole",),
-        ("friction", "yarn", "end_displacement", "pressure", "pull", "law"),
-        crossover_cases.pull_out,
-        pictures_crossover.pull_out,
+        _pull_out, ("whole",), ("friction", "yarn", "end_displacement", "pressure", "pull", "law"), *_PULL_OUT
     ),
 }

@@ -32,13 +32,9 @@ FLAT = ("fabric", "panel", "run")
 GROUPS = ("projectile", "history", "numerics", "backing")
 # keys of the file that Python has not: the fabric is an argument, a call writes all outputs, shots have no slack
 NOT_HERE = (
-    "fabric.name",
-    "fabric.file",
-    "fabric.linear_density",
-    "fabric.fibre_slack",
-    "run.checkpoint_interval",
+    "fabric.name", "fabric.file", "fabric.linear_density", "fabric.fibre_slack", "run.checkpoint_interval",
     "run.outputs",
-)
+)  # fmt: skip
 # of keys that the input file requires
 DEFAULTS: dict[str, Any] = {
     "projectile": {key: value for key, value in STANDARD["projectile"].items() if key != "strike_velocity"},

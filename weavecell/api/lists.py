@@ -16,16 +16,9 @@ from fabrics.fabric import Fabric
 from weavecell.api import quantities
 
 __all__ = [
-    "Listing",
-    "list_backings",
-    "list_fabrics",
-    "list_projectiles",
-    "new_fabric",
-    "show_backing",
-    "show_fabric",
-    "show_projectile",
-    "view",
-]
+    "Listing", "list_backings", "list_fabrics", "list_projectiles", "new_fabric", "show_backing", "show_fabric",
+    "show_projectile", "view",
+]  # fmt: skip
 
 # columns of the list of fabrics, what stands in them
 COLUMNS: dict[str, Callable[[Fabric], str]] = {

@@ -509,7 +509,7 @@ class SensitivityResult(StudyResult):
             {
                 "strike velocity [m/s]": of.velocity,
                 "quantity": of.quantity,
-                "input": LABELS.get(name, name),
+                "input": LABELS.get(name, name.replace("_", " ")),
                 "range [%]": f"-{100 * ranges[name].value:g} to +{100 * ranges[name].up:g}",
                 "status of the range": ranges[name].status,
                 "first order": of.first[k],

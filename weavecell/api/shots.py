@@ -9,6 +9,7 @@ The folder of `weavecell impact`
     pictures/       histories, cuts, energies, reactions, of several plies their shares (.svg), panel.png
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
+    window/         finished shots of `--uncertainty` at other velocities, as long
 
 Where the input says how accurate its results are to be, finer and finer meshes are run (`analysis.discretisation`):
 summary.json and the report then tell which, and whether the targets were met.
@@ -46,8 +47,11 @@ if TYPE_CHECKING:
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation
+    from weavecell.studies.window import Window
 
 __all__ = ["ShotResult", "impact"]
+
+WINDOW = "window"  # folder of the finished shots at other velocities
 
 
 def impact(
@@ -76,7 +80,8 @@ def impact(
     velocity : of a fabric, [m/s] of the strike
     assumed_range : of one ply, repeat the shot with both ends of the range of each assumed law, crimp and failure
         length; without this option a command leaves out the failure length; in Python "laws" does
-    uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result
+    uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of a shot that
+        perforates, on both meshes, the mean over a window of +-8 % of the velocity with its standard error
     check : run nothing and write nothing: tell elements, steps, memory, CPU time, and what is assumed
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run of another version
@@ -123,6 +128,7 @@ def impact(
                 result.save(folder)
             for checkpoint in run_folder.checkpoints(folder):
                 checkpoint.unlink()
+            shutil.rmtree(folder / WINDOW, ignore_errors=True)
     if failure is not None:
         failure.result = result
         raise failure
@@ -149,12 +155,22 @@ def _answer(panel, key, folder, resume, uncertainty):
         name = f"checkpoint{'-' + mesh.replace(' ', '-') if mesh else ''}.h5"
         return _run(panel, setup, folder / name, scene.run.checkpoint_interval, resume, table)
 
+    def shoot_window(setup, table, mesh=""):
+        shot = shoot(setup, table, mesh)
+        if shot.failure is not None or shot.result.outcome != "perforated":
+            return shot
+        from weavecell.studies import window  # which an impact alone does not need
+
+        with targets.kept_runs(folder, True, WINDOW) as runs, progress.bar("Shots at other velocities") as advance:
+            report = lambda done, count: advance(done / count)  # noqa: E731
+            return replace(shot, window=window.about(shot.result, folder=runs, report=report))
+
     try:
         if scene is None or scene.accuracy is None:
-            shot, pair = mesh_uncertainty.run_pair(setup, shoot) if uncertainty else (shoot(setup), None)
+            shot, pair = mesh_uncertainty.run_pair(setup, shoot_window) if uncertainty else (shoot(setup), None)
         else:
             fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
-            shot, pair = mesh_uncertainty.climb(setup, scene.accuracy.targets, shoot, fixed=fixed)
+            shot, pair = mesh_uncertainty.climb(setup, scene.accuracy.targets, shoot_window, fixed=fixed)
     except KeyboardInterrupt:
         kept = folder is not None and run_folder.checkpoints(folder)
         hint = "; --resume goes on from its last checkpoint" if kept else ""
@@ -182,11 +198,8 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     memory.check([setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None)
     hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)
     again = checkpoint if resume and checkpoint.exists() else None
-    return Shot(
-        *progress.watched(
-            lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table), panel.shot_title, hooks
-        )
-    )
+    run = lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
+    return Shot(*progress.watched(run, panel.shot_title, hooks))
 
 
 def _range(setup, choice, shot):
@@ -235,6 +248,11 @@ class ShotResult(ImpactRecord, Result):
     target: Target | None = None
     pair: Discretisation | None = None
     key: str = ""
+
+    @property
+    def window(self) -> Window | None:
+        """Shots about the strike velocity, with the means over them, on the mesh that counts; None without."""
+        return None if self.pair is None else self.pair.windows[0]
 
     @property
     def case(self) -> Case:
@@ -373,4 +391,6 @@ class ShotResult(ImpactRecord, Result):
             lines.append(f"assumed laws: {self.range.words()}")
         if self.pair is not None:
             lines.append(chapters_discretisation.words(self.pair))
+        elif self.outcome == "perforated":
+            lines.append("values at one velocity of a staircase: --uncertainty or weavecell draws give means")
         return "\n".join(lines)

@@ -78,12 +78,8 @@ class StudyResult(Result):
                 table = page.Table.of(self.table())
                 result = page.Section(stem, "Result", " ".join(self.lines()), (picture,), (table,))
                 footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
-                page.write(
-                    page.Report(
-                        self.title, "", (), (result, chapters.making(stamp, {"study": self.wall_time})), footer
-                    ),
-                    out / name,
-                )
+                sections = result, chapters.making(stamp, {"study": self.wall_time})
+                page.write(page.Report(self.title, "", (), sections, footer), out / name)
             else:
                 files.write(out / name, content or pictures.render(self.draw, kind=kind))
 

@@ -69,9 +69,9 @@ def section(indicators: Sequence[Indicator]) -> Section:
     texts = {found: line(indicators, found) for found in (DOUBTFUL, NOTED)}
     sentences = [f"{found.capitalize()}: {text}." for found, text in texts.items() if text]
     lead = " ".join(sentences) if sentences else "Every indicator is within its limit."
-    noted = ["" if one.note is None else f" (noted above {one.note:g})" for one in indicators]
+    notes = ["" if one.note is None else f" (noted above {one.note:g})" for one in indicators]
     rows = tuple(
-        (one.name, one.number, f"{one.limit:g}", one.status + more, one.meaning) for one, more in zip(indicators, noted)
+        (one.name, one.number, f"{one.limit:g}", one.status + note, one.meaning) for one, note in zip(indicators, notes)
     )
     columns = ("indicator", "value", "limit", "status", "value is")
     return Section("checks", "Quality checks", lead, tables=(Table(columns, rows, numeric=columns[1:3]),))

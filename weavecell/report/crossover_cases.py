@@ -13,18 +13,15 @@ from fabrics.record import Record
 
 def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:
     """One yarn pulled straight."""
-    taut = record["T_taut"] > 0.1 * record["T_taut"].max()
+    taut, yarn = record["T_taut"] > 0.1 * record["T_taut"].max(), fabric.weave.yarns[record.facts["yarn"]]
     found = {"greatest tension [N]": record["T"].max()}
     if np.count_nonzero(taut) > 1 and not record["broken"].any():
         slope, start = np.polyfit(record["strain"][taut], record["T"][taut], 1)
-        EA = fabric.weave.yarns[record.facts["yarn"]].EA
-        found["stiffness when taut over E A / (1 + crimp) [-]"] = slope * (1 + record.facts["crimp"]) / EA
+        found["stiffness when taut over E A / (1 + crimp) [-]"] = slope * (1 + record.facts["crimp"]) / yarn.EA
         found["strain at which it is straight [-]"] = -start / slope
         found["crimp [-]"] = record.facts["crimp"]
     if record["broken"].any():
-        found["greatest tension over the yarn's strength [-]"] = (
-            record["T"].max() / fabric.weave.yarns[record.facts["yarn"]].strength
-        )
+        found["greatest tension over the yarn's strength [-]"] = record["T"].max() / yarn.strength
         found["bars failed at the end [-]"] = record["broken"][-1]
     return found
 
@@ -72,9 +69,8 @@ def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
         met = np.flatnonzero(record["F_side"][:, family] > 0)
         found[f"parallel {name} meet at [rad]"] = record["gamma"][met[0]] if met.size else None
         width, spacing = record.facts["width"][family], record.facts["spacing"][family]
-        found[f"by width and spacing of {name} (eq. 4-32) [rad]"] = (
-            touching_angle(width, spacing) if width < spacing else None
-        )
+        touching = touching_angle(width, spacing) if width < spacing else None
+        found[f"by width and spacing of {name} (eq. 4-32) [rad]"] = touching
     try:
         fit = shear_fit.fit(gamma, tau)
     except InputError as problem:

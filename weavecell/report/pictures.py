@@ -119,9 +119,9 @@ def panels(pyplot: Any, images: Any, top: float, scale_bar: float) -> Any:
         row[1].plot(ends, [0.95 * rows] * 2, color=INK, lw=2.5, solid_capstyle="butt")
         row[1].text(ends.mean(), 0.92 * rows, "5 mm", ha="center", va="bottom", fontsize=10)
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100 * top), tension_map())
-    bar = figure.colorbar(scale, cax=figure.add_axes((0.25, 0.52 / height, 0.5, 0.13 / height)), location="bottom")
-    bar.set_label("yarn tension, % of the strength, the higher of warp and weft (orange: one yarn has failed)")
-    bar.outline.set_visible(False)
+    place_of_bar = figure.add_axes((0.25, 0.52 / height, 0.5, 0.13 / height))
+    words = "yarn tension, % of the strength, the higher of warp and weft (orange: one yarn has failed)"
+    figure.colorbar(scale, cax=place_of_bar, location="bottom", label=words).outline.set_visible(False)
     return figure
 
 
@@ -210,12 +210,11 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     fit : shellfabric.impact.lambert_jonas.LambertJonas, or None
     shots : sequence of shellfabric.impact.ballistic_limit.Shot
     """
-    figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
     strike = np.array([shot.strike_velocity for shot in shots])
     residual = np.array([shot.residual_velocity for shot in shots])
     through = np.array([shot.perforated for shot in shots])
     low, high = 0.94 * min(strike.min(), limit.low), 1.02 * strike.max()
-    axes.plot([low, high], [low, high], color=FAINT, lw=1, ls=":", label="no loss of velocity")
+    figure, axes = _of_velocities(pyplot, title, low, high)
     if fit is not None:
         velocities = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3  # it rises steeply at the limit
         a, p = (_with_interval(getattr(fit, name), fit.intervals[name]) for name in ("a", "p"))
@@ -231,10 +230,17 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
         zone, alpha = limit.mixed_zone, 0.25
         name = f"mixed outcomes\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
     axes.axvspan(*zone, color=ORANGE, alpha=alpha, lw=1, label=name)
-    axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
-    axes.set_ylim(-0.02 * high, high)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
     return figure
+
+
+def _of_velocities(pyplot, title, low, high):
+    """Figure and axes of residual against strike velocities from low to high."""
+    figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
+    axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
+    axes.set(xlim=(low, high), ylim=(-0.02 * high, high))
+    axes.plot([low, high], [low, high], color=FAINT, lw=1, ls=":", label="no loss of velocity")
+    return figure, axes
 
 
 def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
@@ -244,20 +250,15 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
     ----------
     found : weavecell.studies.compare.Comparison
     """
-    figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
     table, strike = found.table, found.table["velocity [m/s]"]
     velocities = [*strike, found.limit.low] + ([] if found.curve is None else [found.curve.V50])
     low, high = 0.94 * min(velocities), 1.02 * max(*velocities, found.limit.high)
-    axes.plot([low, high], [low, high], color=FAINT, lw=1, ls=":", label="no loss of velocity")
+    figure, axes = _of_velocities(pyplot, title, low, high)
     if found.curve is not None:
         start, end = (max(low, min(high, v)) for v in found.curve.intervals["V50"])
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
-        axes.axvline(
-            found.curve.V50,
-            color=STEEL,
-            lw=1.5,
-            label=f"V50 of the tests\n{found.curve.V50:.1f} m/s\n(grey: 95 % interval)",
-        )
+        words = f"V50 of the tests\n{found.curve.V50:.1f} m/s\n(grey: 95 % interval)"
+        axes.axvline(found.curve.V50, color=STEEL, lw=1.5, label=words)
     words = f"computed critical\nvelocity {found.limit.velocity:.1f} m/s"
     axes.axvline(found.limit.velocity, color=ORANGE, lw=1.5, label=words)
     fits = ((found.tested, STEEL, "tests, Lambert-Jonas"), (found.computed, BLUE, "computed, Lambert-Jonas"))
@@ -268,10 +269,8 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
     for outcome, fill in (("perforated", STEEL), ("stopped", "white")):
         residual = table["tested residual velocity [m/s]"].where(table["tested"] == outcome).dropna()
         axes.plot(strike[residual.index], residual, "s", ms=7, mfc=fill, mec=STEEL, label=f"test, {outcome}")
-    style: Any = {"ms": 6, "color": BLUE, "mec": "white", "zorder": 3}
-    axes.plot(strike, table["computed residual velocity [m/s]"], "o", label="computed", **style)
-    axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
-    axes.set_ylim(-0.02 * high, high)
+    computed = table["computed residual velocity [m/s]"]
+    axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
     return figure
 

@@ -73,8 +73,7 @@ def crater(pyplot: Any, blocks: Any) -> Any:
         axes.grid(False)
     figure.supxlabel("from the impact point [mm]", fontsize=12)
     figure.supylabel("depth [mm]", fontsize=12)
-    bar_ = figure.colorbar(faces, ax=grid, shrink=0.8, pad=0.01)
-    bar_.set_label("effective plastic strain")
+    bar_ = figure.colorbar(faces, ax=grid, shrink=0.8, pad=0.01, label="effective plastic strain")
     bar_.outline.set_visible(False)
     return figure
 
@@ -96,10 +95,10 @@ def depth_map(pyplot: Any, block: BackingResult) -> Any:
     figure, axes = pyplot.subplots(figsize=(6.4, 5.2), layout="constrained")
     map_ = axes.contourf(x, y, depth, levels=np.linspace(0, most, 41), cmap="YlOrBr", extend="both")
     axes.contour(x, y, depth, levels=most * np.arange(1, 5) / 5, colors=INK, linewidths=0.7)
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xlabel="along the warp [mm]")
-    axes.set_ylabel("along the weft [mm]")
+    axes.set(xlabel="along the warp [mm]", ylabel="along the weft [mm]")
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     axes.grid(False)
-    bar_ = figure.colorbar(map_, ax=axes, shrink=0.9, ticks=most * np.arange(6) / 5, format="%.1f")
-    bar_.set_label("depth [mm]")
+    ticks = most * np.arange(6) / 5
+    bar_ = figure.colorbar(map_, ax=axes, shrink=0.9, ticks=ticks, format="%.1f", label="depth [mm]")
     bar_.outline.set_visible(False)
     return figure

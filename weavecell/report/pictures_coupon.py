@@ -61,15 +61,9 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
     width, height = np.ptp(x, axis=0)
     tall = float(np.clip(height / width, 0.15, 2.0))
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 2.0 + 4.4 * tall))
-    elements = PolyCollection(
-        x[coupon.quads],
-        array=degrees,
-        cmap=LinearSegmentedColormap.from_list("shear", _SHEARS),
-        edgecolors="face",
-        linewidth=0.2,
-        rasterized=True,
-        clim=(0, max(float(np.quantile(degrees, 0.995)), 1.0)),
-    )
+    shears, most = LinearSegmentedColormap.from_list("shear", _SHEARS), max(float(np.quantile(degrees, 0.995)), 1.0)
+    looks: dict[str, Any] = {"edgecolors": "face", "linewidth": 0.2, "rasterized": True}
+    elements = PolyCollection(x[coupon.quads], array=degrees, cmap=shears, clim=(0, most), **looks)
     left.add_collection(elements)
     tightest_last = np.argsort(tension)
     edges, tension = np.concatenate([x[family] for family in coupon.edges])[tightest_last], tension[tightest_last]
@@ -88,8 +82,7 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
         axes.set(aspect="equal", title=title, xlabel="mm")
         axes.autoscale_view()
         axes.grid(False)
-        bar = figure.colorbar(drawn, ax=axes, location="bottom", shrink=0.8, aspect=30, extend="max")
-        bar.set_label(label)
+        bar = figure.colorbar(drawn, ax=axes, location="bottom", shrink=0.8, aspect=30, extend="max", label=label)
         bar.outline.set_visible(False)
     left.set_ylabel("mm")
     return figure

@@ -31,10 +31,9 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         strain, record["T"], "o-", color=(WARP, WEFT)[record.facts["yarn"]], ms=4, label=f"{name}, solid and bars"
     )
     axes.axvline(100 * record.facts["crimp"], color=FAINT, lw=1, ls=":")
-    place = {"xycoords": ("data", "axes fraction"), "xytext": (4, -4), "textcoords": "offset points", "va": "top"}
-    axes.annotate("crimp", (100 * record.facts["crimp"], 1), color=FAINT, **place)
-    axes.set_xlabel("strain of the end distance [%]")
-    axes.set_ylabel("tension [N]")
+    at, beside = (100 * record.facts["crimp"], 1), {"xytext": (4, -4), "textcoords": "offset points", "va": "top"}
+    axes.annotate("crimp", at, xycoords=("data", "axes fraction"), color=FAINT, **beside)
+    axes.set(xlabel="strain of the end distance [%]", ylabel="tension [N]")
     axes.set_title(f"{fabric.name}, one {name} pulled straight")
     axes.legend(loc="upper left", bbox_to_anchor=(0, 0.92))
     return figure
@@ -55,16 +54,10 @@ def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         if pressure.size:
             law = PlateCurve.pressure_law(fabric.areal_density_measured, int(plies))
             start = record["closure"][np.searchsorted(record["pressure"], pressure[0])] - closure[0]
-            axes.semilogy(
-                UM * (law.closure + start) / plies,
-                MPA * law.pressure,
-                color=ORANGE,
-                ls="--",
-                label="pressure law (eqs. 2-5, 2-6)",
-            )
+            closed, label = UM * (law.closure + start) / plies, "pressure law (eqs. 2-5, 2-6)"
+            axes.semilogy(closed, MPA * law.pressure, color=ORANGE, ls="--", label=label)
     axes.set_ylim(bottom=1e-3)
-    axes.set_xlabel("closure of the plates per ply [µm]")
-    axes.set_ylabel("mean pressure [MPa]")
+    axes.set(xlabel="closure of the plates per ply [µm]", ylabel="mean pressure [MPa]")
     plural = "one ply" if plies == 1 else f"{plies} plies ({record.facts['stacking']})"
     axes.set_title(f"{fabric.name}, {plural} between plates")
     axes.legend()
@@ -81,10 +74,8 @@ def tensions(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         upper.plot(share, record[key], color=colour, label=label)
     lower.plot(share, UM * record["d1"], color=WARP, label="d$_1$")
     lower.plot(share, UM * record["d2"], color=WEFT, ls="--", label="d$_2$")
-    upper.set_ylabel("force [N]")
-    lower.set_ylabel("end displacement [µm]")
-    lower.set_xlabel("share of the path [%]")
-    upper.set_title(f"{fabric.name}, {record.facts['case']}")
+    upper.set(ylabel="force [N]", title=f"{fabric.name}, {record.facts['case']}")
+    lower.set(xlabel="share of the path [%]", ylabel="end displacement [µm]")
     upper.legend()
     lower.legend()
     return figure
@@ -109,17 +100,13 @@ def shear(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     if fabric.shear is not None:
         label = f"fabric's data: γ$_1$ {fabric.shear.gamma1:g}, γ$_2$ {fabric.shear.gamma2:g}"
         upper.plot(fine, MPA * fabric.shear.stress(fine), color=ORANGE, ls="--", lw=1.8, label=label)
-    upper.set_ylim(0, 1.15 * MPA * tau.max())
-    upper.set_xlim(0, 1.02 * gamma[-1])
-    upper.set_ylabel("shear stress [MPa]")
-    upper.set_title(f"{fabric.name}, shear of the weave")
+    upper.set(xlim=(0, 1.02 * gamma[-1]), ylim=(0, 1.15 * MPA * tau.max()))
+    upper.set(ylabel="shear stress [MPa]", title=f"{fabric.name}, shear of the weave")
     upper.legend(loc="upper left", facecolor="w", framealpha=1, frameon=True, edgecolor="w")
     lower.plot(gamma, record["F_c"][turned], color=GREEN, label="at a crossing")
     for family, (name, colour) in enumerate((("warps", WARP), ("wefts", WEFT))):
         lower.plot(gamma, record["F_side"][turned, family], color=colour, ls="--", label=f"between parallel {name}")
-    lower.set_xlabel("shear angle γ [rad]")
-    lower.set_ylabel("contact force [N]")
-    lower.set_ylim(0, 1.45 * record["F_c"].max())
+    lower.set(xlabel="shear angle γ [rad]", ylabel="contact force [N]", ylim=(0, 1.45 * record["F_c"].max()))
     lower.legend(loc="upper left")
     return figure
 
@@ -133,8 +120,7 @@ def pull_out(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     for number in np.unique(record["load"]):
         of = (record["load"] == number) & ((record["pull"] > 0) | (np.roll(record["pull"], -1) > 0))
         left.plot(UM * record["pull"][of], record["P"][of], "o-", ms=3, label=f"F$_c$ {record['F_c'][of][-1]:.3g} N")
-    left.set_xlabel("pull along the axis [µm]")
-    left.set_ylabel("axial force [N]")
+    left.set(xlabel="pull along the axis [µm]", ylabel="axial force [N]")
     name = ("warp", "weft")[int(record.facts["pulled"])]
     left.set_title(f"{fabric.name}, {name} pulled, friction {record.facts['friction']:g}")
     left.legend()
@@ -144,10 +130,8 @@ def pull_out(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         fine = np.array([0.0, 1.05 * F_c.max()])
         label = f"T$_f$ = {law.c0:.2g} N + {law.mu_eff:.3f} F$_c$"
         right.plot(fine, law.threshold(fine), color=INK, lw=1.6, label=label)
-    right.set_xlim(left=0)
-    right.set_ylim(bottom=0)
-    right.set_xlabel("contact force F$_c$ [N]")
-    right.set_ylabel("slip threshold T$_f$ [N]")
+    right.set(xlim=(0, None), ylim=(0, None))
+    right.set(xlabel="contact force F$_c$ [N]", ylabel="slip threshold T$_f$ [N]")
     right.legend()
     return figure
 
@@ -185,16 +169,14 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     from unitcell3d.model import submeshes
 
     bodies, images = _bodies(mesh, record, submeshes)
-    scene = plotter(WINDOW)
+    scene, looks = plotter(WINDOW), {"edge_color": INK, "line_width": 0.7, "ambient": 0.4, "diffuse": 0.7}
     try:
         for family, grid, x in bodies:
             for image in images(x, grid):
                 for sheet in _sheets(grid):
                     nodes = 1e3 * image[sheet]
                     surface = pyvista.StructuredGrid(*(nodes[..., c] for c in range(3)))
-                    edges = {"show_edges": True, "edge_color": INK, "line_width": 0.7}
-                    colour = COLOURS[("warp", "weft")[family]]
-                    scene.add_mesh(surface, color=colour, ambient=0.4, diffuse=0.7, **edges)
+                    scene.add_mesh(surface, color=COLOURS[("warp", "weft")[family]], show_edges=True, **looks)
         scene.enable_parallel_projection()
         scene.view_vector((-5, -7, 6))
         scene.camera.zoom(1.3)

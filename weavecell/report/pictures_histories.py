@@ -75,8 +75,7 @@ def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
         axes.set(xlim=(0, X[-1]), ylim=(0, US * t[-1]))
         axes.grid(False)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.3), ncols=2, fontsize=10)
-    bar = figure.colorbar(image, ax=list(grid), shrink=0.9, pad=0.01)
-    bar.set_label("tension [N]")
+    bar = figure.colorbar(image, ax=list(grid), shrink=0.9, pad=0.01, label="tension [N]")
     bar.outline.set_visible(False)
     return figure
 

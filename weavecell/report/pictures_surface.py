@@ -90,8 +90,8 @@ def slices(pyplot: Any, surface: ResponseSurface, cell: Any, label: str) -> Any:
                 ours, theirs = (
                     values[:, cut] if row == 0 else values[cut] for values in (getattr(surface, name), cell[name])
                 )
-                style = {"ms": 4, "mfc": "white", "mec": colour, "mew": 1.3}
-                axes.plot(UM * along, ours, "o", label=f"3D, {names[1]} = {UM * across[cut]:.0f} µm", **style)
+                label_of_cut = f"3D, {names[1]} = {UM * across[cut]:.0f} µm"
+                axes.plot(UM * along, ours, "o", ms=4, mfc="white", mec=colour, mew=1.3, label=label_of_cut)
                 axes.plot(UM * along, theirs, color=colour, lw=1.8)
             axes.set(xlabel=f"{names[0]} [µm]", title=title if row == 0 else "")
             axes.set_xlim(UM * along[0], UM * along[-1])

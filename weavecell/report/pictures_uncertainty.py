@@ -18,18 +18,7 @@ if TYPE_CHECKING:
     from weavecell.studies.sweep import Quantity
     from weavecell.studies.v50 import Study
 
-LABELS = {
-    "modulus": "yarn modulus",
-    "failure_strain": "failure strain",
-    "crimp_warp": "warp crimp",
-    "crimp_weft": "weft crimp",
-    "areal_density": "areal density",
-    "compression_a": "compression a",
-    "compression_b": "compression b",
-    "trellis_stiffness": "trellis stiffness",
-    "trellis_angles": "trellis angles",
-    "failure_length": "failure length",
-}
+LABELS = {"modulus": "yarn modulus", "crimp_warp": "warp crimp", "crimp_weft": "weft crimp"}  # of inputs
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 
@@ -45,7 +34,7 @@ def indices(pyplot: Any, indices: Sequence[Indices], title: str) -> Any:
         ):
             axis.barh(y + shift, values, 0.36, color=colour, label=label)
             axis.errorbar(values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5)
-        axis.set_yticks(y, [LABELS.get(name, name) for name in of.names])
+        axis.set_yticks(y, [LABELS.get(name, name.replace("_", " ")) for name in of.names])
         axis.invert_yaxis() if axis is axes[0, 0] else None
         axis.grid(axis="y", visible=False)
         axis.axvline(0, color=FAINT, lw=0.9)

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.impact.simulation import ImpactSetup
 
-# whose versions are recorded
-PACKAGES = "numpy scipy numba fenics-dolfinx petsc4py gmsh meshio h5py pyvista vtk matplotlib pydantic typer"
+PACKAGES = (
+    "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "h5py", "pyvista", "vtk",
+    "matplotlib", "pydantic", "typer",
+)  # fmt: skip
 
 
 def stamp(scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None) -> dict[str, str]:
@@ -52,7 +54,7 @@ def versions() -> dict[str, str]:
     """
 
     found = {}
-    for name in PACKAGES.split():
+    for name in PACKAGES:
         module = sys.modules.get({"fenics-dolfinx": "dolfinx"}.get(name, name))
         version = getattr(module, "__version__", None)
         if version is None:

@@ -281,25 +281,14 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     given: dict[str, Any] = {}
     for name in ("fabric", "panel", "run"):
         given |= {key: value for key, value in _given(getattr(scene, name), name).items() if key in of_setup}
+    history = scene.history and HistoryRequest(**_given(scene.history, "history", but=("report_positions",)))
     try:
-        made = ImpactSetup(
-            **given
-            | {  # in place of texts and tables the objects that they describe
-                "fabric": case.fabric,
-                "laws": case.laws,
-                "surface": case.surface,
-                "lay_up": case.lay_up,
-                "strike_velocity": scene.projectile.strike_velocity,
-                "projectile": _projectile(scene.projectile),
-                "edge": _edge(panel.boundary),
-                "round": panel.opening_shape == "round",
-                "crossovers": _crossovers(panel),
-                "backing": _backing(scene.backing),
-                "history": scene.history
-                and HistoryRequest(**_given(scene.history, "history", but=("report_positions",))),
-                "numerics": Numerics(**_given(scene.numerics, "numerics")),
-            }
-        )
+        # in place of texts and tables the objects that they describe
+        given |= {name: getattr(case, name) for name in ("fabric", "laws", "surface", "lay_up")}
+        given |= {"strike_velocity": scene.projectile.strike_velocity, "projectile": _projectile(scene.projectile)}
+        given |= {"edge": _edge(panel.boundary), "round": panel.opening_shape == "round", "history": history}
+        given |= {"crossovers": _crossovers(panel), "backing": _backing(scene.backing)}
+        made = ImpactSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
     except InputError as problem:
         raise in_file(problem, file) from None
     for note in made.notes if file is not None else ():

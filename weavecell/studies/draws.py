@@ -29,6 +29,7 @@ QUANTITIES = {  # of a Draw: unit, words
     "absorbed_energy": ("J", "absorbed energy"),
     "peak_tension_warp": ("N", "peak tension, warp"),
     "peak_tension_weft": ("N", "peak tension, weft"),
+    "failed": ("", "failed yarn segments"),
 }
 OUTCOMES = ("stopped", "perforated", "in flight", "unstable")
 CONFIDENCE = 0.95
@@ -127,7 +128,7 @@ class Draws:
             "weibull_shape": self.scatter.shape,
             "gauge_length_m": self.scatter.gauge_length,
             **{
-                f"{name}_{part}_{unit.replace('/', '_')}": value
+                f"{name}_{part}_{unit.replace('/', '_')}".rstrip("_"): value
                 for name, (unit, _) in QUANTITIES.items()
                 for part, value in vars(self.estimate(name)).items()
             },

@@ -10,10 +10,13 @@ goes with an order which is assumed (P. J. Roache, Verification and Validation i
 1998; ASME V&V 20-2009, section 2-4): U is 4 d and d. The interval of a result phi is phi - U to phi + U.
 
 The difference of a single number can vanish by chance where two solutions cross. So d is a norm of the difference of
-the solutions: of the residual velocity, the absorbed energy and the deflection the largest difference of their
-histories, up to the end of the shorter run, and of peak tensions the larger of the relative differences of warp and
-weft. What a projectile that stops leaves (no velocity, and all its energy absorbed) has no error. Where the outcomes on
-the meshes differ, the outcome depends on the mesh, and no result has an uncertainty.
+the solutions: of the deflection, and of the velocity and the absorbed energy of a projectile that is still in flight,
+the largest difference of their histories, up to the end of the shorter run, and of peak tensions the larger of the
+relative differences of warp and weft. What a projectile that stops leaves (no velocity, and all its energy absorbed)
+has no error. Residual velocity and absorbed energy of one that perforates are means over a window of strike velocities
+(`window`): d is the difference of the means on the two meshes, and to U is added the root of the sum of the squares of
+their standard errors. Where the outcomes on the meshes differ, the outcome depends on the mesh, and no result has an
+uncertainty.
 
 `run_pair` states the uncertainty on the scene's own mesh. `climb` takes finer and finer meshes, until the uncertainties
 on the last are within targets.
@@ -24,8 +27,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import inf
-from typing import TypeAlias
+from math import hypot, inf
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -34,6 +37,9 @@ from shellfabric.cell.model import CellTable
 from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 from shellfabric.panel.model import SYMMETRIES
 
+if TYPE_CHECKING:
+    from weavecell.studies.window import Window
+
 RATIO, ORDER, SAFETY = 2, 2.0, 3.0
 REACH, LATEST = 10.0, 60.0  # [crossovers] from the impact point up to which elements are halved: at least, at most
 MOST_ELEMENTS = 8  # a crossover, of the finest mesh
@@ -41,10 +47,12 @@ MOST_ELEMENTS = 8  # a crossover, of the finest mesh
 
 @dataclass(frozen=True)
 class Shot:
-    """A run, and why it became unstable, or None; the result is then what it had computed."""
+    """A run, why it became unstable, or None, in which case the result is what it had computed, and its window, or None
+    of one that did not perforate."""
 
     result: ImpactResult
     failure: UnstableError | None = None
+    window: Window | None = None
 
 
 Shoot: TypeAlias = Callable[..., Shot]  # called as shoot(setup, table of the cell, name of the mesh)
@@ -52,13 +60,15 @@ Shoot: TypeAlias = Callable[..., Shot]  # called as shoot(setup, table of the ce
 
 @dataclass(frozen=True)
 class Interval:
-    """A result on the mesh that counts, on the other mesh, and its discretisation uncertainty, all in its unit."""
+    """A result on the mesh that counts, on the other mesh, and its discretisation uncertainty, all in its unit; of
+    means also their standard errors on these meshes, otherwise 0."""
 
     name: str
     unit: str
     value: float
     other: float
     uncertainty: float
+    standard_errors: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -71,6 +81,7 @@ class Discretisation:
     meshes, outcomes : of all runs, in their order
     intervals : of the results; none where the outcomes of the last two differ
     targets, errors : {quantity: [-] at most} and {quantity: [-] uncertainty} of `climb`
+    windows : of the mesh that counts and of the other; None of a shot that did not perforate
     """
 
     setup: ImpactSetup
@@ -79,6 +90,7 @@ class Discretisation:
     intervals: tuple[Interval, ...]
     targets: Mapping[str, float] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
+    windows: tuple[Window | None, ...] = (None,)
 
     @property
     def same_outcome(self) -> bool:
@@ -177,7 +189,7 @@ def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
     refined = replace(finer(setup, table), snapshot_interval=None, history=None)
     shot = shoot(setup, table)
     other = shot if shot.failure is not None else shoot(refined, table, "finer mesh")
-    return shot, compare(shot.result, other.result)
+    return shot, compare(shot, other)
 
 
 def climb(
@@ -192,7 +204,7 @@ def climb(
     table, projectile = setup.table(kept=True), setup.projectile
     meshes: tuple[str, ...] = ()
     outcomes: tuple[str, ...] = ()
-    before: ImpactResult | None = None
+    before: Shot | None = None
     while True:
         shot = shoot(setup, table, f"{projectile.body} {len(meshes) + 1}")
         result = shot.result
@@ -200,48 +212,60 @@ def climb(
             bar = replace(setup, projectile=replace(projectile, body="elastic_bar"))
             return climb(bar, targets, shoot, fixed={"symmetry", "projectile"})
         meshes, outcomes = (*meshes, in_words(setup)), (*outcomes, result.outcome)
-        levels = Discretisation(setup, meshes, outcomes, (), targets)
+        levels = Discretisation(setup, meshes, outcomes, (), targets, windows=(shot.window,))
         if before is not None and shot.failure is None:
-            pair = compare(before, result, of_finer=True)
-            levels = replace(levels, intervals=pair.intervals, errors=pair.errors)
+            pair = compare(before, shot, of_finer=True)
+            levels = replace(levels, intervals=pair.intervals, errors=pair.errors, windows=pair.windows)
         if levels.confirmed:
             return shot, levels
-        before = result if shot.failure is None else None
+        before = shot if shot.failure is None else None
         try:
             setup = finer(setup, table)
         except InputError:
             return shot, levels
 
 
-def compare(coarse: ImpactResult, fine: ImpactResult, *, of_finer: bool = False) -> Discretisation:
-    """The pair of results, of which the coarser mesh counts, or the finer."""
-    errors = {name: index(norm, of_finer=of_finer) for name, norm in differences(coarse, fine).items()}
+def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisation:
+    """The pair of shots, of which the coarser mesh counts, or the finer."""
+    result, other_result = coarse.result, fine.result
+    errors = {name: index(norm, of_finer=of_finer) for name, norm in differences(result, other_result).items()}
+    scales = {"residual_velocity": result.setup.strike_velocity, "absorbed_energy": result.strike_energy}
+    if coarse.window and fine.window:
+        for quantity, scale in scales.items():
+            (mean, error), (other_mean, other_error) = coarse.window.mean(quantity), fine.window.mean(quantity)
+            difference = index(abs(other_mean - mean), of_finer=of_finer)
+            errors[quantity] = (difference + hypot(error, other_error)) / scale
     counts, other = (fine, coarse) if of_finer else (coarse, fine)
-    rows = zip(_rows(counts), _rows(other)) if coarse.outcome == fine.outcome else ()
+    rows = zip(_rows(counts), _rows(other)) if result.outcome == other_result.outcome else ()
     intervals = tuple(
-        Interval(name, unit, value, second, errors[quantity] * scale)
-        for (name, unit, quantity, scale, value), (*_, second) in rows
+        Interval(name, unit, value, second, errors[quantity] * scale, (error, other_error))
+        for (name, unit, quantity, scale, value, error), (*_, second, other_error) in rows
     )
-    meshes, outcomes = zip(*((in_words(result.setup), result.outcome) for result in (coarse, fine)))
-    return Discretisation(counts.setup, meshes, outcomes, intervals, errors=errors)
+    meshes, outcomes = zip(*((in_words(shot.result.setup), shot.result.outcome) for shot in (coarse, fine)))
+    windows = counts.window, other.window
+    return Discretisation(counts.result.setup, meshes, outcomes, intervals, errors=errors, windows=windows)
 
 
-def _rows(result):
-    """(name, unit, quantity, what its uncertainty is a share of, value) of each result that there is."""
+def _rows(shot):
+    """(name, unit, quantity, what its uncertainty is a share of, value, its standard error) of each result there is."""
+    result = shot.result
     strike, energy, deepest = result.setup.strike_velocity, result.strike_energy, 1e3 * result.step_history[:, 1].max()
     left, (warp, weft) = max(result.residual_velocity, 0.0), result.peak_tension
-    yield "residual velocity", "m/s", "residual_velocity", strike, left
-    yield "absorbed energy", "J", "absorbed_energy", energy, energy * (1 - (left / strike) ** 2)
+    velocities, energies = (left, 0.0), (energy * (1 - (left / strike) ** 2), 0.0)
+    if shot.window is not None:
+        velocities, energies = map(shot.window.mean, ("residual_velocity", "absorbed_energy"))
+    yield "residual velocity", "m/s", "residual_velocity", strike, *velocities
+    yield "absorbed energy", "J", "absorbed_energy", energy, *energies
     if result.outcome != "perforated":
-        yield "peak deflection", "mm", "deflection", deepest, deepest
-        yield "peak tension, warp", "N", "peak_tension", warp, warp
-        yield "peak tension, weft", "N", "peak_tension", weft, weft
+        yield "peak deflection", "mm", "deflection", deepest, deepest, 0.0
+        yield "peak tension, warp", "N", "peak_tension", warp, warp, 0.0
+        yield "peak tension, weft", "N", "peak_tension", weft, weft, 0.0
 
 
 def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     """{quantity: [-] norm of the difference of the solutions}, over velocity and energy of the strike, the largest
     deflection and the peak tensions; infinite where the outcomes differ, 0 of what a projectile that has stopped or a
-    panel that is perforated does not have."""
+    panel that is perforated does not have. Velocity and energy of a projectile that perforates have none: infinite."""
     (t, z, v), (tf, zf, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
     common, strike = t <= tf[-1], coarse.setup.strike_velocity
     depths = np.append(np.interp(t[common], tf, zf) - z[common], zf.max() - z.max())
@@ -249,10 +273,10 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     speeds = zip((v[common], np.interp(t[common], tf, vf)), ends)
     speed, other = (np.append(history, end) / strike for history, end in speeds)
     tensions = [abs(b / a - 1) for a, b in zip(coarse.peak_tension, fine.peak_tension) if a > 0]
-    moves, holds = coarse.outcome != "stopped", coarse.outcome != "perforated"
+    holds, moves = coarse.outcome != "perforated", {"stopped": 0.0, "perforated": inf}
     norms = {
-        "residual_velocity": moves and np.abs(other - speed).max(),
-        "absorbed_energy": moves and np.abs(other**2 - speed**2).max(),
+        "residual_velocity": moves.get(coarse.outcome, np.abs(other - speed).max()),
+        "absorbed_energy": moves.get(coarse.outcome, np.abs(other**2 - speed**2).max()),
         "deflection": holds and np.abs(depths).max() / z.max(),
         "peak_tension": holds and max(tensions, default=0.0),
     }

@@ -7,7 +7,7 @@ from typing import Any
 
 from fabrics.errors import UndecidedError, UnstableError
 from shellfabric.impact.limit_scan import ScanRange
-from shellfabric.impact.simulation import ImpactSetup, fired
+from shellfabric.impact.simulation import ImpactResult, ImpactSetup, fired
 from shellfabric.panel import quality
 from weavecell.studies import inputs, v50
 from weavecell.studies import limit as limits
@@ -51,8 +51,12 @@ def row(setup: ImpactSetup, quantity: str, tolerance: float = 1.0, **options: An
 
 
 def shot(setup: ImpactSetup) -> dict[str, Any]:
-    """Outcome, velocity, energy, deflection, tensions and checks of one shot."""
-    result, problem = fired(setup)
+    """The row of one shot."""
+    return row_of(*fired(setup))
+
+
+def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
+    """Outcome, velocity, energy, deflection, tensions and checks of a result, and why it became unstable or ""."""
     warp, weft = result.peak_tension
     return {
         "outcome": "unstable" if problem else result.outcome,

@@ -116,10 +116,7 @@ class Study:
             "perforated": sum(shot.perforated for shot in self.shots),
             "doubtful": self.doubtful,
             "energy_error_max": max(shot.balance for shot in self.shots),
-            "series_mean_m_s": self.series.mean,
-            "series_deviation_m_s": self.series.deviation,
-            "series_low_m_s": self.series.low,
-            "series_high_m_s": self.series.high,
+            **{f"series_{name}_m_s": getattr(self.series, name) for name in ("mean", "deviation", "low", "high")},
             "series_with_result": self.series.share,
         }
 
@@ -131,16 +128,9 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
     except UnstableError as problem:
         raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
-    return Shot(
-        number,
-        velocity,
-        shot.residual_velocity,
-        shot.perforated,
-        **drawn.factors,
-        weakest=drawn.weakest,
-        balance=shot.balance,
-        doubtful=tuple(check.name for check in shot.checks if check.doubtful),
-    )
+    left, through, weakest, balance = shot.residual_velocity, shot.perforated, drawn.weakest, shot.balance
+    doubtful = tuple(check.name for check in shot.checks if check.doubtful)
+    return Shot(number, velocity, left, through, **drawn.factors, weakest=weakest, balance=balance, doubtful=doubtful)
 
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:

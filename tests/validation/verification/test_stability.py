@@ -36,25 +36,21 @@ def test_the_step_leaves_the_contact_as_it_is():
 
 # (map, x, y, kind of the outcome, part of its message)
 POINTS = (
-    ("time-step", 0.9, "S-720, default", STABLE, ""),
-    ("viscosity", 0.1, 92.5, STABLE, ""),
+    ("time-step", 0.9, "S-720, default", STABLE, ""), ("viscosity", 0.1, 92.5, STABLE, ""),
     ("viscosity", 0.0, 92.5, WRONG, ""),  # it rings, which nothing but a comparison shows
     ("penalty", 0.6, 0.5, STABLE, ""),
     ("penalty", 4.0, 0.5, FAILED, "the contact has given"),  # else it ends quietly, its peaks 65 % too high
-    ("plies", 0.2, "smooth", STABLE, ""),
-    ("plies", 0.2, "nodes", WRONG, ""),
+    ("plies", 0.2, "smooth", STABLE, ""), ("plies", 0.2, "nodes", WRONG, ""),
     ("edge-radius", 0.3e-3, "1 element per crossover", STABLE, ""),
     ("edge-radius", 0.3e-3, "1/4 element per crossover", WRONG, "failed segments, 0 on the finest mesh"),
-    ("printed-law", 0.0, 0.0, WRONG, "where there is none"),
-    ("printed-law", 20e-6, 20e-6, STABLE, ""),
+    ("printed-law", 0.0, 0.0, WRONG, "where there is none"), ("printed-law", 20e-6, 20e-6, STABLE, ""),
     ("load-step", 0.1, "warp only", STABLE, ""),
     ("load-step", 1.0, "warp only", FAILED, "the crossover found no equilibrium: no convergence"),
     ("newton", 16e-6, 16e-6, STABLE, ""),
     ("newton", -10e-6, -10e-6, WRONG, ""),  # a root of negative force
-    ("bars", 44, "2 x 2 x 2 points", STABLE, ""),
-    ("bias", 1.0, "locking at 7°, as published", STABLE, ""),
+    ("bars", 44, "2 x 2 x 2 points", STABLE, ""), ("bias", 1.0, "locking at 7°, as published", STABLE, ""),
     ("bias", 0.0, "locking at 7°, as published", FAILED, "the shear has run into bands"),
-)
+)  # fmt: skip
 NEEDED = {"load-step": "dolfinx", "bars": "dolfinx"}
 
 

@@ -57,15 +57,12 @@ ROWS = {
     "fabric.name": ({}, "S-728", {"fabric.name": "S-728", "laws.0.a": 4.4e-5, "fabric.": ..., "laws.": ...}),
     "fabric.file": (
         {"fabric": {"name": None, "file": "fabrics/catalogue/S-720.toml"}}, "fabrics/catalogue/S-731.toml",
-        {"fabric.name": "S-731", "laws.0.a": 4.6e-5, "fabric.": ..., "laws.": ...},
-    ),
+        {"fabric.name": "S-731", "laws.0.a": 4.6e-5, "fabric.": ..., "laws.": ...}),
     "fabric.linear_density": (
         {"fabric": {"name": "S-726"}}, "nominal",
-        {f"fabric.weave.{yarn}.linear_density": 840 / 9e6 for yarn in ("warp", "weft")},
-    ),
+        {f"fabric.weave.{yarn}.linear_density": 840 / 9e6 for yarn in ("warp", "weft")}),
     "fabric.weaving_damage.modulus": (
-        DAMAGE, 0.9, {"fabric.weave.warp.E": 0.9 * 96e9, "fabric.weave.weft.E": 0.9 * 96e9, "fabric.": ...},
-    ),
+        DAMAGE, 0.9, {"fabric.weave.warp.E": 0.9 * 96e9, "fabric.weave.weft.E": 0.9 * 96e9, "fabric.": ...}),
     "fabric.weaving_damage.strength": (
         DAMAGE, 0.8, {f"fabric.weave.{yarn}.failure_strain": 0.8 * 0.03 for yarn in ("warp", "weft")} | {"fabric.": ...}
     ),
@@ -82,8 +79,7 @@ ROWS = {
     "fabric.surface": ({}, SURFACE, {"surface.fabric": "S-720", "surface.": ...}),
     "projectile.name": (
         {"projectile": {"name": "FSP 1.10 g", "mass": None, "diameter": None, "edge_radius": None}}, "FSP 2.79 g",
-        {"projectile.mass": 2.79e-3, "projectile.radius": 3.745e-3, "projectile.": ...},
-    ),
+        {"projectile.mass": 2.79e-3, "projectile.radius": 3.745e-3, "projectile.": ...}),
     "projectile.diameter": ({}, "6 mm", {"projectile.radius": 3e-3}),
     "projectile.strike_velocity": ({}, "92.5 m/s", {"strike_velocity": 92.5}),
     "projectile.shape": ({}, "hemisphere", {"projectile.shape": "hemisphere"}),
@@ -93,19 +89,14 @@ ROWS = {
     "projectile.flat_angle": (CHISEL, "35 deg", {"projectile.flat_angle": radians(35)}),
     "projectile.stl": (
         STL, str(Path(__file__).with_name("pyramid.stl")),
-        {"projectile.length": 4e-3, "projectile.radius": 18**0.5 * 1e-3, "projectile.solid.": ...},
-    ),
+        {"projectile.length": 4e-3, "projectile.radius": 18**0.5 * 1e-3, "projectile.solid.": ...}),
     "projectile.stl_unit": (
         DENSE, "cm",
-        {
-            "projectile.mass": 8e3 * 0.052**3, "projectile.length": 0.052, "projectile.radius": 0.052 * 0.5**0.5,
-            "projectile.solid.": ...,
-        },
-    ),
+        {"projectile.mass": 8e3 * 0.052**3, "projectile.length": 0.052, "projectile.radius": 0.052 * 0.5**0.5,
+         "projectile.solid.": ...}),
     "projectile.density": (DENSE, "4 g/cm^3", {"projectile.mass": 4e3 * 0.0052**3}),
     "projectile.bore_diameter": (
-        {"projectile": {"body": "elastic_bar"}}, "4.5 mm", {"projectile.bore_diameter": 4.5e-3}
-    ),
+        {"projectile": {"body": "elastic_bar"}}, "4.5 mm", {"projectile.bore_diameter": 4.5e-3}),
     "panel.opening_shape": ({}, "round", {"round": True}),
     "panel.boundary": ({}, "free", {"edge": "free"}),
     "panel.boundary.warp": (table_of("panel.boundary", {}), "free", {"edge": ("free", "clamped")}),
@@ -120,8 +111,7 @@ ROWS = {
     "panel.grading": ({}, [[9, "1/2"], [inf, 2]], {"grading": ((9.0, 0.5), (inf, 2.0))}),
     "panel.crossovers": (
         {"panel": {"symmetry": "whole"}}, "sliding",
-        {"crossovers.mu": 0.2, "crossovers.cohesion": 0.0, "crossovers.bending": (0.0, 0.0)},
-    ),
+        {"crossovers.mu": 0.2, "crossovers.cohesion": 0.0, "crossovers.bending": (0.0, 0.0)}),
     "panel.crossover_friction": (SLIDING, 0.3, {"crossovers.mu": 0.3}),
     "panel.crossover_cohesion": (SLIDING, "0.1 N", {"crossovers.cohesion": 0.1}),
     **dict(of_sides("clamp_force", "20 N", "force", 20.0)),
@@ -131,12 +121,10 @@ ROWS = {
     **dict(of_sides("zone", "30 mm", "zone", 3e-2)),
     "panel.ply.name": (
         PLIES, "S-728",
-        {"fabric.name": "S-728", "lay_up.0.fabric.name": "S-728", "fabric.": ..., "lay_up.0.fabric.": ...},
-    ),
+        {"fabric.name": "S-728", "lay_up.0.fabric.name": "S-728", "fabric.": ..., "lay_up.0.fabric.": ...}),
     "panel.ply.file": (
         {"panel": {"ply": [{"file": "fabrics/catalogue/S-720.toml"}, {}]}}, "fabrics/catalogue/S-731.toml",
-        {"lay_up.0.fabric.name": "S-731", "lay_up.0.laws.0.a": 4.6e-5, "lay_up.0.": ..., "fabric.": ..., "laws.": ...},
-    ),
+        {"lay_up.0.fabric.name": "S-731", "lay_up.0.laws.0.a": 4.6e-5, "lay_up.0.": ..., "fabric.": ..., "laws.": ...}),
     "panel.ply.law": (PLIES, LAW | {"a": "0.03 mm"}, of_laws(3e-5, "a", before=OF_PLY)),
     "panel.ply.law.a": (PLIES, "0.03 mm", of_laws(3e-5, "a", before=OF_PLY)),
     "panel.ply.law.b": (PLIES, "0.06 mm N^(1/3)", of_laws(6e-5, "b", before=OF_PLY)),
@@ -148,19 +136,11 @@ ROWS = {
 }  # fmt: skip
 # values of keys whose example is their default
 OTHERS = {
-    "title": "mine",
-    "run.outputs": ["report"],
-    "history.interval": "2 us",
-    "run.snapshot_interval": "20 us",
-    "backing.size": ["200 mm", "300 mm", "100 mm"],
-    "backing.modulus": "90 MPa",
-    "backing.density": "2 g/cm^3",
-    "backing.yield_stress": "10 MPa",
-    "backing.hardening": "1 MPa",
-    "backing.reference_rate": "2 / s",
-    "backing.min_size": "2 mm",
-    "backing.refined_depth": "9 mm",
-}
+    "title": "mine", "run.outputs": ["report"], "history.interval": "2 us", "run.snapshot_interval": "20 us",
+    "backing.size": ["200 mm", "300 mm", "100 mm"], "backing.modulus": "90 MPa", "backing.density": "2 g/cm^3",
+    "backing.yield_stress": "10 MPa", "backing.hardening": "1 MPa", "backing.reference_rate": "2 / s",
+    "backing.min_size": "2 mm", "backing.refined_depth": "9 mm",
+}  # fmt: skip
 OF_BACKING = {"modulus", "density", "poisson", "yield_stress", "hardening", "erosion_strain", "rate_exponent"}
 OF_BACKING |= {"reference_rate"}  # which its material holds
 # what the set-up of the solver does not hold: the checked scene does

@@ -40,15 +40,13 @@ def reaction(shot):
 OPTIONS = {
     "pack": (
         {"panel": {"plies": 2, "ply_gap": "0.05 mm"}},
-        lambda shot, _: shot.count == 2 and shot.gaps == pytest.approx([5e-5]),
-    ),
+        lambda shot, _: shot.count == 2 and shot.gaps == pytest.approx([5e-5])),
     "turned": ({"panel": {"stacking": "alternating"}}, lambda shot, _: shot.pack["stacking"] == "alternating"),
     "ply friction": ({"panel": {"ply_friction": 0.3}}, energy("ply_friction")),
     "backing": ({"backing": BLOCK}, energy("backing", 1e-6)),
     "oblique": (
         merged(WHOLE, {"projectile": {"obliquity": "30 deg"}}),
-        lambda shot, _: shot.velocity[0] == pytest.approx(400 * np.cos(np.radians(30))),
-    ),
+        lambda shot, _: shot.velocity[0] == pytest.approx(400 * np.cos(np.radians(30)))),
     "named": ({"projectile": NAMED}, lambda shot, _: shot.mass == pytest.approx(1.1e-3)),
     "bar": ({"projectile": {"body": "elastic_bar"}}, energy("elastic_projectile", 1e-6)),
     "nose friction": ({"projectile": {"friction": 0.3, "shape": "hemisphere"}}, energy("friction")),
@@ -61,51 +59,34 @@ OPTIONS = {
     "whole": (WHOLE, elements(4, 4)),
     "yarns hold": (
         {"panel": {"yarn_failure": False}},
-        lambda shot, plain: shot.failed_segments[-1] == 0 < plain.failed_segments[-1],
-    ),
+        lambda shot, plain: shot.failed_segments[-1] == 0 < plain.failed_segments[-1]),
     "graded": (
         {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
-        lambda shot, _: shot.elements < 23**2 * shot.count,
-    ),
+        lambda shot, _: shot.elements < 23**2 * shot.count),
     "sliding": (
         {"panel": {"crossovers": "sliding", "crossover_friction": 0.1, "crossover_cohesion": "0.01 N"}},
-        energy("crossover_friction"),
-    ),
+        energy("crossover_friction")),
     "elements": ({"run": {"elements_per_crossover": 2}}, elements(4, 4)),
     "measure": ({"history": {"warp": ["0 mm", "2.6 mm"]}}, lambda shot, _: len(shot.measured[0].yarns) == 3),
     "cfl": ({"numerics": {"cfl": 0.1}}, nine_times_the_steps),
     "viscosity": (
         {"numerics": {"stretch_viscosity": 0.2}},
-        lambda shot, plain: shot.energies["viscous"][-1] > plain.energies["viscous"][-1],
-    ),
+        lambda shot, plain: shot.energies["viscous"][-1] > plain.energies["viscous"][-1]),
     "law": (
         {"fabric": {"law": {"a": "0.01 mm", "b": "0.02 mm N^(1/3)"}}},
-        lambda shot, plain: shot.velocity[-1] != plain.velocity[-1],
-    ),
+        lambda shot, plain: shot.velocity[-1] != plain.velocity[-1]),
     "bending": ({"fabric": {"bending": "1e-6 N m^2"}}, energy("bending")),
 }  # fmt: skip
 # chosen so that each option of the panel stands beside each of the shot that it may
 TOGETHER = [
-    "whole, viscosity", "cfl", "yarns hold, round",
-    "pack, turned, ply friction, grip, measure",
-    "pack, backing, bar, cfl",
-    "pack, oblique, nose friction, free",
-    "pack, weave angle, named, ply friction",
-    "pack, graded, turned, pull-in",
-    "pack, sliding, turned, nose friction",
-    "pack, round, bending, turned",
-    "pack, backing, off the middle, ply friction, yarns hold",
-    "pack, elements, law, free",
-    "oblique, bar, grip, bending",
-    "oblique, sliding, measure, free",
-    "oblique, weave angle, nose friction, yarns hold",
-    "oblique, round, law, measure",
-    "backing, nose friction, free",
-    "backing, graded, measure",
-    "backing, weave angle, bending",
-    "bar, round, elements, law",
-    "bar, sliding, free",
-    "weave angle, off the middle, measure",
+    "whole, viscosity", "cfl", "yarns hold, round", "pack, turned, ply friction, grip, measure",
+    "pack, backing, bar, cfl", "pack, oblique, nose friction, free", "pack, weave angle, named, ply friction",
+    "pack, graded, turned, pull-in", "pack, sliding, turned, nose friction", "pack, round, bending, turned",
+    "pack, backing, off the middle, ply friction, yarns hold", "pack, elements, law, free",
+    "oblique, bar, grip, bending", "oblique, sliding, measure, free",
+    "oblique, weave angle, nose friction, yarns hold", "oblique, round, law, measure",
+    "backing, nose friction, free", "backing, graded, measure", "backing, weave angle, bending",
+    "bar, round, elements, law", "bar, sliding, free", "weave angle, off the middle, measure",
 ]  # fmt: skip
 
 

@@ -14,6 +14,8 @@ from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.projectile.projectile import Projectile
 from weavecell.report import chapters_discretisation as chapters
 from weavecell.studies import mesh_uncertainty
+from weavecell.studies.mesh_uncertainty import Shot
+from weavecell.studies.window import FACTORS, QUANTITIES, Window
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +55,7 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
 def test_intervals_of_a_shot(setup, table):
     result = run(setup, table=table)
     finer = run(mesh_uncertainty.finer(setup, table), table=table)
-    pair = mesh_uncertainty.compare(result, finer)
+    pair = mesh_uncertainty.compare(Shot(result), Shot(finer))
     assert pair.same_outcome
     assert pair.meshes == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")
     found = {one.name: one for one in pair.intervals}
@@ -81,14 +83,39 @@ def result_of(setup, outcome, residual):
     )  # fmt: skip
 
 
+def window_of(result, *residuals):
+    """Window of a made-up shot, without scatter where no residual velocities are given; None but of a perforation."""
+    values = zip(FACTORS, residuals or 5 * [result.residual_velocity])
+    keys = [key for key, *_ in QUANTITIES.values()]
+    rows = [dict(zip(keys, (v, 1.0, 4)), strike_velocity_m_s=40 * f, outcome="perforated") for f, v in values]
+    return Window(40.0, tuple(rows)) if result.outcome == "perforated" else None
+
+
+def test_means_over_a_window_replace_the_values_of_a_perforation(setup):
+    """d is the difference of the means, and the standard errors are added; shots that stop on one mesh are told."""
+    one, other = (result_of(setup, "perforated", 20.0) for _ in range(2))
+    one, other = Shot(one, None, window_of(one, 20, 20, 25, 20, 20)), Shot(other, None, window_of(other))
+    other.window.shots[0]["outcome"] = "stopped"
+    pair = mesh_uncertainty.compare(one, other)
+    residual, error = pair.intervals[0], np.sqrt((4 * 1 + 4**2) / 3 / 5)
+    assert (residual.value, residual.other, *residual.standard_errors) == pytest.approx((21.0, 20.0, error, 0.0))
+    assert residual.uncertainty == pytest.approx(4 * 1 + error)
+    assert pair.errors["residual_velocity"] == pytest.approx((4 * 1 + error) / 40)
+    text = chapters.words(pair)
+    assert "outcomes in the window depend on the mesh: 5 perforated, and 1 stopped, 4 perforated on the finer" in text
+    assert "mean and standard error, 5 shots at 36.8 to 43.2 m/s, 5 perforated:" in text
+    assert "MIXED outcomes" in chapters.words(mesh_uncertainty.compare(other, one))
+    assert mesh_uncertainty.compare(Shot(one.result), Shot(other.result)).errors["residual_velocity"] == inf
+
+
 def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_histories(setup):
     """v(t) of the two meshes cross at the end: 3 m/s apart before, equal then."""
-    one, other = (result_of(setup, "perforated", 20.0) for _ in range(2))
+    one, other = (result_of(setup, "in flight", 20.0) for _ in range(2))
     t = np.linspace(0, 1e-4, 201)
     bump = np.sin(np.pi * t / t[-1])
     for result, size in ((one, 0.0), (other, 3.0)):
         result.step_history = np.column_stack([t, 40 * t, 40 - 20 * t / t[-1] + size * bump, 0 * t])
-    found = {each.name: each for each in mesh_uncertainty.compare(one, other).intervals}
+    found = {each.name: each for each in mesh_uncertainty.compare(Shot(one), Shot(other)).intervals}
     assert found["residual velocity"].value == found["residual velocity"].other == pytest.approx(20.0)
     assert found["residual velocity"].uncertainty == pytest.approx(4 * 3.0, rel=1e-3)
     assert found["absorbed energy"].uncertainty == pytest.approx(4 * 2.4 * (33**2 - 30**2) / 40**2, rel=0.02)
@@ -97,7 +124,7 @@ def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_
 def test_what_a_stopped_projectile_leaves_has_no_error(setup):
     one, other = result_of(setup, "stopped", 0.0), result_of(setup, "stopped", -0.1)
     other.step_history = np.array([[0.0, 2e-3, 5.0, 0.0]])
-    found = {each.name: each for each in mesh_uncertainty.compare(one, other).intervals}
+    found = {each.name: each for each in mesh_uncertainty.compare(Shot(one), Shot(other)).intervals}
     assert found["residual velocity"].uncertainty == found["absorbed energy"].uncertainty == 0.0
     assert found["peak deflection"].uncertainty == pytest.approx(4 * 1.0)
 
@@ -112,7 +139,7 @@ def climbed(setup, results, monkeypatch, targets, **fixed):
         failure = result if isinstance(result, Exception) else None
         known = result_of(this, "unstable", 0.0) if failure else result
         known.setup = this
-        return mesh_uncertainty.Shot(known, failure)
+        return Shot(known, failure, window_of(known))
 
     monkeypatch.setattr(ImpactSetup, "table", lambda self, kept: None)
     monkeypatch.setattr(mesh_uncertainty, "_can_be_meshed", lambda *_: True)
@@ -174,6 +201,7 @@ def test_the_smallest_part_of_a_panel(setup, changes, symmetry):
 
 
 def test_outcomes_that_differ_have_no_interval(setup):
-    pair = mesh_uncertainty.compare(result_of(setup, "stopped", 0.0), result_of(setup, "perforated", 12.0))
+    results = result_of(setup, "stopped", 0.0), result_of(setup, "perforated", 12.0)
+    pair = mesh_uncertainty.compare(*map(Shot, results))
     assert (pair.same_outcome, pair.intervals) == (False, ())
     assert "the outcome depends on the mesh: stopped, and perforated on the finer one" in chapters.words(pair)

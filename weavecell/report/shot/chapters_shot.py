@@ -289,10 +289,8 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
     """The mesh, of a set-up with the mesh that was used."""
     weave = setup.fabric.weave
     side = 1 / setup.resolved_elements_per_crossover if setup.grading is None else setup.grading[0][1]  # [crossovers]
-    fewer, step = (
-        "" if setup.grading is None else " about the impact point, fewer outside",
-        record.time[-1] / record.steps,
-    )
+    fewer = "" if setup.grading is None else " about the impact point, fewer outside"
+    step = record.time[-1] / record.steps
     rows = (
         ("elements per crossover, along each side", f"{1 / side:.3g}{fewer}"),
         ("smallest element [mm]", " x ".join(display.number(2 * w * side, "m", form=".2f") for w in weave.w)),

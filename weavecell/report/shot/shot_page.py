@@ -45,19 +45,11 @@ def page(shot: ShotResult, setup: ImpactSetup, found: Sequence[Section], stamp: 
         if not setup.lay_up:
             plies = f"{shot.count} plies of {shot.fabric_name}, {shot.pack['stacking']}"
         more = f" At rest: {shot.gap_words}; {shot.contact_words}."
+    struck = f"struck at {projectile.strike_velocity:g} m/s by {words.shot_in_words(projectile)}"
+    lead = f"{plies}, {words.panel_in_words(panel)}, {struck}.{more}"
+    cards = chapters_shot.card(shot), *map(chapters.fabric_card, setup.fabrics), *laws
     cost = chapters_shot.cost([shot], setup.meshed)
-    return Report(
-        shot.title,
-        f"{plies}, {words.panel_in_words(panel)}, struck at {projectile.strike_velocity:g} m/s by "
-        f"{words.shot_in_words(projectile)}.{more}",
-        ((chapters_shot.card(shot), *map(chapters.fabric_card, setup.fabrics), *laws),),
-        (
-            *found,
-            checks.section(shot.checks),
-            chapters.sources(*setup.fabrics),
-            chapters.making(stamp, {"time integration": shot.wall_time}, cost),
-        ),
-        f"weavecell {stamp['weavecell']}, {stamp['date']}",
-        outcome=chapters_shot.outcome(shot),
-        tone=shot.outcome,
-    )
+    making = chapters.making(stamp, {"time integration": shot.wall_time}, cost)
+    chapters_of_all = *found, checks.section(shot.checks), chapters.sources(*setup.fabrics), making
+    footer, outcome = f"weavecell {stamp['weavecell']}, {stamp['date']}", chapters_shot.outcome(shot)
+    return Report(shot.title, lead, (cards,), chapters_of_all, footer, outcome=outcome, tone=shot.outcome)

@@ -1,0 +1,98 @@
+"""Mean of a shot that perforates over a window of strike velocities, with its standard error.
+
+Yarns fail one after the other, as waves come back from the edges: residual velocity, absorbed energy and number of
+failures are staircases in the strike velocity, and their value at one velocity is a point of a step. So the shot is
+repeated at `FACTORS` times its strike velocity V0. The mean is the value at V0 of the straight line through the n shots
+(V_i, y_i) by least squares, since a trend with the velocity is no scatter. With the mean velocity V_m, the slope b and
+the residuals r_i of the line, this value and its standard error are
+
+    y_m + b (V0 - V_m),    s sqrt(1/n + (V0 - V_m)^2 / sum (V_i - V_m)^2),    s^2 = sum r_i^2 / (n - 2)
+
+(D. C. Montgomery, E. A. Peck, G. G. Vining, Introduction to Linear Regression Analysis, estimation of the mean
+response). Residuals of a staircase are not normal: the standard error measures scatter, and is no confidence interval.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from math import nan, sqrt
+from typing import Any
+
+import numpy as np
+
+from fabrics import run_cache
+from shellfabric.impact.simulation import ImpactResult, ImpactSetup, fired
+from weavecell.studies import sweep
+
+FACTORS = 0.92, 0.96, 1.0, 1.04, 1.08
+QUANTITIES = {  # key of a shot's row, words, unit
+    "residual_velocity": ("residual_velocity_m_s", "residual velocity", "m/s"),
+    "absorbed_energy": ("absorbed_energy_J", "absorbed energy", "J"),
+    "cut_yarns": ("failed_yarn_segments", "failed yarn segments", ""),
+}
+
+
+@dataclass(frozen=True)
+class Window:
+    """Shots about a strike velocity; one that became unstable counts in no mean.
+
+    Parameters
+    ----------
+    strike_velocity : [m/s] of the middle
+    shots : rows of `sweep.row_of`, each with its "strike_velocity_m_s", by strike velocity
+    """
+
+    strike_velocity: float
+    shots: tuple[dict[str, Any], ...]
+
+    @property
+    def outcomes(self) -> Counter[str]:
+        """{outcome: number of shots}; more than one where outcomes are mixed."""
+        return Counter(shot["outcome"] for shot in self.shots)
+
+    def mean(self, quantity: str) -> tuple[float, float]:
+        """(mean, standard error) of one of `QUANTITIES`, in its unit; NaN of fewer than three shots."""
+        counted = [shot for shot in self.shots if shot["outcome"] != "unstable"]
+        points = np.array([(shot["strike_velocity_m_s"], shot[QUANTITIES[quantity][0]]) for shot in counted])
+        return on_line(points[:, 0], points[:, 1], self.strike_velocity)
+
+    def summary(self) -> dict[str, Any]:
+        """All of it as plain values."""
+        mean, error = ({key: self.mean(name)[k] for name, (key, *_) in QUANTITIES.items()} for k in (0, 1))
+        return {"mean": mean, "standard_error": error, "stopped": self.outcomes["stopped"], "shots": list(self.shots)}
+
+
+def on_line(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
+    """(value, its standard error) at a place of the line through points (n,) by least squares; NaN below n = 3."""
+    if x.size < 3:
+        return nan, nan
+    off, place = x - x.mean(), at - x.mean()
+    slope = off @ y / (off @ off)
+    residuals = y - y.mean() - slope * off
+    variance = residuals @ residuals / (x.size - 2)
+    return float(y.mean() + slope * place), sqrt(variance * (1 / x.size + place**2 / (off @ off)))
+
+
+def fire(setup: ImpactSetup) -> dict[str, Any]:
+    """The row of one shot of a window."""
+    return _row(*fired(setup, table=setup.table(kept=True)))
+
+
+def _row(result, problem=""):
+    return {"strike_velocity_m_s": result.setup.strike_velocity} | sweep.row_of(result, problem)
+
+
+def about(result: ImpactResult, **runs: Any) -> Window | None:
+    """The window about a shot that has been made; None of one that did not perforate.
+
+    Parameters
+    ----------
+    runs : folder, executor, jobs, report of `run_cache.results`; nothing is kept without
+    """
+    if result.outcome != "perforated":
+        return None
+    plain, velocity = replace(result.setup, snapshot_interval=None, history=None), result.setup.strike_velocity
+    others = [(replace(plain, strike_velocity=factor * velocity),) for factor in FACTORS if factor != 1]
+    rows = run_cache.results(fire, others, **runs) if runs else [fire(*other) for other in others]
+    return Window(velocity, tuple(sorted([*rows, _row(result)], key=lambda row: row["strike_velocity_m_s"])))
