@@ -145,7 +145,7 @@ def pack_shot(pack, strike_velocity):
         "residual_velocity": float(solver.sample("v")[-1]),
         "deflection_mm": 1e3 * float(solver.ply_sample("deflection").max()),
         "peak_N": [float(peak) for peak in solver.peak_tensions[..., 0].max(axis=0)],
-        "failed_by_ply": [float(count) for count in solver.ply_sample("failed_yarns")[-1]],
+        "failed_by_ply": [float(count) for count in solver.ply_sample("cut_yarns")[-1]],
         "deepest": float(solver.deepest.max()),
         "balance": float(np.abs(solver.sample("error")).max() / solver.strike_energy),
         "cpu_s": min(costs),

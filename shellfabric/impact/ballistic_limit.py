@@ -45,7 +45,7 @@ class Shot:
     strike_velocity, residual_velocity : [m/s]; the residual velocity of a projectile that stops is 0
     outcome : "stopped" or "perforated"
     time : [s] from strike to stop or perforation
-    failed : number of failed yarn segments of the whole panel, of all plies
+    cut_yarns : of the whole panel, of all plies
     peak_tension : (warp, weft) [N] the highest of any ply, in its own weave
     balance : [-] error of the energy balance over the strike energy, the worst of the run
     wall_time : [s] of the time integration
@@ -56,7 +56,7 @@ class Shot:
     residual_velocity: float
     outcome: str
     time: float
-    failed: int
+    cut_yarns: float
     peak_tension: tuple[float, float]
     balance: float
     wall_time: float
@@ -303,8 +303,8 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         if give_up is not None and give_up.is_set():
             raise _GivenUp
         if stops_below > 0 and not solver.ended and solver.sample("v")[-1] < stops_below * velocity:
-            failed = solver.sample("failed_yarns")[solver.sample("t") >= solver.time - quiet]
-            if failed[0] == failed[-1]:
+            lost = solver.sample("failure_dissipation")[solver.sample("t") >= solver.time - quiet]
+            if lost[0] == lost[-1]:
                 solver.reason = STOPPED
 
     solver = PackSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
@@ -318,7 +318,7 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         residual_velocity=solver.residual_velocity,
         outcome=solver.outcome,
         time=solver.time,
-        failed=int(solver.sample("failed_yarns")[-1]),
+        cut_yarns=float(solver.sample("cut_yarns")[-1]),
         peak_tension=tuple(max(float(state.peak_tension[k]) for _, _, state in solver.parts) for k in (0, 1)),
         balance=float(abs(solver.sample("error")).max()) / solver.strike_energy,
         wall_time=solver.wall_time,

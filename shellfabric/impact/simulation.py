@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.checks import FilePath, FloatArray, IntArray
+from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
@@ -450,9 +450,9 @@ class ImpactResult(Outcome):
         return self.peaks[..., 0]
 
     @property
-    def failed_segments(self) -> IntArray:
-        """(n,) failed yarn segments of all plies."""
-        return self.plies["failed_yarns"].sum(axis=1)
+    def cut_yarns(self) -> FloatArray:
+        """(n,) cut yarns of all plies (`ply_audit.cut_yarns`)."""
+        return self.plies["cut_yarns"].sum(axis=1)
 
     @property
     def reactions(self) -> dict[str, FloatArray]:

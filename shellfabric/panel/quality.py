@@ -169,14 +169,14 @@ class Monitor:
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 
-def split_viscous(failed: FloatArray, energies: Mapping[str, FloatArray]) -> tuple[float, float]:
+def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> tuple[float, float]:
     """What viscosity dissipates, split at the last sample before the first failure is seen: yarns fail between samples.
 
     After the split it takes the energy of recoiling cut yarns, which is lost whatever the viscosity.
 
     Parameters
     ----------
-    failed : (n,) failures of yarns so far, of all plies
+    cut_yarns : (n,) so far, of all plies
     energies : {name: (n,)} [J] of which "viscous" and "kinetic_projectile" are used
 
     Returns
@@ -185,7 +185,7 @@ def split_viscous(failed: FloatArray, energies: Mapping[str, FloatArray]) -> tup
     recoil : [J] dissipated by viscosity after the split; 0 where no yarn fails
     """
     viscous, kinetic = energies["viscous"], energies["kinetic_projectile"]
-    split = int(np.argmax(failed > 0)) - 1  # the first sample has no failure: without one this is the last sample
+    split = int(np.argmax(cut_yarns > 0)) - 1  # the first sample has none: without a cut this is the last sample
     lost = max(kinetic[0] - kinetic[split], 1e-3 * kinetic[0])
     return float(viscous[split] / lost), float(viscous[-1] - viscous[split])
 
@@ -194,7 +194,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a run of a `solver.pack_solver.PackSolver`."""
     from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 
-    panel, shot = solver.panel, solver.panel.projectile
+    panel, const, shot = solver.panel, solver.const, solver.panel.projectile
     strike = solver.strike_energy
     energies = {name: solver.sample(name) for name in solver.energy_names}
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
@@ -203,14 +203,14 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
     bound = panel.time_step / panel.numerics.cfl
     given = max(float(np.max(-energies[name])) for name in ("contact", "ply_contact") if name in energies)
     found = [
-        indicator("time step", solver.const.dt / bound),
+        indicator("time step", const.dt / bound),
         indicator("energy error", float(np.max(np.abs(energies["error"]))) / strike),
         indicator("energy gained in contact", max(given, 0.0) / strike),
-        indicator("viscous energy", split_viscous(solver.sample("failed_yarns"), energies)[0]),
+        indicator("viscous energy", split_viscous(solver.sample("cut_yarns"), energies)[0]),
         indicator("formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed),
         indicator("tension oscillation", solver.monitor.oscillation),
         indicator("nose penetration", depth / nose),
-        indicator("contact point spacing", _spacing(solver.const) / nose),
+        indicator("contact point spacing", max(const.dx, const.dy) / const.points_per_side / nose),
         indicator("element side", max(panel.spacing) / shot.radius),
         indicator("yarns an element", float(panel.finest)),
         *_extrapolation(solver),
@@ -219,11 +219,6 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         found.append(indicator("ply penetration", solver.monitor.found[:, -1].max()))
         found.append(indicator("unresolved torn contact", solver.held_apart[1]))
     return tuple(found)
-
-
-def _spacing(const):
-    """[m] between the points of contact of the smallest elements."""
-    return max(const.dx, const.dy) / const.points_per_side
 
 
 def _extrapolation(solver):

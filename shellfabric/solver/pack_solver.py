@@ -37,9 +37,9 @@ _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectil
 ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES)  # of any panel
 BETWEEN_PLIES = ("ply_contact", "ply_friction")  # of several plies
 SLIP_WORK = ("crossover_friction", "crossover_stops", "slip_residual")  # of sliding crossovers: Slip.work
-OBSERVED = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft")
+OBSERVED = ("t", "v", "z", "cut_yarns", "reaction_warp", "reaction_weft")
 PLY_SAMPLES = (
-    "failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy", "peak_warp", "peak_weft",
+    "cut_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy", "peak_warp", "peak_weft",
     "pull_in", "slip",
 )  # fmt: skip
 
@@ -317,10 +317,10 @@ class PackSolver(ExplicitSolver):
         for ply, ((panel, const, state), ends, energy, push, cloth) in enumerate(
             zip(self.parts, self._ends, energies, pushes, self._held)
         ):
-            failed = ply_audit.failed_segments(panel, const, state) / self.share
+            cut = ply_audit.cut_yarns(panel, const, state, bool(self.slips))
             reactions = ply_audit.edge_reactions(panel, const, state, ends)
             deflection = ply_audit.deflection(const, state, cloth)
-            own = failed, *reactions, -push / self.share, deflection, energy / self.share
+            own = cut, *reactions, -push / self.share, deflection, energy / self.share
             slip = max((float(np.abs(passed).max()) for passed in self.passed_lengths(ply)), default=0.0)
             rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state), slip])
         return np.array(rows)

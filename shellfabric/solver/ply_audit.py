@@ -1,4 +1,4 @@
-"""What is sampled of one ply: its energies, failed yarn segments, edge reactions and deflection.
+"""What is sampled of one ply: its energies, cut yarns, edge reactions and deflection.
 
 The energy that the yarns store follows from their stretches.
 In the equilibrium form, whose forces are no gradient, the work done on the yarns differs from it: the difference is the
@@ -14,7 +14,7 @@ import numpy as np
 
 from fabrics.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
-from shellfabric.panel import perforation
+from shellfabric.panel import grading, perforation
 from shellfabric.panel.element_kernels import LOST_TRELLIS, LOST_YARN, VISCOUS, WORK
 from shellfabric.panel.motion_kernels import STEP
 from shellfabric.projectile import contact_kernels
@@ -43,22 +43,13 @@ def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatAr
     kernels.energies(state, const, slide, out)
     # work of the forces that is neither stored nor lost
     residual = 0.0 if const.variational else sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
-    return np.array(
-        [
-            out[kernels.KINETIC] + state.slip_energy[boundary_kernels.KINETIC],
-            out[kernels.STORED],
-            residual,
-            out[kernels.SHEAR],
-            out[kernels.BENDING],
-            out[kernels.JAMMING],
-            sums[VISCOUS],
-            state.contact_energy[contact_kernels.CONTACT],
-            state.contact_energy[contact_kernels.FRICTION],
-            sums[LOST_YARN] + sums[LOST_TRELLIS],
-            state.slip_energy[boundary_kernels.CLAMP_FRICTION],
-            state.slip_energy[boundary_kernels.BOUNDARY_WORK],
-        ]
-    )
+    contact, slip = state.contact_energy, state.slip_energy
+    return np.array([
+        out[kernels.KINETIC] + slip[boundary_kernels.KINETIC], out[kernels.STORED], residual, out[kernels.SHEAR],
+        out[kernels.BENDING], out[kernels.JAMMING], sums[VISCOUS], contact[contact_kernels.CONTACT],
+        contact[contact_kernels.FRICTION], sums[LOST_YARN] + sums[LOST_TRELLIS], slip[boundary_kernels.CLAMP_FRICTION],
+        slip[boundary_kernels.BOUNDARY_WORK],
+    ])  # fmt: skip
 
 
 def stored_energy(const: Constants, state: State, slide: Any) -> float:
@@ -68,11 +59,21 @@ def stored_energy(const: Constants, state: State, slide: Any) -> float:
     return out[kernels.STORED]
 
 
-def failed_segments(panel: Panel, const: Constants, state: State) -> float:
-    """Failed yarn segments of the modelled part; those on a plane of symmetry belong to it by half."""
-    shape = const.ni + 1, const.row_stride
-    families = zip(state.failed, panel.segments)
-    return float(sum(np.sum(failed[: shape[0] * shape[1]].reshape(shape) * n) for failed, n in families))
+def cut_yarns(panel: Panel, const: Constants, state: State, slides: bool = False) -> float:
+    """Cut yarns of the whole ply, however often each is cut; of a yarn of several grid lines the part that is cut.
+
+    A line stands for the yarns up to halfway to its neighbours. A plane of symmetry across a yarn makes no second one
+    of it, a plane along it does.
+
+    slides : whether yarns slide through crossovers: an end that has left one is no cut
+    """
+    shape, total = (const.ni + 1, const.row_stride), 0.0
+    for family, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):
+        broken = state.failed[family] != 0 if slides else state.intact_fraction[family] == 0.0
+        edges = np.moveaxis(broken[: shape[0] * shape[1]].reshape(shape), family, 0)[:-1]  # along the family, lines
+        yarns = count * grading.tributary(np.diff(panel.lines()[1 - family])) * (1 + panel.mirrors[1 - family])
+        total += float(yarns[edges.any(axis=0)].sum())
+    return total
 
 
 def edge_reactions(

@@ -75,7 +75,7 @@ def setup_of(path):
 def _of_result(result):
     return {
         "end": result.outcome, "energy_error": result.energy_error_max, "steps": result.steps,
-        "failed_segments": int(result.failed_segments[-1]), "residual_velocity": result.residual_velocity,
+        "cut_yarns": float(result.cut_yarns[-1]), "residual_velocity": result.residual_velocity,
         "doubtful": "; ".join(str(check) for check in result.checks if not check.ok),
     }  # fmt: skip
 
@@ -99,7 +99,7 @@ def summary(rows) -> str:
     ended = [row for row in rows if row["outcome"] == "ok"]
     counts = Counter(row["end"] if row["outcome"] == "ok" else row["outcome"] for row in rows)
     error, cpu = max((row["energy_error"] for row in ended), default=0), sum(row["cpu_time"] for row in rows)
-    torn, doubtful = (sum(bool(row[name]) for row in ended) for name in ("failed_segments", "doubtful"))
+    torn, doubtful = (sum(bool(row[name]) for row in ended) for name in ("cut_yarns", "doubtful"))
     return (
         f"{len(rows)} scenes: {', '.join(f'{n} {name}' for name, n in counts.most_common())}; {torn} with torn yarns, "
         f"{doubtful} doubtful, energy error at most {100 * error:.2g} %, {cpu:.0f} s of CPU"

@@ -144,7 +144,7 @@ def shot(**scene: Any) -> RunResult:
         "z": result.nose_position,
         "energies": result.energies,
         "reactions": result.reactions,
-        "failed": result.failed_segments,
+        "failed": result.cut_yarns,
         "peak": np.array(result.peak_tension),
         "strength": np.array([yarn.strength for yarn in weave.yarns]),
         "fine": result.step_history,

@@ -160,7 +160,7 @@ def yarn_in_shell(*, fabric: str, velocity: float, length: float, end_time: floa
 class _Unguarded(PackSolver):
     """A march that goes on where a guard would end it, unless a number is not finite.
 
-    `problem` is the message of the first guard, `failed_then` the failed segments of the pack at that moment.
+    `problem` is the message of the first guard, `failed_then` the cut yarns of the pack at that moment.
     """
 
     problem, failed_then = "", None
@@ -199,7 +199,7 @@ def noisy_pack(
         "t": march.sample("t"),
         "v": march.sample("v"),
         "z": march.sample("z"),
-        "plies": {"failed_yarns": march.ply_sample("failed_yarns")},
+        "plies": {"cut_yarns": march.ply_sample("cut_yarns")},
         "balance": float(np.nanmax(np.abs(balance))),
     }
 

@@ -100,7 +100,7 @@ def fire(shot: Shot) -> dict[str, Any]:
         projectile=BULLET if shot.bullet else given["projectile"],
     )  # fmt: skip
     summary = found.summary()
-    names = ("outcome", "residual_velocity_m_s", "end_time_s", "max_deflection_m", "ply_failed_yarn_segments",
+    names = ("outcome", "residual_velocity_m_s", "end_time_s", "max_deflection_m", "ply_cut_yarns",
              "energy_error_max", "torn_unresolved", "checks")  # fmt: skip
     return {name: summary[name] for name in names} | {"a": law(shot.fabric).a, "b": law(shot.fabric).b}
 
@@ -148,7 +148,7 @@ def varied(found: Mapping[str, Mapping[str, Any]]) -> Rows:
 
 def torn(shot: Mapping[str, Any]) -> int:
     """Number of plies in which a yarn has failed."""
-    return sum(1 for segments in shot["ply_failed_yarn_segments"] if segments)
+    return sum(1 for cut in shot["ply_cut_yarns"] if cut)
 
 
 def bullets(found: Sequence[Mapping[str, Any]]) -> Rows:

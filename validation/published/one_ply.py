@@ -165,13 +165,13 @@ def _interval(value: float, interval: tuple[float, float] | None) -> str:
 
 def residual_table(curves: Sequence[Curve]) -> Rows:
     """One row a shot of the residual velocities."""
-    rows = [["fabric", "strike velocity, m/s", "outcome", "residual velocity, m/s", "after, µs", "failed yarn segments",
+    rows = [["fabric", "strike velocity, m/s", "outcome", "residual velocity, m/s", "after, µs", "cut yarns",
              "energy error, %"]]  # fmt: skip
     for curve in curves:
         for shot in curve.shots:
             rows.append([
                 curve.fabric, f"{shot.strike_velocity:.1f}", _WORDS[shot.outcome], f"{shot.residual_velocity:.1f}",
-                f"{1e6 * shot.time:.0f}", f"{shot.failed}", f"{100 * shot.balance:.3f}",
+                f"{1e6 * shot.time:.0f}", f"{shot.cut_yarns:.1f}", f"{100 * shot.balance:.3f}",
             ])  # fmt: skip
     return rows
 

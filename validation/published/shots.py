@@ -96,7 +96,7 @@ def fire(case: Case) -> dict[str, Any]:
     """One shot: a dict of numbers, for a file."""
     began = time.process_time()
     (shot,) = ballistic_limit.shoot(panel(case.fabric, case.elements, case.body), [case.velocity])
-    return asdict(shot) | {"failed": [shot.failed], "cpu": time.process_time() - began}
+    return asdict(shot) | {"failed": [shot.cut_yarns], "cpu": time.process_time() - began}
 
 
 def search(case: Search) -> dict[str, Any]:
@@ -131,7 +131,7 @@ def _row(kind, results, case, expected):
         "kind": kind, "fabric": case.fabric, "plies": "1", "strike velocity [m/s]": f"{case.velocity:g}",
         "elements per crossover": f"{case.elements}", "projectile": case.body, "thesis": expected,
         "computed": WORDS[found["outcome"]], "time [us]": f"{1e6 * found['time']:.0f}",
-        "residual velocity [m/s]": f"{found['residual_velocity']:.1f}", "failed yarn segments": f"{found['failed'][0]}",
+        "residual velocity [m/s]": f"{found['residual_velocity']:.1f}", "cut yarns": f"{found['failed'][0]:.1f}",
         "energy balance [%]": f"{100 * found['balance']:.3f}",
     }  # fmt: skip
 
@@ -145,7 +145,7 @@ def pack_shots(results: Callable[..., dict[str, Any]]) -> list[dict[str, str]]:
             "elements per crossover": "2 about the impact point", "projectile": "rigid", "thesis": published.split()[0],
             "computed": WORDS[found["outcome"]], "time [us]": f"{1e6 * found['time']:.0f}",
             "residual velocity [m/s]": f"{found['residual_velocity']:.1f}",
-            "failed yarn segments": f"{sum(found['failed']):g}",
+            "cut yarns": f"{sum(found['failed']):.1f}",
             "energy balance [%]": f"{100 * found['balance']:.3f}",
         })  # fmt: skip
     return rows

@@ -21,7 +21,7 @@ from weavecell.results.impact import ImpactRecord
 
 FABRIC = "S-726"
 OPTIONS = {"neither": False, "rate_dependence": True}
-HEADS = ("outcome", "velocity at the end, m/s", "failed segments", "tension at failure over strength",
+HEADS = ("outcome", "velocity at the end, m/s", "cut yarns", "tension at failure over strength",
          "energy error, %", "wall time, s")  # fmt: skip
 
 
@@ -50,7 +50,7 @@ def cells(result: ImpactResult) -> tuple[str, ...]:
         "–" if record.failure.get(key) is None else format(factor * record.failure[key], form)
     )
     return (
-        result.outcome, f"{result.residual_velocity:.1f}", f"{result.failed_segments[-1]:.0f}",
+        result.outcome, f"{result.residual_velocity:.1f}", f"{result.cut_yarns[-1]:.1f}",
         text("tension_at_failure_over_strength", ".2f"),
         f"{100 * record.energy_error_max:.3f}",
         f"{result.wall_time:.1f}",

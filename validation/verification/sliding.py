@@ -82,8 +82,8 @@ def cost(mu: float | None) -> tuple[float, int]:
     return best, solver.steps
 
 
-def limit(name: str, mu: float | None) -> tuple[float, float, int, float, float]:
-    """(stop, perforation [m/s], failed segments of the slowest perforation, largest energy error, widest window [m]);
+def limit(name: str, mu: float | None) -> tuple[float, float, float, float, float]:
+    """(stop, perforation [m/s], cut yarns of the slowest perforation, largest energy error, widest window [m]);
     of pinned crossovers where mu is None."""
     this = setup(name, 100.0, None if mu is None else CrossoverFriction(mu))
     panel = this.panel(this.table(kept=True))
@@ -93,7 +93,7 @@ def limit(name: str, mu: float | None) -> tuple[float, float, int, float, float]
         return float("nan"), float("nan"), 0, float("nan"), float("nan")
     slowest = min((shot for shot in found.shots if shot.perforated), key=lambda shot: shot.strike_velocity)
     balance = max(shot.balance for shot in found.shots)
-    return found.low, found.high, slowest.failed, balance, window(panel, found.low)
+    return found.low, found.high, slowest.cut_yarns, balance, window(panel, found.low)
 
 
 def window(panel: Panel, velocity: float) -> float:

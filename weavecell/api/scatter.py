@@ -387,7 +387,7 @@ class DrawsResult(StudyResult):
 
         units = {name: unit.replace("/", "_") for name, (unit, _) in QUANTITIES.items()} | {"time": "s"}
         draws = [vars(draw) for draw in self.study.draws]
-        return {f"{name}_{units[name]}" if name in units else name: [d[name] for d in draws] for name in draws[0]}
+        return {f"{name}_{units.get(name, '')}".rstrip("_"): [d[name] for d in draws] for name in draws[0]}
 
     @property
     def title(self) -> str:

@@ -289,7 +289,6 @@ class ShotResult(ImpactRecord, Result):
             if np.ndim(values) == 1:
                 unit = histories.unit(name).replace("/", "_")
                 columns[name if unit == "1" else f"{name}_{unit}"] = values
-        columns["failed_yarn_segments"] = columns.pop("failed_segments")
         columns |= {f"reaction_{name}_N": self.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")}
         return columns | {"checks": [self.checks_text] * len(self.time)}
 
@@ -372,8 +371,8 @@ class ShotResult(ImpactRecord, Result):
         lines = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
         if self.pack:
             lines.append(self.contact_words)
-            by_ply = ", ".join(f"{n:g}" for n in self.plies["failed_yarns"][-1])
-            lines += [f"failed yarn segments by ply: {by_ply}", self.gap_words]
+            by_ply = ", ".join(f"{n:.1f}" for n in self.plies["cut_yarns"][-1])
+            lines += [f"cut yarns by ply: {by_ply}", self.gap_words]
         error = text(self.energy_error_max, "1", "error", ".3f")
         lines.append(f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J")
         if self.rigid_check:
@@ -382,7 +381,7 @@ class ShotResult(ImpactRecord, Result):
             said = f"back-face signature {text(self.backing.back_face_signature, 'm', form='.3g')}"
             lines.append(f"{said}; the block still moves with {chapters_shot.block_moves(self)} of the strike energy")
         share, lost = text(self.viscous_energy_fraction, "1", "share", ".1f"), self.energies["failure_dissipation"][-1]
-        if self.failed_segments[-1]:
+        if self.cut_yarns[-1]:
             lines.append(f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")
             lines.append(f"viscous energy {share} of what was absorbed until the first failure")
         else:

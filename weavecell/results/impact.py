@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from shellfabric.projectile.dynamics import BarHistory
     from shellfabric.sliding.model import SlipSummary
 
-FORMAT = "weavecell impact 7"  # and version of the files
+FORMAT = "weavecell impact 8"  # and version of the files
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +89,7 @@ class ImpactRecord:
     nose_position: np.ndarray
     contact_force: np.ndarray
     deflection: np.ndarray
-    failed_segments: np.ndarray
+    cut_yarns: np.ndarray
     energies: dict
     plies: dict
     strength: np.ndarray
@@ -138,7 +138,7 @@ class ImpactRecord:
             elements=sum(panel.elements for panel in panels),
             time=result.t,
             velocity=result.v,
-            failed_segments=result.failed_segments.astype(int),
+            cut_yarns=result.cut_yarns,
             strength=np.array([[yarn.strength for yarn in panel.weave.yarns] for panel in panels]),
             peak_tension=result.peaks[..., 0],
             peak_tension_time=result.peaks[..., 1],
@@ -216,7 +216,7 @@ class ImpactRecord:
     def _viscous_split(self):
         from shellfabric.panel.quality import split_viscous
 
-        return split_viscous(self.failed_segments, self.energies)
+        return split_viscous(self.cut_yarns, self.energies)
 
     @property
     def signature_mm(self) -> float:

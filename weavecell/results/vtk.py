@@ -1,7 +1,6 @@
 """Panels in motion as a ParaView series, by pyvista: one .vtu a snapshot, and a .pvd that lists them with their times.
 
-Pressures times areas, and failed segments, add up to what histories.h5 has of each ply at that time, over the part of
-the panel that is modelled.
+Pressures times areas add up to what histories.h5 has of each ply at that time, over the modelled part of the panel.
 """
 
 from __future__ import annotations

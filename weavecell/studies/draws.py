@@ -29,7 +29,7 @@ QUANTITIES = {  # of a Draw: unit, words
     "absorbed_energy": ("J", "absorbed energy"),
     "peak_tension_warp": ("N", "peak tension, warp"),
     "peak_tension_weft": ("N", "peak tension, weft"),
-    "failed": ("", "failed yarn segments"),
+    "cut_yarns": ("", "cut yarns"),
 }
 OUTCOMES = ("stopped", "perforated", "in flight", "unstable")
 CONFIDENCE = 0.95
@@ -46,7 +46,7 @@ class Draw:
     residual_velocity : [m/s] along the panel's normal
     absorbed_energy : [J] that the projectile has lost
     peak_tension_warp, peak_tension_weft : [N] highest of any ply over the run
-    failed : yarn segments at the end, of all plies
+    cut_yarns : at the end, of all plies
     time : [s] end of the run
     weakest : [-] factor on the strength of the weakest yarn
     balance : [-] largest error of the energy balance over the strike energy
@@ -58,7 +58,7 @@ class Draw:
     absorbed_energy: float
     peak_tension_warp: float
     peak_tension_weft: float
-    failed: int
+    cut_yarns: float
     time: float
     weakest: float
     balance: float
@@ -147,7 +147,7 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Draw:
         absorbed_energy=float(result.strike_energy - result.energies["kinetic_projectile"][-1]),
         peak_tension_warp=float(warp),
         peak_tension_weft=float(weft),
-        failed=int(result.failed_segments[-1]),
+        cut_yarns=float(result.cut_yarns[-1]),
         time=float(result.t[-1]),
         weakest=min(drawn.weakest),
         balance=float(result.energy_error_max),

@@ -65,7 +65,7 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
         "max_deflection_m": float(result.max_deflection),
         "peak_tension_warp_N": float(warp),
         "peak_tension_weft_N": float(weft),
-        "failed_yarn_segments": int(result.failed_segments[-1]),
+        "cut_yarns": float(result.cut_yarns[-1]),
         "energy_error_max": float(result.energy_error_max),
         "checks": quality.status(result.checks),
     }

@@ -29,7 +29,7 @@ FACTORS = 0.92, 0.96, 1.0, 1.04, 1.08
 QUANTITIES = {  # key of a shot's row, words, unit
     "residual_velocity": ("residual_velocity_m_s", "residual velocity", "m/s"),
     "absorbed_energy": ("absorbed_energy_J", "absorbed energy", "J"),
-    "cut_yarns": ("failed_yarn_segments", "failed yarn segments", ""),
+    "cut_yarns": ("cut_yarns", "cut yarns", ""),
 }
 
 

@@ -70,7 +70,7 @@ def test_a_load_that_is_held_breaks_a_yarn_in_time(ready, panel_of):
 @pytest.mark.parametrize("plies", [1, 2])
 def test_a_shot_knows_at_which_strengths_its_yarns_have_failed(ready, shoot, plies):
     shot = shoot(200.0, fabric=ready, plies=plies, elements_per_crossover=1, symmetry="whole", rate_dependence=True)
-    assert shot.failures[:, 0].sum() == shot.failed_segments[-1] > 0
+    assert shot.failures[:, 0].sum() >= shot.cut_yarns[-1] > 0
     count, ratio = shot.failures[0]
     assert 1.0 < ratio / count < 1.61
 

@@ -32,7 +32,7 @@ def test_a_run_goes_on_with_another_number_of_threads(fabric, tmp_path):
     run(replace(two, end_time=12e-6), hooks=(checkpoint.Checkpoints(tmp_path / "run.h5", 5e-6),))
     resumed = run(three, resume=tmp_path / "run.h5")
     np.testing.assert_array_equal(resumed.step_history, whole.step_history)
-    assert resumed.failed_segments[-1] == whole.failed_segments[-1] > 0
+    assert resumed.cut_yarns[-1] == whole.cut_yarns[-1] > 0
 
 
 def test_how_many(monkeypatch):

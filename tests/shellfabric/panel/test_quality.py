@@ -83,6 +83,6 @@ def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():
     assert all({check.name for check in shot.checks if not check.ok} == {"element side"} for shot in coarse)
     assert all(check.ok for shot in usual for check in shot.checks)
     for shot in usual:
-        share, recoil = quality.split_viscous(shot.failed_segments, shot.energies)
+        share, recoil = quality.split_viscous(shot.cut_yarns, shot.energies)
         assert quality.indicator("viscous energy", share) in shot.checks
         assert 0 < recoil < shot.energies["viscous"][-1]

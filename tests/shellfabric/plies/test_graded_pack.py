@@ -40,7 +40,7 @@ def test_equal_elements_are_the_plain_pack(graded, strike_velocity):
         for panel in (ply, forced(replace(ply)))
     )
     assert other.consts[0].line_offset1.size > 0
-    assert (one.sample("failed_yarns")[-1] > 0) == (strike_velocity > 200)
+    assert (one.sample("cut_yarns")[-1] > 0) == (strike_velocity > 200)
     for a, b in zip(one.states, other.states):
         for name in ("u", "v", "f_int", "failed"):
             for x, y in zip(getattr(a, name), getattr(b, name)):
@@ -108,7 +108,7 @@ def test_shots_against_the_uniform_pack(ply, strike_velocity, zones):
         panel = replace(ply, grading=grading, opening=(side, side))
         march = PackSolver(Pack.stacked(panel, 2, stacking="alternating", gap=50e-6), strike_velocity, end_time).run()
         assert march.deepest.max() < 1.0
-        assert (march.sample("failed_yarns")[-1] > 0) == (strike_velocity > 200)
+        assert (march.sample("cut_yarns")[-1] > 0) == (strike_velocity > 200)
         found.append((march.sample("v")[-1], march.pack.elements))
     (v, n), (v_graded, n_graded) = found
     assert n_graded < 0.6 * n

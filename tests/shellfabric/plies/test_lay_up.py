@@ -27,7 +27,7 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     results = [run(laid(*plies)) for plies in ((one, one, other), (other, one, one))]
     for result in results:
         assert result.energy_error_max < 2e-3
-        assert result.failed_segments[-1] > 0
+        assert result.cut_yarns[-1] > 0
         assert result.plies["peak_warp"][-1].tolist() == result.ply_tensions[:, 0].tolist()
         assert np.all(np.diff(result.plies["peak_weft"], axis=0) >= 0)
     first, second = results

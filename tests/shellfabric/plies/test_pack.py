@@ -22,7 +22,7 @@ def test_far_behind_is_a_single_ply(ply, monkeypatch):
     alone = far._in_step(ply)
     single, pack = PackSolver(alone, 120.0, 20e-6).run(), PackSolver(far, 120.0, 20e-6).run()
     assert same(single.state, pack.states[0]._replace(**far._foreseen(0)))  # room that a firm nose would need
-    assert single.sample("failed_yarns")[-1] > 0
+    assert single.sample("cut_yarns")[-1] > 0
     assert not pack.stack.awake[1]
     assert not any(u.any() for u in pack.states[1].u)
 

@@ -2,6 +2,7 @@
 
 from math import inf
 
+import numpy as np
 import pytest
 from conftest_tools import grid
 
@@ -9,32 +10,41 @@ from shellfabric.panel import boundary
 from shellfabric.solver import ply_audit
 
 ZONES = ((6, 1), (inf, 2))
+FINE = ((4, 1 / 3), (inf, 1))
+
+
+def cut(panel, *cuts):
+    """`ply_audit.cut_yarns` after cuts (family, place along it, low, high) [crossovers from the impact point]: of the
+    edges on both sides at this place whose lines lie between low and high across the family."""
+    const, state = panel.constants(), panel.state(100.0)
+    for family, along, low, high in cuts:
+        intact = np.moveaxis(grid(const, state.intact_fraction[family]), family, 0)
+        x, y = (panel.lines()[n] / (2 * panel.weave.w[n]) for n in (family, 1 - family))
+        near, far = np.sort(np.abs([x[:-1], x[1:]]), axis=0)
+        intact[:-1][np.ix_((near < along) & (along < far), (abs(y) > low) & (abs(y) < high))] = 0.0
+    return ply_audit.cut_yarns(panel, const, state)
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])
-def test_yarns_on_a_plane_of_symmetry_count_by_half(small, symmetry):
-    """Two segments of every warp and one of every weft fail: 2 x 25 and 25 of the whole panel of 24 x 24 crossovers,
-    whose warp segments lie in pairs on either side of x = 0."""
-    panel = small(symmetry=symmetry)
+@pytest.mark.parametrize("mesh", [{}, {"elements_per_crossover": 3}, {"grading": FINE}, {"grading": ZONES}])
+def test_one_cut_is_the_same_number_of_yarns_on_all_meshes_and_parts(small, symmetry, mesh):
+    """From 2.5 crossovers on one side to 2.5 on the other: five yarns, however often and on how many sides cut."""
+    panel = small(symmetry=symmetry, **mesh)
+    assert cut(panel) == 0.0
+    for family in (0, 1):
+        assert cut(panel, (family, 0.9, -1, 2.5)) == pytest.approx(5.0)
+        assert cut(panel, (family, 0.9, -1, 2.5), (family, 3.1, 0.5, 1.5)) == pytest.approx(5.0)
+        assert cut(panel, (family, 0.9, 1.5, 2.5), (1 - family, 0.9, -1, 1.5)) == pytest.approx(2.0 + 3.0)
+        assert cut(panel, (family, 0.9, -1, 99.0)) == pytest.approx(24.0)  # a line at an edge is half a yarn
+
+
+def test_the_end_of_a_sliding_yarn_that_has_left_a_crossover_is_no_cut(small):
+    panel = small()
     const, state = panel.constants(), panel.state(100.0)
-    warp, weft = grid(const, state.failed[0]), grid(const, state.failed[1])
-    warp[[const.ni // 2 - 1, const.ni // 2] if symmetry == "whole" else 0] = 1
-    assert ply_audit.failed_segments(panel, const, state) / panel.share == 2 * 25
-    warp[:] = 0
-    weft[:, 3] = 1
-    assert ply_audit.failed_segments(panel, const, state) / panel.share == (2 * 25 if symmetry == "quarter" else 25)
-
-
-def test_a_line_of_a_graded_panel_stands_for_its_yarns(small):
-    """All warp segments: as on the plain panel, but for the outermost lines, which stand for the two yarns of their
-    last element (`Panel.segments`)."""
-    counts = []
-    for zones in (None, ZONES):
-        panel = small(grading=zones)
-        const, state = panel.constants(), panel.state(100.0)
-        grid(const, state.failed[0])[:-1] = 1
-        counts.append(ply_audit.failed_segments(panel, const, state) / panel.share)
-    assert counts == pytest.approx([24 * 25, 24 * (25 + 2 * 0.5)])
+    grid(const, state.intact_fraction[0])[3, 4:6] = 0.0
+    grid(const, state.failed[0])[3, 4] = 1
+    assert ply_audit.cut_yarns(panel, const, state, slides=True) == pytest.approx(2.0)
+    assert ply_audit.cut_yarns(panel, const, state) == pytest.approx(4.0)
 
 
 def test_reactions_are_the_tension_of_the_yarn_nearest_the_impact_point(small):

@@ -42,7 +42,7 @@ POINTS = (
     ("penalty", 4.0, 0.5, FAILED, "the contact has given"),  # else it ends quietly, its peaks 65 % too high
     ("plies", 0.2, "smooth", STABLE, ""), ("plies", 0.2, "nodes", WRONG, ""),
     ("edge-radius", 0.3e-3, "1 element per crossover", STABLE, ""),
-    ("edge-radius", 0.3e-3, "1/4 element per crossover", WRONG, "failed segments, 0 on the finest mesh"),
+    ("edge-radius", 0.3e-3, "1/4 element per crossover", WRONG, "cut yarns, 0.0 on the finest mesh"),
     ("printed-law", 0.0, 0.0, WRONG, "where there is none"), ("printed-law", 20e-6, 20e-6, STABLE, ""),
     ("load-step", 0.1, "warp only", STABLE, ""),
     ("load-step", 1.0, "warp only", FAILED, "the crossover found no equilibrium: no convergence"),

@@ -34,7 +34,7 @@ def test_a_pack_says_what_it_is_made_of(pack):
     assert (told["plies"], told["stacking"], record.count) == (3, "lay-up", 3)
     assert told["ply_fabrics"] == ["S-728", "S-726", "S-726"]
     assert told["ply_angles_deg"] == [0.0, 30.0, -45.0]
-    assert sum(told["ply_failed_yarn_segments"]) == told["failed_yarn_segments"]
+    assert sum(told["ply_cut_yarns"]) == told["cut_yarns"]
     assert told["back_face_signature_mm"] > 0.1
     cloths = [catalogue.load(name).with_effective_density() for name in told["ply_fabrics"]]
     strengths = [[yarn.strength for yarn in cloth.weave.yarns] for cloth in cloths]

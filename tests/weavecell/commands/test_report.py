@@ -56,7 +56,7 @@ def test_the_outcome_is_one_line(record):
     through = replace(record, outcome="perforated", residual_velocity=50.0)
     assert said(through).startswith("Perforated: COMPLETE PENETRATION, 155 m/s, residual velocity 50.0 m/s")
     held = replace(
-        record, outcome="stopped", residual_velocity=0.0, failed_segments=np.zeros(len(record.time)),
+        record, outcome="stopped", residual_velocity=0.0, cut_yarns=np.zeros(len(record.time)),
         max_deflection=7.5e-3, peak_tension=np.array([[0.3, 0.98]]) * record.strength,
         checks=(Indicator("energy error", 0.1, 0.01),),
     )  # fmt: skip

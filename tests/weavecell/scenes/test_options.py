@@ -59,7 +59,7 @@ OPTIONS = {
     "whole": (WHOLE, elements(4, 4)),
     "yarns hold": (
         {"panel": {"yarn_failure": False}},
-        lambda shot, plain: shot.failed_segments[-1] == 0 < plain.failed_segments[-1]),
+        lambda shot, plain: shot.cut_yarns[-1] == 0 < plain.cut_yarns[-1]),
     "graded": (
         {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
         lambda shot, _: shot.elements < 23**2 * shot.count),

@@ -26,12 +26,12 @@ def noisy(fabric: str, velocity: float, plies: int, failure_time: float = 0.0) -
 
 @check(lambda fabric, velocity, plies: {"run": pack(fabric, velocity, plies)})
 def outcome(run: RunResult, fabric: str, velocity: float, plies: int) -> Found:
-    failed = run["plies"]["failed_yarns"][-1]
+    cut = run["plies"]["cut_yarns"][-1]
     return {
         "outcome": outcome_of(run),
         "decided": outcome_of(run) in (STOPPED, PERFORATED),
         "note": f"residual velocity {max(run['residual'], 0):.0f} m/s, {1e3 * run['z'].max():.1f} mm deep after "
-        f"{1e6 * run['t'][-1]:.0f} us; yarns failed by ply: {', '.join(f'{n:.0f}' for n in failed)}; deepest contact "
+        f"{1e6 * run['t'][-1]:.0f} us; cut yarns by ply: {', '.join(f'{n:.1f}' for n in cut)}; deepest contact "
         f"{100 * run['deepest'].max():.0f} % of a ply; balance {100 * run['balance']:.2f} %",
     }
 
@@ -127,31 +127,31 @@ def _forms(fabric, velocity, plies):
 
 @check(_forms)
 def naive(smooth: RunResult, nodes: RunResult, averaged: RunResult, fabric: str, velocity: float, plies: int) -> Found:
-    """Failed yarn segments and outcomes with smooth contact and with nodes pushing on the nodes opposite to them."""
+    """Cut yarns and outcomes with smooth contact and with nodes pushing on the nodes opposite to them."""
     failed = {name: _failed(run) for name, run in _named(smooth, nodes, averaged)}
     return {
-        "failed segments, node to node": failed["node to node"],
-        "failed segments, smooth": failed["smooth"],
-        "failed segments, node to node, averaged": failed["averaged"],
+        "cut yarns, node to node": failed["node to node"],
+        "cut yarns, smooth": failed["smooth"],
+        "cut yarns, node to node, averaged": failed["averaged"],
         "outcome, smooth": outcome_of(smooth),
         "outcome, node to node": outcome_of(nodes),
         "outcome, averaged": outcome_of(averaged),
         "note": "; ".join(
-            f"{name}: {outcome_of(run)} after {1e6 * run['t'][-1]:.0f} us, {failed[name]:.0f} failed{_guarded(run)}"
+            f"{name}: {outcome_of(run)} after {1e6 * run['t'][-1]:.0f} us, {failed[name]:.1f} cut yarns{_guarded(run)}"
             for name, run in _named(smooth, nodes, averaged)
         ),
     }
 
 
 def _failed(run):
-    """Failed yarn segments of all plies, at the end or where a guard would have ended the run."""
-    return run["failed_then"] if run.get("problem") else run["plies"]["failed_yarns"][-1].sum()
+    """Cut yarns of all plies, at the end or where a guard would have ended the run."""
+    return run["failed_then"] if run.get("problem") else run["plies"]["cut_yarns"][-1].sum()
 
 
 def _guarded(run):
     """What a guard would have ended the run for, and what has failed by its end."""
-    last = run["plies"]["failed_yarns"][-1].sum()
-    return f" until {run['problem']}; {last:.0f} at the end" if run.get("problem") else ""
+    last = run["plies"]["cut_yarns"][-1].sum()
+    return f" until {run['problem']}; {last:.1f} at the end" if run.get("problem") else ""
 
 
 def _named(smooth, nodes, averaged):

@@ -36,7 +36,7 @@ def agreement(rows: Iterable[Any]) -> str:
 
 def outcomes(rows: Iterable[Any]) -> str:
     """One row a published shot."""
-    lines = [["plies", "fabric", "strike, m/s", "thesis", "computed", "at, µs", "failed yarn segments by ply",
+    lines = [["plies", "fabric", "strike, m/s", "thesis", "computed", "at, µs", "cut yarns by ply",
               "highest tension / strength", "deepest / thickness", "energy error, %"]]  # fmt: skip
     for fabric, plies, velocity, published, one in rows:
         lines.append([
@@ -81,15 +81,15 @@ def outcome_text(one: dict[str, Any]) -> str:
     return word if one["outcome"] == "stopped" else f"{word}, {one['residual_velocity']:.0f} m/s left"
 
 
-def by_ply(failed: Sequence[float]) -> str:
-    """Numbers of failed segments, equal ones of neighbouring plies drawn together."""
-    if not any(failed):
+def by_ply(cut: Sequence[float]) -> str:
+    """Numbers of cut yarns, equal ones of neighbouring plies drawn together."""
+    if not any(cut):
         return "none"
     parts, start = [], 0
-    for end in range(1, len(failed) + 1):
-        if end == len(failed) or failed[end] != failed[start]:
+    for end in range(1, len(cut) + 1):
+        if end == len(cut) or cut[end] != cut[start]:
             count = end - start
-            parts.append(f"{failed[start]:g}" if count == 1 else f"{count} x {failed[start]:g}")
+            parts.append(f"{cut[start]:.1f}" if count == 1 else f"{count} x {cut[start]:.1f}")
             start = end
     return ", ".join(parts)
 
@@ -97,7 +97,7 @@ def by_ply(failed: Sequence[float]) -> str:
 def gaps(found: dict[float, dict[str, Any]]) -> str:
     """One row a gap."""
     lines = [["gap, mm", "outcome", "at, µs", "deflection, mm", "highest force, kN (2 µs mean)",
-              "jumps of the force, kN rms", "failed yarn segments"]]  # fmt: skip
+              "jumps of the force, kN rms", "cut yarns"]]  # fmt: skip
     for gap in GAPS:
         one = found[gap]
         force, slow = smoothed(one, 2e-6), smoothed(one, 20e-6)

@@ -65,7 +65,7 @@ def shoot(shot: Shot) -> dict[str, Any]:
         "case": asdict(shot),
         "outcome": result.outcome,
         "time": float(result.t[-1]),
-        "failed": result.plies["failed_yarns"][-1].tolist(),
+        "failed": result.plies["cut_yarns"][-1].tolist(),
         "absorbed": result.strike_energy - 0.5 * result.setup.projectile.mass * result.residual_velocity**2,
         "balance": result.energy_error_max,
         "missed": float(result.held_apart[1]),

@@ -162,7 +162,7 @@ def shoot(case: Case, velocity: float) -> Shot:
     result, problem = simulation.fired(given, table=given.table(kept=True))
     outcome = "unstable" if problem else result.outcome
     left = 0.0 if outcome == "stopped" else float(result.residual_velocity)
-    failed = result.plies["failed_yarns"] > 0
+    failed = result.plies["cut_yarns"] > 0
     times = tuple(float(result.t[column.argmax()]) if column.any() else inf for column in failed.T)
     warp, weft = result.peak_tension
     absorbed = 0.5 * given.projectile.mass * (velocity**2 - left**2)

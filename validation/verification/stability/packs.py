@@ -47,16 +47,16 @@ def fire(**knobs: Any) -> Answer:
     stiffest = PlyLaw.solid(ply().fabric)  # other laws reach the stiffness that bounds the step only at high pressures
     march = PackSolver(Pack.stacked(ply(), PLIES, contact=Beyond(**knobs), law=stiffest), VELOCITY, END).run()
     peak = tuple(float(tension) for tension in march.peak_tensions[..., 0].max(axis=0))
-    failed = int(march.sample("failed_yarns")[-1])
+    cut = float(march.sample("cut_yarns")[-1])
     checks = quality.of_solver(march)
-    return Answer(peak, float(march.sample("v")[-1]), failed, checks, float(march.deepest.max()))
+    return Answer(peak, float(march.sample("v")[-1]), cut, checks, float(march.deepest.max()))
 
 
 def pack(*, allowed: float, reference: Mapping[str, Any], **knobs: Any) -> Outcome:
     """STABLE where peaks and velocity are those of the reference, no yarn fails and no ply goes through the next."""
     found = fire(**knobs)
     off = found.off(shots.compared_with(fire, tuple(reference.items())), VELOCITY)
-    good = off <= allowed and found.failed == 0 and found.deepest < 1
-    message = f"{found.failed} failed segments" if found.failed else ""
+    good = off <= allowed and found.cut_yarns == 0 and found.deepest < 1
+    message = f"{found.cut_yarns:.1f} cut yarns" if found.cut_yarns else ""
     message = message or (f"{found.deepest:.2g} of a ply's thickness deep" if found.deepest >= 1 else "")
     return Outcome(STABLE if good else WRONG, 100 * off, message, found.checks)

@@ -33,12 +33,12 @@ class Beyond(Numerics):
 
 @dataclass(frozen=True)
 class Answer:
-    """What is read off a shot: peak tension (warp, weft) [N] of any ply, velocity left [m/s], failed yarn segments,
-    quality indicators."""
+    """What is read off a shot: peak tension (warp, weft) [N] of any ply, velocity left [m/s], cut yarns, quality
+    indicators."""
 
     peak: tuple
     velocity: float
-    failed: int
+    cut_yarns: float
     checks: tuple = ()
 
     def off(self, other: Answer, strike: float = VELOCITY) -> float:
@@ -77,7 +77,7 @@ def fire(
     )  # fmt: skip
     march = PackSolver(panel, velocity, end).run()
     peak = tuple(float(tension) / crossovers for tension in march.state.peak_tension)
-    return Answer(peak, float(march.sample("v")[-1]), int(march.sample("failed_yarns")[-1]), quality.of_solver(march))
+    return Answer(peak, float(march.sample("v")[-1]), float(march.sample("cut_yarns")[-1]), quality.of_solver(march))
 
 
 def step(*, cfl: float, neighbours: int = 1, **scene: Any) -> Answer:
@@ -95,8 +95,8 @@ def step(*, cfl: float, neighbours: int = 1, **scene: Any) -> Answer:
     steps = [cfl * (1 - 0.01 * n) for n in range(neighbours)]
     found = [fire(cfl=each, penalty=Numerics.penalty * (each / SOFT) ** 2, **scene) for each in steps]
     peak = tuple(map(median, zip(*(one.peak for one in found))))
-    velocity, failed = (median(getattr(one, name) for one in found) for name in ("velocity", "failed"))
-    return Answer(peak, velocity, failed, found[0].checks)
+    velocity, cut = (median(getattr(one, name) for one in found) for name in ("velocity", "cut_yarns"))
+    return Answer(peak, velocity, cut, found[0].checks)
 
 
 @cache
@@ -109,9 +109,10 @@ def shot(*, allowed: float, reference: Mapping[str, Any], **scene: Any) -> Outco
     """STABLE where peaks and velocity are those of the reference, and no yarn fails that does not there."""
     found, fine = fire(**scene), compared_with(fire, tuple(reference.items()))
     off = found.off(fine)
-    good = off <= allowed and (found.failed == 0) == (fine.failed == 0)
-    failed = f"{found.failed} failed segments, {fine.failed} on the finest mesh"
-    return Outcome(STABLE if good else WRONG, 100 * off, failed if found.failed or fine.failed else "", found.checks)
+    good = off <= allowed and (found.cut_yarns == 0) == (fine.cut_yarns == 0)
+    cut = f"{found.cut_yarns:.1f} cut yarns, {fine.cut_yarns:.1f} on the finest mesh"
+    cut = cut if found.cut_yarns or fine.cut_yarns else ""
+    return Outcome(STABLE if good else WRONG, 100 * off, cut, found.checks)
 
 
 def time_step(*, allowed: float, allowed_ringing: float, reference: Mapping[str, Any], **scene: Any) -> Outcome:

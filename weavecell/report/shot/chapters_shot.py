@@ -53,10 +53,9 @@ def _deflection(record):
 
 
 def _load(record):
-    """How many yarn segments have failed, or how near to the strength the tension came."""
-    count = int(record.failed_segments[-1])
-    if count:
-        return f"{count} failed yarn segments"
+    """How many yarns are cut, or how near to the strength the tension came."""
+    if count := record.cut_yarns[-1]:
+        return f"{count:.1f} cut yarns"
     family, peak = max(record.peaks.items(), key=lambda item: item[1].share)
     return f"peak tension {text(peak.share, '1', 'share', '.3g')} of the strength ({family})"
 
@@ -106,7 +105,7 @@ def ply_table(record: ImpactRecord) -> Table:
     table = display.frame(
         {
             "ply": ("", np.arange(1, record.count + 1)),
-            "failed yarn segments": ("", record.plies["failed_yarns"][-1].astype(int)),
+            "cut yarns": ("", np.round(record.plies["cut_yarns"][-1], 1)),
             "peak tension / strength, warp": ("1", shares[:, 0]),
             "peak tension / strength, weft": ("1", shares[:, 1]),
             "energy at the end": ("J", record.plies["energy"][-1]),
@@ -240,13 +239,13 @@ def _of_plies(record):
     plies = record.plies
     both = zip((plies["peak_warp"], plies["peak_weft"]), record.strength.T)
     tension = np.max([column / strength for column, strength in both], axis=0)
-    peaks, failed, energy = record.peak_tension / record.strength, plies["failed_yarns"][-1], plies["energy"][-1]
+    peaks, cut, energy = record.peak_tension / record.strength, plies["cut_yarns"][-1], plies["energy"][-1]
     bears = "What each ply bears. The energy of a ply is its kinetic and stored energy and what it has dissipated."
     pushes = (
         "Contact force of the projectile on the plies that it touches, at single steps; deflection of each ply "
         "from its own plane; highest tension of its warp or weft so far, over the strength."
     )
-    shares = pictures.render(pictures_shot.shares, peaks, failed, energy)
+    shares = pictures.render(pictures_shot.shares, peaks, cut, energy)
     histories = pictures.render(pictures_shot.pushes, record.time, plies["push"], plies["deflection"], tension)
     return [Figure(shares, "svg", bears, "plies"), Figure(histories, "svg", pushes, "pushes")]
 

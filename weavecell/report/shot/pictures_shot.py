@@ -224,24 +224,24 @@ def shades(count: int) -> list:
     return [ramp(n / max(1, count - 1)) for n in range(count)]
 
 
-def shares(pyplot: Any, peaks: np.ndarray, failed: np.ndarray, energy: np.ndarray) -> Any:
-    """What each ply bears: highest tension, failed yarn segments, energy at the end.
+def shares(pyplot: Any, peaks: np.ndarray, cut: np.ndarray, energy: np.ndarray) -> Any:
+    """What each ply bears: highest tension, cut yarns, energy at the end.
 
     Parameters
     ----------
     peaks : (plies, 2) [-] highest tension of warp and weft over the strength
-    failed : (plies,)
+    cut : (plies,) yarns
     energy : (plies,) [J]
     """
     figure, row = pyplot.subplots(1, 3, figsize=(10.4, 3.6))
-    ply = np.arange(1, len(failed) + 1)
+    ply = np.arange(1, len(cut) + 1)
     for column, (name, colour) in enumerate((("warp", BLUE), ("weft", RED))):
         row[0].bar(ply + 0.2 * (2 * column - 1), peaks[:, column], 0.38, color=colour, label=name)
     row[0].axhline(1.0, color=FAINT, ls=":", lw=1.2)
     row[0].set(title="highest tension / strength", ylim=(0, max(1.3, 1.25 * float(peaks.max()))))
     row[0].legend(loc="upper right", ncols=2)
-    row[1].bar(ply, failed, 0.7, color=ORANGE)
-    row[1].set(title="failed yarn segments", ylim=(0, max(1.0, 1.1 * float(np.max(failed)))))
+    row[1].bar(ply, cut, 0.7, color=ORANGE)
+    row[1].set(title="cut yarns", ylim=(0, max(1.0, 1.1 * float(np.max(cut)))))
     row[2].bar(ply, energy, 0.7, color=BLUE)
     row[2].set(title="energy at the end [J]", ylim=(0, 1.1 * float(np.max(energy))))
     for axes in row:
