@@ -1,10 +1,11 @@
-"""What is assumed of a fabric whose file does not give it: trellis shear, the yarn as a solid, and crimp.
+"""What is assumed of a fabric whose file does not give it: trellis shear, the yarn as a solid, crimp, failure length.
 
 The laws are the defaults of the yarns' fibre family (`fabrics.families`); the angles and moduli of the trellis follow
 from the weave. Crimp follows from the thickness (`fabrics.data_sheet`), with a thickness and a share of the warp that
-have a range. A fabric says what has been assumed: `Fabric.assumed` names it, its `sources` hold the values with the
-status "assumed" or "derived", and `lines` is what a command prints and records. `shear_ends`, `solid_ends` and
-`crimp_ends` are the fabric with either end of the assumed ranges.
+have a range. The failure length is one for all families (`data_sheet.toml`). A fabric says what has been assumed:
+`Fabric.assumed` names it, its `sources` hold the values with the status "assumed" or "derived", and `lines` is what a
+command prints and records. `shear_ends`, `solid_ends`, `crimp_ends` and `failure_length_ends` are the fabric with
+either end of the assumed ranges.
 """
 
 from __future__ import annotations
@@ -118,8 +119,16 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
     return found
 
 
+def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
+    """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
+    if "failure_length" not in fabric.assumed:
+        return {}
+    one = entries()["failure_length"]
+    return {f"failure length {1e3 * end:g} mm": replace(fabric, failure_length=end) for end in (one.low, one.high)}
+
+
 def given(fabric: Fabric, table: str) -> Fabric:
-    """The fabric whose `table`, "shear" or "solid", is no longer assumed, such as after a fit; its law stays."""
+    """The fabric of whose `assumed` one is no longer assumed, such as "solid" after a fit; its value stays."""
     return replace(fabric, assumed=tuple(name for name in fabric.assumed if name != table))
 
 
@@ -129,15 +138,15 @@ def family_of(fabric: Fabric) -> Family | None:
 
 
 def lines(fabric: Fabric) -> list[str]:
-    """One line for each table that was assumed, and for crimp that was computed from the thickness."""
+    """One line for each table that was assumed, for crimp computed from the thickness, and for the failure length."""
     family = family_of(fabric)
     name = family.name if family is not None else "unknown"
     more = {"shear": ", its angles from width and spacing of the yarns"}
+    words = {table: f"[{table}] of {name} yarns{more.get(table, '')}" for table in TABLES}
+    words["failure_length"] = f"failure length {entries()['failure_length'].written}"
     return [
-        _crimp_line(fabric)
-        if table == "crimp"
-        else f"assumed: [{table}] of {name} yarns{more.get(table, '')}, because {fabric.name} gives none"
-        for table in fabric.assumed
+        _crimp_line(fabric) if key == "crimp" else f"assumed: {words[key]}, because {fabric.name} gives none"
+        for key in fabric.assumed
     ]
 
 

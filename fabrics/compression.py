@@ -270,11 +270,7 @@ def _read_json(path):
         raise InputError("cannot be read", file=path, allowed=f"a compression law ({problem.strerror})") from problem
     except ValueError as problem:
         raise InputError("is not JSON", file=path, allowed=f"a compression law ({problem})") from problem
-    if not isinstance(content, dict) or content.get("format") != _FORMAT:
-        raise InputError(
-            file=path,
-            key="format",
-            value=content.get("format") if isinstance(content, dict) else None,
-            allowed=repr(_FORMAT),
-        )
+    found = content.get("format") if isinstance(content, dict) else None
+    if found != _FORMAT:
+        raise InputError(file=path, key="format", value=found, allowed=repr(_FORMAT))
     return content

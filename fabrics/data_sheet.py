@@ -1,5 +1,4 @@
-"""What follows from the quantities of a data sheet: crimp from thickness, failure strain from
-strength, checks.
+"""What follows from the quantities of a data sheet: crimp from thickness, failure strain from strength, checks.
 
 Warp and weft touch at the crossover, so that the sum of the heights of their centrelines is half of the sum of the
 yarns' thicknesses there; where the faces of both families are level that sum is the thickness of the fabric:
@@ -34,7 +33,7 @@ FROM_THICKNESS = "computed from the thickness"
 def entries() -> dict[str, Entry]:
     """{name: Entry} of `data_sheet.toml`."""
     content = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-    return {name: entry(table, "") for name, table in content.items()}
+    return {name: entry(table, "m" if name.endswith("length") else "") for name, table in content.items()}
 
 
 def crimps(

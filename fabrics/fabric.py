@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from fabrics.checks import positive
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.families.strain_rate import RateLaw
@@ -37,7 +38,7 @@ class Fabric:
     effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
-    assumed : of "crimp", "shear", "solid" and "strain_rate" what the data file does not give (see
+    assumed : of "crimp", "failure_length", "shear", "solid" and "strain_rate" what the data file does not give (see
         `fabrics.assumed`)
     yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
     thickness : [m] of the data sheet, or None
@@ -69,6 +70,7 @@ class Fabric:
     failure_length: float = 0.75e-3
 
     def __post_init__(self):
+        positive(self, "failure_length")
         if self.section is not None and self.section not in SECTIONS:
             raise InputError(
                 key="section", value=self.section, allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}"

@@ -276,6 +276,9 @@ class FabricFile(DataTable):
     thickness: _data(
         "of the data sheet; crimp that is missing is computed from it", "0.30 mm", {"m": "0.02 to 5 mm"}
     ) = None
+    failure_length: _data(
+        "half width, across the fibres, of the mean of the tension that fails a yarn", "0.75 mm", {"m": "0.01 to 10 mm"}
+    ) = None
     warp: _yarn("warp")
     weft: _yarn("weft")
     compression: _both(LawTable, Laws) = None

@@ -86,7 +86,9 @@ def kernel_cache(file: FilePath) -> Iterator[None]:
     import numba
 
     file = Path(file).resolve()
-    root = ROOT if file.is_relative_to(ROOT) else _package_root(file)
+    root = ROOT
+    if not file.is_relative_to(ROOT):  # the folder that the outermost package of the file is in
+        root = next(folder for folder in file.parents if not (folder / "__init__.py").is_file())
     config: Any = numba.config
     before = config.CACHE_DIR
     folder = Path(before or root / file.relative_to(root).parts[0] / "__pycache__")
@@ -95,11 +97,6 @@ def kernel_cache(file: FilePath) -> Iterator[None]:
         yield
     finally:
         config.CACHE_DIR = before
-
-
-def _package_root(file):
-    """The folder that the outermost package of a file is in."""
-    return next(folder for folder in file.parents if not (folder / "__init__.py").is_file())
 
 
 @cache

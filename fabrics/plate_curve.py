@@ -91,12 +91,8 @@ class PlateCurve:
         law = {key: si(content[key]["value"], unit, file=_LAW, key=key) for key, unit in _UNITS.items()}
         K = law["c1"] * areal_density**3 + law["c2"]
         if not K > 0:
-            least = (-law["c2"] / law["c1"]) ** (1 / 3)
-            raise InputError(
-                key="areal_density_measured",
-                value=areal_density,
-                allowed=f"above {least:.4f} kg/m2, where K'' vanishes",
-            )
+            allowed = f"above {(-law['c2'] / law['c1']) ** (1 / 3):.4f} kg/m2, where K'' vanishes"
+            raise InputError(key="areal_density_measured", value=areal_density, allowed=allowed)
         pressure = np.geomspace(law["start"], law["peak"], SAMPLES) / law["platen"] ** 2
         closure = np.cbrt(K) * (pressure[0] ** (-1 / 3) - pressure ** (-1 / 3))
         pack = "" if plies == 1 else f", {plies} plies (Table 2-2)"

@@ -11,6 +11,7 @@ number for both families or a pair (warp, weft), and so is a factor. Sources sta
 | compression laws | `scale_laws` |
 | trellis shear | `with_shear`, `scale_shear` |
 | solid laws of the 3D crossover | `with_solids` |
+| failure length | `with_failure_length` |
 | warp and weft exchanged | `rotated_90` |
 
 Laws that are assumed by fibre family: `fabrics.assumed`. Which cell a fabric is solved with (compressible,
@@ -23,6 +24,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TypeAlias
 
+from fabrics.assumed import given
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric, pair
 
@@ -116,10 +118,22 @@ def with_solids(fabric: Fabric, **values: Value) -> Fabric:
     InputError : the fabric has no solid laws, or a value that `SolidLaw` does not allow
     """
     pairs = {name: pair(value) for name, value in values.items()}
+    if fabric.solid_laws is None:
+        raise InputError(f"fabric {fabric.name} has no solid law of its yarns")
     warp, weft = (
-        replace(law, **{name: two[k] for name, two in pairs.items()}) for k, law in enumerate(_solids(fabric))
+        replace(law, **{name: two[k] for name, two in pairs.items()}) for k, law in enumerate(fabric.solid_laws)
     )
     return replace(fabric, solid_laws=(warp, weft))
+
+
+def with_failure_length(fabric: Fabric, length: float) -> Fabric:
+    """Another failure length [m], which then counts as given.
+
+    Raises
+    ------
+    InputError : it is not above 0
+    """
+    return replace(given(fabric, "failure_length"), failure_length=length)
 
 
 def rotated_90(fabric: Fabric) -> Fabric:
@@ -128,9 +142,3 @@ def rotated_90(fabric: Fabric) -> Fabric:
     weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
     laws, widths, areas = fabric.laws and fabric.laws[::-1], fabric.yarn_width[::-1], fabric.yarn_area[::-1]
     return replace(fabric, weave=weave, laws=laws, yarn_width=widths, yarn_area=areas)
-
-
-def _solids(fabric):
-    if fabric.solid_laws is None:
-        raise InputError(f"fabric {fabric.name} has no solid law of its yarns")
-    return fabric.solid_laws

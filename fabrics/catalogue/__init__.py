@@ -13,9 +13,9 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+from fabrics import data_sheet
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
-from fabrics.data_sheet import FROM_THICKNESS, crimps, mass_note, strain_at_strength, strength_note, thickness_note
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FAMILIES, OF_YARN, STATUSES, Datum, FabricFile, Laws, Solids
@@ -92,8 +92,8 @@ def _fabric(file, sources, path):
     warp, weft = (_yarn(family, file.yarns[family], value, strengths) for family, value in zip(FAMILIES, crimp))
     weave = Weave(warp, weft, file.warp.count.value, file.weft.count.value)
     notes = [f"note: {' and '.join(names)}: {text}" for text, names in strengths.items() if text]
-    notes += thickness_note(weave, thickness) if thickness else []
-    notes += mass_note(weave.areal_density, areal_density) if areal_density else []
+    notes += data_sheet.thickness_note(weave, thickness) if thickness else []
+    notes += data_sheet.mass_note(weave.areal_density, areal_density) if areal_density else []
     effective = tuple(_value(yarn.effective_linear_density) for yarn in file.yarns.values())
     laws = _of_both(
         file.compression,
@@ -102,7 +102,10 @@ def _fabric(file, sources, path):
         lambda key, table: _made(CompressionLaw, key, table.a.value, table.b.value, table.form, path.name),
     )
     solid = _of_both(file.solid, "solid", Solids, lambda key, table: _made(SolidLaw, key, **_values(table)))
-    rate_law = None if file.strain_rate is None else _rate_law(file.strain_rate, path)
+    rate_law = None if file.strain_rate is None else RateLaw.from_table(file.strain_rate, path)
+    length, own_length = data_sheet.entries()["failure_length"], file.failure_length
+    if own_length is None:
+        sources["failure_length"] = {"value": length.written, "source": length.source, "status": length.status}
     fabric = Fabric(
         name=path.stem if file.name is None else file.name,
         weave=weave,
@@ -115,7 +118,8 @@ def _fabric(file, sources, path):
         effective_linear_density=None if None in effective else effective,
         micrograph={family: _values(table) for family, table in file.micrograph or () if table is not None},
         sources=sources | ({} if rate_law is None else rate_law.sources()),
-        assumed=("crimp",) if computed else (),
+        assumed=("crimp",) * computed + ("failure_length",) * (own_length is None),
+        failure_length=(own_length or length).value,
         yarn_width=(_value(file.warp.width), _value(file.weft.width)),
         yarn_area=(_area("warp", file.warp, warp), _area("weft", file.weft, weft)),
         thickness=thickness,
@@ -164,10 +168,10 @@ def _crimps(file, thickness, sources):
     if None not in known:
         return known, False
     cells = 0.5 / file.weft.count.value, 0.5 / file.warp.count.value  # half cell lengths along warp and weft
-    crimp = crimps(cells, thickness, known)
+    crimp = data_sheet.crimps(cells, thickness, known)
     for family, given, value in zip(FAMILIES, known, crimp):
         if given is None:
-            entry = {"value": f"{100 * value:.3f} %", "source": FROM_THICKNESS, "status": "derived"}
+            entry = {"value": f"{100 * value:.3f} %", "source": data_sheet.FROM_THICKNESS, "status": "derived"}
             sources[f"{family}.crimp"] = entry
     return crimp, True
 
@@ -184,7 +188,7 @@ def _yarn(family, table, crimp, strengths):
     if strength is None:
         return _made(Yarn, family, linear_density, density, E, strain, crimp)
     reached, strains = (
-        strain_at_strength(strength.value, strength.unit, linear_density, density, E),
+        data_sheet.strain_at_strength(strength.value, strength.unit, linear_density, density, E),
         OF_YARN["failure_strain"],
     )
     low, high = strains.limits("")
@@ -193,7 +197,7 @@ def _yarn(family, table, crimp, strengths):
         key = f"{family}.{'tenacity' if table.strength is None else 'strength'}"
         raise InputError(key=key, allowed=f"a strength that this modulus reaches at a strain from {bounds}")
     yarn = _made(Yarn, family, linear_density, density, E, reached, crimp)
-    strengths.setdefault(strength_note(yarn, strain, strength.written), []).append(family)
+    strengths.setdefault(data_sheet.strength_note(yarn, strain, strength.written), []).append(family)
     return yarn
 
 
@@ -204,12 +208,3 @@ def _area(family, table, yarn):
         allowed = f"at least {1e6 * least:.4g} mm^2, which the fibres of linear_density take when closest packed"
         raise InputError(key=f"{family}.section_area", allowed=allowed)
     return area
-
-
-def _rate_law(table, path):
-    """The RateLaw of a table; its status is one of STATUSES."""
-    law = RateLaw.from_table(table, path)
-    if law.status not in STATUSES:
-        allowed = f"one of {', '.join(STATUSES)}"
-        raise InputError(file=path, key="strain_rate.status", value=law.status, allowed=allowed)
-    return law

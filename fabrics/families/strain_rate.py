@@ -14,6 +14,7 @@ import numpy as np
 
 from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
+from fabrics.fabric_tables import STATUSES
 from fabrics.units import si
 
 UNITS = {"rates": "1/s", "strength": "", "modulus": ""}
@@ -31,7 +32,7 @@ class RateLaw:
     strength : (n,) [-] strength over that of the data sheet
     modulus : (n,) [-] modulus over that of the data sheet; empty where it does not change
     source : where the numbers come from
-    status : of `fabrics.ply_law.STATUSES`
+    status : of STATUSES
 
     Raises
     ------
@@ -67,6 +68,9 @@ class RateLaw:
         if not isinstance(table, Mapping) or not set(table) <= set(_TABLE):
             wrong = ", ".join(table) if isinstance(table, Mapping) else table
             raise InputError(file=file, key="strain_rate", value=wrong, allowed=f"a table of {', '.join(_TABLE)}")
+        if (status := table.get("status", default)) not in STATUSES:
+            allowed = f"one of {', '.join(STATUSES)}"
+            raise InputError(file=file, key="strain_rate.status", value=status, allowed=allowed)
         columns = {}
         for key, unit in UNITS.items():
             texts, name = table.get(key, [] if key == "modulus" else None), f"strain_rate.{key}"
@@ -74,7 +78,7 @@ class RateLaw:
                 raise InputError(file=file, key=name, value=texts, allowed='a list such as ["30 / s"] or [1.0]')
             columns[key] = tuple(si(text, unit, file=file, key=name) for text in texts)
         try:
-            return cls(**columns, source=str(table.get("source", "")), status=table.get("status", default))
+            return cls(**columns, source=str(table.get("source", "")), status=status)
         except InputError as problem:
             key = f"strain_rate.{problem.key}"
             raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
@@ -102,13 +106,7 @@ class RateLaw:
         growth = np.log(rates[1:] / rates[:-1]) / np.diff(loads)
         first = rates[0] / (RAMP * loads[0])
         slopes = np.concatenate([[first], growth * rates[:-1], [0.0]])
-        return np.array(
-            [
-                [(1 - RAMP) * loads[0], *loads],
-                slopes / failure_strain,
-                [0.0, *growth, 0.0],
-            ]
-        )
+        return np.array([[(1 - RAMP) * loads[0], *loads], slopes / failure_strain, [0.0, *growth, 0.0]])
 
     def sources(self) -> dict[str, dict[str, str]]:
         """{"strain_rate": {"value", "source", "status"}} as `Fabric.sources` has them."""

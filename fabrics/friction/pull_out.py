@@ -98,14 +98,8 @@ class PullOutLaw:
             )
         slope, start = (float(part) for part in np.polyfit(forces, thresholds, 1))
         off = thresholds - start - slope * forces
-        return cls(
-            start,
-            max(slope, 0.0),
-            tuple(forces.tolist()),
-            tuple(thresholds.tolist()),
-            residual_rms=float(np.sqrt(np.mean(off**2))),
-            **others,
-        )
+        samples, rms = (tuple(forces.tolist()), tuple(thresholds.tolist())), float(np.sqrt(np.mean(off**2)))
+        return cls(start, max(slope, 0.0), *samples, residual_rms=rms, **others)
 
     def group(self) -> dict[str, Any]:
         """The content of the group "pull_out", as plain types."""

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fabrics import assumed, catalogue, data_sheet
+from fabrics import assumed, catalogue, data_sheet, variants
 from fabrics.errors import InputError, InputErrors
 from fabrics.fabric_tables import OF_FABRIC, OF_YARN
 from fabrics.units import si
@@ -29,7 +29,7 @@ def test_crimp_gives_the_thickness_back(path):
     fabric = catalogue.load(path)
     assert fabric.weave.thickness == pytest.approx(fabric.thickness, rel=1e-9)
     assert fabric.weave.h01 / sum(fabric.weave.h0) == pytest.approx(data_sheet.entries()["warp_share"].value)
-    assert fabric.assumed == ("crimp",)
+    assert fabric.assumed == ("crimp", "failure_length")
     assert fabric.sources["warp.crimp"]["status"] == "derived"
     stated = si(fabric.sources["areal_density"]["value"], "kg/m^2")
     assert fabric.weave.areal_density == pytest.approx(stated, rel=0.02)
@@ -59,6 +59,29 @@ def test_ends_of_the_crimp_are_those_of_thickness_and_share():
     thin, thick = list(ends.values())[:2]
     assert thin.shear.G2 > fabric.shear.G2 > thick.shear.G2  # the assumed trellis law follows
     assert assumed.crimp_ends(catalogue.load("S-720")) == {}
+
+
+def test_the_assumed_failure_length_is_within_one_yarn_spacing_of_every_fabric():
+    length = data_sheet.entries()["failure_length"]
+    for name in catalogue.list_names():
+        fabric = catalogue.load(name)
+        assert length.value == fabric.failure_length <= 2 * min(fabric.weave.w)
+        assert fabric.assumed == ("failure_length",)
+        entry = fabric.sources["failure_length"]
+        assert (entry["value"], entry["status"]) == ("0.75 mm (0.375 mm .. 1.5 mm)", "assumed")
+        assert assumed.lines(fabric) == [f"assumed: failure length {length.written}, because {name} gives none"]
+    ends = {name: end.failure_length for name, end in assumed.failure_length_ends(fabric).items()}
+    assert ends == {"failure length 0.375 mm": length.low, "failure length 1.5 mm": length.high}
+
+
+def test_a_failure_length_that_is_given_is_not_assumed(tmp_path):
+    fabric = load(
+        tmp_path, TWARON.replace("[warp]", 'failure_length = { value = "1.2 mm", source = "a test" }\n[warp]')
+    )
+    assert fabric.failure_length == variants.rotated_90(fabric).failure_length == pytest.approx(1.2e-3)
+    assert fabric.sources["failure_length"] == {"value": "1.2 mm", "source": "a test", "status": "user"}
+    assert fabric.assumed == ("crimp",)
+    assert assumed.failure_length_ends(fabric) == {}
 
 
 def test_examples_and_published_fabrics_are_within_the_bounds():
@@ -94,7 +117,7 @@ def test_strength_needs_no_failure_strain_and_a_modulus_may_be_a_specific_stress
 
 def test_thickness_and_areal_density_are_compared_with_what_follows_from_crimp_and_count(tmp_path):
     fabric = load(tmp_path, TWARON.replace("count", 'crimp = "0.5 %"\ncount'))
-    assert fabric.assumed == ()
+    assert fabric.assumed == ("failure_length",)
     assert "note: the crimps give a thickness of 0.164 mm, the file states 0.3 mm; the crimps are used" in fabric.notes
     assert any("give 208.2 g/m^2, +1.6 % of the stated 205 g/m^2" in note for note in load(tmp_path, TWARON).notes)
 

@@ -50,6 +50,7 @@ REFUSED = [
     (lambda: comparison.with_law_form(BARE, "printed"), "fabric S-720 has no"),
     (lambda: variants.with_shear(BARE, G1=1e6), "fabric S-720 has no"),
     (lambda: variants.with_solids(BARE, E_c=1e9), "fabric S-720 has no"),
+    (lambda: variants.with_failure_length(S720, 0.0), "failure_length = 0.0: must be a positive number"),
     (lambda: damage(modulus=0.0), "weaving_damage.modulus"),
     (lambda: damage(strength=1.1), "weaving_damage.strength"),
     (lambda: damage(strength=float("nan")), "weaving_damage.strength"),
@@ -78,17 +79,11 @@ def test_one_line_says_what_is_wrong(make, line):
 
 @pytest.mark.parametrize(
     ("change", "line"),
-    [
-        ({"c0": "3 m"}, "pull_out.c0"),
-        ({"mu_eff": -0.1}, "pull_out.mu_eff"),
-        ({"mu_eff": "much"}, "pull_out"),
-        ({"friction_range": [0.3, 0.2]}, "pull_out.friction_range"),
-        ({"T_f_N": [1.0]}, "pull_out.T_f"),
-        ({"F_c_N": [-1.0] * 4}, "pull_out.F_c"),
-        ({"friction": None}, "pull_out"),
-        ({"mu_eff": ...}, "pull_out.mu_eff: is missing"),
-    ],
-)
+    [({"c0": "3 m"}, "pull_out.c0"), ({"mu_eff": -0.1}, "pull_out.mu_eff"), ({"mu_eff": "much"}, "pull_out"),
+     ({"friction_range": [0.3, 0.2]}, "pull_out.friction_range"), ({"T_f_N": [1.0]}, "pull_out.T_f"),
+     ({"F_c_N": [-1.0] * 4}, "pull_out.F_c"), ({"friction": None}, "pull_out"),
+     ({"mu_eff": ...}, "pull_out.mu_eff: is missing")],
+)  # fmt: skip
 def test_a_bad_group_of_a_law_file_is_named(tmp_path, change, line):
     path, forces = tmp_path / "law.json", (2.0, 5.0, 11.0, 17.0)
     CompressionLaw(4.5e-5, 5.8e-5).to_json(path)

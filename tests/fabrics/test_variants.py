@@ -77,6 +77,12 @@ def test_solids(fabric):
         assert after.transverse_modulus(0.75) == pytest.approx(2 * before.transverse_modulus(0.75), rel=1e-12)
 
 
+def test_failure_length(fabric):
+    changed = variants.with_failure_length(fabric, 1e-3)
+    assert (changed.failure_length, changed.assumed) == (1e-3, ())
+    assert replace(changed, failure_length=fabric.failure_length, assumed=fabric.assumed) == fabric
+
+
 def test_a_right_angle_four_times(fabric):
     once = variants.rotated_90(fabric)
     assert (once.weave.w, once.weave.yarns, once.laws) == tuple(

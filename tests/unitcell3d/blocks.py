@@ -49,11 +49,8 @@ class Blocks:
             e = ufl.sym(ufl.grad(w))
             return lame * ufl.tr(e) * ufl.Identity(3) + 2 * mu * e
 
-        self.solid = Assembler(
-            self.space,
-            ufl.inner(stress(u), ufl.sym(ufl.grad(v))) * ufl.dx,
-            ufl.inner(stress(du), ufl.sym(ufl.grad(v))) * ufl.dx,
-        )
+        forms = [ufl.inner(stress(field), ufl.sym(ufl.grad(v))) * ufl.dx for field in (u, du)]
+        self.solid = Assembler(self.space, *forms)
         n = 3 * len(self.points)
         self.K = sparse.csr_matrix((self.solid.tangent(), (self.solid.rows, self.solid.columns)), shape=(n, n))
         self.numerics = Numerics(penalty=1e14, toe=1e-12) if numerics is None else numerics

@@ -62,11 +62,6 @@ def calibrated(s720, tmp_path_factory):
     folder, progress = shared / "calibration-of-S-720", {}
     with open(shared / "calibration.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        found = calibrate(
-            s720,
-            size="coarse",
-            out=folder,
-            resume=True,
-            on_progress=lambda fabric, path, share: progress.update({path: share}),
-        )
+        watch = {"on_progress": lambda fabric, path, share: progress.update({path: share})}
+        found = calibrate(s720, size="coarse", out=folder, resume=True, **watch)
     return SimpleNamespace(found=found, folder=folder, progress=progress)

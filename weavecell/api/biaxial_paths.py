@@ -179,14 +179,8 @@ class BiaxialResult(Result):
     def summary(self) -> dict[str, Any]:
         """Settings, and of each path the yarn that is first at its strength, strains, tensions and contact force there;
         beside the 3D crossover the rms difference of the tensions [N]."""
-        return {
-            "fabric": self.fabric.name,
-            "form": self.model.form,
-            "law": self.source,
-            **self.options,
-            "mesh": self.size,
-            "paths": {text: self._end(text) for text in self.paths},
-        }
+        settings = {"fabric": self.fabric.name, "form": self.model.form, "law": self.source, **self.options}
+        return settings | {"mesh": self.size, "paths": {text: self._end(text) for text in self.paths}}
 
     def _end(self, text):
         path, history = self.paths[text], self.solved.get(text)

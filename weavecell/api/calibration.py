@@ -214,7 +214,7 @@ class CalibrationResult(Result):
     @property
     def assumed(self) -> tuple[str, ...]:
         """Lines that name the laws that are assumed."""
-        return (*self.mesh.fabric.notes, *assumed.lines(self.mesh.fabric))
+        return (*self.mesh.fabric.notes, *assumed.lines(assumed.given(self.mesh.fabric, "failure_length")))
 
     def summary(self) -> dict[str, Any]:
         """a and b with their 95 % intervals, rms of the fit, and the range over the assumed solid law.

@@ -203,14 +203,8 @@ def _title(case):
 
 def _facts(case, failure, began):
     """What the records of all tests begin with."""
-    return {
-        "title": _title(case),
-        "fabric": case.fabric.name,
-        "law_name": case.law_name,
-        "test": case.scene.test,
-        "failure_message": str(failure or ""),
-        "wall_time_s": time.perf_counter() - began,
-    }
+    names = {"title": _title(case), "fabric": case.fabric.name, "law_name": case.law_name, "test": case.scene.test}
+    return names | {"failure_message": str(failure or ""), "wall_time_s": time.perf_counter() - began}
 
 
 def _table(case):

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import files
 from fabrics.checks import FilePath
@@ -62,7 +62,7 @@ def critical_velocity(
     scan_above: float | str = "25 %",
     scan_below: float | str = "10 %",
     scan_step: float | str = "2 %",
-    assumed_range: bool = False,
+    assumed_range: bool | Literal["laws"] = False,
     jobs: int = 1,
     executor: str | Executor = "local",
     out: FilePath | None = None,
@@ -92,7 +92,8 @@ def critical_velocity(
     scan_above : range above the highest stop that is scanned for further stops
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
-    assumed_range : where a law of the fabric is assumed, repeat the search with both ends of its range; not of a lay-up
+    assumed_range : repeat the search with both ends of the range of each assumed law, crimp and failure length, not of
+        a lay-up; without this option a command leaves out the failure length; in Python "laws" does
     jobs : shots that run at the same time, as threads of this process
     executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
         Dask scheduler at DASK_SCHEDULER_ADDRESS
@@ -245,6 +246,7 @@ class CriticalVelocityResult(StudyResult):
             "mixed_zone_m_s": limit.mixed_zone,
             "scan": self.scan and asdict(self.scan),
             "lambert_jonas": self.fit and asdict(self.fit),
+            "limit_sensitivity": self.limit_sensitivity,
             "shots": len(limit.shots),
             "bracket_checks": self.bracket_checks,
             "wall_time_s": self.wall_time,
@@ -288,7 +290,7 @@ class CriticalVelocityResult(StudyResult):
             lines.append(f"Lambert-Jonas: {self.fit.words()}, rms {self.fit.residual_rms:.1f} m/s")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
-        return lines
+        return lines + [self.limit_sensitivity] * bool(self.limit_sensitivity)
 
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:

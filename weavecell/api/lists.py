@@ -245,6 +245,8 @@ def _assumptions(plain, whole):
                 rows.append((f"{family}.crimp", span, data_sheet.FROM_THICKNESS))
         rows.append(("thickness, factor", entries["thickness"].written, entries["thickness"].source))
         rows.append(("warp share of the heights", entries["warp_share"].written, entries["warp_share"].source))
+    if "failure_length" in whole.assumed:
+        rows.append(("failure_length", entries["failure_length"].written, entries["failure_length"].source))
     added = {key: entry for key, entry in whole.sources.items() if key not in plain.sources}
     rows += [(key, entry["value"], entry["source"]) for key, entry in added.items()]
     gap = ply_gap.ply_gap(plain)

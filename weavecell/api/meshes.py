@@ -128,7 +128,7 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
         if problem.file or problem.key:
             raise
         raise InputError(str(problem), key="fabric", value=getattr(fabric, "name", str(fabric))) from None
-    for line in (*whole.notes, *assumed.lines(whole)):
+    for line in (*whole.notes, *assumed.lines(assumed.given(whole, "failure_length"))):
         logging.getLogger("weavecell").info(line)
     return whole
 

@@ -71,16 +71,9 @@ class RunSize(Result):
     def summary(self) -> dict[str, Any]:
         """All of it, names with units."""
         low, high = self.cpu_time
-        return {
-            "elements": self.elements,
-            "bricks": self.bricks,
-            "steps": self.steps,
-            "time_step_s": self.time_step,
-            "memory_bytes": self.memory,
-            "cpu_time_low_s": low,
-            "cpu_time_high_s": high,
-            "assumed": "; ".join(self.assumed),
-        }
+        counts = {"elements": self.elements, "bricks": self.bricks, "steps": self.steps}
+        costs = {"time_step_s": self.time_step, "memory_bytes": self.memory}
+        return counts | costs | {"cpu_time_low_s": low, "cpu_time_high_s": high, "assumed": "; ".join(self.assumed)}
 
     def _columns(self):
         return {name: [value] for name, value in self.summary().items()}

@@ -281,6 +281,7 @@ class V50Result(StudyResult):
                 for link, curve in study.curves.items()
             ),
             f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
+            *[self.limit_sensitivity] * bool(self.limit_sensitivity),
             f"{len(shots)} shots in rounds of {self.batch}, {len(perforations)} perforated, seed {self.seed}; slowest "
             f"perforation {min(perforations):.1f} m/s, fastest stop {max(stops):.1f} m/s; worst energy balance "
             f"{100 * max(shot.balance for shot in shots):.2g} %.",
@@ -332,6 +333,7 @@ class V50Result(StudyResult):
             "plies": self.target.setup.plies,
             "projectile": self.target.projectile,
             "deterministic": study.deterministic,
+            "limit_sensitivity": self.limit_sensitivity,
             "series": asdict(study.series),
             "lambert_jonas": study.fit and asdict(study.fit),
             "scatter": asdict(study.scatter),
@@ -507,8 +509,8 @@ class SensitivityResult(StudyResult):
             {
                 "strike velocity [m/s]": of.velocity,
                 "quantity": of.quantity,
-                "input": LABELS.get(name, name),
-                "range [%]": f"±{100 * ranges[name].value:g}",
+                "input": LABELS.get(name, name.replace("_", " ")),
+                "range [%]": f"-{100 * ranges[name].value:g} to +{100 * ranges[name].up:g}",
                 "status of the range": ranges[name].status,
                 "first order": of.first[k],
                 "± 95 %": of.first_half[k],

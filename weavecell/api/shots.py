@@ -22,7 +22,7 @@ from __future__ import annotations
 import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
@@ -58,7 +58,7 @@ def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
     *,
-    assumed_range: bool = False,
+    assumed_range: bool | Literal["laws"] = False,
     uncertainty: bool = False,
     check: bool = False,
     out: FilePath | None = None,
@@ -78,7 +78,8 @@ def impact(
     ----------
     target : input file of a ply or pack; in Python also a fabric as of `setup`, or a set-up of it
     velocity : of a fabric, [m/s] of the strike
-    assumed_range : of one ply where a law of the fabric is assumed, repeat the shot with both ends of its range
+    assumed_range : of one ply, repeat the shot with both ends of the range of each assumed law, crimp and failure
+        length; without this option a command leaves out the failure length; in Python "laws" does
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of a shot that
         perforates, on both meshes, the mean over a window of +-8 % of the velocity with its standard error
     check : run nothing and write nothing: tell elements, steps, memory, CPU time, and what is assumed
@@ -120,8 +121,8 @@ def impact(
     with targets.folder_of(out, goes_on) as folder:
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty)
-            if assumed_range and failure is None and not climbs and panel.setup.plies == 1:
-                result = replace(result, range=_range(panel.setup, result))
+            if failure is None and not climbs and panel.setup.plies == 1:
+                result = replace(result, range=_range(panel.setup, assumed_range, result))
         if folder is not None:
             with progress.bar("Writing results"):
                 result.save(folder)
@@ -201,15 +202,16 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     return Shot(*progress.watched(run, panel.shot_title, hooks))
 
 
-def _range(setup, shot):
+def _range(setup, choice, shot):
     """The AssumedRange of a shot; None where nothing is assumed, or where the user interrupts it."""
     from weavecell.studies import assumed_range
 
-    if not assumed_range.corners(setup.fabric, setup.laws):
+    with_ends = assumed_range.with_ends(setup, choice)
+    if with_ends is None:
         return None
     try:
         with progress.bar("Range over the assumed laws") as advance:
-            return assumed_range.residual_velocity(setup, shot.outcome, shot.residual_velocity, advance)
+            return assumed_range.residual_velocity(with_ends, shot.outcome, shot.residual_velocity, advance)
     except KeyboardInterrupt:
         return None
 
@@ -273,7 +275,8 @@ class ShotResult(ImpactRecord, Result):
         return known | self._what_is_assumed()
 
     def __repr__(self) -> str:
-        more = f", assumed: {len(self.assumed)} laws" if self.assumed else ""
+        laws = [line for line in self.assumed if "failure length" not in line]
+        more = f", assumed: {len(laws)} laws" if laws else ""
         velocity = f"residual velocity {self.residual_velocity:.4g} m/s"
         return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
 

@@ -103,15 +103,8 @@ def surface(
                 on_progress=advance,
                 provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
             )
-        settings = {
-            "fabric": fabric.name,
-            "mesh": mesh,
-            "friction": friction,
-            "d1_m": spans[0],
-            "d2_m": spans[1],
-            "lines": sampled.surface.T1.shape,
-            "tolerance": tolerance,
-        }
+        settings = {"fabric": fabric.name, "mesh": mesh, "friction": friction, "d1_m": spans[0], "d2_m": spans[1]}
+        settings |= {"lines": sampled.surface.T1.shape, "tolerance": tolerance}
         result = SurfaceResult(fabric, sampled, settings, _cell(fabric, sampled.surface))
         if folder is not None:
             result.save(folder)

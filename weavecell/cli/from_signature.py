@@ -3,7 +3,8 @@
 Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their default; the help is
 the text of the docstring, that of an option what the section Parameters says. What is returned is printed; a doubtful
 result is exit code 3 where --strict is given. Two defaults differ: a command uses all cores, and computes the range
-over assumed laws. A command of a group, such as `fabrics list`, has no folder of its own by default.
+over assumed laws, which it does not over the failure length unless it is asked to. A command of a group, such as
+`fabrics list`, has no folder of its own by default.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from weavecell.report import checks
 
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
-DEFAULTS: dict[str, Any] = {"jobs": CORES, "assumed_range": True}
+DEFAULTS: dict[str, Any] = {"jobs": CORES}
+LEFT_OUT = {"assumed_range": "laws"}  # what a function gets where neither the option nor --no-... is given
 ARGUMENTS = ("target", "tests", "fabric", "name", "file")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 WORDS = {"values": "from"}  # options with another name than their parameter
@@ -58,6 +60,7 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
         if values.get("out", "") is None and " " not in name:
             stems = [Path(values[key]).stem for key in required]
             values["out"] = RESULTS / "-".join(stems if name in OF_ONE_RUN else [name, *stems])
+        values |= {key: LEFT_OUT.get(key) for key, value in values.items() if value is None}
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DoubtfulResult)  # said once, in the line of the checks
@@ -136,13 +139,13 @@ def _escaped(text):
 def _parameter(parameter, meaning):
     """A parameter as typer takes it; one that is left out has the function's own default."""
     name, default = parameter.name, parameter.default
-    default = default if default is None else DEFAULTS.get(name, default)
+    default = None if name in LEFT_OUT and default is False else DEFAULTS.get(name, default)
     kinds = parameter.annotation.split(" | ")
-    choices = re.search(r"Literal\[(.*?)\]", parameter.annotation)
     kind = next((kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds), str)
     kind = str if "str" in kinds or "FilePath" in kinds else kind
     kind = list[str] if kinds[0].startswith("list[") else kind
-    metavar = METAVARS.get(name, choices and re.sub("[\"' ]", "", choices[1]).replace(",", "|"))
+    choices = kind is str and re.search(r"Literal\[(.*?)\]", parameter.annotation)
+    metavar = METAVARS.get(name, re.sub("[\"' ]", "", choices[1]).replace(",", "|") if choices else None)
     settings: dict[str, Any] = {"help": meaning, "metavar": metavar, "min": LEAST.get(name)}
     if name in ARGUMENTS:
         settings["metavar"] = metavar or name.upper()
@@ -153,7 +156,8 @@ def _parameter(parameter, meaning):
     if default is parameter.empty:
         default = None if name == "out" else ...
     word = _option(name)
-    words = [f"{word}/--no-{word[2:]}" if default is True else word, *(SHORT[key] for key in SHORT if key == name)]
+    with_no = default is True or name in LEFT_OUT
+    words = [f"{word}/--no-{word[2:]}" if with_no else word, *(SHORT[key] for key in SHORT if key == name)]
     annotation = Annotated[kind if default is not None else kind | None, typer.Option(*words, **settings)]
     default = parameter.empty if default is ... else default
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)

@@ -95,20 +95,10 @@ def cell(
         measured = ((warp, weft)[main], *tensions) if tensions else None
         cases[title] = {"strain": share * ends[main], "curves": curves, "points": measured}
     content = pictures.render(pictures.cell, cases)
-    return Section(
-        "cell",
-        "Biaxial response of the cell",
-        "Tension of one yarn against the strain of the cell: lines are the shell's cell"
-        + (", circles the 3D crossover." if any(case["points"] for case in cases.values()) else "."),
-        (
-            Figure(
-                content,
-                "svg",
-                "Crimp exchange: each yarn bears on the other and carries load before it is straight.",
-                "cell",
-            ),
-        ),
-    )
+    lead = "Tension of one yarn against the strain of the cell: lines are the shell's cell"
+    lead += ", circles the 3D crossover." if any(case["points"] for case in cases.values()) else "."
+    caption = "Crimp exchange: each yarn bears on the other and carries load before it is straight."
+    return Section("cell", "Biaxial response of the cell", lead, (Figure(content, "svg", caption, "cell"),))
 
 
 def options(table: Any) -> dict[str, Any]:
@@ -152,17 +142,11 @@ def making(stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[T
     """How the page was made: times, further tables, versions, machine and scene; folded."""
     rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
     times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
-    return Section(
-        "making",
-        "How this was computed: times, settings, versions, input",
-        tables=(
-            Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",)),
-            *more,
-            Table(("what", "version or value"), rows),
-        ),
-        details=(("Scene", stamp["scene"]),) if stamp["scene"] else (),
-        folded=True,
-    )
+    stages = Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",))
+    tables = stages, *more, Table(("what", "version or value"), rows)
+    scene = (("Scene", stamp["scene"]),) if stamp["scene"] else ()
+    title = "How this was computed: times, settings, versions, input"
+    return Section("making", title, tables=tables, details=scene, folded=True)
 
 
 def of_cell(

@@ -104,8 +104,7 @@ def render(report: Report) -> str:
 
 def write(report: Report, path: FilePath) -> None:
     """Write the page, whole or not at all."""
-    page = render(report)
-    files.write(path, page)
+    files.write(path, render(report))
 
 
 def write_pictures(sections: Iterable[Section], folder: Path) -> None:

@@ -18,17 +18,7 @@ if TYPE_CHECKING:
     from weavecell.studies.sweep import Quantity
     from weavecell.studies.v50 import Study
 
-LABELS = {
-    "modulus": "yarn modulus",
-    "failure_strain": "failure strain",
-    "crimp_warp": "warp crimp",
-    "crimp_weft": "weft crimp",
-    "areal_density": "areal density",
-    "compression_a": "compression a",
-    "compression_b": "compression b",
-    "trellis_stiffness": "trellis stiffness",
-    "trellis_angles": "trellis angles",
-}
+LABELS = {"modulus": "yarn modulus", "crimp_warp": "warp crimp", "crimp_weft": "weft crimp"}  # of inputs
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 
@@ -44,7 +34,7 @@ def indices(pyplot: Any, indices: Sequence[Indices], title: str) -> Any:
         ):
             axis.barh(y + shift, values, 0.36, color=colour, label=label)
             axis.errorbar(values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5)
-        axis.set_yticks(y, [LABELS.get(name, name) for name in of.names])
+        axis.set_yticks(y, [LABELS.get(name, name.replace("_", " ")) for name in of.names])
         axis.invert_yaxis() if axis is axes[0, 0] else None
         axis.grid(axis="y", visible=False)
         axis.axvline(0, color=FAINT, lw=0.9)
@@ -64,15 +54,9 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(9, 9.4), sharex=True, height_ratios=(1.3, 1))
     left, right = V.min() - 2, V.max() + 2
     edges = probit.band(V, hit, curve, _PROBABILITIES)
-    axis.fill_betweenx(
-        _PROBABILITIES,
-        np.maximum(edges[:, 0], left),
-        np.minimum(edges[:, 1], right),
-        color=BLUE,
-        alpha=0.18,
-        lw=0,
-        label=f"{100 * curve.confidence:g} % of the probit",
-    )
+    ends = np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right)
+    label = f"{100 * curve.confidence:g} % of the probit"
+    axis.fill_betweenx(_PROBABILITIES, *ends, color=BLUE, alpha=0.18, lw=0, label=label)
     grid = np.linspace(left, right, 400)
     axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
     axis.plot(grid, study.curves["logit"].probability(grid), color=GREEN, ls="--", label="logit")

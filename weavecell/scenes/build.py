@@ -128,6 +128,8 @@ def material(table: FabricTable, key: str, scene: Any, file: FilePath | None, gi
             fabric = assumed.with_strain_rate(fabric)
         except InputError as problem:
             raise InputError(f"needs more: {problem}", file=file, key="panel.rate_dependence") from None
+    fails = getattr(getattr(scene, "test_table", None), "failure", False) if panel is None else panel.yarn_failure
+    fabric = fabric if fails else assumed.given(fabric, "failure_length")  # which is of no use without failure
     fabric = _sheared(fabric, getattr(scene, "trellis_law", "needed"), file)
     if table.surface is not None:
         return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]

@@ -3,24 +3,27 @@
 A law that no data sheet states is assumed with a range (`fabrics.families`). The shot, or the search of the critical
 velocity, is repeated with the soft and the stiff end of each assumed law, in all combinations: two runs for one assumed
 law, four for two. Where the crimp was computed from the thickness, the shot is repeated with each end of the thickness
-and of the warp's share too, one at a time and with the nominal laws. The range is the envelope of these and the nominal
-run. It is a statement about these runs and no bound, since the outcome need not be monotonic in a law.
+and of the warp's share too, and with each end of an assumed failure length, one at a time and with the nominal laws.
+The range is the envelope of these and the nominal run. It is a statement about these runs and no bound, since the
+outcome need not be monotonic in a law. How a limit changes with the failure length is said in a sentence too, without
+a run (`limit_sensitivity`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
-from fabrics import assumed
+from fabrics import assumed, data_sheet
 from fabrics.compression import CompressionLaw
-from fabrics.errors import UnstableError, WeavecellError
+from fabrics.errors import InputError, UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import quality
+from weavecell.studies import inputs
 
 NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
 
@@ -84,10 +87,37 @@ class AssumedRange:
         }
 
 
+def limit_sensitivity(fabrics: Iterable[Fabric]) -> str:
+    """How a limit changes over the range of the failure length, in a sentence; "" where no fabric assumes it."""
+    if not any("failure_length" in fabric.assumed for fabric in fabrics):
+        return ""
+    length = data_sheet.entries()["failure_length"]
+    changes = [
+        f"{100 * ((length.low / length.value) ** one.value - 1):+.0f} to "
+        f"{100 * ((length.high / length.value) ** one.value - 1):+.0f} % (power {one.value:g}, {name})"
+        for name, one in inputs.table("limit_exponent").items()
+    ]
+    return (
+        f"The failure length of {1e3 * length.value:g} mm is assumed: over its range of {1e3 * length.low:g} to "
+        f"{1e3 * length.high:g} mm the limit changes by about {' or '.join(changes)}."
+    )
+
+
+def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
+    """The set-up whose range is computed, None where it has no ends, by a choice of True, False and "laws", all but the
+    ends of the failure length; InputError: another choice."""
+    if choice not in (True, "laws", False):
+        raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
+    if choice == "laws":
+        setup = replace(setup, fabric=assumed.given(setup.fabric, "failure_length"))
+    return setup if choice and corners(setup.fabric, setup.laws) else None
+
+
 def corners(
     fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None
 ) -> dict[str, tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]]:
-    """{words: (fabric, laws)} of all combinations of the ends of assumed laws, and of each end of an assumed crimp.
+    """{words: (fabric, laws)} of all combinations of the ends of assumed laws, and of each end of an assumed crimp and
+    failure length.
 
     Empty where nothing is assumed.
 
@@ -105,7 +135,8 @@ def corners(
         ", ".join(filter(None, names)): (shears[names[0]], pairs[names[1]]) for names in product(shears, pairs)
     }
     ends_of_laws.pop("", None)
-    return ends_of_laws | {name: (crimped, laws) for name, crimped in assumed.crimp_ends(fabric).items()}
+    others = assumed.crimp_ends(fabric) | assumed.failure_length_ends(fabric)
+    return ends_of_laws | {name: (changed, laws) for name, changed in others.items()}
 
 
 def varied(fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None) -> tuple[str, ...]:
@@ -115,6 +146,7 @@ def varied(fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None) -
         *(("the trellis law",) if "shear" in fabric.assumed else ()),
         *(("the solid law",) if solid else ()),
         *(("the crimp",) if "crimp" in fabric.assumed else ()),
+        *(("the failure length",) if "failure_length" in fabric.assumed else ()),
     )
 
 

@@ -24,12 +24,13 @@ FILE = "inputs.toml"
 
 @dataclass(frozen=True)
 class Entry:
-    """A number of inputs.toml in SI, with where it comes from."""
+    """A number of inputs.toml in SI, with where it comes from; of a range its width below, and `up`, that above."""
 
     name: str
     value: float
     source: str
     status: str
+    up: float
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,9 @@ def table(section: str) -> dict[str, Entry]:
     for name, row in tomllib.loads(text)[section].items():
         if row.get("status") not in STATUSES or not row.get("source"):
             raise InputError(file=FILE, key=f"{section}.{name}", allowed="a value with its source and status")
-        value = si(row["value"], "m" if name.endswith("length") else "", file=FILE, key=name)
-        entries[name] = Entry(name, value, row["source"], row["status"])
+        value = si(row["value"], "m" if name == "gauge_length" else "", file=FILE, key=name)
+        up = si(row["up"], "", file=FILE, key=name) if "up" in row else value
+        entries[name] = Entry(name, value, row["source"], row["status"], up)
     return entries
 
 
@@ -91,6 +93,7 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
     fabric = variants.scale_yarns(fabric, E=factor["modulus"], failure_strain=factor["failure_strain"], crimp=crimp)
     fabric = variants.scale_areal_density(fabric, factor["areal_density"])
     fabric = variants.scale_laws(fabric, factor["compression_a"], factor["compression_b"])
+    fabric = variants.with_failure_length(fabric, factor["failure_length"] * fabric.failure_length)
     return variants.scale_shear(fabric, factor["trellis_stiffness"], factor["trellis_angles"])
 
 

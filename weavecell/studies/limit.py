@@ -47,7 +47,7 @@ def search(
     tolerance: float,
     residual_shots: int = 0,
     scan: ScanRange | None,
-    with_range: bool = False,
+    with_range: bool | str = False,
     stage: Stage = lambda title: nullcontext(lambda *_: None),
     **beside: Any,
 ) -> LimitStudy:
@@ -59,7 +59,7 @@ def search(
     tolerance : as of `ballistic_limit.critical_velocity`
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
-    with_range : whether the range over assumed laws is computed; never of a lay-up
+    with_range : which range is computed, as of `assumed_range.with_ends`; never of a lay-up
     stage : progress of each stage
     beside : jobs and executor of `ballistic_limit.critical_velocity`
 
@@ -91,10 +91,10 @@ def search(
         problem.shots = tuple(ended)
         raise
     over_laws = None
-    if with_range and not setup.lay_up and assumed_range.corners(setup.fabric, setup.laws):
+    if not setup.lay_up and (with_ends := assumed_range.with_ends(setup, with_range)):
         with stage("Range over the assumed laws") as advance:
             over_laws = assumed_range.critical_velocity(
-                setup, limit.velocity, tolerance=tolerance, on_progress=lambda share: advance(share, None), **beside
+                with_ends, limit.velocity, tolerance=tolerance, on_progress=lambda share: advance(share, None), **beside
             )
     return LimitStudy(limit, residual_fit(limit), over_laws)
 

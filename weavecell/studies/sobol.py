@@ -59,7 +59,7 @@ class Indices:
 
 def problem(entries: Mapping[str, inputs.Entry]) -> dict[str, Any]:
     """What SALib calls the problem: names and bounds of the factors."""
-    bounds = [[1 - entry.value, 1 + entry.value] for entry in entries.values()]
+    bounds = [[1 - entry.value, 1 + entry.up] for entry in entries.values()]
     return {"num_vars": len(bounds), "names": list(entries), "bounds": bounds}
 
 

@@ -13,12 +13,8 @@ from shellfabric.panel.model import Numerics
 from shellfabric.projectile.projectile import Projectile
 from validation.models.cable.smith import smith
 
-STRIP = {
-    "projectile": Projectile(1.0, 4e-3, 0.3e-3),  # too heavy to be slowed
-    "edge": "free",
-    "cell_model": "decoupled",
-    "table_size": 61,
-}
+HEAVY = Projectile(1.0, 4e-3, 0.3e-3)  # too heavy to be slowed
+STRIP = {"projectile": HEAVY, "edge": "free", "cell_model": "decoupled", "table_size": 61}
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])

@@ -160,12 +160,8 @@ def test_an_edge_is_felt_by_its_distance_from_the_impact():
     side, width = (2 * w for w in make_panel().weave.w)
 
     def pull(crossovers, point=0.0):
-        panel = make_panel(
-            opening=(crossovers * side, 30 * width),
-            symmetry="whole",
-            impact_point=(point * side, 0.0),
-            form="equilibrium",
-        )
+        sides = {"opening": (crossovers * side, 30 * width), "impact_point": (point * side, 0.0)}
+        panel = make_panel(symmetry="whole", form="equilibrium", **sides)
         solver = PackSolver(panel, 90.0, 16e-6).run()
         return solver.sample("reaction_warp")[-1], solver.sample("v")[-1]
 

@@ -23,14 +23,9 @@ def small_panel(side=0.1, **numerics):
 
 @pytest.mark.parametrize(
     ("numerics", "expected"),
-    [
-        ({}, set()),
-        ({"stretch_viscosity": 0.0}, {"tension oscillation"}),
-        ({"penalty": 0.02}, {"nose penetration"}),
-        ({"contact_points": 2}, {"contact point spacing"}),
-        ({"cfl": 1.2}, {"time step"}),
-    ],
-)
+    [({}, set()), ({"stretch_viscosity": 0.0}, {"tension oscillation"}), ({"penalty": 0.02}, {"nose penetration"}),
+     ({"contact_points": 2}, {"contact point spacing"}), ({"cfl": 1.2}, {"time step"})],
+)  # fmt: skip
 def test_what_a_knob_spoils_is_indicated(numerics, expected):
     solver = PackSolver(small_panel(**numerics), 92.5, 100e-6).run()
     assert {one.name for one in quality.of_solver(solver) if not one.ok} == expected

@@ -68,12 +68,8 @@ def test_lines_are_spread_over_the_section(coarse):
 
 def test_zero_energy_modes_counted(coarse, s720):
     """One point: 29 of 485 unknowns without bars, 13 with slack ones, in each yarn; full integration: none."""
-    for points, bars, modes in (
-        (solid_law.FULL, 0, 0),
-        (solid_law.FULL, None, 0),
-        (solid_law.ONE_POINT, 0, 29),
-        (solid_law.ONE_POINT, None, 13),
-    ):
+    full, one = solid_law.FULL, solid_law.ONE_POINT
+    for points, bars, modes in ((full, 0, 0), (full, None, 0), (one, 0, 29), (one, None, 13)):
         model = YarnModel(coarse, s720, 0, bars=bars, integration=points)
         q = np.zeros(model.size)
         model.forces(q, Load())

@@ -27,13 +27,11 @@ def under_load(blocks, yarn, quantity):
 def test_cylinder_on_plane():
     strip = 5e-5
     along, through, width = graded(0.8e-3, 30, 20), graded(0.8e-3, 26, 20), np.array([0, strip])
-    pair = Blocks(
+    bodies = (
         block(0, along, width, through, lambda x, y: x**2 / (2 * R)),
         block(1, width, along, through, lambda x, y: 0 * x),
-        E,
-        NU,
-        numerics=HARD,
     )
+    pair = Blocks(*bodies, E, NU, numerics=HARD)
     pair.press(4e-6, hold=[(np.flatnonzero(np.isclose(pair.points[:, 1], strip)), 1)])  # plane strain
     P = 2 * pair.lift / strip
     a = np.sqrt(4 * P * R / np.pi / STIFF)
@@ -47,13 +45,11 @@ def test_cylinder_on_plane():
 @pytest.mark.slow
 def test_crossed_cylinders():
     along, through = graded(0.4e-3, 10, 8), graded(0.4e-3, 6, 12)
-    pair = Blocks(
+    bodies = (
         block(0, along, along, through, lambda x, y: y**2 / (2 * R)),
         block(1, along, along, through, lambda x, y: -(x**2) / (2 * R)),
-        E,
-        NU,
-        numerics=HARD,
     )
+    pair = Blocks(*bodies, E, NU, numerics=HARD)
     pair.press(8e-6)
     P = 4 * pair.lift
     a = (0.75 * P * R / STIFF) ** (1 / 3)
@@ -66,13 +62,8 @@ def test_crossed_cylinders():
 def flat(n_upper, n_lower, side=1e-3):
     upper, lower = np.linspace(0, side, n_upper + 1), np.linspace(0, side, n_lower + 1)
     depth = np.linspace(0, side / 2, 3)
-    return Blocks(
-        block(0, upper, upper, depth, lambda x, y: 0 * x),
-        block(1, lower, lower, depth, lambda x, y: 0 * x),
-        E,
-        NU,
-        numerics=Numerics(penalty=1e16, toe=1e-11),
-    )
+    bodies = block(0, upper, upper, depth, lambda x, y: 0 * x), block(1, lower, lower, depth, lambda x, y: 0 * x)
+    return Blocks(*bodies, E, NU, numerics=Numerics(penalty=1e16, toe=1e-11))
 
 
 def misfit(pair, descent=1e-6):

@@ -213,9 +213,9 @@ def test_assumed_laws_are_named_and_ranged():
     law = CompressionLaw(4e-5, 5e-5, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5)))
     found = wc.impact(MINE, 90.0, law=law, assumed_range=True, **SMALL)
     assert found.assumed[0].startswith("assumed: crimp 1.57 / 0.55 % of warp / weft")
-    assert found.assumed[1].startswith("assumed: [shear] of para-aramid yarns")
-    assert len(found.range.rows) == 9  # as it is, and two ends each of two laws, the thickness and the warp's share
-    assert found.range.tables == ("the trellis law", "the solid law", "the crimp")
+    assert found.assumed[2].startswith("assumed: [shear] of para-aramid yarns")
+    assert len(found.range.rows) == 11  # as it is, 2 x 2 ends of the laws, two each of thickness, warp share and length
+    assert found.range.tables == ("the trellis law", "the solid law", "the crimp", "the failure length")
     assert found.range.low <= found.residual_velocity <= found.range.high
     assert found.range.low < found.range.high
     assert "assumed_range" in found.summary()

@@ -23,6 +23,7 @@ NUMBERS = {
     "oblique_fragment": (r"45 degrees: perforated,", 102),
     "own_fabric": (r"mine: critical velocity", 130.0),
     "pack_v50": (r"2 plies of S-728: V50", 125),
+    "punch_test": (r"failure length 0.75 mm: limit", 41.9),
     "uncertainty": (r"3 x 3 elements per crossover:", 112.9),
 }
 WRITES = {"first_shot": "first-shot/panel.pvd", "export_deck": "deck/S-728.k"}

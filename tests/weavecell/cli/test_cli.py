@@ -112,8 +112,9 @@ def test_show_gives_every_number_its_source(command, monkeypatch):
     monkeypatch.setenv("COLUMNS", "200")
     code, out, _ = command("fabrics", "show", "S-720")
     assert code == 0
+    lines = out[out.index("where each number comes from") :].splitlines()
     for key, entry in catalogue.load("S-720").sources.items():
-        line = next(line for line in out.splitlines() if line.split()[:1] == [key])
+        line = next(line for line in lines if line.split()[:1] == [key])
         assert all(word in line for word in (entry["value"], entry["status"], entry["source"].split(",")[0][:30]))
     assert "as long as wide" in command("projectiles", "show", "RCC 16 grain")[1]
     assert "assumed" in command("backings", "show", "Roma Plastilina No. 1")[1]

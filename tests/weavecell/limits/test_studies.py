@@ -85,6 +85,8 @@ def test_a_v50_study_says_what_it_found(results):
     run = results("v50")
     assert run.out.count(" with 95 % confidence") == 2
     assert "projectile: a cylinder of 3 g and 5.5 mm" in run.out
+    for text in (run.out, (run.folder / "v50.html").read_text()):
+        assert "The failure length of 0.75 mm is assumed: " in text
     assert "A series of tests up and down" in (run.folder / "v50.html").read_text()
 
 
@@ -110,5 +112,6 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
     off = [float(row["computed residual velocity [m/s]"]) - v for row, v in zip(shots[1:], (100, 120))]
     assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
     assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
+    assert told["limit_sensitivity"] in out
     files = ["comparison.json", "comparison.svg", "scene.toml", "shots.csv"]
     assert sorted(path.name for path in (tmp_path / "r").iterdir()) == files

@@ -2,19 +2,21 @@
 
 import json
 from dataclasses import replace
+from functools import reduce
 from math import acos
 from pathlib import Path
 
 import pytest
 from scipy.optimize import brentq
 
-from fabrics import assumed, catalogue
+from fabrics import assumed, catalogue, variants
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.families import trellis
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from weavecell.scenes import build, impact
+from weavecell.studies import assumed_range
 from weavecell.studies.assumed_range import AssumedRange, Row
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -23,20 +25,21 @@ LAW = {"a": "0.04 mm", "b": "0.05 mm N^(1/3)"}
 SHEAR = "assumed: [shear] of para-aramid yarns, its angles from width and spacing of the yarns, because mine gives none"
 CRIMP = "assumed: crimp 1.57 / 0.55 % of warp / weft (1.00 / 0.16 .. 2.52 / 1.00 %), from the thickness 0.3 mm "
 CRIMP += "(times 0.9 .. 1.1) and a warp share of the yarn heights of 0.63 (0.5 .. 0.8)"
+LENGTH = "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm), because mine gives none"
 CRIMP_ENDS = ["thickness times 0.9", "thickness times 1.1", "warp share 0.5", "warp share 0.8"]
 
 
 @pytest.fixture
 def own(command, tmp_path):
-    """Run examples/own-fabric.toml on a small panel for a short time, with more text in its fabric file."""
+    """Run examples/own-fabric.toml on a small panel for a short time, with changes of its fabric file, (old, new)."""
 
-    def run(*changes, more=""):
+    def run(*changes, options=()):
         (tmp_path / "fabrics").mkdir()
-        data = MINE.read_text().replace(*changes or ("", "")) + more
+        data = reduce(lambda text, change: text.replace(*change), changes, MINE.read_text())
         (tmp_path / "fabrics" / "mine.toml").write_text(data)
         text = (EXAMPLES / "own-fabric.toml").read_text().replace('"150 mm"', '"26 mm"').replace('"600 us"', '"12 us"')
         (tmp_path / "own.toml").write_text(text.replace("elements_per_crossover = 2", 'outputs = ["report"]'))
-        code, out, err = command("impact", "own.toml", "--out", "r")
+        code, out, err = command("impact", "own.toml", "--out", "r", *options)
         assert code == 0, err
         return out.splitlines(), json.loads((tmp_path / "r" / "summary.json").read_text())
 
@@ -45,8 +48,8 @@ def own(command, tmp_path):
 
 def test_what_is_assumed_is_printed_recorded_and_in_force(own, tmp_path):
     out, told = own()
-    assert out[:2] == [CRIMP, SHEAR]
-    assert told["provenance"]["assumed"] == f"{CRIMP}; {SHEAR}"
+    assert out[:3] == [CRIMP, LENGTH, SHEAR]
+    assert told["provenance"]["assumed"] == f"{CRIMP}; {LENGTH}; {SHEAR}"
     around = told["assumed_range"]
     assert around["assumed"] == ["the trellis law", "the crimp"]
     assert [run["laws"] for run in around["runs"]] == ["nominal", "trellis soft", "trellis stiff", *CRIMP_ENDS]
@@ -59,12 +62,35 @@ def test_what_is_assumed_is_printed_recorded_and_in_force(own, tmp_path):
     assert all(word in row for word in ("9.74 GPa", "assumed", "thesis eq. 4-49"))
 
 
+SHEAR_LAW = "G1 = '10 MPa'\nG2 = '10 GPa'\ngamma1 = 0.2\ngamma2 = 0.5\n"
+GIVEN = ("count =", 'crimp = "1 %"\ncount ='), ("\n[warp]", f"\n[shear]\n{SHEAR_LAW}\n[warp]")
+
+
 def test_nothing_is_assumed_of_what_is_given(own):
-    shear = '\n[shear]\nG1 = "10 MPa"\nG2 = "10 GPa"\ngamma1 = 0.2\ngamma2 = 0.5\n'
-    out, told = own("count =", 'crimp = "1 %"\ncount =', more=shear)
+    out, told = own(*GIVEN, ("\nthickness =", "\nfailure_length = '1 mm'\nthickness ="), options=["--assumed-range"])
     assert "assumed" not in "".join(out)
     assert "assumed_range" not in told
     assert "assumed" not in told["provenance"]
+
+
+@pytest.mark.parametrize("asked", [False, True])
+def test_the_ends_of_the_failure_length_are_run_where_they_are_asked_for(own, asked):
+    out, told = own(*GIVEN, options=["--assumed-range"] * asked)
+    assert out[0] == LENGTH
+    runs = told["assumed_range"]["runs"] if asked else []
+    assert [run["laws"] for run in runs] == ["nominal", "failure length 0.375 mm", "failure length 1.5 mm"][: 3 * asked]
+
+
+def test_the_sensitivity_of_a_limit_is_a_sentence():
+    """Powers of one half and two; nothing of a fabric that gives its failure length."""
+    fabric = catalogue.load("S-720")
+    assert assumed_range.limit_sensitivity([fabric]) == (
+        "The failure length of 0.75 mm is assumed: over its range of 0.375 to 1.5 mm the limit changes by about "
+        "-9 to +9 % (power 0.13, fragment simulator) or -13 to +15 % (power 0.2, flat cylinder)."
+    )
+    assert assumed_range.limit_sensitivity([variants.with_failure_length(fabric, 1e-3)]) == ""
+    with pytest.raises(InputError, match="assumed_range = 'all': must be True, False or \"laws\""):
+        assumed_range.with_ends(None, "all")
 
 
 @pytest.mark.parametrize(
@@ -82,7 +108,7 @@ def test_solid_values_are_those_of_the_catalogue():
     bare = replace(catalogue.load("S-720"), shear=None, solid_laws=None, sources={})
     found = assumed.with_solid_laws(assumed.with_shear(bare))
     assert found.solid_laws == catalogue.load("S-720").solid_laws
-    assert found.assumed == ("shear", "solid")
+    assert found.assumed == ("failure_length", "shear", "solid")
     assert {entry["status"] for entry in found.sources.values()} == {"assumed"}
     glass = catalogue.load("glass-balanced")
     assert assumed.with_solid_laws(replace(glass, solid_laws=None)).solid_laws == glass.solid_laws

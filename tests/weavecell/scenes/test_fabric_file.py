@@ -62,7 +62,7 @@ def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
         tmp_path, "data sheet", "930 dtex", "", "1.44 g/cm^3", "", "95 GPa", "", "", "2350 mN/tex", "", "", "0.30 mm",
         "11 / cm", "",
     )  # fmt: skip
-    assert fabric.assumed == ("crimp",)
+    assert fabric.assumed == ("crimp", "failure_length")
     assert fabric.weave.warp.strength == pytest.approx(218.55)
 
 
@@ -83,6 +83,7 @@ tenacity,2350 mN/tex,,data sheet
 failure_strain,3.3 %,,data sheet
 count,11 / cm,,data sheet
 thickness,0.30 mm,,data sheet
+failure_length,1.0 mm,,punch test
 areal_density,205 g/m^2,,data sheet
 """
 
@@ -94,6 +95,7 @@ def test_numbers_of_a_data_sheet_are_enough(command, tmp_path, values):
     fabric = catalogue.load(tmp_path / "mine.toml")
     assert fabric.weave.thickness == pytest.approx(0.30e-3)
     assert fabric.sources["thickness"]["source"] == "data sheet"
+    assert (fabric.failure_length, fabric.sources["failure_length"]["source"]) == (pytest.approx(1e-3), "punch test")
     told = out.splitlines()
     assert told[0].startswith("note: warp and weft: the strength 2350 mN/tex is 218.6 N a yarn; ")
     assert told[1].startswith("note: counts, linear densities and crimp give 208.2 g/m^2")

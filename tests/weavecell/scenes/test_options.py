@@ -9,14 +9,8 @@ import weavecell as wc
 from tests.scene_text import merged
 from tests.weavecell.session_runs import SCENES, set_up
 
-SHOT = merged(
-    SCENES["small"],
-    {
-        "projectile": {"strike_velocity": "400 m/s"},
-        "panel": {"opening": "26 mm"},
-        "run": {"end_time": "12 us", "elements_per_crossover": 1},
-    },
-)
+FAST = {"projectile": {"strike_velocity": "400 m/s"}, "panel": {"opening": "26 mm"}}
+SHOT = merged(SCENES["small"], FAST | {"run": {"end_time": "12 us", "elements_per_crossover": 1}})
 BLOCK = {"size": ["60 mm", "60 mm", "30 mm"], "min_size": "2 mm", "growth": 1.5}
 PULL = {"pull_in": "0.2 mm", "start": "0 us", "end": "10 us"}
 NAMED = {"name": "FSP 1.10 g", "mass": None, "diameter": None, "edge_radius": None}
