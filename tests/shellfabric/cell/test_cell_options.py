@@ -14,9 +14,11 @@ PAIRS = [(1.004, 1.0), (1.0, 1.006), (1.008, 1.008), (1.012, 0.997), (0.998, 1.0
 # of aramid; at rest only the printed law has forces
 WIDER = [(1.0, 1.0), (1.01, 1.0), (1.0, 1.01), (1.02, 1.02), (1.03, 0.985), (0.98, 1.03), (1.04, 1.03)]
 OPTIONS = {
-    "toe": {"toe": 1e-3}, "toes": {"toe": (5e-4, 2e-3)}, "straight": {"profile": "straight"}, "both": {"profile":
-    "straight", "toe": (5e-4, 2e-3)},
-}  # fmt: skip
+    "toe": {"toe": 1e-3},
+    "toes": {"toe": (5e-4, 2e-3)},
+    "straight": {"profile": "straight"},
+    "both": {"profile": "straight", "toe": (5e-4, 2e-3)},
+}
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
 S720 = catalogue.load("S-720").with_effective_density()
 PRINTED = with_law_form(S720, "printed")

@@ -17,9 +17,11 @@ LAWS = catalogue.load("S-728").laws
 # crimps of warp and weft [-], counts of warp and weft [1/m] of 100 tex: even and uneven cells; the warp
 # of the last two cannot fill the cell
 WEAVES = {
-    "even": (0.15, 0.15, 1200, 1200), "one yarn": (0.15, 0.0005, 900, 1500), "uneven": (0.13, 0.14, 750, 1500),
+    "even": (0.15, 0.15, 1200, 1200),
+    "one yarn": (0.15, 0.0005, 900, 1500),
+    "uneven": (0.13, 0.14, 750, 1500),
     "most uneven": (0.0005, 0.15, 750, 1500),
-}  # fmt: skip
+}
 FOLDED = ("uneven", "most uneven")
 
 

@@ -17,9 +17,13 @@ from validation.models.variants import with_law_form
 
 @pytest.mark.parametrize(
     ("name", "F", "T1", "T2"),
-    [("S-720", 1.982, 3.45, 4.24), ("S-726", 0.927, 1.31, 3.15), ("S-728", 4.357, 8.28, 10.87),
-     ("S-745", 1.306, 1.54, 2.83)],
-)  # fmt: skip
+    [
+        ("S-720", 1.982, 3.45, 4.24),
+        ("S-726", 0.927, 1.31, 3.15),
+        ("S-728", 4.357, 8.28, 10.87),
+        ("S-745", 1.306, 1.54, 2.83),
+    ],
+)
 def test_printed_law_at_rest(name, F, T1, T2):
     """Forces that the printed law leaves in cloth at rest (erratum E-05, nominal denier)."""
     fabric = with_law_form(catalogue.load(name), "printed")

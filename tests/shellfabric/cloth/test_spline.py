@@ -125,9 +125,11 @@ def plain_contact(panel, state, const):
 
 
 CUTS = {
-    "whole": [], "a warp yarn": [(0, 12, 12)], "both at a crossover": [(0, 12, 12), (1, 12, 11)],
+    "whole": [],
+    "a warp yarn": [(0, 12, 12)],
+    "both at a crossover": [(0, 12, 12), (1, 12, 11)],
     "a node on no yarn": [(0, 11, 11), (0, 10, 11), (1, 11, 10), (1, 11, 11)],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("cuts", CUTS.values(), ids=CUTS)

@@ -17,10 +17,13 @@ from weavecell.api import crossovers
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
 CASES = {
-    "yarn": ("--yarn", "weft"), "platens": ("--pressure", "60 kPa"), "stack": ("--plies", 2, "--pressure", "20 kPa"),
-    "biaxial": ("--end-displacement", "4 um"), "path": ("--path", "p.csv"),
+    "yarn": ("--yarn", "weft"),
+    "platens": ("--pressure", "60 kPa"),
+    "stack": ("--plies", 2, "--pressure", "20 kPa"),
+    "biaxial": ("--end-displacement", "4 um"),
+    "path": ("--path", "p.csv"),
     "shear": ("--shear-angle", "12 deg", "--end-displacement", "4 um", "--section", "conforming"),
-}  # fmt: skip
+}
 PATH = "# up, back, and the weft slack\nd2 [um], d1 [mm]\n4, 0.004\n-1, 0.002\n"
 CRUSHED = "d1 [mm], d2 [mm]\n0.002, 0.002\n-0.2, -0.2\n"  # by a third of the cell: no equilibrium
 
