@@ -107,6 +107,7 @@ LIMITS = {
     "nose penetration": (1.8, "", "largest penetration of the projectile into the fabric over its edge radius"),
     "contact point spacing": (1.2, "", "spacing of the contact points over the projectile's edge radius"),
     "element side": (1.0, "", "longest element side over the projectile's radius"),
+    "element over failure length": (2.0, "", "where yarns fail, element side over the failure length"),
     "yarns an element": (1.0, "", "yarns per element side under the projectile"),
     "tension over cell table": (1.0, "", "peak tension over the largest tension tabulated for the unit cell"),
     "tension over sampled surface": (1.0, "", "peak tension over the largest tension sampled for the response surface"),
@@ -117,7 +118,7 @@ LIMITS = {
     "ply penetration": (0.75, "", "largest loaded penetration of a ply into the next over the ply's thickness"),
     "unresolved torn contact": (0.0, "", "times that torn fabric was not kept from passing through another ply"),
 }
-NOTES = {"viscous energy": 0.1}  # name: value above which the indicator is noted
+NOTES = {"viscous energy": 0.1, "element over failure length": 0.5}  # name: value above which the indicator is noted
 
 
 def indicator(name: str, value: float) -> Indicator:
@@ -196,7 +197,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
 
     panel, const, shot = solver.panel, solver.const, solver.panel.projectile
     strike = solver.strike_energy
-    energies = {name: solver.sample(name) for name in solver.energy_names}
+    energies, cut_yarns = {name: solver.sample(name) for name in solver.energy_names}, solver.sample("cut_yarns")
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
     nose = shot.nose_radius
@@ -206,12 +207,15 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         indicator("time step", const.dt / bound),
         indicator("energy error", float(np.max(np.abs(energies["error"]))) / strike),
         indicator("energy gained in contact", max(given, 0.0) / strike),
-        indicator("viscous energy", split_viscous(solver.sample("cut_yarns"), energies)[0]),
+        indicator("viscous energy", split_viscous(cut_yarns, energies)[0]),
         indicator("formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed),
         indicator("tension oscillation", solver.monitor.oscillation),
         indicator("nose penetration", depth / nose),
         indicator("contact point spacing", max(const.dx, const.dy) / const.points_per_side / nose),
         indicator("element side", max(panel.spacing) / shot.radius),
+        indicator(
+            "element over failure length", float(cut_yarns[-1] > 0) * max(panel.spacing) / panel.fabric.failure_length
+        ),
         indicator("yarns an element", float(panel.finest)),
         *_extrapolation(solver),
     ]
