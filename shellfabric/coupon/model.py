@@ -21,6 +21,7 @@ from fabrics.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon import relaxation_kernels as kernels
 from shellfabric.driver import memory
+from shellfabric.panel.failure import mean_weights
 
 if TYPE_CHECKING:
     from fabrics.weave import Weave
@@ -123,6 +124,33 @@ class Coupon:
             crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[("T1", "T2")[m]]
             found.append(np.where(count > 0, crossed, alone))
         return tuple(found)
+
+    def mean_tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
+        """((e1,), (e2,)) [N] means over the failure length about each segment: what is held against the strength, as in
+        `cloth.failure_kernels` but for the time."""
+        return tuple(mean @ T for mean, T in zip(self._means, self.tensions(x)))
+
+    @cached_property
+    def _means(self):
+        """(warp, weft) sparse matrices (e, e) of the weights of the segments beside each segment."""
+        length, found = self.table.model.fabric.failure_length, []
+        for family, (edges, cells) in enumerate(zip(self.edges, self.cells)):
+            along = (self.points[edges[0, 1]] - self.points[edges[0, 0]]) / self.spacing[family]
+            middles, side = self.points[edges].mean(axis=1), self.spacing[1 - family]
+            away = middles - middles[0]
+            places = np.rint(np.stack([away @ along / self.spacing[family], away @ (-along[1], along[0]) / side]))
+            reach = int(length / side) + 1
+            first, weights = mean_weights(side * np.arange(2 * reach + 1), length, mirrored=False)
+            beside = first[reach] + np.arange(weights.shape[1])  # of the line in the middle
+            i, j = (places - places.min(axis=1, keepdims=True)).astype(int)
+            number = np.full((i.max() + 1, j.max() + 1 + 2 * reach), -1)
+            number[i, j + reach] = np.arange(i.size)
+            near = number[i[:, None], j[:, None] + beside]
+            part = np.where(near >= 0, weights[reach] * cells[near], 0.0)
+            part /= part.sum(axis=1, keepdims=True)
+            entries = np.repeat(np.arange(i.size), near.shape[1]), np.maximum(near, 0).ravel()
+            found.append(sparse.csr_matrix((part.ravel(), entries), shape=(i.size, i.size)))
+        return found
 
 
 def mesh_coupon(

@@ -109,10 +109,10 @@ def no_fold(coupon: Coupon) -> Callable[[State], None]:
 
 
 def at_strength(coupon: Coupon) -> Callable[[State], bool]:
-    """A hook that ends a run once a yarn has reached its strength."""
+    """A hook that ends a run once the mean tension of a yarn has reached its strength."""
 
     def hook(state):
-        tensions, yarns = coupon.tensions(state.x), coupon.weave.yarns
+        tensions, yarns = coupon.mean_tensions(state.x), coupon.weave.yarns
         return any(T.max() >= yarn.strength for T, yarn in zip(tensions, yarns))
 
     return hook

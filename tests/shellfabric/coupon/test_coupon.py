@@ -1,5 +1,7 @@
 """Coupons: forces against a plain twin and its derivative, the bound on the stiffness."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -153,3 +155,21 @@ def test_slack_yarns_carry_nothing(table):
     for other in np.linspace(0.95, 1.2, 40):
         assert abs(relaxation_kernels.potential(table.stretch1[0] - 0.01, other, *args)[1]) < 1e-12
         assert abs(relaxation_kernels.potential(other, table.stretch2[0], *args)[2]) < 1e-12
+
+
+def test_mean_tensions_against_the_plain_twin(coupon):
+    """The hat about each segment over those beside it, by their widths; on outlines, at any angle and any length."""
+    fabric = replace(coupon.table.model.fabric, failure_length=2.7e-3)
+    wide = replace(coupon, table=replace(coupon.table, model=replace(coupon.table.model, fabric=fabric)))
+    x = crumpled(wide)
+    for family, (T, means) in enumerate(zip(wide.tensions(x), wide.mean_tensions(x))):
+        middles, side = wide.points[wide.edges[family]].mean(axis=1), wide.spacing[1 - family]
+        along = np.subtract(*wide.points[wide.edges[family][0, ::-1]])
+        along /= np.linalg.norm(along)
+        y = ((np.arange(4000) + 0.5) / 4000 - 0.5) * side  # of the fabric that a line stands for
+        for k in range(0, T.size, 7):
+            away = middles - middles[k]
+            beside = np.abs(away @ along) < 1e-3 * side
+            hat = np.maximum(0, 1 - np.abs(away[beside] @ (-along[1], along[0]) + y[:, None]) / 2.7e-3).mean(axis=0)
+            part = hat * wide.cells[family][beside]
+            assert means[k] == pytest.approx(part @ T[beside] / part.sum(), rel=1e-3)
