@@ -255,9 +255,10 @@ def _yarn_lengths(panel, const):
 
 
 def _half_strengths(const, slots):
-    """(warp, weft) slots of the nodes, filled with half of the strength of their lines."""
+    """(warp, weft) slots of the nodes, filled with half of the strength of their lines, as finite numbers."""
+    warp, weft = (np.nan_to_num(lines.half_strength) for lines in (const.warp_lines, const.weft_lines))
     grids = [each[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, -1) for each in slots]
-    grids[0][:], grids[1][:] = const.warp_lines.half_strength, const.weft_lines.half_strength[:, None]
+    grids[0][:], grids[1][:] = warp, weft[:, None]
     return slots
 
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from conftest_tools import grid
 from panels import COARSER, FINER, make_panel, plain_energies, rest, set_nodal, table
 from scipy.spatial.transform import Rotation
 
@@ -91,8 +92,10 @@ def state_at(panel, *places, damage=INTACT, torn=()):
         for axis, at in enumerate(place):
             middle = 0 if panel.mirrors[axis] else panel.counts[axis] // 2
             lines.append([middle + n * at, middle - n * at - n * (axis == family)][: 2 - panel.mirrors[axis]])
-        for i, j in product(*lines):
-            failure_kernels.break_segment(const, state, family, i, j)
+        for (i, j), m in product(product(*lines), range(n)):
+            at = (i + m, j) if family == 0 else (i, j + m)
+            grid(const, state.failed[family])[at] = 1
+        failure_kernels.break_edges(const, state, family, 0, const.ni)
     state.block_damage[:] = DAMAGED if torn else damage
     for x in places:
         set_nodal(state.u, x - rest(panel))

@@ -62,20 +62,24 @@ def narrow(velocity=300.0, **changes):
     return ImpactSetup(table().model.fabric, velocity, end_time=100e-6, numerics=Numerics(threads=1), **changes)
 
 
-def test_the_default_mesh_follows_the_projectile():
-    table = narrow().table()
-    panel = narrow().panel(table)
-    assert panel.elements_per_crossover == 2
-    assert max(panel.spacing) < ELEMENT_SIDE * panel.projectile.radius
-    for changes in ({"elements_per_crossover": 1}, {"grading": ((16, 1), (np.inf, 2))}, {"projectile": Projectile()}):
-        assert narrow(**changes).panel(table).elements_per_crossover == 1
+def test_the_default_mesh_follows_projectile_and_failure_length():
+    table, length = narrow().table(), narrow().fabric.failure_length
+    for changes, side in (
+        ({}, 0.5 * length),
+        ({"edge": "free"}, ELEMENT_SIDE * 1.06e-3),
+        ({"grading": ((16, 1), (np.inf, 2))}, 1),
+    ):
+        assert max(narrow(**changes).panel(table).spacing) <= side
+    tiny = {"projectile": Projectile(mass=0.1e-3, radius=0.3e-3)}
+    assert max(narrow(**tiny).panel(table).spacing) < ELEMENT_SIDE * 0.3e-3 < 0.5 * length
+    assert narrow(elements_per_crossover=1).panel(table).lines_per_crossover == 1
 
 
 def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():
     """Elements longer than its radius absorb less than shorter ones do."""
     velocities, table = (180.0, 240.0, 300.0, 360.0), narrow().table()
     fine, usual, coarse = (
-        [run(narrow(v, elements_per_crossover=n), table=table) for v in velocities] for n in (3, None, 1)
+        [run(narrow(v, elements_per_crossover=n), table=table) for v in velocities] for n in (6, None, 1)
     )
     residual = [np.array([shot.residual_velocity for shot in shots]) / velocities for shots in (fine, usual, coarse)]
     assert np.abs(residual[1] - residual[0]).max() < 0.03

@@ -23,7 +23,8 @@ from shellfabric.solver.pack_solver import PackSolver
 
 def snapping(**wrong):
     """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
-    march = PackSolver(ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0).panel(), 116.0, 400e-6)
+    setup = ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0, elements_per_crossover=1)
+    march = PackSolver(setup.panel(), 116.0, 400e-6)
     const = march.const._replace(**{name: factor * getattr(march.const, name) for name, factor in wrong.items()})
     march._plies = march._plies[0], Items([const])
     return march.run()
@@ -147,7 +148,7 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
     panel = Panel(tables[form], (0.06, 0.05), symmetry="whole", grading=grading)
     march = PackSolver(panel, 200.0, 30e-6).run()
     state, const, work = march.state, march.const, panel.work()
-    assert 4 < march.sample("cut_yarns")[-1] < 200
+    assert 2 < march.sample("cut_yarns")[-1] < 200
     found = []
     for flags in (state.element_flag.copy(), state.element_flag | WARP_FAILED):
         state.element_flag[:] = flags
@@ -163,6 +164,8 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
     """Past its strength a yarn goes, and its crossing yarn is left alone (E-14); past its own that goes too."""
     panel = small(table=tables[form], edge="free", symmetry="whole", elements_per_crossover=elements)
     state, weave = panel.state(1.0), fabric.weave
+    for lines in (panel.constants().warp_lines, panel.constants().weft_lines):
+        lines.filter_factor[:] = 1.0  # no delay
     stored = []
     for stretch in np.linspace(1.0, 1.06, 200):
         stored.append(pull(panel, state, stretch, 1.03))
