@@ -35,8 +35,8 @@ validate: test-slow ledger  ## the long tests, and the ledger of the thesis's cl
 ledger: setup  ## all claims of the thesis, slow ones and variants too: fails where a verdict is not the recorded one
 	$(RUN) validation claims --slow --out $(RESULTS)/validate
 
-convergence: setup  ## S-720 on four meshes: limits and observed orders, in results/convergence
-	$(RUN) validation.verification.mesh_convergence S-720 --out $(RESULTS)/convergence
+convergence: setup  ## one ply of S-720 on the default and a finer mesh, in results/convergence
+	$(RUN) validation.verification.mesh_convergence --fabrics S-720 --plies 1 --out $(RESULTS)/convergence
 
 fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
 	HYPOTHESIS_PROFILE=fuzz $(RUN) pytest tests/fuzz/test_properties.py --hypothesis-seed $(SEED)

@@ -52,9 +52,6 @@ def test_meshed_area_converges_with_order_two(kind):
     assert np.log2(errors[1] / errors[2]) == pytest.approx(2, abs=0.05)
 
 
-# --- two that touch -------------------------------------------------------------------------------------------------
-
-
 def fitted(name, kind="sine", widths=None, **choices):
     """(SectionFit, Fabric); the widths are the spacings where none are given."""
     fabric = catalogue.load(name)

@@ -96,9 +96,6 @@ def blocks(text, mark, comment):
     return found
 
 
-# --- LS-DYNA -------------------------------------------------------------------------------------------------------
-
-
 def dyna_elements(path):
     """Points, hexahedra, shells, and the names of their parts, as dynakw reads them."""
     dynakw = pytest.importorskip("dynakw")
@@ -161,9 +158,6 @@ def test_the_first_edge_of_an_element_is_its_fibre(mesh):
     assert np.allclose(edge / np.linalg.norm(edge, axis=1, keepdims=True), mesh.fibre, rtol=0, atol=1e-12)
 
 
-# --- Abaqus --------------------------------------------------------------------------------------------------------
-
-
 def vector_area(corners):
     return np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
 
@@ -215,9 +209,6 @@ def test_abaqus_is_read_back(mesh, tmp_path):
     axes = np.array([axes[n + 1] for n in range(len(mesh.hexes))], float)
     assert np.allclose(axes[:, :3], mesh.fibre, rtol=0, atol=1e-9)
     assert np.linalg.norm(np.cross(axes[:, :3], axes[:, 3:]), axis=1).min() > 0.5
-
-
-# --- OpenRadioss ---------------------------------------------------------------------------------------------------
 
 
 def radioss(text):

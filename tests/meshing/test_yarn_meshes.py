@@ -198,9 +198,6 @@ def test_named_sizes_are_those_of_a_quarter():
     assert mesh(size="coarse", domain="whole").grids[WEFT].shape == (17, 13, 3)
 
 
-# --- patches --------------------------------------------------------------------------------------------------------
-
-
 def test_yarns_go_over_and_under_like_a_chequerboard_at_their_spacing():
     """z = +-h cos(pi (x - x of the first crossing) / 2 w), up where the numbers of warp and weft have an even sum."""
     weave = woven("S-731", (3, 4))
@@ -289,9 +286,6 @@ def test_contact_faces_look_at_the_crossing_yarn_and_plates_away():
             cell = [np.floor(middle[:, axis] / (2 * weave.w[axis])).astype(int) + 1 for axis in (0, 1)]
             over = (cell[0] + cell[1]) % 2 == family
             assert np.array_equal(normal < 0, over if sign == 1 else ~over)
-
-
-# --- what the facets overlap by ------------------------------------------------------------------------------------
 
 
 def thrown(face, points, places):

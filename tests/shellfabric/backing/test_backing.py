@@ -47,9 +47,6 @@ def nodal(block, dt=0.0):
     return total
 
 
-# the law
-
-
 def plain_hencky(F, C, alpha, material):
     """P, C, alpha by matrix functions."""
     b = F @ C @ F.T
@@ -80,8 +77,6 @@ def test_law_equals_its_plain_twin(material):
             assert C == pytest.approx(twin[0], abs=1e-9)
 
 
-# the brick
-
 BOX, MODULI, SHEAR = np.array([1.3e-4, 1.2e-4, 4e-5]), (7e5, 4e7, 4e7), 1e6  # [m], [Pa], [Pa]
 
 
@@ -101,9 +96,6 @@ def test_hourglass_control_has_the_energy_of_the_full_rule(mode, direction):
     brick_kernels.mean_deformation(x, bricks.gradient[0], f)
     scratch, control = (np.empty((4, 3)), np.empty((3, 3)), np.empty((8, 3))), bricks.control(MODULI, SHEAR)[0]
     assert brick_kernels.hourglass(f, x, bricks.twist[0], control, *scratch) == pytest.approx(energy, rel=1e-3)
-
-
-# the block
 
 
 def test_patch_test():

@@ -90,9 +90,6 @@ def at(step, change):
     return lambda solver: change(solver) if solver.steps == step else None
 
 
-# the loop
-
-
 def test_the_run_is_that_of_the_closed_form():
     solver = Oscillator().run()
     steps = np.round(solver.sample("t") / DT)
@@ -124,9 +121,6 @@ def test_energies_are_those_of_the_whole():
             super()._begin(dt)
 
     assert Half(5e-3).run().sample("spring") == pytest.approx(2 * Oscillator(5e-3).run().sample("spring"), rel=1e-12)
-
-
-# guards
 
 
 def push(solver, factor):
@@ -205,16 +199,10 @@ def test_a_failed_run_hands_on_its_result():
     assert run_to_end(whole, (), lambda: whole.outcome) == "stopped"
 
 
-# hooks
-
-
 @pytest.mark.parametrize(("interval", "steps"), [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])])
 def test_snapshots_are_at_the_samples_nearest_the_multiples(interval, steps):
     solver = Oscillator(5e-3).run((Snapshots(interval, lambda solver: solver.steps),))
     assert solver.snapshots == steps
-
-
-# threads
 
 
 class Threaded(Oscillator):
@@ -272,9 +260,6 @@ def test_workers_are_released_where_a_hook_fails():
         solver.run((wrong,))
     assert threading.active_count() == before
     assert solver.released == len(solver.begun)
-
-
-# checkpoints
 
 
 def test_checkpoints_are_as_far_apart_as_asked_for(tmp_path, monkeypatch):

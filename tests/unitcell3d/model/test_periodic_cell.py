@@ -111,8 +111,6 @@ def test_stick_state_is_that_of_the_crossings_alone(model):
     model.stick_state = before
 
 
-# --- edges ----------------------------------------------------------------------------------------------------------
-
 NODES = 6
 TOWARD, AREA, PENALTY, TOE = np.array([0.0, 1.0, 0.0]), 0.7, 10.0, 0.01
 FIRST, SECOND = np.arange(NODES), np.arange(NODES, 2 * NODES)
@@ -161,9 +159,6 @@ def test_tangent_of_edges_is_the_derivative_and_symmetric(crossing):
     assert np.allclose(K, K.T, atol=1e-12)
     direction = np.random.default_rng(1).standard_normal(crossing.shape)
     assert_tangent(K, lambda x: touch(x)[0], crossing, direction, 1e-4)
-
-
-# --- shear ----------------------------------------------------------------------------------------------------------
 
 
 def test_fit_finds_the_law_that_made_the_curve():

@@ -24,9 +24,6 @@ def claim(*conditions, **changes):
     return replace(base, **changes)
 
 
-# --- the data
-
-
 def test_every_claim_has_a_check_whose_runs_and_arguments_it_takes_or_a_reason_for_none():
     claims, used = data.load(), set()
     assert len({entry.id for entry in claims}) == len(claims)
@@ -60,9 +57,6 @@ def test_a_bad_claim_is_refused(change):
     data._claim(good)
     with pytest.raises(InputError):
         data._claim(good | change)
-
-
-# --- the comparison
 
 
 @pytest.mark.parametrize(
@@ -154,9 +148,6 @@ def test_a_verdict_that_turns_is_named():
     assert summary.changed(recorded, [judge.Record("geom-a", judge.LEFT_OUT)]) == {}
 
 
-# --- the runner
-
-
 @pytest.fixture
 def computed(monkeypatch):
     """Runs and checks that square a number; the list has the runs that were computed."""
@@ -201,9 +192,6 @@ def test_variants_of_a_claim(computed, tmp_path):
     assert (record.verdict, record.found) == (judge.REPRODUCED, {"number": 4.0})  # of the claim as it stands
     assert record.variants == {"two elements": judge.MISSED}
     assert variants.summary(record) == "holds in 1 of 2; missed with two elements"
-
-
-# --- the command
 
 
 def test_the_command_ends_well_and_a_turned_verdict_ends_with_1(tmp_path, monkeypatch, capsys):

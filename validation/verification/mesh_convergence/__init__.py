@@ -1,6 +1,4 @@
-"""Convergence of the shell with its mesh: critical velocity and peak tension of the six Kevlar fabrics.
+"""Convergence of shots with the mesh, of plies and packs: critical velocity, and means over a window of velocities.
 
-With 1, 2, 3 elements a crossover along each side, by which the cloth is resolved ever finer under one and the same
-crossover model, projectile and contact law. Nothing here is compared with a measurement; the reference is the limit
-that the meshes themselves extrapolate to (`richardson`).
+Nothing here is compared with a measurement; the reference is the same shot on a finer mesh.
 """
