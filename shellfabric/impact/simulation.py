@@ -250,8 +250,8 @@ class ImpactSetup:
 
         As far as anything can come under the projectile an element is at most RESOLVED failure lengths long, and no
         longer than `resolved_elements_per_crossover` allows, with MOST_ELEMENTS to a crossover at most. Further out
-        elements are twice as long and longer, up to two crossovers. Where the projectile may leave the first zone (in
-        an oblique shot, or with edges that are not clamped) all elements are alike: one to a crossover, of packs
+        elements are twice as long and longer, up to two crossovers. Where the projectile may leave the first zone
+        (oblique or yawed, or with edges that are not clamped) all elements are alike: one to a crossover, of packs
         PACK_ELEMENTS. Sliding crossovers have one to a crossover.
 
         Raises
@@ -262,7 +262,7 @@ class ImpactSetup:
         if given or self.crossovers is not None:
             return self
         clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
-        if not clamped or self.projectile.obliquity != 0:
+        if not clamped or self.projectile.roaming:
             sides = max(PACK_ELEMENTS, *(one.resolved_elements_per_crossover for one in self.kinds))
             return self if self.plies == 1 else replace(self, elements_per_crossover=sides)
         return self.graded()

@@ -380,7 +380,7 @@ SAME = {  # kind, and the changes that make one run of it in two ways
         "ply friction", THREE,
         THREE | {"lay_up": tuple(Ply(S726, angle=angle, gap=0.1e-3) for angle in (0.0, pi / 2, 0.0))},
     ),
-    "a grading of one zone": ("pack", {}, {"grading": ((inf, 1),)}),
+    "a grading of one zone": ("pack", {}, {"grading": ((inf, 0.5),), "elements_per_crossover": None}),
 }  # fmt: skip
 
 

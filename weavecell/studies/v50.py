@@ -151,7 +151,7 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
     if setup.plies > 1 or named:
         return setup
-    if not clamped or setup.projectile.obliquity or stepped:
+    if not clamped or setup.projectile.roaming or stepped:
         return replace(setup, elements_per_crossover=setup.resolved_elements_per_crossover)
     crimped = replace(setup, symmetry="whole")
     if setup.surface is None:

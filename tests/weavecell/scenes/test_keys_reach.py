@@ -114,7 +114,7 @@ ROWS = {
     "panel.ply_gap": (PACK, "0.1 mm", {"ply_gap": 1e-4}),
     "panel.ply_friction": (PACK, 0.2, {"ply_friction": 0.2}),
     "panel.ply_contact": (PACK, "pressure_law", {"fabric.ply_contact.status": "fitted", "fabric.ply_contact.": ...}),
-    "panel.yarn_failure": ({}, False, {"failure": False}),
+    "panel.yarn_failure": ({}, False, {"failure": False, "fabric.assumed": ()}),
     "panel.rate_dependence": ({}, True, {"rate_dependence": True, "fabric.": ...}),
     "panel.nose_bending": ({}, True, {"nose_bending": True, "fabric.": ...}),
     "panel.grading": ({}, [[9, "1/2"], [inf, 2]], {"grading": ((9.0, 0.5), (inf, 2.0))}),

@@ -20,8 +20,10 @@ from weavecell.studies.window import FACTORS, QUANTITIES, Window
 
 @pytest.fixture(scope="module")
 def setup():
+    """One element per crossover."""
     fabric = catalogue.load("S-720").with_effective_density()
-    return ImpactSetup(fabric, 40.0, opening=0.06, end_time=120e-6, table_size=51, audit_interval=20e-6)
+    mesh = {"elements_per_crossover": 1, "table_size": 51}
+    return ImpactSetup(fabric, 40.0, opening=0.06, end_time=120e-6, audit_interval=20e-6, **mesh)
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +41,7 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
     finer = mesh_uncertainty.finer(setup, table)
     assert finer.grading == ((mesh_uncertainty.REACH, 0.5), (inf, 1.0))
     assert finer.panel(table).spacing[0] == pytest.approx(0.5 * setup.panel(table).spacing[0])
+    setup = replace(setup, elements_per_crossover=None)
     graded = replace(setup, grading=((8, 1), (inf, 2)))
     assert mesh_uncertainty.finer(graded, table).grading == ((8.0, 0.5), (16.0, 1.0), (inf, 2.0))
     assert mesh_uncertainty.finer(replace(setup, elements_per_crossover=2), table).grading[0][1] == 0.25

@@ -26,14 +26,16 @@ def setup_of(fabric, opening, **others):
 def test_the_mesh_of_a_study(fabric):
     """Graded where nothing is said; what is said counts, and what a graded mesh cannot do has the uniform one."""
     plain = ImpactSetup(fabric, 1.0)
-    near = v50.graded(plain).grading[0]
-    assert near[0] >= v50.LEAST
-    assert v50.graded(plain).grading == ((near[0], 1), (2 * near[0], 2), (np.inf, 4))
+    near, *_ = v50.graded(plain).grading
+    assert near[1] * 2 * max(fabric.weave.w) <= fabric.failure_length
+    assert v50.graded(plain).grading[-1] == (np.inf, 4)
     drawn = strengths.drawn(v50.graded(plain), inputs.published(), 1, 5).pack.plies[0]
-    assert max(far / step for far, step in zip(drawn.reach(), drawn.spacing)) < near[0]
+    assert max(far / step for far, step in zip(drawn.reach(), drawn.spacing)) < near[0] / near[1]
     stepped = {"round": True}, {"impact_point": (5e-3, 0.0), "symmetry": "whole"}, {"weave_angle": 0.3}
-    for changes in ({"elements_per_crossover": 1}, {"edge": "free"}, {"grading": ((np.inf, 1),)}, *stepped):
+    for changes in ({"elements_per_crossover": 1}, {"grading": ((np.inf, 1),)}):
         assert v50.graded(replace(plain, **changes)) == replace(plain, **changes)
+    for changes in ({"edge": "free"}, *stepped):
+        assert v50.graded(replace(plain, **changes)) == replace(plain, elements_per_crossover=1, **changes)
     pack = replace(plain, plies=2)
     assert v50.graded(pack) is pack
 
@@ -128,12 +130,9 @@ def test_each_yarn_has_its_own_strength(panel, per):
         np.testing.assert_allclose(lines.strength, strengths[family][yarns], rtol=1e-15)
         state.T[family][:] = panel.weave.yarns[family].strength
         for _ in range(100):
-            failure_kernels.find_failures(const, state, family, 0, const.ni)
+            failure_kernels.find_failures(const, state, family, 0, const.ni + family)
         failed = state.failed[family][: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
-        weak = np.flatnonzero(factors[family][yarns] < 0.999)
-        assert set(weak) == set(np.flatnonzero(failed.any(axis=family))) & set(
-            range(const.ni if family else const.nj + 1)
-        )
+        np.testing.assert_array_equal(failed.any(axis=family), factors[family][yarns] < 0.999)
 
 
 def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
