@@ -170,7 +170,8 @@ class DoubtfulResult(UserWarning):
     >>> with warnings.catch_warnings():
     ...     warnings.simplefilter("error", wc.DoubtfulResult)
     ...     try:
-    ...         wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", numerics={"contact_points": 2})
+    ...         wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", elements_per_crossover=1,
+    ...                   numerics={"contact_points": 2})
     ...     except wc.DoubtfulResult as problem:
     ...         print(str(problem)[:58])
     S-720, 150 m/s: in flight: doubtful: contact point spacing

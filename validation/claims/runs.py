@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from validation.claims.registry import RunResult
 
+THESIS: dict[str, Any] = {"elements_per_crossover": 1}  # its mesh
+
 
 def cloth(
     name: str, *, modulus: float = 1.0, crimp: float = 1.0, mass: float = 1.0, strain: float = 1.0,
@@ -204,7 +206,7 @@ def shots(*, fabric: str, velocities: Sequence[float], **scene: Any) -> RunResul
 
 def net(*, fabric: str, velocity: float, end_time: float = 800e-6, **changes: Any) -> RunResult:
     """One impact on the pin-jointed cable net."""
-    found = run_cable(CableNet.of(ImpactSetup(cloth(fabric, **changes), velocity)), velocity, end_time)
+    found = run_cable(CableNet.of(ImpactSetup(cloth(fabric, **changes), velocity, **THESIS)), velocity, end_time)
     return {
         "outcome": found.outcome,
         "t": found.t,
@@ -278,10 +280,10 @@ def stability(*, fabric: str, velocity: float, factor: float, end_time: float) -
 def pace(*, fabric: str, velocity: float, repeats: int = 3) -> RunResult:
     """Seconds that shell and cable net need for the same impact, run in turns; the least of each."""
     shell, cables = [], []
-    scene, given = ImpactSetup(cloth(fabric), velocity, end_time=250e-6), cloth(fabric)
+    scene, given = ImpactSetup(cloth(fabric), velocity, end_time=250e-6, **THESIS), cloth(fabric)
     for _ in range(repeats):
         shell.append(run_impact(scene).wall_time)
-        cables.append(run_cable(CableNet.of(ImpactSetup(given, velocity)), velocity, 250e-6).wall_time)
+        cables.append(run_cable(CableNet.of(ImpactSetup(given, velocity, **THESIS)), velocity, 250e-6).wall_time)
     return {"shell": min(shell), "cable": min(cables)}
 
 
@@ -310,7 +312,7 @@ def pack(
     failure_time : as of `low_pass`
     """
     shot = Projectile(body=Bar.full() if body == "full" else body)
-    base = ImpactSetup(cloth(fabric), velocity, projectile=shot)
+    base = ImpactSetup(cloth(fabric), velocity, projectile=shot, **THESIS)
     ply = base.panel()
     gap = (ply_gap(ply.fabric, PlyLaw.of(ply.fabric)).value if plies > 1 else 0.0) + added
     whole = Pack.stacked(ply, plies, stacking=stacking, gap=gap, contact=PlyContact(form=form))

@@ -21,7 +21,7 @@ from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
-from validation.claims.runs import cloth, low_pass
+from validation.claims.runs import THESIS, cloth, low_pass
 
 if TYPE_CHECKING:
     from validation.claims.registry import RunResult
@@ -179,7 +179,7 @@ def noisy_pack(
 
     The arguments are those of `runs.pack`.
     """
-    base = ImpactSetup(cloth(fabric), velocity)
+    base = ImpactSetup(cloth(fabric), velocity, **THESIS)
     ply = base.panel()
     whole = Pack.stacked(
         ply, plies, gap=ply_gap(ply.fabric, PlyLaw.of(ply.fabric)).value, contact=PlyContact(form="nodes")

@@ -114,7 +114,7 @@ def critical_velocity(
     --------
     >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
     >>> round(limit.velocity, -1), limit.bracket_checks  # [m/s]
-    (90.0, 'ok')
+    (70.0, 'ok')
     """
     from shellfabric.impact.limit_scan import ScanRange
     from weavecell.studies import limit as limits

@@ -38,7 +38,7 @@ class RunSize(Result):
     --------
     >>> size = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", check=True)
     >>> size.elements, size.steps
-    (49, 55)
+    (441, 220)
     """
 
     title: str
