@@ -98,7 +98,8 @@ def test_quarter_half_and_whole_agree():
 def beside_shell(crimps):
     """S-720 at 100 m/s over 240 us: the decoupled shell without trellis, and the net, with points as stiff as its."""
     fabric = replace(with_yarns(S720, crimp=crimps), shear=None)
-    setup = simulation.ImpactSetup(fabric, 100.0, cell_model="decoupled", end_time=240e-6, audit_interval=2e-7)
+    mesh = {"elements_per_crossover": 1, "cell_model": "decoupled"}
+    setup = simulation.ImpactSetup(fabric, 100.0, end_time=240e-6, audit_interval=2e-7, **mesh)
     net = CableNet.of(setup)
     stiffness = setup.panel().constants().point_law.stiffness / net.constants().point_law.stiffness
     net = replace(net, numerics=replace(net.numerics, penalty=stiffness * net.numerics.penalty))

@@ -44,7 +44,7 @@ POINTS = (
     ("plies", 0.2, "smooth", STABLE, ""),
     ("plies", 0.2, "nodes", WRONG, ""),
     ("edge-radius", 0.3e-3, "1 element per crossover", STABLE, ""),
-    ("edge-radius", 0.3e-3, "1/4 element per crossover", WRONG, "cut yarns, 0.0 on the finest mesh"),
+    ("edge-radius", 0.3e-3, "1/4 element per crossover", STABLE, ""),
     ("printed-law", 0.0, 0.0, WRONG, "where there is none"),
     ("printed-law", 20e-6, 20e-6, STABLE, ""),
     ("load-step", 0.1, "warp only", STABLE, ""),
