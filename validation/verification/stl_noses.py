@@ -104,8 +104,7 @@ def fire(shot: Projectile, projectile: dict[str, Any], velocity: float) -> tuple
     rows : (2, 4) peak contact force [N], largest deflection [m], absorbed energy [J], residual velocity [m/s]
     energy_errors : (2,) largest over the strike energy
     """
-    panel = {"opening": "60 mm", "symmetry": "quarter", "elements_per_crossover": 1}
-    setup = runs.setup("S-720", velocity, projectile=projectile, end_time="100 us", **panel)
+    setup = runs.setup("S-720", velocity, projectile=projectile, opening="60 mm", end_time="100 us", symmetry="quarter")
     results = [simulation.run(replace(setup, projectile=one)) for one in (shot, setup.projectile)]
     rows = [
         (r.contact_force.max(), r.max_deflection, shot.energy(velocity) - shot.energy(r.residual_velocity),
