@@ -126,14 +126,14 @@ class Coupon:
         return tuple(found)
 
     def mean_tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
-        """((e1,), (e2,)) [N] means over the failure length about each segment: what is held against the strength, as in
-        `cloth.failure_kernels` but for the time."""
+        """((e1,), (e2,)) [N] means over the failure length about each segment: what is held against the strength, M of
+        `cloth.failure_kernels`; without its low-pass, since the test is quasi-static."""
         return tuple(mean @ T for mean, T in zip(self._means, self.tensions(x)))
 
     @cached_property
     def _means(self):
         """(warp, weft) sparse matrices (e, e) of the weights of the segments beside each segment."""
-        length, found = self.table.model.fabric.failure_length, []
+        length, means = self.table.model.fabric.failure_length, []
         for family, (edges, cells) in enumerate(zip(self.edges, self.cells)):
             along = (self.points[edges[0, 1]] - self.points[edges[0, 0]]) / self.spacing[family]
             middles, side = self.points[edges].mean(axis=1), self.spacing[1 - family]
@@ -149,8 +149,8 @@ class Coupon:
             part = np.where(near >= 0, weights[reach] * cells[near], 0.0)
             part /= part.sum(axis=1, keepdims=True)
             entries = np.repeat(np.arange(i.size), near.shape[1]), np.maximum(near, 0).ravel()
-            found.append(sparse.csr_matrix((part.ravel(), entries), shape=(i.size, i.size)))
-        return found
+            means.append(sparse.csr_matrix((part.ravel(), entries), shape=(i.size, i.size)))
+        return means
 
 
 def mesh_coupon(

@@ -279,7 +279,7 @@ class ImpactSetup:
         ------
         InputError : as `panel`
         """
-        wanted = (2 * max(one.weave.w) / (resolved * one.failure_length) for one in self.fabrics)
+        wanted = (2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics)
         count = max(ceil(max(wanted) - 1e-9), *(one.resolved_elements_per_crossover for one in self.kinds))
         count = min(count, MOST_ELEMENTS)
         fine = [replace(one, elements_per_crossover=count) for one in self.kinds]

@@ -33,7 +33,7 @@ class Snapshot:
         (k = 1); in a pack or before a block (k = 3) also from the ply in front and from the ply or block behind, all
         positive where pressed; in a pack (k = 4) also from the constraint of torn fabric, positive along the flight
     area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
-    failed_segments : (ni+1, nj+1, 2) failed segments of warp and weft that begin at the node, of the modelled part
+    failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn segments
     slip : (ni+1, nj+1, 2) [m] length of warp and weft that has passed through the node; (ni+1, nj+1, 0) of pinned
         crossovers
     """

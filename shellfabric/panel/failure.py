@@ -25,7 +25,7 @@ FailureLines = namedtuple("FailureLines", "strength half_strength first weights 
 
 def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
     """(warp, weft) FailureLines: of the lines j = const along the warp, i = const along the weft."""
-    x, sides, found = panel.lines(), panel.element_sides, []
+    x, sides, families = panel.lines(), panel.element_sides, []
     factors = panel.strength_factors or tuple(np.ones(count) for count in panel.yarn_counts)
     law = panel.rate_law
     for own, (yarn, count) in enumerate(zip(panel.weave.yarns, (panel.weave.warp_count, panel.weave.weft_count))):
@@ -36,8 +36,8 @@ def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
         wave_speed = (yarn.EA * count / panel.weave.areal_density) ** 0.5
         times = 2 * np.maximum(panel.fabric.failure_length, sides[own]) / wave_speed
         half = WATCHED * (1.0 if law is None else law[own, 0, 0]) * strength
-        found.append(FailureLines(strength, half, first, weights, -np.expm1(-panel.time_step / times)))
-    return found[0], found[1]
+        families.append(FailureLines(strength, half, first, weights, -np.expm1(-panel.time_step / times)))
+    return families[0], families[1]
 
 
 def mean_weights(x: ArrayLike, length: float, mirrored: bool) -> tuple[IntArray, FloatArray]:
