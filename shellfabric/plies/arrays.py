@@ -10,69 +10,104 @@ import numpy as np
 from fabrics.checks import FloatArray
 from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel.arrays import Constants, State
-from shellfabric.plies import broad_phase_kernels
-from shellfabric.plies.grading import line_offsets
+from shellfabric.plies.near_kernels import TALL, WIDE
 
-_NEAREST = 0.05  # [thicknesses] that torn fabric comes to other fabric
-_ENTRIES, _NEAR = 9, 20_000  # of an element in the grid of facets, in the mean; of a ply in the list of what is near
+_PAIRS, _ENTRIES = 60, 20  # room for pairs of tiles, of a tile, and of facets, of a node, in the mean
 
 Pair = namedtuple(
     "Pair",
     "closest_point cp_rate normal last_depth depth_offset status on_facet recheck_step max_speed f_front f_rear "
-    "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts deep_points deep_count "
+    "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts "
     "lane_index surface_form points_per_side point_offset law law_step thickness rest_distance min_deflection "
     "area_factor1 area_factor2 friction slip_stiffness slip_damping friction_state normal_force turn",
 )
-TornContact = namedtuple(
-    "TornContact",
-    "f window x x_next dt_over_mass z_rest min_distance ply_grid ply_shape dt zone_mark intact_quadrants elements "
-    "nodes counts failures box_low box_high cell_head entry_element entry_cell entry_next candidates "
-    "candidate_normal last_moved sweep energy line_offset turns",
+Guard = namedtuple(
+    "Guard",
+    "f window rest x y impulse kick mirror shape slots dt thickness thickest has_planes turns tile_ply first_tile "
+    "tiles_across travel ahead travel_then placed plane_due box order block_speed dropped pair_tiles pair_due "
+    "pair_version entry_nodes entry_pair entry_version entry_due facets facet_box row_nodes row_normal row_need "
+    "node_step node_list root cluster count energy",
 )
 Stack = namedtuple(
     "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity turns"
 )
 
-by_reference(Pair, TornContact, Stack)
+by_reference(Pair, Guard, Stack)
 
 
-def torn_contact(
+def guard(
     consts: Sequence[Constants],
     states: Sequence[State],
-    places: FloatArray,
+    rest: Sequence[FloatArray],
     thicknesses: Sequence[float],
     dt: float,
     turns: FloatArray | None,
-) -> TornContact:
-    """What keeps torn plies apart, at rest; arrays as wide as those of the largest ply.
+) -> Guard:
+    """The guard of plies at rest; node k of ply p is number p slots + k.
 
     Parameters
     ----------
     consts, states : of the plies
-    places, thicknesses : (plies,) [m]
+    rest : of each ply, (nodes, 3) [m] its nodes at rest in the frame of the first one
+    thicknesses : (plies,) [m]
     dt : [s] time step
     turns : (plies, 2) of `turn_kernels.turn_of`, or None
     """
-    count, n = len(consts), max(state.mass.size for state in states)
-    pad = 2 * broad_phase_kernels.PAD
-    cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * max(n, 100)
-    kick = np.zeros((count, n))
-    for row, state in zip(kick, states):
-        row[: state.dt_over_mass.size] = state.dt_over_mass
-    nodal = lambda: np.zeros((count, 3, n))  # noqa: E731
-    return TornContact(
-        f=nodal(), window=np.array([[c.ni + 1, 0, c.row_stride, 0] for c in consts]), x=nodal(), x_next=nodal(),
-        dt_over_mass=kick,
-        z_rest=places, min_distance=_NEAREST * np.array(thicknesses),
-        ply_grid=np.array([(c.x0, c.y0, c.dx, c.dy) for c in consts]), dt=dt,
-        ply_shape=np.array([(c.row_stride, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]), box_low=nodal(),
-        box_high=nodal(),
-        intact_quadrants=np.zeros((count, n), np.uint8), candidates=np.zeros((_NEAR * count, 4), np.int64),
-        candidate_normal=np.zeros((_NEAR * count, 3)), last_moved=np.zeros((count, n), np.int64),
-        sweep=np.zeros(1, np.int64),
-        zone_mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
-        nodes=np.zeros((count, n), np.int64), counts=np.zeros((count, 3), np.int64), failures=np.zeros(1, np.int64),
-        cell_head=np.full((count, cells), -1, np.int32), entry_element=np.zeros((count, room), np.int32),
-        entry_cell=np.zeros((count, room), np.int32), entry_next=np.zeros((count, room), np.int32),
-        energy=np.zeros(3), line_offset=line_offsets(consts), turns=turns,
-    )  # fmt: skip
+    plies, slots = len(consts), max(state.mass.size for state in states)
+    places, kick, mirror = np.zeros((plies, slots, 3)), np.zeros((plies, slots)), np.zeros((plies, slots), np.uint8)
+    for p, (const, state, nodes) in enumerate(zip(consts, states, rest)):
+        places[p, : len(nodes)], kick[p, : state.mass.size] = nodes, state.dt_over_mass
+        mirror[p, : const.row_stride] |= np.uint8(const.mirror_x)
+        mirror[p, : len(nodes) : const.row_stride] |= np.uint8(2 * const.mirror_y)
+    down, across = np.array([(-(-c.ni // TALL), -(-c.nj // WIDE)) for c in consts]).T
+    first = np.concatenate([[0], np.cumsum(down * across)])
+    nodes, tiles = plies * slots, int(first[-1])
+    nodal, tiled = (lambda: np.zeros((nodes, 3))), (lambda: np.zeros(tiles))
+    pairs, entries, rows = _PAIRS * tiles, _ENTRIES * max(nodes, 20_000), max(nodes, 20_000)
+    return Guard(
+        f=np.zeros((plies, 3, slots)),
+        window=np.array([[c.ni + 1, 0, c.row_stride, 0] for c in consts]),
+        rest=places.reshape(-1, 3),
+        x=nodal(),
+        y=nodal(),
+        impulse=nodal(),
+        kick=kick.ravel(),
+        mirror=mirror.ravel(),
+        shape=np.array([(c.row_stride, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]),
+        slots=slots,
+        dt=dt,
+        thickness=np.array(thicknesses),
+        thickest=max(thicknesses),
+        has_planes=bool(consts[0].mirror_x or consts[0].mirror_y),
+        turns=turns,
+        tile_ply=np.repeat(np.arange(plies), np.diff(first)),
+        first_tile=first,
+        tiles_across=across,
+        travel=tiled(),
+        ahead=tiled(),
+        travel_then=tiled(),
+        placed=np.zeros(tiles, np.int64),
+        plane_due=tiled(),
+        box=np.zeros((tiles, 6)),
+        order=np.arange(tiles),
+        block_speed=np.zeros(((down + 1) * (across + 1)).max()),
+        dropped=np.zeros(nodes, np.uint8),
+        pair_tiles=np.zeros((pairs, 2), np.int64),
+        pair_due=np.zeros(pairs),
+        pair_version=np.zeros(pairs, np.int64),
+        entry_nodes=np.zeros((entries, 6), np.int32),
+        entry_pair=np.zeros(entries, np.int64),
+        entry_version=np.zeros(entries, np.int64),
+        entry_due=np.zeros(entries),
+        facets=np.zeros((2, 4 * (TALL + 1) * (WIDE + 1), 3), np.int64),
+        facet_box=np.zeros((2, 4 * (TALL + 1) * (WIDE + 1), 6)),
+        row_nodes=np.zeros((rows, 6), np.int32),
+        row_normal=np.zeros((rows, 3)),
+        row_need=np.zeros(rows),
+        node_step=np.zeros(nodes, np.int64),
+        node_list=np.zeros(nodes, np.int64),
+        root=np.zeros(nodes, np.int64),
+        cluster=np.zeros((nodes, 5)),
+        count=np.array([0, 0, 0, 0, 0, 1]),
+        energy=np.array([0.0, 0.0, 0.0, np.inf, 0.0]),
+    )

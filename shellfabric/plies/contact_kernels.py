@@ -8,10 +8,9 @@ flies, t the mean thickness of the two plies:
 
 with the law p (`plies.law_kernels`) and the area A of the point. -f n acts on the nodes of the front ply by their
 weights in x, f n on those of the rear ply by their weights in y: the sum is zero to the last digits. Which side of the
-fabric a point is on, the offset, failed yarns: docs/theory-panel.md, "Packs: contact between plies". What would be
-squeezed by more than MAX_SQUEEZE t is stopped (`plies.squeeze_kernels`). Fabric that came through all
-the same, where depth > t, is counted, and ends the run. Naive forms, for comparison: nodes of the front ply against the
-bilinear facets of the rear one (FACETS), or against the node there, along z (NODES).
+fabric a point is on, the offset, failed yarns: docs/theory-panel.md, "Packs: contact between plies". What this contact
+would let through, the guard stops (`plies.guard_kernels`). Naive forms, for comparison: nodes of the front ply against
+the bilinear facets of the rear one (FACETS), or against the node there, along z (NODES).
 
 Which points are computed: a box about the nodes of each ply that are deflected by more than a quarter of the gap, three
 elements wider, is renewed every eight steps. A point that is clear of the other ply is skipped for as long as it would
@@ -50,8 +49,6 @@ from shellfabric.plies.contact_simd_kernels import (
     MAX_DEPTH,
     MAX_DEPTH_POINT,
     MAX_STEPS_SKIPPED,
-    PASSED_COUNT,
-    PASSED_STEP,
     SPRING,
     WORK,
     contact_points8,
@@ -190,7 +187,6 @@ def contact_forces(front, fc, rear, rc, pair, twin, step):
         pair.max_speed[1] = scan_deflections(rear, rc, pair.min_deflection, pair.rear_box)
     mark_torn(front, fc, rear, rc, pair)
     mark_torn(rear, rc, front, fc, twin)
-    pair.deep_count[0] = 0
     taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
     taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, True)
     i0, i1, j0, j1 = candidate_window(pair, fc, rc)
@@ -224,14 +220,14 @@ def contact_forces(front, fc, rear, rc, pair, twin, step):
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
     taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, False)
-    book_energies(pair, taken, spring, step)
+    pair.energy[WORK] += taken
+    pair.energy[SPRING] = spring
 
 
 @kernel(_nrt=False, forceinline=True)
 def contact_forces_back(front, fc, rear, rc, pair, twin, step):
     """As `contact_forces`, which is called first, for the points beside torn fabric of a ply that lies behind, on the
     one before it."""
-    pair.deep_count[0] = 0
     if pair.torn_counts[1] == 0:
         return
     taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
@@ -253,16 +249,8 @@ def contact_forces_back(front, fc, rear, rc, pair, twin, step):
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
     taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, False)
-    book_energies(pair, taken, spring, step)
-
-
-@kernel(_nrt=False)
-def book_energies(pair, taken, spring, step):
-    """Book the energies of a step, and when the first point went through."""
     pair.energy[WORK] += taken
     pair.energy[SPRING] = spring
-    if pair.energy[PASSED_COUNT] > 0.0 and pair.energy[PASSED_STEP] == 0.0:
-        pair.energy[PASSED_STEP] = step
 
 
 @kernel(_nrt=False, forceinline=True)

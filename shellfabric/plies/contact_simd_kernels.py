@@ -50,9 +50,7 @@ from shellfabric.plies.surface_kernels import (
 )
 
 # of pair.energy; WORK is of all contact forces, friction included
-(
-    WORK, SPRING, MAX_DEPTH, MAX_DEPTH_POINT, PASSED_COUNT, PASSED_POINT, PASSED_STEP, MAX_COMPRESSION, FRICTION_WORK
-) = range(9)  # fmt: skip
+WORK, SPRING, MAX_DEPTH, MAX_DEPTH_POINT, MAX_COMPRESSION, FRICTION_WORK = range(6)
 # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 CLEAR, IN_CONTACT, LOST = 0, 1, 2
 # [thicknesses] by which plies may come nearer than at the first touch; deeper, the side that a point is on is in doubt

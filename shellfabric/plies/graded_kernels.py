@@ -136,17 +136,6 @@ def _place_in_elements(distance, step, offsets, n):
     return lambda distance, step, offsets, n: _search_place(distance, step, offsets, n)
 
 
-def ply_place_in_elements(distance, step, offsets, q, axis, n):
-    """`place_in_elements` with the offsets (plies, 2, lines) of all plies, for ply q."""
-
-
-@overload(ply_place_in_elements, inline="always")
-def _ply_place_in_elements(distance, step, offsets, q, axis, n):
-    if isinstance(offsets, types.Float):
-        return lambda distance, step, offsets, q, axis, n: distance / step
-    return lambda distance, step, offsets, q, axis, n: _search_place(distance, step, offsets[q, axis], n)
-
-
 @kernel(_nrt=False)
 def _search_place(distance, step, offsets, n):
     """`place_in_elements` by bisection among the lines."""

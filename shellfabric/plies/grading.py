@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,6 @@ from fabrics.checks import FloatArray
 from shellfabric.jit.simd import WIDTH
 
 if TYPE_CHECKING:
-    from shellfabric.panel.arrays import Constants
     from shellfabric.panel.model import Panel
 
 
@@ -51,14 +49,3 @@ def _of_turned(front, rear, places):
     least = np.min([wide[a : a + m, b : b + n] for a, b in shifts], axis=0)
     at = np.minimum(places.astype(np.int64), np.array(other.shape)[:, None, None, None, None] - 1)
     return np.minimum(own, places.shape[2] ** 2 * least[at[0], at[1]].min(axis=(1, 2))) / np.prod(front.spacing)
-
-
-def line_offsets(consts: Sequence[Constants]) -> Any:
-    """(plies, 2, lines) [m] `line_offset1` and `line_offset2` of all plies; 0 on uniform grids."""
-    if isinstance(consts[0].line_offset1, float):
-        return 0.0
-    found = np.zeros((len(consts), 2, max(max(c.line_offset1.size, c.line_offset2.size) for c in consts)))
-    for rows, const in zip(found, consts):
-        for row, offsets in zip(rows, (const.line_offset1, const.line_offset2)):
-            row[: offsets.size] = offsets
-    return found

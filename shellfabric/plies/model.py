@@ -33,7 +33,7 @@ from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import AT_REST
 from shellfabric.plies import friction, turn_kernels
-from shellfabric.plies.arrays import Pair, Stack, TornContact, torn_contact
+from shellfabric.plies.arrays import Guard, Pair, Stack, guard
 from shellfabric.plies.contact_simd_kernels import MAX_SQUEEZE
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.grading import area_factors
@@ -306,10 +306,13 @@ class Pack:
         on_next = [self._pair(p, q, apart(p), consts, states) for p, q in both]
         return (*on_next, *(self._pair(q, p, -apart(p), consts, states) for p, q in both))
 
-    def stops(self, consts: Sequence[Constants], states: Sequence[State]) -> TornContact:
-        """What keeps torn fabric apart, at rest."""
-        thicknesses = [ply.weave.thickness for ply in self.plies]
-        return torn_contact(consts, states, self.places, thicknesses, self.time_step, self.turns)
+    def guard(self, consts: Sequence[Constants], states: Sequence[State]) -> Guard:
+        """What keeps the plies from passing through each other, at rest."""
+        rest, thicknesses = [], [ply.weave.thickness for ply in self.plies]
+        for ply, z in zip(self.plies, self.places):
+            nodes = np.stack([*ply.coordinates(), np.full(ply.areas.shape, z)], axis=-1)
+            rest.append(ply.in_pack(nodes).reshape(-1, 3))
+        return guard(consts, states, rest, thicknesses, self.time_step, self.turns)
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
@@ -338,11 +341,10 @@ class Pack:
             status=padded(np.uint8), on_facet=padded(np.uint8), recheck_step=padded(),
             near_torn=np.zeros(elements, np.uint8),
             torn_elements=np.zeros(elements, np.int64), torn_counts=np.zeros(3, np.int64),
-            deep_points=padded(np.int64), deep_count=np.zeros(1, np.int64),
             lane_index=np.arange(float(WIDTH)), max_speed=np.zeros(2),
             f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
             rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
-            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(9), surface_form=form,
+            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(6), surface_form=form,
             points_per_side=n, point_offset=start, law=table, law_step=cell,
             thickness=thickness, rest_distance=apart,
             min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),

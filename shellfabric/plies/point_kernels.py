@@ -18,11 +18,9 @@ from shellfabric.plies.contact_simd_kernels import (
     MAX_CP_STEP,
     MAX_DEPTH_JUMP,
     MAX_SQUEEZE,
-    PASSED_COUNT,
-    PASSED_POINT,
     extend_window,
 )
-from shellfabric.plies.graded_kernels import add_quarter_side_offset, add_weighted_offset, scaled_by_area
+from shellfabric.plies.graded_kernels import add_weighted_offset, scaled_by_area
 from shellfabric.plies.law_kernels import law_at
 from shellfabric.plies.normal_force_kernels import store_normal_force
 from shellfabric.plies.surface_kernels import (
@@ -33,7 +31,6 @@ from shellfabric.plies.surface_kernels import (
     intact_about,
     intact_fraction_at,
     interpolate,
-    mean_and_quarter_sides,
     point_number,
     point_place,
     scatter_weighted,
@@ -42,8 +39,6 @@ from shellfabric.plies.surface_kernels import (
     surface_patch,
 )
 from shellfabric.plies.turn_kernels import turned, turned_back
-
-_NEAR_SQUEEZE = MAX_SQUEEZE - 0.15  # [thicknesses] from which other plies may push a point past the bound in a step
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -215,12 +210,8 @@ def update_spring(pair, q, depth, made, jump, before, touches, lost, sure):
 
 @kernel(_nrt=False, forceinline=True)
 def spring_force(fc, pair, q, a, b, depth, closing, part):
-    """Force [N] on a point that touches, by its part of the law, and the energy [J] in its spring; lists it for
-    `squeeze_kernels`."""
+    """Force [N] on a point that touches, by its part of the law, and the energy [J] in its spring."""
     squeezed = depth - pair.depth_offset[q]
-    if pair.surface_form == SMOOTH and squeezed + closing * fc.dt > _NEAR_SQUEEZE * pair.thickness:
-        pair.deep_points[pair.deep_count[0]] = q
-        pair.deep_count[0] += 1
     pair.energy[MAX_COMPRESSION] = max(pair.energy[MAX_COMPRESSION], squeezed)
     if pair.point_offset == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
@@ -270,21 +261,6 @@ def take_over_contact(fc, rc, pair, twin, q):
     pair.status[q] = IN_CONTACT
 
 
-@kernel(_nrt=False)
-def face_to_face(front, fc, e, n):
-    """Whether the normal of element e of the front ply is within 60 degrees of the direction n, either way."""
-    i, j, (u, v, w) = e // fc.nj, e % fc.nj, front.u
-    k = np.uint64(i * fc.row_stride + j)
-    _, x_a, x_b = mean_and_quarter_sides(u, k, fc.row_stride)
-    _, y_a, y_b = mean_and_quarter_sides(v, k, fc.row_stride)
-    _, z_a, z_b = mean_and_quarter_sides(w, k, fc.row_stride)
-    x_a = add_quarter_side_offset(x_a, fc.line_offset1, i) + 0.25 * fc.dx
-    y_b = add_quarter_side_offset(y_b, fc.line_offset2, j) + 0.25 * fc.dy
-    m_x, m_y, m_z = y_a * z_b - z_a * y_b, z_a * x_b - x_a * z_b, x_a * y_b - y_a * x_b
-    along = n[0] * m_x + n[1] * m_y + n[2] * m_z
-    return along * along > 0.25 * (m_x * m_x + m_y * m_y + m_z * m_z)
-
-
 @kernel(_nrt=False, forceinline=True)
 def contact_point(front, fc, rear, rc, pair, twin, q, often):
     """Follow the closest point of the front ply's point number q, and apply its force: (energy in its spring, depth).
@@ -331,12 +307,7 @@ def contact_point(front, fc, rear, rc, pair, twin, q, often):
     deep, ambiguous = depth > MAX_SQUEEZE * pair.thickness, known <= 0.5
     if smooth and deep and ambiguous and ((not touches and not whole) or (whole and jump > MAX_DEPTH_JUMP)):
         return 0.0, 0.0  # it has come from a hole, a rim or another fold, edge on, and is on no side yet
-    # by motion alone, from a side that it had: what is found inside another fold may have had either
-    moved = jump <= MAX_DEPTH_JUMP and pair.depth_offset[q] <= MAX_DEPTH_JUMP * pair.thickness
-    moved = moved and touches and smooth and whole and depth > pair.thickness
     back = in_front_frame(pair, n)
-    if moved and left_x == 1.0 and left_y == 1.0 and face_to_face(front, fc, e, back):
-        pair.energy[PASSED_COUNT], pair.energy[PASSED_POINT] = pair.energy[PASSED_COUNT] + 1.0, q
     update_spring(pair, q, depth, made, math.inf if torn and touches and changed else jump, before, touches, lost, sure)
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n
     pair.status[q], pair.last_depth[q], pair.depth_offset[q] = IN_CONTACT, depth, min(pair.depth_offset[q], depth)

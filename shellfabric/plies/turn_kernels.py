@@ -46,9 +46,3 @@ def _turn_between(turns, p, q):
     if isinstance(turns, types.NoneType):
         return lambda turns, p, q: None
     return lambda turns, p, q: turned(turn_of(turns, p), turns[q, 0], turns[q, 1])
-
-
-@register_jitable
-def corners_of_box(turns):
-    """Corners of a box, of which the first two are opposite, that bound its cells in the grid of a ply."""
-    return 2 if turns is None else 4

@@ -16,7 +16,7 @@ from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.jit import compile_in_child
 from shellfabric.jit.compile_in_child import COUNTERS, HISTORY, INDEX, NUMBER, VECTOR, type_of
 from shellfabric.panel import element_kernels, motion_kernels, quality_kernels
-from shellfabric.plies import contact_kernels, squeeze_kernels, torn_contact_kernels
+from shellfabric.plies import contact_kernels, pack_guard_kernels
 from shellfabric.projectile import bar_kernels, window_kernels
 from shellfabric.projectile import contact_kernels as nose_kernels
 from shellfabric.solver import ply_kernels, step_kernels
@@ -25,7 +25,7 @@ THREAD = HISTORY, COUNTERS, INDEX, INDEX, NUMBER  # history, shared, me, count, 
 _begun: set[Any] = set()  # kinds of the constants that this has been done for
 
 
-def begin(states: Any, consts: Any, pairs: Any, stops: Any, stack: Any, works: Any) -> None:
+def begin(states: Any, consts: Any, pairs: Any, guard: Any, stack: Any, works: Any) -> None:
     """Begin to compile what a run with pinned crossovers needs; returns at once.
 
     Arguments as of `step_kernels.run_thread`.
@@ -44,10 +44,9 @@ def begin(states: Any, consts: Any, pairs: Any, stops: Any, stack: Any, works: A
         first = [forces + contact, [
             (contact_kernels.contact_forces, (state, const, state, const, pair, pair, INDEX)),
             (contact_kernels.contact_forces_back, (state, const, state, const, pair, pair, INDEX)),
-            (squeeze_kernels.stop_deep_points, lists),
-            (torn_contact_kernels.enforce_constraints, (*all_of, type_of(stops))),
+            (pack_guard_kernels.hold_apart, (*all_of, type_of(guard))),
         ]]  # fmt: skip
-    others = map(type_of, (stops, None, stack, works))
+    others = map(type_of, (guard, None, stack, works))
     steps = (step_kernels.run_thread, (*lists, *others, *THREAD))
     compile_in_child.start(first, [[steps], audit(state, const)])
 

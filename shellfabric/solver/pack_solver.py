@@ -24,7 +24,7 @@ from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
-from shellfabric.plies import contact_simd_kernels, memory, torn_contact_kernels
+from shellfabric.plies import contact_simd_kernels, memory, near_kernels
 from shellfabric.plies.contact_kernels import forces_on, side_of
 from shellfabric.plies.model import Pack
 from shellfabric.plies.turn_kernels import turned_back
@@ -35,8 +35,13 @@ from shellfabric.solver import step_kernels as kernels
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
 ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES)  # of any panel
-BETWEEN_PLIES = ("ply_contact", "ply_friction")  # of several plies
+BETWEEN_PLIES = ("ply_contact", "ply_friction", "ply_guard")  # of several plies
 SLIP_WORK = ("crossover_friction", "crossover_stops", "slip_residual")  # of sliding crossovers: Slip.work
+FAULTS = {
+    near_kernels.NOT_RESOLVED: "has not converged",
+    near_kernels.NO_ROOM: "has no room for more facets that are near each other",
+    near_kernels.CROSSED: "has found facets that cross",
+}
 OBSERVED = ("t", "v", "z", "cut_yarns", "reaction_warp", "reaction_weft")
 PLY_SAMPLES = (
     "cut_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy", "peak_warp", "peak_weft",
@@ -65,7 +70,7 @@ class PackSolver(ExplicitSolver):
     pack : Pack, of one ply too
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
-    states, consts, stack, pairs, stops, slips : what the kernels work on; no pairs and no stops of a
+    states, consts, stack, pairs, guard, slips : what the kernels work on; no pairs and no guard of a
         single ply, no slips of pinned crossovers
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 10), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
@@ -110,18 +115,18 @@ class PackSolver(ExplicitSolver):
         self.effective = tuple(state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips))
         several = len(pack.plies) > 1
         self.pairs = pack.pairs(self.consts, self.states) if several else ()
-        self.stops = pack.stops(self.consts, self.states) if several else None
+        self.guard = pack.guard(self.consts, self.states) if several else None
         self._name_energies(several)
         self._begin_run()
 
     def _name_energies(self, several):
-        more = (*BETWEEN_PLIES[: 2 * several], *(SLIP_WORK if self.slips else ()), "error")
+        more = (*BETWEEN_PLIES[: 3 * several], *(SLIP_WORK if self.slips else ()), "error")
         self.energy_names = (*ENERGIES, *more)
         self.sample_names = (*OBSERVED, *self.energy_names)
         if several:
             self.contacts = (
                 ("contact", "the contact with the nose"), ("ply_contact", "the contact between plies"),
-                ("ply_friction", "the friction between plies"),
+                ("ply_friction", "the friction between plies"), ("ply_guard", "the guard between plies"),
             )  # fmt: skip
             self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
@@ -139,7 +144,7 @@ class PackSolver(ExplicitSolver):
             self._slips = Items(self.slips), Items(self.effective), Items(loaded)
         self._works = [self._scratch()]
         if not self.slips:
-            compile_ahead.begin(*self._plies, self._pairs, self.stops, self.stack, self._works[0][1])
+            compile_ahead.begin(*self._plies, self._pairs, self.guard, self.stack, self._works[0][1])
         self.share = self.panel.share
         most = plies if plies > 1 or self.slips else np.inf  # threads that can share the work
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
@@ -198,9 +203,8 @@ class PackSolver(ExplicitSolver):
 
     @property
     def held_apart(self) -> FloatArray:
-        """(2,) [-] how often torn fabric was kept off other fabric, and how often that did not succeed."""
-        kinds = [torn_contact_kernels.CORRECTIONS, torn_contact_kernels.UNRESOLVED]
-        return self.stops.energy[kinds] if self.stops else np.zeros(2)
+        """(2,) [-] impulses that kept plies from passing through each other, and nodes that moved as one for it."""
+        return self.guard.energy[[near_kernels.IMPULSES, near_kernels.AS_ONE]] if self.guard else np.zeros(2)
 
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
         """(plies,) SlipSummary of sliding crossovers so far; empty of pinned ones."""
@@ -224,21 +228,17 @@ class PackSolver(ExplicitSolver):
     def _run_thread(self, history, shared, me, count, allowed):
         slips, works = self._works[me]
         return kernels.run_thread(
-            *self._plies, self._pairs, self.stops, slips, self.stack, works, history, shared, me, count, allowed
+            *self._plies, self._pairs, self.guard, slips, self.stack, works, history, shared, me, count, allowed
         )
 
     def neighbour_forces(self, ply: int) -> list[Any]:
-        """[nodal forces [N] on a ply, by component] of both neighbours and of torn fabric; [] of a single ply."""
-        if self.stops is None:
-            return []
+        """[nodal forces [N] on a ply, by component] of both neighbours; [] of a single ply."""
         sides = [side_of(n, len(self.pairs)) for n in forces_on(ply, len(self.pairs))]
-        found = [self.pairs[k].f_front if on_front else self.pairs[k].f_rear for k, on_front in sides]
-        return [*found, self.stops.f[ply]]
+        return [self.pairs[k].f_front if on_front else self.pairs[k].f_rear for k, on_front in sides]
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
         """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile; of
-        several plies, or before a block, also of what is in front, and of what is behind; of several plies also of torn
-        fabric, along the flight.
+        several plies, or before a block, also of what is in front, and of what is behind.
         """
         state = self.parts[ply][2]
         nose, nothing, forces = state.f_contact[2], 0 * state.f_contact[2], self.neighbour_forces(ply)
@@ -246,8 +246,7 @@ class PackSolver(ExplicitSolver):
         if not forces:
             return [nose] if self.backing is None else [nose, nothing, rear]
         along, split = [force[2] for force in forces], 2 if ply > 0 else 0
-        torn = along[-1][: nothing.size]
-        return [nose, sum(along[:split], nothing), rear - sum(along[split:-1], nothing), torn]
+        return [nose, sum(along[:split], nothing), rear - sum(along[split:], nothing)]
 
     def passed_lengths(self, ply: int) -> tuple[FloatArray, ...]:
         """((slots,), (slots,)) [m] of warp and weft that has passed through the nodes; () of pinned crossovers."""
@@ -261,16 +260,16 @@ class PackSolver(ExplicitSolver):
         total = [force.copy() for force in state.f_contact]
         for forces in neighbours:
             for whole, force in zip(total, forces):
-                whole += force[: whole.size]  # that of torn fabric is as wide as the largest ply
+                whole += force
         return state._replace(f_contact=tuple(total))
 
     def contact_energies(self) -> tuple[float, ...]:
-        """[J] taken in by the contact between plies, and by the friction there; () of a single ply."""
-        if self.stops is None:
+        """[J] taken in by the contact between plies, the friction there and the guard; () of a single ply."""
+        if self.guard is None:
             return ()
         taken = sum(pair.energy[contact_simd_kernels.WORK] for pair in self.pairs)
         rubbed = float(sum(pair.energy[contact_simd_kernels.FRICTION_WORK] for pair in self.pairs))
-        return taken + self.stops.energy[torn_contact_kernels.WORK] - rubbed, rubbed
+        return taken - rubbed, rubbed, float(self.guard.energy[near_kernels.WORK])
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver. Before a block, one step at a time, each followed by the block's, which is at rest while
@@ -364,8 +363,13 @@ class PackSolver(ExplicitSolver):
         return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
 
     def sampled(self) -> None:
-        """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead of the nose."""
+        """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead of the nose.
+
+        The guard makes its lists anew, as a run does that is resumed here: they have an order.
+        """
         self.monitor.sampled(self)
+        if self.guard:
+            self.guard.count[near_kernels.REMAKE] = 1
         turned = self.stack.counter[TURNED]
         if turned and (self.time - turned * self.const.dt >= self.after_stop or self.steps >= self.last_step):
             self.reason = STOPPED
@@ -378,8 +382,8 @@ class PackSolver(ExplicitSolver):
             self.reason = PERFORATED
 
     def guard_model(self) -> None:
-        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone; whole fabric does
-        not come through whole fabric."""
+        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone; the guard of a pack
+        holds."""
         for ply, (panel, const, state) in enumerate(self.parts):
             if panel.sides is None or not const.window_follows:
                 continue
@@ -388,17 +392,8 @@ class PackSolver(ExplicitSolver):
                 x, y = 1e3 * nose[:2]
                 where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
                 self.stop("the projectile leaves the first zone of the grading", where)
-        half = len(self.pairs) // 2
-        for p, pair in enumerate(self.pairs):
-            if pair.energy[contact_simd_kernels.PASSED_COUNT]:
-                one, other = (p, p + 1) if p < half else (p - half + 1, p - half)
-                rows, j = divmod(int(pair.energy[contact_simd_kernels.PASSED_POINT]), self.parts[one][1].nj)
-                i = rows // pair.points_per_side**2
-                step = int(pair.energy[contact_simd_kernels.PASSED_STEP])
-                self.stop(
-                    f"ply {one + 1} has come through ply {other + 1}", f"ply {one + 1}, element ({i}, {j})",
-                    f"after {step * self.const.dt * 1e6:.3g} us (step {step})",
-                )  # fmt: skip
+        if self.guard and self.guard.energy[near_kernels.FAILED]:
+            self.stop(f"the guard between plies {FAULTS[int(self.guard.energy[near_kernels.FAILED])]}", "the pack")
 
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
@@ -410,13 +405,13 @@ class PackSolver(ExplicitSolver):
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
-        """See ExplicitSolver. Of what holds torn fabric apart, the rest follows from the plies."""
+        """See ExplicitSolver. Of the guard, the rest follows from the plies."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
         found |= {f"pairs/{p:02d}": pair for p, pair in enumerate(self.pairs)}
         for p, slip in enumerate(self.slips):
             found |= slip_arrays(slip, f"slip/{p:02d}")
-        if self.stops:
-            found |= {f"stops/{name}": getattr(self.stops, name) for name in ("f", "window", "energy")}
+        if self.guard:
+            found |= {f"guard/{name}": getattr(self.guard, name) for name in ("dropped", "energy")}
         return found | {"stack": self.stack, "monitor": self.monitor.found}
 
     def checkpoint_records(self) -> dict[str, list[Any]]:

@@ -2,11 +2,11 @@
 
 In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`), the
 contact between plies is computed (`plies.contact_kernels`), and with sliding crossovers the fluxes of yarn are updated.
-The forces that then act predict what squeezed and torn plies need in order not to pass through each other, which is
-computed last. The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept for
-each ply, counted from the ply's own plane at rest; where plies lie at other angles (`plies.turn_kernels`) each has
-place and velocity in its own frame, and the velocity is kept in the first one's. A ply is skipped until something
-pushes on it; at most one ply of a pair is skipped while the pair is computed.
+All forces of a step are known before it begins: from them the guard of a pack (`plies.pack_guard_kernels`) finds what
+keeps the plies from passing through each other in it. The projectile is one: its speed is shared, and takes the
+impulses of all plies. Its place is kept for each ply, counted from the ply's own plane at rest; where plies lie at
+other angles (`plies.turn_kernels`) each has place and velocity in its own frame, and the velocity is kept in the first
+one's. A ply is skipped until something pushes on it; at most one ply of a pair is skipped while the pair is computed.
 
 States, constants, scratch and pairs come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend
 on the number of plies; `pairs` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done
@@ -15,7 +15,7 @@ slots must stay at rest.
 
 Several threads can share the work: a single ply by its blocks of rows; a pack by its plies, then its pairs. They wait
 for each other in between. No two write to the same place, so that results do not depend on their number. The
-constraints of torn plies (`plies.torn_contact_kernels`) involve all plies at once, and are one thread's.
+guard involves all plies at once, and is one thread's.
 """
 
 import math
@@ -29,7 +29,7 @@ from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
 from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED, thread_range
-from shellfabric.plies import torn_contact_kernels
+from shellfabric.plies import near_kernels
 from shellfabric.plies.contact_kernels import (
     WORK,
     apply_impulses,
@@ -38,7 +38,7 @@ from shellfabric.plies.contact_kernels import (
     forces_on,
     neighbour_force,
 )
-from shellfabric.plies.squeeze_kernels import stop_deep_points
+from shellfabric.plies.pack_guard_kernels import hold_apart, let_go
 from shellfabric.plies.turn_kernels import turn_of, turned, turned_back
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 from shellfabric.sliding import slip_kernels
@@ -111,8 +111,10 @@ def apply_nose_impulses(states, consts, stack):
 
 
 @kernel(_nrt=False, inline="always")
-def begin_step(states, consts, pairs, slips, stack):
-    """What one thread does before the others join: contact impulses, motion of the projectile."""
+def begin_step(states, consts, pairs, guard, slips, stack):
+    """What one thread does before the others join: the guard, contact impulses, motion of the projectile."""
+    if pairs is not None:
+        hold_apart(states, consts, pairs, stack, guard)
     apply_nose_impulses(states, consts, stack)
     if pairs is None:
         ply_kernels.grow_rows(borrowed_item(states, 0), borrowed_item(consts, 0), slide_of(slips, 0))
@@ -130,9 +132,9 @@ def step_ply(states, consts, slips, works, shared, me, count):
 
 
 @kernel(_nrt=False, inline="always")
-def apply_neighbours(state, const, p, pairs, stops):
-    """Give ply p the impulses of both neighbours and of torn fabric; whether there are any."""
-    pushed = apply_impulses(state, const, stops.f[p], stops.window[p])
+def apply_neighbours(state, const, p, pairs, guard):
+    """Give ply p the impulses of both neighbours and of the guard; whether there are any."""
+    pushed = apply_impulses(state, const, guard.f[p], guard.window[p])
     for n in forces_on(p, len(pairs)):
         force, touched = neighbour_force(pairs, n)
         pushed |= apply_impulses(state, const, force, touched)
@@ -140,11 +142,11 @@ def apply_neighbours(state, const, p, pairs, stops):
 
 
 @kernel(_nrt=False)
-def step_plies(states, consts, pairs, stops, slips, stack, works, me, count):
+def step_plies(states, consts, pairs, guard, slips, stack, works, me, count):
     """One thread's plies of a pack: the impulses of the others, their own step."""
     for p in range(me, len(states), count):
         state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
-        stack.awake[p] |= apply_neighbours(state, const, p, pairs, stops)
+        stack.awake[p] |= apply_neighbours(state, const, p, pairs, guard)
         if stack.awake[p]:
             slide = slide_of(slips, p)
             ply_kernels.grow_rows(state, const, slide)
@@ -259,8 +261,8 @@ def gather_contact(states, consts, pairs, p, total):
 
 @kernel(_nrt=False)
 def slip_plies(states, consts, pairs, slips, stack, me, count):
-    """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other; those that keep
-    plies apart are not known yet."""
+    """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other, but for the
+    guard's."""
     own, _, loads, _ = slips
     for p in range(me, len(states), count):
         slip, loaded = borrowed_item(own, p), borrowed_item(loads, p)
@@ -322,7 +324,7 @@ def post_step(states, consts, stack, row):
 
 
 @kernel(_nrt=False)
-def internal_work(states, pairs, stops):
+def internal_work(states, pairs, guard):
     """[J] work done so far on yarns, their viscosity and the contacts."""
     total = 0.0
     for p in range(len(states)):
@@ -330,7 +332,7 @@ def internal_work(states, pairs, stops):
     if pairs is not None:
         for p in range(len(pairs)):
             total += borrowed_item(pairs, p).energy[WORK]
-        total += stops.energy[torn_contact_kernels.WORK]
+        total += guard.energy[near_kernels.WORK]
     return total
 
 
@@ -343,14 +345,14 @@ def begin(states, consts, slips, works):
 
 
 @entry(nogil=True, _nrt=False)
-def run_thread(states, consts, pairs, stops, slips, stack, works, history, shared, me, count, allowed):
+def run_thread(states, consts, pairs, guard, slips, stack, works, history, shared, me, count, allowed):
     """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows, as
     thread 0 has them.
 
     The initial forces are computed before the first step, also where there is to be none.
 
     states, consts, works : of the plies, each a list
-    pairs, stops : list of the contacts of neighbours, TornContact; None of a single ply
+    pairs, guard : list of the contacts of neighbours, Guard; None of a single ply
     slips : None of pinned crossovers; else lists of Slip, of the states with the effective stretches in the place of
         the stretches, of those with the sum of all contact forces in the place of the nose's, and of the scratch with
         room for the effective stretches
@@ -362,19 +364,19 @@ def run_thread(states, consts, pairs, stops, slips, stack, works, history, share
     """
     if me == 0:
         begin(states, consts, slips, works)
-    made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(states, pairs, stops)
+    made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(states, pairs, guard)
     while True:
         if me == 0:
             shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
             if shared[STOP] == 0:
-                begin_step(states, consts, pairs, slips, stack)
+                begin_step(states, consts, pairs, guard, slips, stack)
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
         if pairs is None:
             step_ply(states, consts, slips, works, shared, me, count)
         else:
-            step_plies(states, consts, pairs, stops, slips, stack, works, me, count)
+            step_plies(states, consts, pairs, guard, slips, stack, works, me, count)
             barrier_wait(shared, count)
             step_pairs(states, consts, pairs, stack, me, count)
             barrier_wait(shared, count)
@@ -386,11 +388,10 @@ def run_thread(states, consts, pairs, stops, slips, stack, works, history, share
             barrier_wait(shared, count)
         if me == 0:
             if pairs is not None:
-                stop_deep_points(states, consts, pairs)
-                torn_contact_kernels.enforce_constraints(states, consts, pairs, stack, stops)
+                let_go(states, consts, guard)
             reason = post_step(states, consts, stack, history[made])
             made += 1
-            now = internal_work(states, pairs, stops)
+            now = internal_work(states, pairs, guard)
             exchanged, before = exchanged + abs(now - before), now
             if reason == RUNNING and not exchanged <= allowed:
                 reason = CHECK
