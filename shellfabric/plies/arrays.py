@@ -10,7 +10,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from shellfabric.jit.by_reference import by_reference
 from shellfabric.panel.arrays import Constants, State
-from shellfabric.plies.near_kernels import TALL, WIDE
+from shellfabric.plies.near_kernels import NEAR, TALL, WIDE
 
 _PAIRS, _ENTRIES = 60, 20  # room for pairs of tiles, of a tile, and of facets, of a node, in the mean
 
@@ -109,5 +109,5 @@ def guard(
         root=np.zeros(nodes, np.int64),
         cluster=np.zeros((nodes, 5)),
         count=np.array([0, 0, 0, 0, 0, 1]),
-        energy=np.array([0.0, 0.0, 0.0, np.inf, 0.0]),
+        energy=np.array([0.0, 0.0, 0.0, NEAR, 0.0]),
     )
