@@ -25,7 +25,7 @@ FIRST_NAMES = {
     "yarn_strain": "stored", "formulation_residual": "cell", "failure_dissipation": "failed", "clamp_friction": "grip",
     "boundary_work": "external", "jamming": "jam", "ply_contact": "plies", "error": "balance",
 }  # fmt: skip
-LATER = {"ply_friction"}  # energies of models that came later, 0 in all runs here
+LATER = {"ply_friction", "ply_guard"}  # energies of models that came later, 0 in all runs here
 
 
 def digest(*arrays):

@@ -31,7 +31,7 @@ class Snapshot:
     failed : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
     pressure : (ni+1, nj+1, k) [Pa] contact force on the node along the panel's normal, over `area`: from the projectile
         (k = 1); in a pack or before a block (k = 3) also from the ply in front and from the ply or block behind, all
-        positive where pressed; in a pack (k = 4) also from the constraint of torn fabric, positive along the flight
+        positive where pressed
     area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
     failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn segments
     slip : (ni+1, nj+1, 2) [m] length of warp and weft that has passed through the node; (ni+1, nj+1, 0) of pinned

@@ -321,11 +321,10 @@ def fields_of_snapshots(kind):
         total = np.array([np.tensordot(one.area, one.pressure.astype(float), 2) for one in plies]) / run.share
         assert total[:, 0] == pytest.approx(run.ply_sample("push")[sample], **near)
         assert [one.failed_segments.any() for one in plies] == (run.ply_sample("cut_yarns")[sample] > 0).tolist()
-        front, rear, torn = np.pad(total[:, 1:], ((0, 0), (0, 4 - total.shape[1]))).T
+        front, rear = np.pad(total[:, 1:], ((0, 0), (0, 3 - total.shape[1]))).T
         assert front[0] == 0.0
         assert (rear[-1] > 0) == (run.backing is not None)
         assert rear[:-1] == pytest.approx(front[1:], **near)
-        assert torn.sum() == pytest.approx(0.0, abs=1e-6 * peak)
 
 
 INVARIANTS = (

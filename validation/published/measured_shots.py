@@ -101,7 +101,7 @@ def fire(shot: Shot) -> dict[str, Any]:
     )  # fmt: skip
     summary = found.summary()
     names = ("outcome", "residual_velocity_m_s", "end_time_s", "max_deflection_m", "ply_cut_yarns",
-             "energy_error_max", "torn_unresolved", "checks")  # fmt: skip
+             "energy_error_max", "checks")  # fmt: skip
     return {name: summary[name] for name in names} | {"a": law(shot.fabric).a, "b": law(shot.fabric).b}
 
 

@@ -18,7 +18,7 @@ from fabrics.files import replace_whole, write
 if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape
 
-PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa", "torn_pressure_Pa")
+PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa")
 _FAILED, _SLIP = ("failed_segments_warp", "failed_segments_weft"), ("slip_warp_m", "slip_weft_m")
 
 

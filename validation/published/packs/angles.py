@@ -68,7 +68,6 @@ def shoot(shot: Shot) -> dict[str, Any]:
         "failed": result.plies["cut_yarns"][-1].tolist(),
         "absorbed": result.strike_energy - 0.5 * result.setup.projectile.mass * result.residual_velocity**2,
         "balance": result.energy_error_max,
-        "missed": float(result.held_apart[1]),
         "wall": result.wall_time,
     }
 

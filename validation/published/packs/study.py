@@ -20,10 +20,9 @@ from fabrics.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.plies import torn_contact_kernels
 from shellfabric.plies.model import Pack
 from shellfabric.solver.pack_solver import PackSolver
-from validation.published.packs.passages import count, elements_within
+from validation.published.packs.crossings import count
 
 STOPS, ARTEFACT = "stops", "perforates (certainly an artefact, E-21)"
 UNLIKELY, OPEN = "perforates (very unlikely, E-21)", "perforates (undecided, E-21)"
@@ -46,7 +45,6 @@ TORN = (
     ("S-728", 8, 340.0, 100e-6),
     ("S-726", 16, 450.0, 100e-6),
 )
-LOOKED_AT = 14  # crossovers from the middle in which they are counted
 FABRICS = ("S-726", "S-728", "S-731")
 GAPS = (0.12e-3, 0.62e-3, 1.12e-3)  # section 6.4.4: S-728, 16 plies, 170 m/s
 STACKED = ("S-726", 4, 100.0)  # Figures 5-55 to 5-57
@@ -119,23 +117,19 @@ def shoot(case: Case) -> dict[str, Any]:
     }
 
 
-def passages(case: Case) -> dict[str, Any]:
-    """What passes through what in a shot, and how often torn plies were held apart: a dict, for a file."""
-    march = PackSolver(pack(case), case.velocity, case.end_time)
-    found, back = count(march, case.end_time, elements_within(march.panel, LOOKED_AT))
-    held, missed = march.held_apart
-    taken = march.stops.energy[torn_contact_kernels.WORK] / (march.panel.share * march.strike_energy)
+def crossings(case: Case) -> dict[str, Any]:
+    """What crosses what at the samples of a shot, and how the guard kept the plies apart: a dict, for a file."""
+    march, found = PackSolver(pack(case), case.velocity, case.end_time), []
+    march.run((lambda run: found.append(count(run)),))
     torn = sum(int(np.count_nonzero(family)) for state in march.states for family in state.failed)
     return {
         "case": asdict(case),
         "outcome": march.outcome,
         "time": march.time,
         "failed": [torn],
-        "passages": [one._asdict() for one in found],
-        "back": [one._asdict() for one in back],
-        "held": held,
-        "missed": missed,
-        "taken": taken,
+        "crossings": found,
+        "impulses": march.held_apart.tolist(),
+        "taken": float(march.sample("ply_guard")[-1] / march.strike_energy),
     }
 
 
@@ -157,7 +151,7 @@ def outcomes(results: Callable[..., dict[str, Any]]) -> list[tuple[Any, ...]]:
 
 def torn(results: Callable[..., dict[str, Any]]) -> list[dict[str, Any]]:
     """[found, ...] of the shots that tear yarns."""
-    return [results(Case(*row[:3], end_time=row[3]), passages) for row in TORN]
+    return [results(Case(*row[:3], end_time=row[3]), crossings) for row in TORN]
 
 
 def gaps(results: Callable[..., dict[str, Any]]) -> dict[float, dict[str, Any]]:

@@ -1,0 +1,294 @@
+"""The guard: what it is by proof, on random facets; what it finds; and that no ply passes through a ply."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import UnstableError
+from shellfabric.cell.model import CellModel
+from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
+from shellfabric.jit.compile import entry
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.motion_kernels import FAILURES
+from shellfabric.plies import guard_kernels, near_kernels, separation_kernels
+from shellfabric.plies.model import Pack
+from shellfabric.solver.pack_solver import PackSolver
+from validation.published.packs import crossings
+
+
+@entry()
+def project(guard, rows, nodes):
+    return guard_kernels.project(guard, rows, nodes)
+
+
+@entry()
+def separation(x, nodes):
+    return separation_kernels.separation(x, nodes)
+
+
+@entry()
+def lower_bound(x, nodes):
+    return separation_kernels.lower_bound(x, nodes)
+
+
+@entry()
+def near_pairs(x, first, second, near, found):
+    """Of all pairs of facets the nodes of those that are nearer than `near`, into found; their number."""
+    count, nodes = 0, np.empty(6, np.int32)
+    for a in first:
+        for b in second:
+            nodes[:3], nodes[3:] = a, b
+            if separation_kernels.lower_bound(x, nodes) <= near and separation_kernels.separation(x, nodes)[0] <= near:
+                found[count] = nodes
+                count += 1
+    return count
+
+
+@pytest.fixture
+def ply(ply):
+    return replace(ply, symmetry="whole")
+
+
+def solver(ply, plies, gap=0.0, velocity=1.0):
+    """A PackSolver at rest whose steps are made one by one."""
+    march = PackSolver(Pack.stacked(ply, plies, gap=gap), velocity, 1.0)
+    march.exchange = np.inf
+    march.advance(np.empty((0, 3)))
+    return march
+
+
+def facet(rng, bare):
+    """Three nodes of a triangle, or of a bare yarn with the last one twice."""
+    nodes = rng.normal(size=(3, 3))
+    return nodes[[0, 1, 1]] if bare else nodes
+
+
+@pytest.mark.parametrize("bare", [(False, False), (True, False), (True, True)])
+def test_distance_and_direction_of_facets(bare):
+    """No two points of the facets are nearer, two are as near, and a slab of that width is between them."""
+    rng = np.random.default_rng(1)
+    a, b = rng.uniform(size=(2, 40, 40)).reshape(2, -1)
+    shares = np.array([1 - a, a * (1 - b), a * b]).T
+    numbers = [[0, 1, 2] if not one else [0, 1, 1] for one in bare]
+    nodes = np.array([*numbers[0], *(np.array(numbers[1]) + 3)], np.int32)
+    for _ in range(30):
+        x = np.concatenate([facet(rng, bare[0]), facet(rng, bare[1]) + np.array([0.0, 0.0, rng.uniform(0, 4)])])
+        width, n = separation(x, nodes)
+        apart = np.linalg.norm((shares @ x[:3])[:, None, :] - (shares @ x[3:])[None, ::7], axis=-1).min()
+        assert lower_bound(x, nodes) <= max(width, 0.0) + 1e-12
+        if width > 0:
+            assert np.linalg.norm(n) == pytest.approx(1.0)
+            assert width <= apart <= width + 0.3
+            assert (x[3:] @ n).min() - (x[:3] @ n).max() == pytest.approx(width)
+            back, m = separation(x[[3, 4, 5, 0, 1, 2]], nodes[[3, 4, 5, 0, 1, 2]] if bare[0] != bare[1] else nodes)
+            if bare[0] == bare[1]:
+                assert back == pytest.approx(width)
+                np.testing.assert_allclose(m, -np.array(n), atol=1e-6)
+
+
+class Cloud:
+    """Rows of the guard between random facets of random nodes, some of which many rows share."""
+
+    def __init__(self, ply, seed, nodes=60, facets=40):
+        pack = Pack.stacked(ply, 2)
+        consts = pack.constants()
+        self.guard, rng = pack.guard(consts, pack.states(1.0)[0]), np.random.default_rng(seed)
+        self.guard.x[:nodes], self.nodes = rng.normal(size=(nodes, 3)), nodes
+        self.guard.kick[:nodes] = 10 ** rng.uniform(-1, 1, nodes)
+        self.guard.mirror[:] = 0
+        self.guard.node_list[:nodes] = np.arange(nodes)
+        rows = 0
+        for _ in range(facets):
+            own = rng.choice(nodes, 6, replace=False).astype(np.int32)
+            width, n = separation(self.guard.x, own)
+            if width > 0:
+                self.guard.row_nodes[rows], self.guard.row_normal[rows] = own, n
+                self.guard.row_need[rows] = guard_kernels.needed.py_func(width, 1.0)
+                rows += 1
+        self.rows, self.guard.y[:nodes] = rows, self.guard.x[:nodes] + rng.normal(size=(nodes, 3))
+
+    def project(self):
+        """What `project` returns; the places before."""
+        before = self.guard.y[: self.nodes].copy()
+        self.guard.impulse[: self.nodes] = 0.0
+        return project(self.guard, self.rows, self.nodes), before
+
+    def left(self):
+        """(rows,) [-] of what is needed, what is left."""
+        guard, found = self.guard, []
+        for nodes, n, need in zip(guard.row_nodes[: self.rows], guard.row_normal, guard.row_need):
+            along = [guard.y[k] @ n if k >= 0 else 0.0 for k in nodes]
+            found.append((min(along[3:]) - max(along[:3])) / need)
+        return np.array(found)
+
+    def kinetic(self, y):
+        """Energy of the ways from x to y."""
+        loose = self.guard.kick[: self.nodes] > 0
+        ways = ((y - self.guard.x[: self.nodes]) ** 2).sum(axis=1)
+        return (ways[loose] / self.guard.kick[: self.nodes][loose]).sum()
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("kind", ["free", "held", "planes"])
+def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
+    cloud = Cloud(ply, seed, *((60, 40) if seed % 3 else (30, 200)))  # the latter too many for impulses alone
+    guard, nodes = cloud.guard, cloud.nodes
+    if kind == "held":
+        guard.kick[:nodes:9] = 0.0
+        guard.y[:nodes:9] = guard.x[:nodes:9]
+    if kind == "planes":
+        guard.mirror[:nodes:7] = 1 + np.arange(len(range(0, nodes, 7))) % 3
+        for axis in (0, 1):
+            on = guard.mirror[:nodes] >> axis & 1 > 0
+            guard.x[:nodes][on, axis] = guard.y[:nodes][on, axis] = 0.0
+        wall = [k for k in range(nodes) if guard.x[k, 0] > 0 and not guard.mirror[k]]
+        cloud.rows = 0  # the facets have moved: rows of the plane alone, and of facets as they are now
+        for row, k in enumerate(wall):
+            guard.row_nodes[row], guard.row_normal[row] = [guard_kernels.PLANE_X] * 3 + [k] * 3, (1.0, 0.0, 0.0)
+            guard.row_need[row], cloud.rows = guard_kernels.needed.py_func(guard.x[k, 0], 1.0), row + 1
+    (given, _, resolved), before = cloud.project()
+    assert given > 0
+    assert resolved
+    assert cloud.left().min() > 1 - 3e-3
+    assert cloud.kinetic(guard.y[:nodes]) <= cloud.kinetic(before) * (1 + 1e-12)
+    ways = guard.kick[:nodes, None] * guard.impulse[:nodes]
+    np.testing.assert_allclose(guard.y[:nodes] - before, ways, atol=1e-12 * np.abs(before).max())
+    if kind == "free":
+        assert np.abs(guard.impulse[:nodes].sum(axis=0)).max() < 1e-12 * np.abs(guard.impulse[:nodes]).sum()
+
+
+def test_no_motion_satisfies_every_row(ply):
+    cloud = Cloud(ply, 5)
+    cloud.guard.y[: cloud.nodes] = cloud.guard.x[: cloud.nodes]
+    assert cloud.project()[0] == (0, 0, True)
+
+
+def crumpled(ply, plies, seed=7):
+    """A free pack of crumpled plies that fly through each other, torn here and there."""
+    march, rng = solver(replace(ply, edge="free"), plies), np.random.default_rng(seed)
+    const, apart = march.const, march.places[1]
+    nodes = (const.ni + 1) * const.row_stride
+    for p, state in enumerate(march.states):
+        for c in range(3):
+            state.u[c][:nodes] = 0.2 * apart * rng.normal(size=nodes)
+            state.v[c][:nodes] = 0.05 * apart / const.dt * rng.normal(size=nodes)
+        cut = rng.integers(0, nodes, 12)
+        state.element_flag[cut] |= WARP_FAILED
+        state.intact_fraction[0][cut] = 0.0
+        state.block_damage[:] = 1
+        state.counter[FAILURES] = 12
+        state.active_rows[:] = 0, const.ni
+        march.stack.awake[p] = True
+    return march
+
+
+def test_every_pair_that_is_near_has_a_row(ply):
+    """Lists that are remade after a motion have, in each step, the pairs of a search of all by all."""
+    march = crumpled(ply, 3)
+    guard, seen, found = march.guard, 0, np.empty((100_000, 6), np.int32)
+    for _ in range(40):
+        places, facets, bare, owner = crossings.surfaces(march)
+        whole = np.concatenate([facets, bare[:, [0, 1, 1]]])
+        x = np.zeros_like(guard.x)
+        size = len(places) // 3
+        for p in range(3):
+            x[p * guard.slots : p * guard.slots + size] = places[p * size : (p + 1) * size]
+        whole += (owner[whole] * (guard.slots - size)).astype(whole.dtype)
+        near = near_kernels.NEAR * guard.thickness[0]
+        expected = set()
+        for p, q in ((0, 1), (0, 2), (1, 2)):
+            one, other = (whole[whole[:, 0] // guard.slots == r] for r in (p, q))
+            count = near_pairs(x, one, other, near, found)
+            expected |= {frozenset((tuple(sorted(row[:3])), tuple(sorted(row[3:])))) for row in found[:count].tolist()}
+        march.advance(np.empty((1, 3)))
+        rows = guard.row_nodes[: guard.count[near_kernels.ROWS]].tolist()
+        listed = {frozenset((tuple(sorted(row[:3])), tuple(sorted(row[3:])))) for row in rows}
+        assert expected <= listed
+        seen += len(expected)
+    assert seen > 1000
+    assert guard.energy[near_kernels.FAILED] == 0
+
+
+def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
+    march = crumpled(ply, 3)
+    momentum = lambda: sum(np.array([state.mass @ v for v in state.v]) for state in march.states)  # noqa: E731
+    scale = sum(np.abs(state.mass * np.array(state.v)).sum() for state in march.states)
+    march.samples.clear()
+    march.energy_at_start = None
+    march._sample()
+    before = momentum()
+    for _ in range(20):
+        march.advance(np.empty((5, 3)))
+        march._sample()
+        assert crossings.count(march) == 0
+    assert march.held_apart[0] > 100
+    np.testing.assert_allclose(momentum(), before, atol=1e-12 * scale)
+    taken = march.sample("ply_guard")
+    assert taken[-1] > 0.0
+    assert abs(march.sample("error")).max() < 0.02 * march.sample("kinetic_fabric")[0]
+
+
+def test_facets_on_wrong_courses_stay_on_their_sides(ply):
+    """An element that would fly through the next ply in one step; the next but one where that is a hole."""
+    for hole in (False, True):
+        march = solver(ply, 3)
+        const, states, apart = march.const, march.states, march.places[1]
+        k = 6 * const.row_stride + 5
+        corners = k + np.array([0, 1, const.row_stride, const.row_stride + 1])
+        if hole:
+            states[1].element_flag[:] = WARP_FAILED | WEFT_FAILED | ERODED
+            for family in (0, 1):
+                states[1].intact_fraction[family][:] = 0.0
+            states[1].block_damage[:] = 1
+            states[1].counter[FAILURES] = march.stack.ply_counters[1, FAILURES] = 1
+        reached = []
+        for _ in range(12):  # beyond the thickness, in which the plies' contact is
+            states[0].v[2][corners] = (0.4 if hole else 0.2) * apart / const.dt
+            march.advance(np.empty((1, 3)))
+            reached.append(states[0].u[2][corners].mean())
+            assert crossings.count(march) == 0
+        assert march.held_apart[0] > 0
+        assert (reached[-1] > apart) == hole
+
+
+def test_torn_fabric_does_not_pass_a_plane_of_symmetry(ply):
+    march = solver(replace(ply, symmetry="quarter"), 2)
+    const, state = march.const, march.states[0]
+    k = 3 * const.row_stride + 4
+    for _ in range(60):
+        state.v[0][k] = -0.1 * const.dx / const.dt
+        march.advance(np.empty((1, 3)))
+    assert 0.0 < const.x0 + 3 * const.dx + state.u[0][k] < 0.3 * ply.weave.thickness
+
+
+def test_torn_plies_do_not_pass_through_each_other():
+    """Two plies of S-726 crossed twice in this shot, and eight 17 times, before there was a guard."""
+    fabric = catalogue.load("S-726").with_effective_density()
+    ply, seen = Panel(CellModel(fabric).table(101), (0.04, 0.04), numerics=Numerics(threads=1)), []
+    march = PackSolver(Pack.stacked(ply, 2), 250.0, 60e-6).run((lambda run: seen.append(crossings.count(run)),))
+    assert march.sample("cut_yarns")[-1] > 50
+    assert march.held_apart[0] > 0
+    assert max(seen) == 0
+    assert 0.0 < march.sample("ply_guard")[-1] < 0.005 * march.strike_energy
+    assert march.guard.energy[near_kernels.LEAST] > 0.04
+
+
+@pytest.mark.parametrize("fault", ["converged", "room", "cross"])
+def test_a_run_whose_guard_fails_ends(ply, fault):
+    march = PackSolver(Pack.stacked(ply, 2), 158.0, 20e-6)
+    march.guard.energy[near_kernels.FAILED] = ("converged", "room", "cross").index(fault) + 1
+    with pytest.raises(UnstableError, match=f"the guard between plies.*{fault}"):
+        march.run()
+
+
+def test_a_crossing_is_seen(ply):
+    """A ply that is laid through another crosses it; through a hole it does not."""
+    march = solver(ply, 2)
+    march.states[0].u[2][200:] += 2.0 * ply.weave.thickness
+    assert crossings.count(march) > 10
+    for family in (0, 1):
+        march.states[1].intact_fraction[family][:] = 0.0
+    march.states[1].element_flag[:] = WARP_FAILED | WEFT_FAILED
+    assert crossings.count(march) == 0
