@@ -407,7 +407,7 @@ class ImpactResult(Outcome):
     plies : {name: (n, plies)} with the names of solver.pack_solver.PLY_SAMPLES
     peaks : (plies, 2, 4) highest tension [N] of warp and weft of each ply over the run, its time [s], and its place at
         rest along warp and weft from the impact point [m]; NaN but for the tension where there was none
-    deepest, held_apart : (plies - 1,) and (2,) [-] see PackSolver
+    deepest, held_apart : (plies - 1,) and [-] see PackSolver
     step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
     backing : backing.coupling.BackingResult, the block behind the fabric at the end, or None
@@ -436,7 +436,7 @@ class ImpactResult(Outcome):
     plies: dict
     peaks: np.ndarray
     deepest: np.ndarray
-    held_apart: np.ndarray
+    held_apart: int
     step_history: np.ndarray
     bar: dynamics.BarHistory | None
     backing: BackingResult | None

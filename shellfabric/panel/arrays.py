@@ -88,7 +88,7 @@ def _constants(panel, out_of_plane):
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
     slots: dict[str, Any] = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "trellis_volume": dx * dy * weave.thickness}
-    slots |= {"cv1": cv1, "cv2": cv2, "line_offset1": 0.0, "line_offset2": 0.0}
+    slots |= {"cv1": cv1, "cv2": cv2, "line_offset1": None, "line_offset2": None}
     slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
     if panel.sides is not None:
         slots = grading.slots(panel.sides, panel.spacing, weave.thickness, (cv1, cv2), aligned_zeros)

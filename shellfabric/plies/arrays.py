@@ -25,7 +25,7 @@ Guard = namedtuple(
     "Guard",
     "f window rest x y impulse kick mirror shape slots dt thickness thickest has_planes turns tile_ply first_tile "
     "tiles_across travel ahead travel_then placed plane_due box order block_speed dropped pair_tiles pair_due "
-    "pair_version entry_nodes entry_pair entry_version entry_due facets facet_box row_nodes row_normal row_need "
+    "entry_nodes entry_pair entry_end entry_due facets facet_box row_nodes row_normal row_need "
     "node_step node_list root cluster count energy",
 )
 Stack = namedtuple(
@@ -62,52 +62,52 @@ def guard(
     down, across = np.array([(-(-c.ni // TALL), -(-c.nj // WIDE)) for c in consts]).T
     first = np.concatenate([[0], np.cumsum(down * across)])
     nodes, tiles = plies * slots, int(first[-1])
-    nodal, tiled = (lambda: np.zeros((nodes, 3))), (lambda: np.zeros(tiles))
-    pairs, entries, rows = _PAIRS * tiles, _ENTRIES * max(nodes, 20_000), max(nodes, 20_000)
+    pairs, entries, rows, most = (
+        _PAIRS * tiles,
+        _ENTRIES * max(nodes, 20_000),
+        max(nodes, 20_000),
+        4 * (TALL + 1) * (WIDE + 1),
+    )
     return Guard(
-        f=np.zeros((plies, 3, slots)),
-        window=np.array([[c.ni + 1, 0, c.row_stride, 0] for c in consts]),
         rest=places.reshape(-1, 3),
-        x=nodal(),
-        y=nodal(),
-        impulse=nodal(),
         kick=kick.ravel(),
         mirror=mirror.ravel(),
+        window=np.array([[c.ni + 1, 0, c.row_stride, 0] for c in consts]),
         shape=np.array([(c.row_stride, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]),
-        slots=slots,
-        dt=dt,
         thickness=np.array(thicknesses),
         thickest=max(thicknesses),
         has_planes=bool(consts[0].mirror_x or consts[0].mirror_y),
-        turns=turns,
         tile_ply=np.repeat(np.arange(plies), np.diff(first)),
         first_tile=first,
         tiles_across=across,
-        travel=tiled(),
-        ahead=tiled(),
-        travel_then=tiled(),
-        placed=np.zeros(tiles, np.int64),
-        plane_due=tiled(),
-        box=np.zeros((tiles, 6)),
         order=np.arange(tiles),
-        block_speed=np.zeros(((down + 1) * (across + 1)).max()),
-        dropped=np.zeros(nodes, np.uint8),
-        pair_tiles=np.zeros((pairs, 2), np.int64),
-        pair_due=np.zeros(pairs),
-        pair_version=np.zeros(pairs, np.int64),
-        entry_nodes=np.zeros((entries, 6), np.int32),
-        entry_pair=np.zeros(entries, np.int64),
-        entry_version=np.zeros(entries, np.int64),
-        entry_due=np.zeros(entries),
-        facets=np.zeros((2, 4 * (TALL + 1) * (WIDE + 1), 3), np.int64),
-        facet_box=np.zeros((2, 4 * (TALL + 1) * (WIDE + 1), 6)),
-        row_nodes=np.zeros((rows, 6), np.int32),
-        row_normal=np.zeros((rows, 3)),
-        row_need=np.zeros(rows),
-        node_step=np.zeros(nodes, np.int64),
-        node_list=np.zeros(nodes, np.int64),
-        root=np.zeros(nodes, np.int64),
-        cluster=np.zeros((nodes, 5)),
         count=np.array([0, 0, 0, 0, 0, 1]),
-        energy=np.array([0.0, 0.0, 0.0, NEAR, 0.0]),
+        energy=np.array([0.0, 0.0, NEAR, 0.0]),
+        **_zeros("f", plies, 3, slots),
+        **_zeros("x y impulse", nodes, 3),
+        **_zeros("cluster", nodes, 5),
+        **_zeros("dropped", nodes, kind=np.uint8),
+        **_zeros("node_step node_list root", nodes, kind=np.int64),
+        **_zeros("travel ahead travel_then plane_due", tiles),
+        **_zeros("placed", tiles, kind=np.int64),
+        **_zeros("box", tiles, 6),
+        **_zeros("block_speed", int(((down + 1) * (across + 1)).max())),
+        **_zeros("pair_tiles", pairs, 2, kind=np.int64),
+        **_zeros("pair_due", pairs),
+        **_zeros("entry_nodes", entries, 6, kind=np.int32),
+        **_zeros("entry_pair", entries, kind=np.int64),
+        **_zeros("entry_end entry_due", entries),
+        **_zeros("facets", 2, most, 3, kind=np.int64),
+        **_zeros("facet_box", 2, most, 6),
+        **_zeros("row_nodes", rows, 6, kind=np.int32),
+        **_zeros("row_normal", rows, 3),
+        **_zeros("row_need", rows),
+        slots=slots,
+        dt=dt,
+        turns=turns,
     )
+
+
+def _zeros(names, *shape, kind=float):
+    """{name: zeros of a shape} of several arrays."""
+    return {name: np.zeros(shape, kind) for name in names.split()}

@@ -47,7 +47,6 @@ from shellfabric.jit.simd import (
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies.contact_simd_kernels import (
     MAX_DEPTH,
-    MAX_DEPTH_POINT,
     MAX_STEPS_SKIPPED,
     SPRING,
     WORK,
@@ -187,8 +186,7 @@ def contact_forces(front, fc, rear, rc, pair, twin, step):
         pair.max_speed[1] = scan_deflections(rear, rc, pair.min_deflection, pair.rear_box)
     mark_torn(front, fc, rear, rc, pair)
     mark_torn(rear, rc, front, fc, twin)
-    taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
-    taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, True)
+    book(front, fc, rear, rc, pair, True)
     i0, i1, j0, j1 = candidate_window(pair, fc, rc)
     p, spring, now, often = pair.points_per_side**2, 0.0, float(step), step % _SCAN_INTERVAL == 0
     shot = math.sqrt(
@@ -213,15 +211,20 @@ def contact_forces(front, fc, rear, rc, pair, twin, step):
                 if depth < 0.0:
                     pair.recheck_step[q] = now + 1.0 + steps_until_contact(depth, nearer)
                 spring += energy
-                if depth > pair.energy[MAX_DEPTH]:
-                    pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
+                pair.energy[MAX_DEPTH] = max(pair.energy[MAX_DEPTH], depth)
         friction_forces(pair.friction_state, front, fc, rear, rc, pair, start, end)
-    apply_symmetry(fc, pair.f_front, pair.front_window)
-    apply_symmetry(rc, pair.f_rear, pair.rear_window)
-    taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
-    taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, False)
-    pair.energy[WORK] += taken
+    book(front, fc, rear, rc, pair, False)
     pair.energy[SPRING] = spring
+
+
+@kernel(_nrt=False)
+def book(front, fc, rear, rc, pair, over):
+    """Book half a step's work of the forces of a pair: of those of the last step, which are `over`, or of the new."""
+    if not over:
+        apply_symmetry(fc, pair.f_front, pair.front_window)
+        apply_symmetry(rc, pair.f_rear, pair.rear_window)
+    pair.energy[WORK] -= half_step_work(front, fc, pair.f_front, pair.front_window, over)
+    pair.energy[WORK] -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, over)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -230,8 +233,7 @@ def contact_forces_back(front, fc, rear, rc, pair, twin, step):
     one before it."""
     if pair.torn_counts[1] == 0:
         return
-    taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
-    taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, True)
+    book(front, fc, rear, rc, pair, True)
     spring, often = 0.0, step % _SCAN_INTERVAL == 0
     for e in pair.torn_elements[: pair.torn_counts[1]]:
         for m in range(pair.points_per_side**2):
@@ -241,15 +243,10 @@ def contact_forces_back(front, fc, rear, rc, pair, twin, step):
                 take_over_contact(fc, rc, pair, twin, q)
             energy, depth = contact_point(front, fc, rear, rc, pair, twin, q, often)
             spring += energy
-            if depth > pair.energy[MAX_DEPTH]:
-                pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
+            pair.energy[MAX_DEPTH] = max(pair.energy[MAX_DEPTH], depth)
             friction_forces(pair.friction_state, front, fc, rear, rc, pair, q, q + 1)
         pair.near_torn[e] = _KNOWN
-    apply_symmetry(fc, pair.f_front, pair.front_window)
-    apply_symmetry(rc, pair.f_rear, pair.rear_window)
-    taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
-    taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, False)
-    pair.energy[WORK] += taken
+    book(front, fc, rear, rc, pair, False)
     pair.energy[SPRING] = spring
 
 

@@ -50,7 +50,7 @@ from shellfabric.plies.surface_kernels import (
 )
 
 # of pair.energy; WORK is of all contact forces, friction included
-WORK, SPRING, MAX_DEPTH, MAX_DEPTH_POINT, MAX_COMPRESSION, FRICTION_WORK = range(6)
+WORK, SPRING, MAX_DEPTH, MAX_COMPRESSION, FRICTION_WORK = range(5)
 # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 CLEAR, IN_CONTACT, LOST = 0, 1, 2
 # [thicknesses] by which plies may come nearer than at the first touch; deeper, the side that a point is on is in doubt
@@ -272,10 +272,7 @@ def apply_forces8(front, fc, rear, rc, pair, q, at, count, bits, depth, normal, 
     masked_update(pair.depth_offset, q, slack, pressed, count)
     for c in range(3):
         masked_update(pair.normal[c], q, normal[c], pressed, count)
-    if reduce_max(where(mask_from_bits(pressed), depth, 0.0)) > pair.energy[MAX_DEPTH]:
-        for lane in range(count):
-            if (pressed >> lane) & 1 and pair.last_depth[q + lane] > pair.energy[MAX_DEPTH]:
-                pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = pair.last_depth[q + lane], q + lane
+    pair.energy[MAX_DEPTH] = max(pair.energy[MAX_DEPTH], reduce_max(where(mask_from_bits(pressed), depth, 0.0)))
     k, K, closing, (fa, fb) = m * fc.row_stride + n, I * rc.row_stride + J, broadcast(0.0), front_weights
     for c in range(3):
         closing = closing + normal[c] * (

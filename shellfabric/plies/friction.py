@@ -60,11 +60,11 @@ def slip_constants(cfl: float, mass: float, step: float, normal: float, damping:
 def fields(friction: float, points: int, constants: tuple[float, float]) -> dict[str, Any]:
     """The fields of `arrays.Pair` that friction needs, of `points` contact points and their `slip_constants`.
 
-    Without friction the arrays are the float 0, and the kernels have no friction.
+    Without friction the arrays are None, and the kernels have no friction.
     """
     stiffness, damping = constants
     return {
         "friction": float(friction), "slip_stiffness": stiffness, "slip_damping": damping,
-        "friction_state": np.zeros((points, 6)) if friction > 0 else 0.0,
-        "normal_force": np.zeros(points) if friction > 0 else 0.0,
+        "friction_state": np.zeros((points, 6)) if friction > 0 else None,
+        "normal_force": np.zeros(points) if friction > 0 else None,
     }  # fmt: skip

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def area_factors(front: Panel, rear: Panel, places: FloatArray | None = None) -> dict[str, Any]:
     """Rows and columns whose products are the areas that contact points of a ply stand for, over that of the smallest
-    element: {name of Pair: (ni,) or (nj,) [-]}; 1 on uniform grids.
+    element: {name of Pair: (ni,) or (nj,) [-]}; None on uniform grids.
 
     Where elements of the rear ply are shorter, as they may be in an alternating pack, it is the side of the shortest
     that is below a point's element: more than its nodes' mass would bear no stable spring.
@@ -27,9 +27,9 @@ def area_factors(front: Panel, rear: Panel, places: FloatArray | None = None) ->
     """
     names = "area_factor1", "area_factor2"
     if front.sides is None:
-        return dict.fromkeys(names, 1.0)
+        return dict.fromkeys(names)
     if places is not None:
-        return {"area_factor1": _of_turned(front, rear, places), "area_factor2": 0.0}
+        return {"area_factor1": _of_turned(front, rear, places), "area_factor2": None}
     found = {}
     for name, mine, other, d in zip(names, front.lines(), rear.lines(), front.spacing):
         factors = np.zeros(mine.size - 1 + WIDTH)

@@ -73,8 +73,7 @@ def push(guard, k, n, impulse):
 def project(guard, rows, nodes):
     """Impulses that make the first `rows` rows hold, into guard.impulse, and the places by them, in guard.y.
 
-    nodes : how many of guard.node_list have a part in the rows. Returns (impulses given, nodes that were moved as one,
-    whether all rows hold)
+    nodes : how many of guard.node_list have a part in the rows. Returns (impulses given, whether all rows hold)
     """
     given = 0
     for _ in range(SWEEPS):
@@ -91,15 +90,15 @@ def project(guard, rows, nodes):
                     push(guard, b, n, missing / give)
         given += held
         if held == 0:
-            return given, 0, True
+            return given, True
     for m in range(nodes):
         guard.root[guard.node_list[m]] = guard.node_list[m]
         guard.cluster[guard.node_list[m], _FIXED] = guard.mirror[guard.node_list[m]]
     for _ in range(nodes + 3):
         if not join_violated(guard, rows):
-            return given, moved_as_one(guard, nodes), True
+            return given, True
         move_clusters(guard, nodes)
-    return given, nodes, False
+    return given, False
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -156,12 +155,3 @@ def move_clusters(guard, nodes):
             way = 0.0 if fixed else guard.cluster[r, _MOMENTUM + c] / guard.cluster[r, _MASS]
             guard.impulse[k, c] += (way + guard.x[k, c] - guard.y[k, c]) / guard.kick[k]
             guard.y[k, c] = guard.x[k, c] + way
-
-
-@kernel(_nrt=False)
-def moved_as_one(guard, nodes):
-    """Number of nodes in clusters of more than one."""
-    found = 0
-    for m in range(nodes):
-        found += guard.root[guard.node_list[m]] != guard.node_list[m]
-    return found

@@ -344,7 +344,7 @@ class Pack:
             lane_index=np.arange(float(WIDTH)), max_speed=np.zeros(2),
             f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
             rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
-            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(6), surface_form=form,
+            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(5), surface_form=form,
             points_per_side=n, point_offset=start, law=table, law_step=cell,
             thickness=thickness, rest_distance=apart,
             min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),

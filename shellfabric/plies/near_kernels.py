@@ -24,7 +24,7 @@ from shellfabric.plies.separation_kernels import cross, difference, dot, lower_b
 TALL, WIDE = 4, 8  # elements of a tile
 NEAR = 0.3  # thicknesses within which facets have to stay on their sides
 PAIRS, ENTRIES, ROWS, NODES, STEP, REMAKE = range(6)  # of guard.count
-WORK, IMPULSES, AS_ONE, LEAST, FAILED = range(5)  # of guard.energy
+WORK, IMPULSES, LEAST, FAILED = range(4)  # of guard.energy
 NOT_RESOLVED, NO_ROOM, CROSSED = 1, 2, 3  # of guard.energy[FAILED]
 _TILE_REACH, _REACH = 2.0, 0.4  # thicknesses
 _DRAWN_OUT = 4.0  # square of the length of a diagonal of a torn element over that at rest
@@ -83,7 +83,7 @@ def list_tiles(guard):
                     guard.energy[FAILED] = NO_ROOM
                     break
                 guard.pair_tiles[found, 0], guard.pair_tiles[found, 1] = a, b
-                guard.pair_due[found], guard.pair_version[found] = -1e30, 0
+                guard.pair_due[found] = -1e30
                 found += 1
     guard.count[PAIRS], guard.count[ENTRIES], guard.count[REMAKE] = found, 0, 0
     for t in range(tiles):
@@ -197,17 +197,16 @@ def add_facet(guard, side, found, a, b, c):
 
 
 @kernel(_nrt=False)
-def list_near_facets(guard, m, counts):
-    """Add the pairs of the listed facets of pair of tiles m that are within reach, to be looked at when they can be
-    near."""
+def list_near_facets(guard, m, first, second):
+    """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they can be near."""
     a, b = guard.pair_tiles[m]
     thickness = 0.5 * (guard.thickness[guard.tile_ply[a]] + guard.thickness[guard.tile_ply[b]])
     reach, near, found = (NEAR + _REACH) * thickness, NEAR * thickness, guard.count[ENTRIES]
     guard.pair_due[m] = guard.travel[a] + guard.travel[b] + _REACH * thickness
-    for i in range(counts[0]):
+    for i in range(first):
         if boxes_apart(guard.facet_box[0, i], guard.box[b]) > reach:
             continue
-        for j in range(counts[1]):
+        for j in range(second):
             if boxes_apart(guard.facet_box[0, i], guard.facet_box[1, j]) > reach:
                 continue
             if found == guard.entry_due.size:
@@ -219,7 +218,7 @@ def list_near_facets(guard, m, counts):
             apart = lower_bound(guard.x, nodes)
             if apart > reach:
                 continue
-            guard.entry_pair[found], guard.entry_version[found] = m, guard.pair_version[m]
+            guard.entry_pair[found], guard.entry_end[found] = m, guard.pair_due[m]
             guard.entry_due[found] = guard.travel[a] + guard.travel[b] + apart - near
             found += 1
     guard.count[ENTRIES] = found

@@ -12,34 +12,10 @@ import numpy as np
 from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
+from shellfabric.plies import near_kernels as near
 from shellfabric.plies.contact_kernels import forces_on, half_step_work, neighbour_force
 from shellfabric.plies.contact_simd_kernels import extend_window
 from shellfabric.plies.guard_kernels import project
-from shellfabric.plies.near_kernels import (
-    AS_ONE,
-    ENTRIES,
-    FAILED,
-    IMPULSES,
-    NEAR,
-    NODES,
-    NOT_RESOLVED,
-    PAIRS,
-    REMAKE,
-    ROWS,
-    STEP,
-    TALL,
-    WIDE,
-    WORK,
-    list_facets,
-    list_near_facets,
-    list_tiles,
-    look_at_entry,
-    look_at_planes,
-    set_box,
-    tile_bounds,
-    tiles_apart,
-    tiles_have_moved,
-)
 from shellfabric.plies.turn_kernels import turn_of, turned, turned_back
 
 
@@ -49,28 +25,27 @@ def hold_apart(states, consts, pairs, stack, guard):
     for p in range(len(states)):
         if stack.awake[p]:
             follow(borrowed_item(states, p), borrowed_item(consts, p), guard, p)
-    guard.count[STEP] += 1
-    if guard.count[REMAKE] or tiles_have_moved(guard):
+    guard.count[near.STEP] += 1
+    if guard.count[near.REMAKE] or near.tiles_have_moved(guard):
         for t in range(guard.travel.size):
             place_tile(states, guard, t)
-        list_tiles(guard)
-    guard.count[ROWS] = guard.count[NODES] = 0
+        near.list_tiles(guard)
+    guard.count[near.ROWS] = guard.count[near.NODES] = 0
     look_at_tiles(states, guard)
     look_at_facets(states, guard)
-    if guard.count[ROWS] == 0:
+    if guard.count[near.ROWS] == 0:
         return
     predict(states, consts, pairs, guard)
-    given, as_one, resolved = project(guard, guard.count[ROWS], guard.count[NODES])
-    guard.energy[IMPULSES] += given
-    guard.energy[AS_ONE] += as_one
+    given, resolved = project(guard, guard.count[near.ROWS], guard.count[near.NODES])
+    guard.energy[near.IMPULSES] += given
     if not resolved:
-        guard.energy[FAILED] = NOT_RESOLVED
+        guard.energy[near.FAILED] = near.NOT_RESOLVED
     if given > 0:
         give_forces(guard)
         for p in range(len(states)):
             if guard.window[p, 0] < guard.window[p, 1]:
                 state, const = borrowed_item(states, p), borrowed_item(consts, p)
-                guard.energy[WORK] -= half_step_work(state, const, guard.f[p], guard.window[p], False)
+                guard.energy[near.WORK] -= half_step_work(state, const, guard.f[p], guard.window[p], False)
 
 
 @kernel(_nrt=False)
@@ -79,20 +54,20 @@ def let_go(states, consts, guard):
     for p in range(len(states)):
         if guard.window[p, 0] < guard.window[p, 1]:
             state, const = borrowed_item(states, p), borrowed_item(consts, p)
-            guard.energy[WORK] -= half_step_work(state, const, guard.f[p], guard.window[p], True)
+            guard.energy[near.WORK] -= half_step_work(state, const, guard.f[p], guard.window[p], True)
 
 
 @kernel(_nrt=False)
 def follow(state, const, guard, p):
     """The travels of the tiles of a ply, and those after as far a way as in the last step."""
     s, across = const.row_stride, guard.tiles_across[p]
-    down, speed = (const.ni + TALL - 1) // TALL, guard.block_speed
+    down, speed = (const.ni + near.TALL - 1) // near.TALL, guard.block_speed
     for i in range(down + 1):
-        begin, end = max(i * TALL, state.active_rows[0]), min((i + 1) * TALL, state.active_rows[1] + 1)
+        begin, end = max(i * near.TALL, state.active_rows[0]), min((i + 1) * near.TALL, state.active_rows[1] + 1)
         for j in range(across + 1):
-            square, own = broadcast(0.0), head_mask(s - j * WIDE)
-            for row in range(begin, end if j * WIDE < s else begin):
-                k = row * s + j * WIDE
+            square, own = broadcast(0.0), head_mask(s - j * near.WIDE)
+            for row in range(begin, end if j * near.WIDE < s else begin):
+                k = row * s + j * near.WIDE
                 x, y, z = load(state.v[0], k), load(state.v[1], k), load(state.v[2], k)
                 square = maximum(square, where(own, x * x + y * y + z * z, 0.0))
             speed[i * (across + 1) + j] = reduce_max(square)
@@ -108,10 +83,10 @@ def follow(state, const, guard, p):
 @kernel(_nrt=False)
 def place_tile(states, guard, t):
     """Places of the nodes of a tile, and its box, if that has not been done in this step."""
-    if guard.placed[t] == guard.count[STEP]:
+    if guard.placed[t] == guard.count[near.STEP]:
         return
-    guard.placed[t] = guard.count[STEP]
-    p, i0, i1, j0, j1 = tile_bounds(guard, t)
+    guard.placed[t] = guard.count[near.STEP]
+    p, i0, i1, j0, j1 = near.tile_bounds(guard, t)
     state, turn = borrowed_item(states, p), turn_of(guard.turns, p)
     for i in range(i0, i1 + 1):
         for j in range(j0, j1 + 1):
@@ -120,33 +95,29 @@ def place_tile(states, guard, t):
             x, y = turned_back(turn, state.u[0][k], state.u[1][k])
             guard.x[g, 0], guard.x[g, 1] = guard.rest[g, 0] + x, guard.rest[g, 1] + y
             guard.x[g, 2] = guard.rest[g, 2] + state.u[2][k]
-    set_box(guard, t)
+    near.set_box(guard, t)
 
 
 @kernel(_nrt=False)
 def look_at_tiles(states, guard):
     """Look at the pairs of tiles that can have come near, and at the tiles that can be near a plane of symmetry."""
-    for m in range(guard.count[PAIRS]):
+    for m in range(guard.count[near.PAIRS]):
         a, b = guard.pair_tiles[m]
         if guard.pair_due[m] > guard.ahead[a] + guard.ahead[b]:
             continue
         place_tile(states, guard, a)
         place_tile(states, guard, b)
-        guard.pair_version[m] += 1
-        apart, p, q = tiles_apart(guard, a, b), guard.tile_ply[a], guard.tile_ply[b]
-        near = 0.5 * NEAR * (guard.thickness[p] + guard.thickness[q])
-        if apart > near:
-            guard.pair_due[m] = guard.travel[a] + guard.travel[b] + apart - near
+        apart, p, q = near.tiles_apart(guard, a, b), guard.tile_ply[a], guard.tile_ply[b]
+        limit = 0.5 * near.NEAR * (guard.thickness[p] + guard.thickness[q])
+        if apart > limit:
+            guard.pair_due[m] = guard.travel[a] + guard.travel[b] + apart - limit
         else:
-            counts = (
-                list_facets(guard, borrowed_item(states, p), a, 0),
-                list_facets(guard, borrowed_item(states, q), b, 1),
-            )
-            list_near_facets(guard, m, counts)
+            first = near.list_facets(guard, borrowed_item(states, p), a, 0)
+            near.list_near_facets(guard, m, first, near.list_facets(guard, borrowed_item(states, q), b, 1))
     for t in range(guard.travel.size if guard.has_planes else 0):
         if guard.plane_due[t] <= guard.ahead[t]:
             place_tile(states, guard, t)
-            look_at_planes(guard, t)
+            near.look_at_planes(guard, t)
 
 
 @kernel(_nrt=False)
@@ -154,34 +125,37 @@ def look_at_facets(states, guard):
     """Rows of the guard of all listed pairs of facets that are near; the others stay in the list for as long as it is
     known when they can be."""
     kept = 0
-    for e in range(guard.count[ENTRIES]):
+    for e in range(guard.count[near.ENTRIES]):
         m = guard.entry_pair[e]
-        if guard.entry_version[e] != guard.pair_version[m]:
-            continue
         a, b = guard.pair_tiles[m]
+        if guard.entry_end[e] != guard.pair_due[m]:
+            continue
         if kept != e:
-            guard.entry_pair[kept], guard.entry_version[kept] = m, guard.entry_version[e]
-            guard.entry_due[kept] = guard.entry_due[e]
+            guard.entry_pair[kept], guard.entry_due[kept], guard.entry_end[kept] = (
+                m,
+                guard.entry_due[e],
+                guard.pair_due[m],
+            )
             for r in range(6):
                 guard.entry_nodes[kept, r] = guard.entry_nodes[e, r]
         if guard.entry_due[kept] <= guard.ahead[a] + guard.ahead[b]:
             place_tile(states, guard, a)
             place_tile(states, guard, b)
-            look_at_entry(guard, kept)
+            near.look_at_entry(guard, kept)
         kept += 1
-    guard.count[ENTRIES] = kept
+    guard.count[near.ENTRIES] = kept
 
 
 @kernel(_nrt=False)
 def predict(states, consts, pairs, guard):
     """Places after the step of all nodes of the rows, by all known forces; lists these nodes."""
-    for row in range(guard.count[ROWS]):
+    for row in range(guard.count[near.ROWS]):
         for r in range(6):
             g = np.int64(guard.row_nodes[row, r])
-            if g >= 0 and guard.node_step[g] != guard.count[STEP]:
-                guard.node_step[g] = guard.count[STEP]
-                guard.node_list[guard.count[NODES]] = g
-                guard.count[NODES] += 1
+            if g >= 0 and guard.node_step[g] != guard.count[near.STEP]:
+                guard.node_step[g] = guard.count[near.STEP]
+                guard.node_list[guard.count[near.NODES]] = g
+                guard.count[near.NODES] += 1
                 p = g // guard.slots
                 v_x, v_y, v_z = next_velocity(
                     borrowed_item(states, p), borrowed_item(consts, p), pairs, p, g - p * guard.slots
@@ -217,7 +191,7 @@ def sum_at(force, k, total):
 @kernel(_nrt=False)
 def give_forces(guard):
     """The impulses as forces of a step, in the frames of the plies."""
-    for m in range(guard.count[NODES]):
+    for m in range(guard.count[near.NODES]):
         g = guard.node_list[m]
         p = g // guard.slots
         k, s = g - p * guard.slots, guard.shape[p, 0]

@@ -17,8 +17,7 @@ The faces of two plies touch half a thickness away from either middle surface. T
 surface, half a thickness times t, is neglected: a membrane takes no moments.
 """
 
-from numba import types
-from numba.extending import overload
+from numba.extending import register_jitable
 
 from shellfabric.jit.compile import kernel
 from shellfabric.plies.contact_simd_kernels import FRICTION_WORK
@@ -35,23 +34,15 @@ from shellfabric.plies.surface_kernels import FACETS, SMOOTH, intact_about, poin
 from shellfabric.projectile.friction_kernels import friction_force
 
 
+@register_jitable
 def friction_forces(friction_state, front, fc, rear, rc, pair, start, end):
     """Add the friction of the points start .. end - 1 to the forces of both plies, and its work to pair.energy; without
     friction, nothing."""
-
-
-@overload(friction_forces, inline="always")
-def _friction_forces(friction_state, front, fc, rear, rc, pair, start, end):
-    if isinstance(friction_state, types.Float):
-        return lambda friction_state, front, fc, rear, rc, pair, start, end: None
-
-    def add(friction_state, front, fc, rear, rc, pair, start, end):
+    if friction_state is not None:
         for q in range(start, end):
             stuck = friction_state[q]
             if pair.normal_force[q] > 0.0 or stuck[3] != 0.0 or stuck[4] != 0.0 or stuck[5] != 0.0:
                 point_friction(front, fc, rear, rc, pair, q)
-
-    return add
 
 
 @kernel(_nrt=False)

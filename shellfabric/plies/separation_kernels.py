@@ -69,12 +69,6 @@ def span(x, nodes, first, n):
 
 
 @kernel(_nrt=False, forceinline=True)
-def gap_along(x, nodes, n):
-    """Width of the slab across n that has the facet nodes[:3] on its lower side and nodes[3:] on its upper one."""
-    return span(x, nodes, 3, n)[0] - span(x, nodes, 0, n)[1]
-
-
-@kernel(_nrt=False, forceinline=True)
 def lower_bound(x, nodes):
     """A distance [m] that two facets are apart at least, by the planes of both: 0 where these say nothing."""
     found = 0.0
@@ -115,4 +109,4 @@ def separation(x, nodes):
     if size == 0.0:
         return 0.0, best
     n = best[0] / size, best[1] / size, best[2] / size
-    return gap_along(x, nodes, n), n
+    return span(x, nodes, 3, n)[0] - span(x, nodes, 0, n)[1], n

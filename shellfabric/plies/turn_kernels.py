@@ -35,14 +35,3 @@ def _turn_of(turns, p):
     if isinstance(turns, types.NoneType):
         return lambda turns, p: None
     return lambda turns, p: (turns[p, 0], turns[p, 1])
-
-
-def turn_between(turns, p, q):
-    """The turn from the frame of ply p to that of ply q."""
-
-
-@overload(turn_between)
-def _turn_between(turns, p, q):
-    if isinstance(turns, types.NoneType):
-        return lambda turns, p, q: None
-    return lambda turns, p, q: turned(turn_of(turns, p), turns[q, 0], turns[q, 1])

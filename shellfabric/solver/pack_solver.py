@@ -202,9 +202,9 @@ class PackSolver(ExplicitSolver):
         return both.reshape(2, -1).max(axis=0, initial=0.0)
 
     @property
-    def held_apart(self) -> FloatArray:
-        """(2,) [-] impulses that kept plies from passing through each other, and nodes that moved as one for it."""
-        return self.guard.energy[[near_kernels.IMPULSES, near_kernels.AS_ONE]] if self.guard else np.zeros(2)
+    def held_apart(self) -> int:
+        """[-] impulses that kept plies from passing through each other."""
+        return int(self.guard.energy[near_kernels.IMPULSES]) if self.guard else 0
 
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
         """(plies,) SlipSummary of sliding crossovers so far; empty of pinned ones."""

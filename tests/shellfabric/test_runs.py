@@ -93,7 +93,7 @@ RUNS = {
     ),
     "pack": (
         PACK | {"plies": 5, "opening": 0.03, "elements_per_crossover": 2, "strike_velocity": 280.0, "end_time": 40e-6},
-        lambda run: torn(run) and run.held_apart[0] > 0 and spent(run, "ply_contact") > 1e-3,
+        lambda run: torn(run) and run.held_apart > 0 and spent(run, "ply_contact") > 1e-3,
     ),
     "turned pack": (
         PACK | {"symmetry": "whole", "lay_up": (Ply(S726), Ply(S720, angle=0.5)), "ply_friction": 0.2},

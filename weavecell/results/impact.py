@@ -54,7 +54,7 @@ class ImpactRecord:
     strength, peak_tension, peak_tension_time : (plies, 2) [N, N, s] of warp and weft, over the run, and when
     peak_tension_place : (plies, 2, 2) [m] where at rest, along warp and weft from the impact point
     gaps, max_penetration_ratio : (plies - 1,) [m, -]
-    guard : (2,) impulses that kept plies from passing through each other, and nodes that moved as one for it
+    guard_impulses : that kept plies from passing through each other
     half_energy, final : (plies,) Shape when the projectile had lost half of the energy that it lost, and at the end
     quads : (plies,) arrays (m, 4) of node numbers
     cuts : tuple of Cut
@@ -100,7 +100,7 @@ class ImpactRecord:
     thickness: np.ndarray
     gaps: np.ndarray
     max_penetration_ratio: np.ndarray
-    guard: np.ndarray
+    guard_impulses: int
     half_energy: tuple[Shape, ...]
     final: tuple[Shape, ...]
     quads: tuple[np.ndarray, ...]
@@ -147,7 +147,7 @@ class ImpactRecord:
             thickness=np.array([panel.weave.thickness for panel in panels]),
             gaps=np.array(target.gaps),
             max_penetration_ratio=result.deepest,
-            guard=np.asarray(result.held_apart).astype(int),
+            guard_impulses=result.held_apart,
             half_energy=_half_energy(result, final),
             final=final,
             quads=tuple(map(quads, panels)),

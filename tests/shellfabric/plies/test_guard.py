@@ -148,7 +148,7 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
         for row, k in enumerate(wall):
             guard.row_nodes[row], guard.row_normal[row] = [guard_kernels.PLANE_X] * 3 + [k] * 3, (1.0, 0.0, 0.0)
             guard.row_need[row], cloud.rows = guard_kernels.needed.py_func(guard.x[k, 0], 1.0), row + 1
-    (given, _, resolved), before = cloud.project()
+    (given, resolved), before = cloud.project()
     assert given > 0
     assert resolved
     assert cloud.left().min() > 1 - 3e-3
@@ -162,7 +162,7 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
 def test_no_motion_satisfies_every_row(ply):
     cloud = Cloud(ply, 5)
     cloud.guard.y[: cloud.nodes] = cloud.guard.x[: cloud.nodes]
-    assert cloud.project()[0] == (0, 0, True)
+    assert cloud.project()[0] == (0, True)
 
 
 def crumpled(ply, plies, seed=7):
@@ -211,46 +211,61 @@ def test_every_pair_that_is_near_has_a_row(ply):
     assert guard.energy[near_kernels.FAILED] == 0
 
 
+def bore(march, p):
+    """Cut all yarns of a ply."""
+    state = march.states[p]
+    state.element_flag[:] = WARP_FAILED | WEFT_FAILED | ERODED
+    for family in (0, 1):
+        state.intact_fraction[family][:] = 0.0
+    state.block_damage[:] = 1
+    state.counter[FAILURES] = march.stack.ply_counters[p, FAILURES] = 1
+
+
 def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
-    march = crumpled(ply, 3)
-    momentum = lambda: sum(np.array([state.mass @ v for v in state.v]) for state in march.states)  # noqa: E731
-    scale = sum(np.abs(state.mass * np.array(state.v)).sum() for state in march.states)
+    """A ply flies through one that is all hole onto the next, which it has no contact with but this."""
+    march = solver(replace(ply, edge="free"), 3)
+    bore(march, 1)
+    const, inner = march.const, slice(4, march.const.ni - 3)
+    nodes = (const.ni + 1) * const.row_stride
+    march.states[0].v[2][:nodes].reshape(-1, const.row_stride)[inner, inner] = 20.0
+    march.states[0].active_rows[:] = 0, const.ni
+
+    def momentum():
+        fabric = sum(np.array([state.mass @ v for v in state.v]) for state in march.states)
+        return fabric + march.projectile.mass * march.stack.projectile_velocity
+
     march.samples.clear()
-    march.energy_at_start = None
+    march.energy_at_start = None  # a ply has been set in motion
     march._sample()
     before = momentum()
     for _ in range(20):
-        march.advance(np.empty((5, 3)))
+        march.advance(np.empty((100, 3)))
         march._sample()
         assert crossings.count(march) == 0
-    assert march.held_apart[0] > 100
-    np.testing.assert_allclose(momentum(), before, atol=1e-12 * scale)
+    assert march.held_apart > 10
+    np.testing.assert_allclose(momentum(), before, atol=1e-12 * before[2])
     taken = march.sample("ply_guard")
-    assert taken[-1] > 0.0
-    assert abs(march.sample("error")).max() < 0.02 * march.sample("kinetic_fabric")[0]
+    assert 0.1 < taken[-1] / march.sample("kinetic_fabric")[0] < 1
+    assert abs(march.sample("error")).max() < 1e-3 * taken[-1]
 
 
 def test_facets_on_wrong_courses_stay_on_their_sides(ply):
-    """An element that would fly through the next ply in one step; the next but one where that is a hole."""
+    """An element that is driven at the next ply; at the next but one where that is a hole."""
     for hole in (False, True):
         march = solver(ply, 3)
         const, states, apart = march.const, march.states, march.places[1]
         k = 6 * const.row_stride + 5
         corners = k + np.array([0, 1, const.row_stride, const.row_stride + 1])
         if hole:
-            states[1].element_flag[:] = WARP_FAILED | WEFT_FAILED | ERODED
-            for family in (0, 1):
-                states[1].intact_fraction[family][:] = 0.0
-            states[1].block_damage[:] = 1
-            states[1].counter[FAILURES] = march.stack.ply_counters[1, FAILURES] = 1
-        reached = []
-        for _ in range(12):  # beyond the thickness, in which the plies' contact is
-            states[0].v[2][corners] = (0.4 if hole else 0.2) * apart / const.dt
+            bore(march, 1)
+        for _ in range(12):
+            states[0].v[2][corners] = (0.2 if hole else 0.4) * apart / const.dt
             march.advance(np.empty((1, 3)))
-            reached.append(states[0].u[2][corners].mean())
             assert crossings.count(march) == 0
-        assert march.held_apart[0] > 0
-        assert (reached[-1] > apart) == hole
+        assert march.held_apart > 0
+        before, middle, behind = (z + state.u[2][corners].mean() for z, state in zip(march.places, states))
+        assert 2.0 * apart < before < behind
+        assert (middle < before) == hole
 
 
 def test_torn_fabric_does_not_pass_a_plane_of_symmetry(ply):
@@ -269,7 +284,7 @@ def test_torn_plies_do_not_pass_through_each_other():
     ply, seen = Panel(CellModel(fabric).table(101), (0.04, 0.04), numerics=Numerics(threads=1)), []
     march = PackSolver(Pack.stacked(ply, 2), 250.0, 60e-6).run((lambda run: seen.append(crossings.count(run)),))
     assert march.sample("cut_yarns")[-1] > 50
-    assert march.held_apart[0] > 0
+    assert march.held_apart > 0
     assert max(seen) == 0
     assert 0.0 < march.sample("ply_guard")[-1] < 0.005 * march.strike_energy
     assert march.guard.energy[near_kernels.LEAST] > 0.04
@@ -288,7 +303,5 @@ def test_a_crossing_is_seen(ply):
     march = solver(ply, 2)
     march.states[0].u[2][200:] += 2.0 * ply.weave.thickness
     assert crossings.count(march) > 10
-    for family in (0, 1):
-        march.states[1].intact_fraction[family][:] = 0.0
-    march.states[1].element_flag[:] = WARP_FAILED | WEFT_FAILED
+    bore(march, 1)
     assert crossings.count(march) == 0

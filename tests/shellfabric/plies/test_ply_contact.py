@@ -72,7 +72,7 @@ def plain(front, fc, rear, rc, pair, pack):
     """Forces (3, nodes) on front and rear, and the spring energy, point by point: the foot by minimising a distance."""
     (law,), zeta, density = pack.laws, pack.contact.damping, pack.plies[0].weave.areal_density
     X, Y = ([controls(state, c, m) for m in range(3)] for state, c in ((front, fc), (rear, rc)))
-    at_origin = {"x0": 0, "dx": 0, "y0": 0, "dy": 0, "line_offset1": 0.0, "line_offset2": 0.0}
+    at_origin = {"x0": 0, "dx": 0, "y0": 0, "dy": 0, "line_offset1": None, "line_offset2": None}
     VX, VY = ([controls(state._replace(u=state.v), c._replace(**at_origin), m) for m in range(3)]
               for state, c in ((front, fc), (rear, rc)))  # fmt: skip
     F, G, energy = [np.zeros_like(x) for x in X], [np.zeros_like(y) for y in Y], 0.0

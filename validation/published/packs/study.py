@@ -128,7 +128,7 @@ def crossings(case: Case) -> dict[str, Any]:
         "time": march.time,
         "failed": [torn],
         "crossings": found,
-        "impulses": march.held_apart.tolist(),
+        "impulses": march.held_apart,
         "taken": float(march.sample("ply_guard")[-1] / march.strike_energy),
     }
 

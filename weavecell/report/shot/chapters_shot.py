@@ -113,8 +113,8 @@ def ply_table(record: ImpactRecord) -> Table:
     )
     deepest = text(record.max_penetration_ratio.max(), "1", "share", ".0f")
     caption = f"Plies, from the front. A ply was pressed into the next by at most {deepest} of its thickness."
-    if record.guard[0]:
-        caption += f" Plies were kept from passing through each other by {record.guard[0]:g} impulses."
+    if record.guard_impulses:
+        caption += f" Plies were kept from passing through each other by {record.guard_impulses:g} impulses."
     return Table.of(table, caption)
 
 
