@@ -10,7 +10,8 @@ damping are proportional to its area, so that the mass of a node and the springs
 Offsets are arrays on graded plies and None on uniform ones: kernels of uniform plies have no instruction of all this.
 """
 
-from numba.extending import register_jitable
+from numba import types
+from numba.extending import overload, register_jitable
 
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import load
@@ -63,18 +64,23 @@ def add_column_offset8(value, offsets, j, w):
     return value + three + w[3] * load(offsets, j + 3)
 
 
-@register_jitable
 def scaled_by_area(value, rows, columns, i, j):
     """value times the area of element (i, j) over that of the smallest; of turned plies rows have all products."""
-    if rows is None:
-        return value
-    return value * rows[i, j] if columns is None else value * (rows[i] * columns[j])
+
+
+@overload(scaled_by_area, inline="always")
+def _scaled_by_area(value, rows, columns, i, j):
+    if isinstance(rows, types.NoneType):
+        return lambda value, rows, columns, i, j: value
+    if rows.ndim == 2:  # of turned plies
+        return lambda value, rows, columns, i, j: value * rows[i, j]
+    return lambda value, rows, columns, i, j: value * (rows[i] * columns[j])
 
 
 @register_jitable
 def scaled_by_area8(value, rows, columns, i, j):
     """`scaled_by_area` of eight elements side by side."""
-    return value if rows is None or columns is None else (rows[i] * load(columns, j)) * value
+    return value if rows is None else (rows[i] * load(columns, j)) * value
 
 
 @register_jitable
