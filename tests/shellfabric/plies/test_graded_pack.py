@@ -127,4 +127,4 @@ def test_places_in_elements():
     for at in np.linspace(-3.0, 15.0, 37):
         expected = at if at < 2 else 2 + (at - 2) / 2 if at < 4 else 3 + (at - 4) / 4
         assert place(at, 1.0, offsets, 4) == pytest.approx(expected, abs=1e-12)
-        assert place(at, 0.5, 0.0, 4) == at / 0.5
+        assert place(at, 0.5, None, 4) == at / 0.5
