@@ -469,6 +469,11 @@ class ImpactResult(Outcome):
         return float(warp), float(weft)
 
     @property
+    def absorbed_energy(self) -> float:
+        """[J] that the projectile has lost."""
+        return float(self.strike_energy - self.energies["kinetic_projectile"][-1])
+
+    @property
     def ply_tensions(self) -> FloatArray:
         """(plies, 2) [N] the highest of each ply over the run, in its own weave."""
         return self.peaks[..., 0]
