@@ -13,6 +13,7 @@ import csv
 import sys
 import textwrap
 from collections.abc import Callable
+from math import isfinite
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -27,9 +28,8 @@ import keys_page  # noqa: E402
 from validation.claims import page as claims  # noqa: E402
 from validation.claims.judge import MISSED, REPRODUCED  # noqa: E402
 from validation.marked_page import markdown  # noqa: E402
+from validation.verification.mesh_convergence.__main__ import QUANTITIES, Deviation  # noqa: E402
 
-QUANTITIES = ("critical velocity", "residual velocity", "absorbed energy", "peak tension")
-PACKS = (("2", "S-726"), ("2", "S-728"), ("4", "S-728"))
 TESTED = 110  # [m/s] at which a ply of S-726 was perforated
 
 
@@ -39,31 +39,36 @@ def table(name: str) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def converged() -> dict[str, dict[str, list[dict[str, str]]]]:
-    """{fabric: {quantity: its rows, of rising velocity or of warp and weft}} of convergence.csv."""
-    found: dict = {}
-    for row in table("convergence.csv"):
-        name = next(name for name in QUANTITIES if row["quantity"].startswith(name))
-        found.setdefault(row["fabric"], {}).setdefault(name, []).append(row)
-    return found
+def deviations() -> dict[tuple[int, str], list[Deviation]]:
+    """{(plies, fabric): how far each quantity on the default mesh is from its value on the finer one}."""
+    meshes: dict[tuple[int, str], dict[str, dict[str, str]]] = {}
+    for row in table("convergence-means.csv"):
+        meshes.setdefault((int(row["plies"]), row["fabric"]), {})[row["mesh"]] = row
+    return {
+        (plies, fabric): [
+            Deviation(plies, fabric, name, {mesh: measured(row, name) for mesh, row in rows.items()})
+            for name in QUANTITIES
+        ]
+        for (plies, fabric), rows in meshes.items()
+    }
 
 
-def percent(number: float) -> str:
-    """An error of the mesh, in bold if it is above 10 %."""
-    return f"**{number:+.1f}**" if abs(number) > 10 else f"{number:+.1f}"
+def measured(row: dict[str, str], quantity: str) -> tuple[float, float]:
+    """(value, error) of a quantity in a row of convergence-means.csv."""
+    column = f"{quantity}_{QUANTITIES[quantity][2].replace('/', '_')}".rstrip("_")
+    return float(row[column]), float(row[f"{column}_error"])
 
 
 def mesh_errors() -> str:
-    """Of one ply with one element per crossover, and of packs on their default mesh: convergence.md has these alone."""
-    rows = [["target", *QUANTITIES]]
-    for fabric, of in converged().items():
-        off = {name: [100 * (float(r["1 per crossover"]) / float(r["limit"]) - 1) for r in of[name]] for name in of}
-        rows.append([fabric, *(" / ".join(map(percent, off[name])) for name in QUANTITIES)])
-    lines = (DOCS / "reports" / "convergence.md").read_text("utf-8").splitlines()
-    for plies, fabric in PACKS:
-        cells = [line.strip("| ").split(" | ") for line in lines if line.startswith(f"| {plies} | {fabric} |")]
-        V, warp, weft, energy = (percent(float(row[9].strip("* "))) for row in cells if len(row) == 11)
-        rows.append([f"{plies} plies, {fabric}", V, "", f"at 1.5: {energy}", f"{warp} / {weft}"])
+    """Of plies and packs on the default mesh against elements half as long, in %."""
+    rows = [["target", *(words for _, words, _ in QUANTITIES.values())]]
+    for (plies, fabric), quantities in deviations().items():
+        cells = []
+        for deviation in quantities:
+            share, error = deviation.percent("default")
+            text = f"{share:+.1f} ± {error:.1f}" if isfinite(share) else ""
+            cells.append(text if deviation.met or not text else f"**{text}**")
+        rows.append([fabric if plies == 1 else f"{plies} plies, {fabric}", *cells])
     return f"\n\n{markdown(rows)}\n"
 
 
@@ -90,16 +95,18 @@ def tested_ply_in_words() -> str:
 
 def critical_velocities() -> str:
     """Of one ply of the six fabrics, beside the shots of the captions."""
-    rows = [["fabric", "1 element per crossover", "4 elements", "simulated in the thesis"]]
+    rows = [["fabric", "default mesh", "elements half as long", "simulated in the thesis"]]
     shots = [row for row in table("published-shots.csv") if row["kind"] == "caption, one ply"]
-    for fabric, of in converged().items():
-        (row,) = of["critical velocity"]
+    for (plies, fabric), quantities in deviations().items():
+        if plies > 1:
+            continue
+        velocity = next(deviation for deviation in quantities if deviation.quantity == "critical_velocity")
         at = {
             end: [row["strike velocity [m/s]"] for row in shots if (row["fabric"], row["thesis"]) == (fabric, end)]
             for end in ("stops", "perforates")
         }
         ends = f"{max(at['stops'], key=float)} to {min(at['perforates'], key=float)}"
-        rows.append([fabric, *(f"{float(row[f'{n} per crossover']):.0f}" for n in (1, 4)), ends])
+        rows.append([fabric, *(f"{velocity.values[mesh][0]:.1f}" for mesh in ("default", "finer")), ends])
     return f"\n\n{markdown(rows)}\n"
 
 

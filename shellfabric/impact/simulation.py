@@ -465,13 +465,13 @@ class ImpactResult(Outcome):
     @property
     def peak_tension(self) -> tuple[float, float]:
         """(warp, weft) [N] the highest of any ply over the run, each in its own weave."""
-        warp, weft = self.ply_tensions.max(axis=0)
+        warp, weft = self.peaks[..., 0].max(axis=0)
         return float(warp), float(weft)
 
     @property
-    def ply_tensions(self) -> FloatArray:
-        """(plies, 2) [N] the highest of each ply over the run, in its own weave."""
-        return self.peaks[..., 0]
+    def absorbed_energy(self) -> float:
+        """[J] that the projectile has lost."""
+        return float(self.strike_energy - self.energies["kinetic_projectile"][-1])
 
     @property
     def cut_yarns(self) -> FloatArray:

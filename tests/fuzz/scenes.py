@@ -117,6 +117,8 @@ def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False) -> R
         if draw.chance(0.3):
             shot, body = sample_body(draw, shot, f"{name}.stl")
             panel["symmetry"] = "whole"
+    if alone and "elements_per_crossover" not in run and draw.chance(0.7):  # the default costs several times as much
+        run["elements_per_crossover"] = 1
     return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other, body)
 
 

@@ -53,10 +53,10 @@ def v50(
 
     Every yarn of every ply is drawn, so that the whole panel is computed, whatever part the input file models. Without
     scatter V50 is the critical velocity. A fabric is shot at as in the tests of the thesis: one ply of 203 mm, clamped,
-    and a flat cylinder of 3 g and 5.5 mm. Where no mesh is named, elements are one crossover long near the impact point
-    and up to four far off. Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
-    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and [accuracy] are
-    rejected.
+    and a flat cylinder of 3 g and 5.5 mm. Where no mesh is named, one ply has elements of a failure length near the
+    impact point and of four crossovers far off; a pack has the mesh of a shot. Of an input file these keys are ignored:
+    title, projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
+    run.outputs; [history] and [accuracy] are rejected.
 
     The folder then holds v50.html, .csv, .json, .png, shots.csv, scene.toml, and runs/, a file for each shot.
 

@@ -144,7 +144,7 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Draw:
         number=number,
         outcome="unstable" if problem else result.outcome,
         residual_velocity=float(result.residual_velocity),
-        absorbed_energy=float(result.strike_energy - result.energies["kinetic_projectile"][-1]),
+        absorbed_energy=result.absorbed_energy,
         peak_tension_warp=float(warp),
         peak_tension_weft=float(weft),
         cut_yarns=float(result.cut_yarns[-1]),

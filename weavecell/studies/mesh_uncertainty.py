@@ -251,7 +251,7 @@ def _rows(shot):
     result = shot.result
     strike, energy, deepest = result.setup.strike_velocity, result.strike_energy, 1e3 * result.step_history[:, 1].max()
     left, (warp, weft) = max(result.residual_velocity, 0.0), result.peak_tension
-    velocities, energies = (left, 0.0), (energy * (1 - (left / strike) ** 2), 0.0)
+    velocities, energies = (left, 0.0), (result.absorbed_energy, 0.0)
     if shot.window is not None:
         velocities, energies = map(shot.window.mean, ("residual_velocity", "absorbed_energy"))
     yield "residual velocity", "m/s", "residual_velocity", strike, *velocities

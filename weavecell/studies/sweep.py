@@ -61,7 +61,7 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
     return {
         "outcome": "unstable" if problem else result.outcome,
         "residual_velocity_m_s": float(result.residual_velocity),
-        "absorbed_energy_J": float(result.strike_energy - result.energies["kinetic_projectile"][-1]),
+        "absorbed_energy_J": result.absorbed_energy,
         "max_deflection_m": float(result.max_deflection),
         "peak_tension_warp_N": float(warp),
         "peak_tension_weft_N": float(weft),

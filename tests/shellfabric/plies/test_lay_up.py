@@ -28,7 +28,7 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
     for result in results:
         assert result.energy_error_max < 2e-3
         assert result.cut_yarns[-1] > 0
-        assert result.plies["peak_warp"][-1].tolist() == result.ply_tensions[:, 0].tolist()
+        assert result.plies["peak_warp"][-1].tolist() == result.peaks[:, 0, 0].tolist()
         assert np.all(np.diff(result.plies["peak_weft"], axis=0) >= 0)
     first, second = results
     assert first.setup.title == "2 x S-728 + 1 x S-726 at 90 deg"

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import hypot, nan
+from math import hypot, isfinite, nan
 from pathlib import Path
 
 from fabrics import run_cache
@@ -105,7 +105,8 @@ def tables(groups: Sequence[Sequence[Measured]]) -> str:
     lines = [["plies", "fabric", "quantity", *meshes, *(f"{mesh} off, %" for mesh in meshes[:-1]), "target, %"]]
     for row in rows:
         _, words, unit = QUANTITIES[row.quantity]
-        off = [f"{share:+.1f} ± {error:.1f}" for share, error in map(row.percent, meshes[:-1])]
+        shares = map(row.percent, meshes[:-1])
+        off = [f"{share:+.1f} ± {error:.1f}" if isfinite(share) else "not known" for share, error in shares]
         off[-1] = off[-1] if row.met else f"**{off[-1]}**"
         values = [plus_minus(row.values[mesh]) for mesh in meshes]
         name = f"{words}, {unit}".rstrip(", ")
@@ -116,16 +117,14 @@ def tables(groups: Sequence[Sequence[Measured]]) -> str:
         case, left = measured.case, f"{measured.not_perforated} of {len(FACTORS)}"
         costs.append([f"{case.plies}", case.fabric, case.mesh, f"{measured.elements}", f"{measured.cpu:.2f}",
                       f"{100 * measured.viscous:.1f}", measured.limit.problem or left])  # fmt: skip
-    note = (
-        "Off: from the finer mesh. Bold: target missed. ±: standard error, of a critical velocity half its bracket.\n"
-    )
+    note = "Off: from the finer mesh. Bold: missed. ±: standard error; of a critical velocity half its bracket.\n"
     return "\n".join([*map(markdown, (counts, lines)), note, markdown(costs)])
 
 
 def plus_minus(mean: tuple[float, float]) -> str:
     """A value and its error as text."""
     value, error = mean
-    return f"{value:.4g} ± {error:.2g}"
+    return f"{value:.4g} ± {error:.2g}" if isfinite(value) else "not known"
 
 
 def weave_table(group: Sequence[Measured]) -> str:
@@ -151,8 +150,8 @@ def filter_table(group: Sequence[Measured]) -> str:
     for length in LENGTHS:
         means = (cases[length, factor].mean(name) for name, factor in columns)
         rows.append([f"{1e3 * length:g}", *map(plus_minus, means)])
-    fabric, plies = group[0].case.fabric, group[0].case.plies
-    return f"{plies} x {fabric}, Courant factors {COURANT[0]:g} and {COURANT[1]:g}:\n\n{markdown(rows)}"
+    case = group[0].case
+    return f"{case.plies} x {case.fabric}, Courant factors {COURANT[0]:g} and {COURANT[1]:g}:\n\n{markdown(rows)}"
 
 
 def main(
@@ -182,8 +181,7 @@ def main(
             [replace(base, fabric=fabric, plies=count, mesh=mesh) for mesh in meshes]
             for count in plies for fabric in fabrics or (FABRICS if count == 1 else PACK_FABRICS)
         ]  # fmt: skip
-        by_name = lambda measured: measured.case.mesh  # noqa: E731  # coarser, default, finer
-        groups = [sorted(group, key=by_name) for group in measure(cases, points, jobs)]
+        groups = [sorted(group, key=lambda measured: measured.case.mesh) for group in measure(cases, points, jobs)]
         text = tables(groups)
         files = [(out / "convergence.csv", out / "convergence.png")]
         if page is not None:

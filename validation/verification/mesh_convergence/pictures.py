@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from validation.verification.mesh_convergence.study import Measured
 
 PLIES = 1, 4  # that are drawn, where they are there
+TIMES = 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100  # [s] ticks
 MARKERS = {"coarser": "v", "default": "o", "finer": "^"}
 
 
@@ -34,9 +35,7 @@ def compose(pyplot: Any, groups: Sequence[Sequence[Measured]], targets: Sequence
         target = targets[plies > 1]
         axes.axhspan(-target, target, color="#e8eef4", lw=0)
         axes.axhline(0, color=FAINT, lw=0.8)
-        for group in groups:
-            if group[0].case.plies != plies:
-                continue
+        for group in (group for group in groups if group[0].case.plies == plies):
             colour = COLOURS[fabrics.index(group[0].case.fabric) % len(COLOURS)]
             energies = [measured.mean("absorbed_energy") for measured in group]
             finest, error_of_finest = energies[-1]
@@ -47,10 +46,13 @@ def compose(pyplot: Any, groups: Sequence[Sequence[Measured]], targets: Sequence
             for measured, x, y in zip(group, cost, off):
                 axes.plot(x, y, MARKERS[measured.case.mesh], color=colour, ms=7)
         axes.set_xscale("log")
+        limits = axes.get_xlim()
+        axes.set_xticks(TIMES, labels=[f"{time:g}" for time in TIMES])
+        axes.set_xticks([], minor=True)
         axes.set_yscale("symlog", linthresh=target)
         ticks = (-100, -10, -target, 0, target, 10, 100)
         axes.set_yticks(ticks, labels=[f"{tick:g}" for tick in ticks])
-        axes.set(ylim=(-100, 100), xlabel="CPU time of a shot [s]", title="one ply" if plies == 1 else f"{plies} plies")
+        axes.set(xlim=limits, ylim=(-100, 100), xlabel="CPU time of a shot [s]", title=f"plies: {plies}")
         axes.legend(fontsize=9)
     grid[0, 0].set_ylabel("absorbed energy, deviation from the finest mesh [%]")
     return figure
