@@ -62,12 +62,6 @@ def guard(
     down, across = np.array([(-(-c.ni // TALL), -(-c.nj // WIDE)) for c in consts]).T
     first = np.concatenate([[0], np.cumsum(down * across)])
     nodes, tiles = plies * slots, int(first[-1])
-    pairs, entries, rows, most = (
-        _PAIRS * tiles,
-        _ENTRIES * max(nodes, 20_000),
-        max(nodes, 20_000),
-        4 * (TALL + 1) * (WIDE + 1),
-    )
     return Guard(
         rest=places.reshape(-1, 3),
         kick=kick.ravel(),
@@ -92,6 +86,17 @@ def guard(
         **_zeros("placed", tiles, kind=np.int64),
         **_zeros("box", tiles, 6),
         **_zeros("block_speed", int(((down + 1) * (across + 1)).max())),
+        **_lists(max(nodes, 20_000), _PAIRS * tiles),
+        slots=slots,
+        dt=dt,
+        turns=turns,
+    )
+
+
+def _lists(rows, pairs):
+    """Room for pairs of tiles, for facets that are near each other, and for rows of the guard."""
+    entries, most = _ENTRIES * rows, 4 * (TALL + 1) * (WIDE + 1)
+    return {
         **_zeros("pair_tiles", pairs, 2, kind=np.int64),
         **_zeros("pair_due", pairs),
         **_zeros("entry_nodes", entries, 6, kind=np.int32),
@@ -102,10 +107,7 @@ def guard(
         **_zeros("row_nodes", rows, 6, kind=np.int32),
         **_zeros("row_normal", rows, 3),
         **_zeros("row_need", rows),
-        slots=slots,
-        dt=dt,
-        turns=turns,
-    )
+    }
 
 
 def _zeros(names, *shape, kind=float):

@@ -28,7 +28,7 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
     for p, (panel, c, state) in enumerate(march.parts):
         shape, size = (c.ni + 1, c.row_stride), (c.ni + 1) * c.row_stride
         rest = np.stack([*panel.coordinates(), np.full(shape, march.places[p])], axis=-1)
-        now = rest + np.moveaxis([u[:size].reshape(shape) for u in state.u], 0, -1)
+        now = rest + np.stack([u[:size].reshape(shape) for u in state.u], axis=-1)
         warp, weft = (part[:size].reshape(shape) > 0 for part in state.intact_fraction)
         flag = state.element_flag[:size].reshape(shape)[:-1, :-1]
         cloth = (warp[:-1, :-1] | warp[:-1, 1:]) & (weft[:-1, :-1] | weft[1:, :-1]) & (flag & ERODED == 0)
