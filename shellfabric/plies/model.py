@@ -309,9 +309,9 @@ class Pack:
     def guard(self, consts: Sequence[Constants], states: Sequence[State]) -> Guard:
         """What keeps the plies from passing through each other, at rest."""
         rest, thicknesses = [], [ply.weave.thickness for ply in self.plies]
-        for ply, z in zip(self.plies, self.places):
-            nodes = np.stack([*ply.coordinates(), np.full(ply.areas.shape, z)], axis=-1)
-            rest.append(ply.in_pack(nodes).reshape(-1, 3))
+        for p, (ply, z) in enumerate(zip(self.plies, self.places)):
+            x, y = turn_kernels.turned_back(self._turn(0, p), *ply.coordinates())
+            rest.append(np.stack([x, y, np.full_like(x, z)], axis=-1).reshape(-1, 3))
         return guard(consts, states, rest, thicknesses, self.time_step, self.turns)
 
     def _apart(self, p):

@@ -13,7 +13,7 @@ from shellfabric.jit.compile import entry
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import guard_kernels, near_kernels, separation_kernels
-from shellfabric.plies.model import Pack
+from shellfabric.plies.model import Pack, at_angle
 from shellfabric.solver.pack_solver import PackSolver
 from validation.published.packs import crossings
 
@@ -247,6 +247,16 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
     taken = march.sample("ply_guard")
     assert 0.1 < taken[-1] / march.sample("kinetic_fabric")[0] < 1
     assert abs(march.sample("error")).max() < 1e-3 * taken[-1]
+
+
+def test_all_places_are_in_the_frame_of_the_first_ply(ply):
+    """They were in the pack's, and displacements in the first ply's: plies passed through each other where they differ."""
+    pack = Pack((at_angle(ply, -0.9), at_angle(ply, 0.4)), (0.0,))
+    guard, axes = pack.guard(pack.constants(), pack.states(1.0)[0]), pack.plies[0].axes
+    for p, panel in enumerate(pack.plies):
+        nodes = panel.in_pack(np.stack(panel.coordinates(), axis=-1)).reshape(-1, 2) @ axes.T
+        rest = guard.rest[p * guard.slots :][: len(nodes)]
+        np.testing.assert_allclose(rest, np.column_stack([nodes, np.full(len(nodes), pack.places[p])]), atol=1e-15)
 
 
 def test_facets_on_wrong_courses_stay_on_their_sides(ply):
