@@ -250,7 +250,7 @@ def test_free_plies_keep_their_momentum_and_lose_what_is_booked(ply):
 
 
 def test_all_places_are_in_the_frame_of_the_first_ply(ply):
-    """They were in the pack's, and displacements in the first ply's: plies passed through each other where they differ."""
+    """They were in the pack's, and displacements in the first ply's: plies passed through each other."""
     pack = Pack((at_angle(ply, -0.9), at_angle(ply, 0.4)), (0.0,))
     guard, axes = pack.guard(pack.constants(), pack.states(1.0)[0]), pack.plies[0].axes
     for p, panel in enumerate(pack.plies):
