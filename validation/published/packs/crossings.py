@@ -1,7 +1,7 @@
 """What crosses what in a pack: edges of the triangulated plies that go through triangles of other plies.
 
-Found from places alone, without contact and guard. An element is two triangles where it has yarns of both families, has
-not eroded and, once torn, is not drawn out to more than twice its size; other intact yarns are bare edges.
+Found from places, without contact. An element is two triangles where it has yarns of both families, has not eroded, and
+has never been drawn out to more than twice its size once torn: what the guard has dropped for that is taken from it.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
         now = rest + np.stack([u[:size].reshape(shape) for u in state.u], axis=-1)
         warp, weft = (part[:size].reshape(shape) > 0 for part in state.intact_fraction)
         flag = state.element_flag[:size].reshape(shape)[:-1, :-1]
-        cloth = (warp[:-1, :-1] | warp[:-1, 1:]) & (weft[:-1, :-1] | weft[1:, :-1]) & (flag & ERODED == 0)
-        cloth &= (flag == 0) | ~drawn_out(now, rest)
-        cloth &= march.guard.dropped[p * march.guard.slots :][:size].reshape(shape)[:-1, :-1] == 0
+        is_facet = (warp[:-1, :-1] | warp[:-1, 1:]) & (weft[:-1, :-1] | weft[1:, :-1]) & (flag & ERODED == 0)
+        is_facet &= (flag == 0) | ~drawn_out(now, rest)
+        is_facet &= march.guard.dropped[p * march.guard.slots :][:size].reshape(shape)[:-1, :-1] == 0
         number = first + np.arange(size).reshape(shape)
-        a, b, c, d = (part[cloth] for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
-        about = np.pad(cloth, 1)
+        a, b, c, d = (part[is_facet] for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+        about = np.pad(is_facet, 1)
         warp = warp[:-1] & ~(about[1:-1, 1:] | about[1:-1, :-1])
         weft = weft[:, :-1] & ~(about[1:, 1:-1] | about[:-1, 1:-1])
         facets += [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
