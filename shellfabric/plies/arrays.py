@@ -86,16 +86,16 @@ def guard(
         **_zeros("placed", tiles, kind=np.int64),
         **_zeros("box", tiles, 6),
         **_zeros("block_speed", int(((down + 1) * (across + 1)).max())),
-        **_lists(max(nodes, 20_000), _PAIRS * tiles),
+        **_lists(_ENTRIES * max(nodes, 20_000), nodes, _PAIRS * tiles),
         slots=slots,
         dt=dt,
         turns=turns,
     )
 
 
-def _lists(rows, pairs):
-    """Room for pairs of tiles, for facets that are near each other, and for rows of the guard."""
-    entries, most = _ENTRIES * rows, 4 * (TALL + 1) * (WIDE + 1)
+def _lists(entries, nodes, pairs):
+    """Room for pairs of tiles, for near facets, and for rows of all these and of nodes at the planes of symmetry."""
+    rows, most = entries + 2 * nodes, 4 * (TALL + 1) * (WIDE + 1)
     return {
         **_zeros("pair_tiles", pairs, 2, kind=np.int64),
         **_zeros("pair_due", pairs),
