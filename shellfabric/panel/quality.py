@@ -139,8 +139,8 @@ class Monitor:
     Attributes
     ----------
     found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the squares of the
-        node-to-node alternation of the tension and of the tension [N2]; furthest that the ply's contact with the next
-        has given way, over the thickness [-]
+        node-to-node alternation of the tension and of the tension [N2]; furthest that the ply
+        and those behind it have closed, over the thickness [-]
     """
 
     def __init__(self, solver: Any) -> None:
@@ -160,7 +160,7 @@ class Monitor:
         for (_, const, state), row, (i, j), light in zip(parts, self.found, self._places, self._light):
             sample(state, const, i, j, *light, row)
         if len(parts) > 1:
-            self.found[:-1, -1] = solver.squeezed
+            self.found[:-1, -1] = solver.deepest
 
     @property
     def oscillation(self) -> float:

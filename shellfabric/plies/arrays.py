@@ -4,92 +4,121 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from fabrics.checks import FloatArray
 from shellfabric.jit.by_reference import by_reference
+from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State
-from shellfabric.plies.near_kernels import NEAR, TALL, WIDE
+from shellfabric.plies.frame_kernels import TALL, WIDE
+from shellfabric.plies.near_kernels import NEAR
 
 _PAIRS, _ENTRIES = 60, 20  # room for pairs of tiles, of a tile, and of facets, of a node, in the mean
 
-Pair = namedtuple(
-    "Pair",
-    "closest_point cp_rate normal last_depth depth_offset status on_facet recheck_step max_speed f_front f_rear "
-    "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts "
-    "lane_index surface_form points_per_side point_offset law law_step thickness rest_distance min_deflection "
-    "area_factor1 area_factor2 friction slip_stiffness slip_damping friction_state normal_force turn",
-)
-Guard = namedtuple(
-    "Guard",
-    "f window rest x y impulse kick mirror shape slots dt thickness thickest has_planes turns tile_ply first_tile "
-    "tiles_across travel ahead travel_then placed plane_due box order block_speed dropped pair_tiles pair_due "
+PackContact = namedtuple(
+    "PackContact",
+    "x v rest f force window grid_window base shape slots turns dt kick mirror torn dropped failures "
+    "points first_point closest_a closest_b first_element area laws law_of law_step friction stick_damping "
+    "side_by_side lanes thickness thickest longest energy work "
+    "y impulse guard_force guard_window has_planes tile_ply first_tile tiles_across travel way travel_then boxed "
+    "plane_due box order block_speed pair_tiles pair_due pair_seen clearance looked_at holes covered open pressed "
     "entry_nodes entry_pair entry_end entry_due facets facet_box row_nodes row_normal row_need "
-    "node_step node_list root cluster count energy",
+    "node_step node_list root cluster count guard",
 )
 Stack = namedtuple(
     "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity turns"
 )
+# what does not follow from the plies, of a checkpoint
+KEPT = ["force", "window", "closest_a", "closest_b", "dropped", "energy", "work", "guard"]
 
-by_reference(Pair, Guard, Stack)
+by_reference(PackContact, Stack)
 
 
-def guard(
-    consts: Sequence[Constants],
-    states: Sequence[State],
-    rest: Sequence[FloatArray],
-    thicknesses: Sequence[float],
-    dt: float,
-    turns: FloatArray | None,
-) -> Guard:
-    """The guard of plies at rest; node k of ply p is number p slots + k.
+def pack_contact(
+    consts: Sequence[Constants], states: Sequence[State], rest: Sequence[FloatArray], thicknesses: Sequence[float],
+    turns: FloatArray, **of_points: Any,
+) -> PackContact:  # fmt: skip
+    """The contact between plies at rest.
 
     Parameters
     ----------
     consts, states : of the plies
-    rest : of each ply, (nodes, 3) [m] its nodes at rest in the frame of the first one
+    rest : of each ply, (ni + 1, nj + 1, 3) [m] its nodes at rest in the frame of the first one
     thicknesses : (plies,) [m]
-    dt : [s] time step
-    turns : (plies, 2) of `turn_kernels.turn_of`, or None
+    turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
+    of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and `closest_b` of all
+        points, `first_element` (plies,) and `area` of all elements; `laws`, `law_of`, `law_step`
+        (`numerics.law_tables`), `friction`, `stick_damping` and `side_by_side` (plies,)
     """
-    plies, slots = len(consts), max(state.mass.size for state in states)
-    places, kick, mirror = np.zeros((plies, slots, 3)), np.zeros((plies, slots)), np.zeros((plies, slots), np.uint8)
-    for p, (const, state, nodes) in enumerate(zip(consts, states, rest)):
-        places[p, : len(nodes)], kick[p, : state.mass.size] = nodes, state.dt_over_mass
-        mirror[p, : const.row_stride] |= np.uint8(const.mirror_x)
-        mirror[p, : len(nodes) : const.row_stride] |= np.uint8(2 * const.mirror_y)
+    plies, own = len(consts), max(state.mass.size for state in states)
+    shape = np.array([(c.nj + 3, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts])
+    slots = int(max((s[1] + 3) * s[0] for s in shape)) + 4 * WIDTH
+    base = np.arange(plies) * slots + shape[:, 0] + 1
+    nodes = plies * slots
+    x, kick, mirror = np.zeros((3, nodes)), np.zeros(nodes), np.zeros(nodes, np.uint8)
+    for p, (const, state, places) in enumerate(zip(consts, states, rest)):
+        grid = np.pad(places, ((1, 1), (1, 1), (0, 0)))
+        for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+            lines = np.moveaxis(grid, axis, 0)
+            lines[0], lines[-1] = 2 * lines[1] - lines[2], 2 * lines[-2] - lines[-3]
+            if mirrored:
+                lines[0] = lines[2] * np.where(np.arange(3) == axis, -1, 1)
+        x[:, p * slots :][:, : grid[..., 0].size] = grid.reshape(-1, 3).T
+        numbers = base[p] + np.add.outer(np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride))
+        kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
+        mirror[numbers[0]] |= np.uint8(const.mirror_x)
+        mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
     down, across = np.array([(-(-c.ni // TALL), -(-c.nj // WIDE)) for c in consts]).T
     first = np.concatenate([[0], np.cumsum(down * across)])
-    nodes, tiles = plies * slots, int(first[-1])
-    return Guard(
-        rest=places.reshape(-1, 3),
-        kick=kick.ravel(),
-        mirror=mirror.ravel(),
-        window=np.array([[c.ni + 1, 0, c.row_stride, 0] for c in consts]),
-        shape=np.array([(c.row_stride, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]),
+    tiles = int(first[-1])
+    none, none_of_grid = np.zeros((plies, 4), np.int64), np.zeros((plies, 2, 4), np.int64)
+    none[:, 0], none[:, 2] = shape[:, 1] + 1, shape[:, 2] + 1
+    none_of_grid[:] = none[:, None]
+    return PackContact(
+        x=x,
+        rest=x.copy(),
+        kick=kick,
+        mirror=mirror,
+        base=base,
+        shape=shape,
+        slots=slots,
+        turns=turns,
+        dt=float(consts[0].dt),
+        window=none_of_grid.copy(),
+        grid_window=none_of_grid,
+        guard_window=none,
         thickness=np.array(thicknesses),
-        thickest=max(thicknesses),
+        thickest=float(max(thicknesses)),
+        longest=max(float(np.linalg.norm(nodes[1:, 1:] - nodes[:-1, :-1], axis=-1).max()) for nodes in rest),
         has_planes=bool(consts[0].mirror_x or consts[0].mirror_y),
         tile_ply=np.repeat(np.arange(plies), np.diff(first)),
         first_tile=first,
         tiles_across=across,
         order=np.arange(tiles),
-        count=np.array([0, 0, 0, 0, 0, 1]),
-        energy=np.array([0.0, 0.0, NEAR, 0.0]),
-        **_zeros("f", plies, 3, slots),
-        **_zeros("x y impulse", nodes, 3),
+        lanes=np.arange(float(WIDTH)),
+        # pairs of tiles, of facets, rows, nodes of these, steps, whether all lists are to be made, tiles that press
+        count=np.array([0, 0, 0, 0, 1, 1, 0]),
+        guard=np.array([0.0, 0.0, NEAR, 0.0]),
+        **of_points,
+        **_zeros("v y impulse", 3, nodes),
+        **_zeros("f", plies, 2, 3, slots),
+        **_zeros("force", plies, 2, 3, own),
+        **_zeros("guard_force", plies, 3, own),
+        **_zeros("energy", plies, 3),
+        **_zeros("work", plies),
         **_zeros("cluster", nodes, 5),
-        **_zeros("dropped", nodes, kind=np.uint8),
+        **_zeros("dropped torn", nodes, kind=np.uint8),
         **_zeros("node_step node_list root", nodes, kind=np.int64),
-        **_zeros("travel ahead travel_then plane_due", tiles),
-        **_zeros("placed", tiles, kind=np.int64),
+        **_zeros("failures", plies, kind=np.int64),
+        **_zeros("travel way travel_then plane_due clearance", tiles),
+        **_zeros("boxed looked_at covered open", tiles, kind=np.int64),
+        **_zeros("holes", tiles, kind=np.uint8),
+        **_zeros("pressed", tiles + _PAIRS * tiles, 2, kind=np.int64),
         **_zeros("box", tiles, 6),
-        **_zeros("block_speed", int(((down + 1) * (across + 1)).max())),
+        **_zeros("block_speed", plies, int(((down + 1) * (across + 1)).max())),
         **_lists(_ENTRIES * max(nodes, 20_000), nodes, _PAIRS * tiles),
-        slots=slots,
-        dt=dt,
-        turns=turns,
     )
 
 
@@ -98,7 +127,7 @@ def _lists(entries, nodes, pairs):
     rows, most = entries + 2 * nodes, 4 * (TALL + 1) * (WIDE + 1)
     return {
         **_zeros("pair_tiles", pairs, 2, kind=np.int64),
-        **_zeros("pair_due", pairs),
+        **_zeros("pair_due pair_seen", pairs),
         **_zeros("entry_nodes", entries, 6, kind=np.int32),
         **_zeros("entry_pair", entries, kind=np.int64),
         **_zeros("entry_end entry_due", entries),

@@ -39,119 +39,121 @@ def worst(y, nodes, n):
     low, high, a, b = 1e30, -1e30, nodes[0], nodes[3]
     for i in range(3):
         k = nodes[i]
-        along = n[0] * y[k, 0] + n[1] * y[k, 1] + n[2] * y[k, 2] if k >= 0 else 0.0
+        along = n[0] * y[0, k] + n[1] * y[1, k] + n[2] * y[2, k] if k >= 0 else 0.0
         if along > high:
             high, a = along, k
         k = nodes[3 + i]
-        along = n[0] * y[k, 0] + n[1] * y[k, 1] + n[2] * y[k, 2]
+        along = n[0] * y[0, k] + n[1] * y[1, k] + n[2] * y[2, k]
         if along < low:
             low, b = along, k
     return low - high, a, b
 
 
 @kernel(_nrt=False, forceinline=True)
-def mobility(guard, k, n):
+def mobility(contact, k, n):
     """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is held."""
     if k < 0:
         return 0.0
-    free = 1.0 - (n[0] * n[0] if guard.mirror[k] & 1 else 0.0) - (n[1] * n[1] if guard.mirror[k] & 2 else 0.0)
-    return guard.kick[k] * max(free, 0.0)
+    free = 1.0 - (n[0] * n[0] if contact.mirror[k] & 1 else 0.0) - (n[1] * n[1] if contact.mirror[k] & 2 else 0.0)
+    return contact.kick[k] * max(free, 0.0)
 
 
 @kernel(_nrt=False, forceinline=True)
-def push(guard, k, n, impulse):
+def push(contact, k, n, impulse):
     """Give a node an impulse [kg m/s] along n."""
-    if k < 0 or guard.kick[k] == 0.0:
+    if k < 0 or contact.kick[k] == 0.0:
         return
     for c in range(3):
-        if not (c < 2 and guard.mirror[k] >> c & 1):
-            guard.impulse[k, c] += impulse * n[c]
-            guard.y[k, c] += guard.kick[k] * impulse * n[c]
+        if not (c < 2 and contact.mirror[k] >> c & 1):
+            contact.impulse[c, k] += impulse * n[c]
+            contact.y[c, k] += contact.kick[k] * impulse * n[c]
 
 
 @kernel(_nrt=False)
-def project(guard, rows, nodes):
-    """Impulses that make the first `rows` rows hold, into guard.impulse, and the places by them, in guard.y.
+def project(contact, rows, nodes):
+    """Impulses that make the first `rows` rows hold, into contact.impulse, and the places by them, in contact.y.
 
-    nodes : how many of guard.node_list have a part in the rows. Returns (impulses given, whether all rows hold)
+    nodes : how many of contact.node_list have a part in the rows. Returns (impulses given, whether all rows hold)
     """
     given = 0
     for _ in range(SWEEPS):
         held = 0
         for row in range(rows):
-            n = guard.row_normal[row]
-            left, a, b = worst(guard.y, guard.row_nodes[row], n)
-            missing = guard.row_need[row] - left
-            if missing > _SLACK * guard.row_need[row]:
-                give = mobility(guard, a, n) + mobility(guard, b, n)
+            n = contact.row_normal[row]
+            left, a, b = worst(contact.y, contact.row_nodes[row], n)
+            missing = contact.row_need[row] - left
+            if missing > _SLACK * contact.row_need[row]:
+                give = mobility(contact, a, n) + mobility(contact, b, n)
                 held += 1
                 if give > 0.0:
-                    push(guard, a, n, -missing / give)
-                    push(guard, b, n, missing / give)
+                    push(contact, a, n, -missing / give)
+                    push(contact, b, n, missing / give)
         given += held
         if held == 0:
             return given, True
     for m in range(nodes):
-        guard.root[guard.node_list[m]] = guard.node_list[m]
-        guard.cluster[guard.node_list[m], _FIXED] = guard.mirror[guard.node_list[m]]
+        contact.root[contact.node_list[m]] = contact.node_list[m]
+        contact.cluster[contact.node_list[m], _FIXED] = contact.mirror[contact.node_list[m]]
     for _ in range(nodes + 3):
-        if not join_violated(guard, rows):
+        if not join_violated(contact, rows):
             return given, True
-        move_clusters(guard, nodes)
+        move_clusters(contact, nodes)
     return given, False
 
 
 @kernel(_nrt=False, forceinline=True)
-def root_of(guard, k):
+def root_of(contact, k):
     """The node that stands for the cluster of a node."""
-    while guard.root[k] != k:
-        k = guard.root[k]
+    while contact.root[k] != k:
+        k = contact.root[k]
     return k
 
 
 @kernel(_nrt=False)
-def join_violated(guard, rows):
+def join_violated(contact, rows):
     """Join the nodes of each row that does not hold in one cluster: whether there is any."""
     found = False
     for row in range(rows):
-        nodes = guard.row_nodes[row]
-        if worst(guard.y, nodes, guard.row_normal[row])[0] >= (1.0 - 2.0 * _SLACK) * guard.row_need[row]:
+        nodes = contact.row_nodes[row]
+        if worst(contact.y, nodes, contact.row_normal[row])[0] >= (1.0 - 2.0 * _SLACK) * contact.row_need[row]:
             continue
         found = True
-        first = root_of(guard, nodes[3])
+        first = root_of(contact, nodes[3])
         for i in range(6):
             if nodes[i] < 0:  # what would go through a plane of symmetry keeps to it from then on
-                guard.cluster[first, _FIXED] = int(guard.cluster[first, _FIXED]) | (1 if nodes[i] == PLANE_X else 2)
+                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | (1 if nodes[i] == PLANE_X else 2)
                 continue
-            other = root_of(guard, nodes[i])
+            other = root_of(contact, nodes[i])
             if other != first:
-                guard.root[other] = first
-                guard.cluster[first, _FIXED] = int(guard.cluster[first, _FIXED]) | int(guard.cluster[other, _FIXED])
+                contact.root[other] = first
+                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | int(
+                    contact.cluster[other, _FIXED]
+                )
     return found
 
 
 @kernel(_nrt=False)
-def move_clusters(guard, nodes):
+def move_clusters(contact, nodes):
     """Give all nodes of a cluster its mean velocity, or none along an axis that one of them cannot move along."""
     for m in range(nodes):
         for c in range(_FIXED):
-            guard.cluster[guard.node_list[m], c] = 0.0
+            contact.cluster[contact.node_list[m], c] = 0.0
     for m in range(nodes):
-        k = guard.node_list[m]
-        r = root_of(guard, k)
-        if guard.kick[k] == 0.0:
-            guard.cluster[r, _FIXED] = 7
+        k = contact.node_list[m]
+        r = root_of(contact, k)
+        if contact.kick[k] == 0.0:
+            contact.cluster[r, _FIXED] = 7
             continue
-        guard.cluster[r, _MASS] += 1.0 / guard.kick[k]
+        contact.cluster[r, _MASS] += 1.0 / contact.kick[k]
         for c in range(3):
-            guard.cluster[r, _MOMENTUM + c] += (guard.y[k, c] - guard.x[k, c]) / guard.kick[k]
+            contact.cluster[r, _MOMENTUM + c] += (contact.y[c, k] - contact.x[c, k]) / contact.kick[k]
     for m in range(nodes):
-        k = guard.node_list[m]
-        r = root_of(guard, k)
-        if guard.kick[k] == 0.0:
+        k = contact.node_list[m]
+        r = root_of(contact, k)
+        if contact.kick[k] == 0.0:
             continue
         for c in range(3):
-            fixed = int(guard.cluster[r, _FIXED]) >> c & 1
-            way = 0.0 if fixed else guard.cluster[r, _MOMENTUM + c] / guard.cluster[r, _MASS]
-            guard.impulse[k, c] += (way + guard.x[k, c] - guard.y[k, c]) / guard.kick[k]
-            guard.y[k, c] = guard.x[k, c] + way
+            fixed = int(contact.cluster[r, _FIXED]) >> c & 1
+            way = 0.0 if fixed else contact.cluster[r, _MOMENTUM + c] / contact.cluster[r, _MASS]
+            contact.impulse[c, k] += (way + contact.x[c, k] - contact.y[c, k]) / contact.kick[k]
+            contact.y[c, k] = contact.x[c, k] + way

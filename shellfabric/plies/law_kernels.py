@@ -1,8 +1,8 @@
 """Force, damping and energy of a contact point between plies, from its closure (`fabrics.ply_law.PlyLaw`).
 
-Pair.law has a row for each of the equal cells of the closure up to the travel, and a last one for all beyond: force
-[N] at its beginning, stiffness [N/m] in it, damping [N s/m], and energy [J] at its beginning; those of a point of the
-smallest element. With the pressure p, its slope k and the area A and mass m of a point (`numerics.law_table`)
+A table of PackContact.laws has a row for each of the equal cells of the closure up to the travel, and a last one for all
+beyond: force [N] at its beginning, stiffness [N/m] in it, damping [N s/m], and energy [J] at its beginning; those of a
+point of the smallest element. With the pressure p, its slope k and the area A and mass m of a point (`numerics.law_table`)
 
     f = A (p(d) + c v),     c = zeta sqrt(k m / A)
 
@@ -14,18 +14,18 @@ from shellfabric.jit.simd import floor, gather_rows4, maximum, minimum, to_int32
 
 
 @kernel(_nrt=False, forceinline=True)
-def law_at(pair, closure):
+def law_at(table, step, closure):
     """(force [N], damping [N s/m], energy [J]) of a point at a closure [m], 0 or above."""
-    cell = int(min(closure / pair.law_step, pair.law.shape[0] - 1.0))
-    rest, row = closure - cell * pair.law_step, pair.law[cell]
+    cell = int(min(closure / step, table.shape[0] - 1.0))
+    rest, row = closure - cell * step, table[cell]
     return row[0] + row[1] * rest, row[2], row[3] + (row[0] + 0.5 * row[1] * rest) * rest
 
 
 @kernel(_nrt=False, forceinline=True)
-def law_at8(pair, closure):
+def law_at8(table, step, closure):
     """`law_at` of eight points; a closure below 0 counts as 0."""
     closure = maximum(closure, 0.0)
-    cell = floor(minimum(closure / pair.law_step, pair.law.shape[0] - 1.0))
-    force, stiffness, damping, energy = gather_rows4(pair.law, to_int32(cell))
-    rest = closure - cell * pair.law_step
+    cell = floor(minimum(closure / step, table.shape[0] - 1.0))
+    force, stiffness, damping, energy = gather_rows4(table, to_int32(cell))
+    rest = closure - cell * step
     return force + stiffness * rest, damping, energy + (force + 0.5 * stiffness * rest) * rest

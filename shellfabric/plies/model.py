@@ -2,8 +2,8 @@
 
 Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a right angle (thesis
 section 5.2.3, Figure 5-55). Such a ply is the panel of the fabric with its warp called weft: the shell does not see
-which yarn is on top, and each ply has its own grid. A ply at any other angle has its grid in a frame of its own
-(`turn_kernels`), in which the opening is oblique (`panel.boundary`) and the projectile comes from elsewhere.
+which yarn is on top, and each ply has its own grid. A ply at any other angle has its grid in a frame of its own, in
+which the opening is oblique (`panel.boundary`) and the projectile comes from elsewhere.
 
 Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
 E-35). By default it is what tests of packs close and the law of the contact does not (`gap.ply_gap`).
@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from math import cos, inf, pi, remainder, sin
 
 import numpy as np
@@ -32,19 +33,15 @@ from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import AT_REST
-from shellfabric.plies import friction, turn_kernels
-from shellfabric.plies.arrays import Guard, Pair, Stack, guard
-from shellfabric.plies.contact_simd_kernels import MAX_SQUEEZE
+from shellfabric.plies import friction
+from shellfabric.plies.arrays import PackContact, Stack, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
-from shellfabric.plies.grading import area_factors
-from shellfabric.plies.numerics import FORMS, PlyContact, law_table
+from shellfabric.plies.numerics import PlyContact, law_tables
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.contact import PREDICTED
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip
 
 STACKINGS = ("aligned", "alternating")
-_FASTER = 1.5  # than the projectile fabric before its nose may become
-_LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 
 @dataclass(frozen=True)
@@ -56,7 +53,7 @@ class Pack:
     plies : tuple of Panel, alike in opening, impact point, symmetry, projectile and numerics; see `stacked`
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
-    friction : [-] Coulomb's coefficient between plies; torn fabric is held apart without friction
+    friction : [-] Coulomb's coefficient between plies
     laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: those of their fabrics
 
     Raises
@@ -171,16 +168,10 @@ class Pack:
         return tuple(ply.ply_angle for ply in self.plies)
 
     @cached_property
-    def turns(self) -> FloatArray | None:
-        """(plies, 2) of `turn_kernels.turn_of`; None where all plies have one frame."""
-        if len(set(self.angles)) == 1:
-            return None
-        return np.array([self._turn(0, p) for p in range(len(self.plies))])
-
-    def _turn(self, p, q):
-        """Cosine and sine of the angle from the frame of ply p to that of ply q."""
-        angle = self.angles[q] - self.angles[p]
-        return cos(angle), sin(angle)
+    def turns(self) -> FloatArray:
+        """(plies, 2) cosine and sine of the angles from the frame of the first ply to those of the plies."""
+        angles = np.array(self.angles) - self.angles[0]
+        return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
     @property
     def elements(self) -> int:
@@ -200,29 +191,6 @@ class Pack:
     def _steepest(self, p):
         """[Pa/m] highest stiffness of the contact of plies p and p + 1."""
         return self.contact.stiffness * self.laws[p].steepest
-
-    def in_step_with(self, strike_velocity: float) -> Pack:
-        """The same pack with laws that can stop the strike velocity within a ply's thickness.
-
-        In a row of plies of the areal density A on springs K that is driven from one end at the speed w, neighbours are
-        w sqrt(A / K) nearer to each other behind the compression wave, whatever their number; the damper keeps them
-        from swinging beyond that. Contact has lost if they come nearer by the thickness t, of which the travel of the
-        law holds little. w is the strike velocity times _FASTER, as plies before a nose may outrun it, and the depth
-        must stay below the share MAX_SQUEEZE of it, beyond which sides are in question:
-
-            K >= A (_FASTER strike_velocity / (MAX_SQUEEZE t))^2
-
-        Solid fibre is softer than that only above 1300 to 1800 m/s (plies of Kevlar 129), where it would be compressed
-        by more than its own thickness; there the pressure of the law is multiplied. A contact that is softened on
-        purpose (`PlyContact.stiffness`) stays softer.
-        """
-        laws = []
-        for p, law in enumerate(self.laws):
-            whole = MAX_SQUEEZE * self._thickness(p)
-            thin = max(whole - law.travel, 0.25 * whole)
-            least = self._density(p) * (_FASTER * strike_velocity / thin) ** 2
-            laws.append(law if law.stiffness >= least else law.scaled(least / law.stiffness))
-        return self if tuple(laws) == self.laws else replace(self, laws=tuple(laws))
 
     def _thickness(self, p):
         """[m] mean of plies p and p + 1."""
@@ -278,9 +246,7 @@ class Pack:
                     projectile_position=stack.projectile_position[p],
                     f_contact_nose=stack.f_contact_nose[p],
                     counter=stack.ply_counters[p],
-                    projectile_velocity=stack.projectile_velocity
-                    if p == 0 or self.turns is None
-                    else state.projectile_velocity,
+                    projectile_velocity=stack.projectile_velocity if p == 0 else state.projectile_velocity,
                     **self._foreseen(state.mass.size),
                 )
             )
@@ -299,20 +265,29 @@ class Pack:
         """(plies,) slip of sliding crossovers, at rest; empty of pinned ones."""
         return tuple(ply.slip(state) for ply, state in zip(self.plies, states) if isinstance(ply, SlidingPanel))
 
-    def pairs(self, consts: Sequence[Constants], states: Sequence[State]) -> tuple[Pair, ...]:
-        """The contact of each two neighbouring plies, at rest, first of the one in front on the one behind, then of all
-        those behind on the one in front."""
-        both, apart = [(p, p + 1) for p in range(len(self.gaps))], self._apart
-        on_next = [self._pair(p, q, apart(p), consts, states) for p, q in both]
-        return (*on_next, *(self._pair(q, p, -apart(p), consts, states) for p, q in both))
-
-    def guard(self, consts: Sequence[Constants], states: Sequence[State]) -> Guard:
-        """What keeps the plies from passing through each other, at rest."""
-        rest, thicknesses = [], [ply.weave.thickness for ply in self.plies]
-        for p, (ply, z) in enumerate(zip(self.plies, self.places)):
-            x, y = turn_kernels.turned_back(self._turn(0, p), *ply.coordinates())
-            rest.append(np.stack([x, y, np.full_like(x, z)], axis=-1).reshape(-1, 3))
-        return guard(consts, states, rest, thicknesses, self.time_step, self.turns)
+    def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
+        """The contact between the plies, at rest."""
+        rest, points, knobs = [], self.contact.points, self.contact
+        for ply, z, turn in zip(self.plies, self.places, self.turns):
+            x, y = ply.coordinates()
+            x, y = turn[0] * x - turn[1] * y, turn[0] * y + turn[1] * x
+            rest.append(np.stack([x, y, np.full_like(x, z)], axis=-1))
+        places = [self._first_places(p) for p in range(len(self.gaps))]
+        areas = [self._areas(p, np.array(at)) for p, at in enumerate(places)]
+        smallest = [np.prod(ply.spacing) / points**2 for ply in self.plies[:-1]]
+        densities = [self._density(p) for p in range(len(self.gaps))]
+        laws, law_step = law_tables(self.laws, smallest, densities, knobs)
+        feet = [np.concatenate([np.ravel(at[axis]) for at in places] + [np.zeros(WIDTH)]) for axis in (0, 1)]
+        first = lambda counts: np.concatenate([[0], np.cumsum(counts)])  # noqa: E731
+        return pack_contact(
+            consts, states, rest, [ply.weave.thickness for ply in self.plies], self.turns,
+            points=points, first_point=first([at[0].size for at in places]), closest_a=feet[0], closest_b=feet[1],
+            first_element=first([area.size for area in areas]),
+            area=np.concatenate([np.ravel(area) for area in areas] + [np.zeros(WIDTH)]),
+            laws=laws, law_of=np.arange(len(self.laws)), law_step=law_step, friction=float(self.friction),
+            stick_damping=np.array([self._stick_damping(d * a) for d, a in zip(densities, smallest)]),
+            side_by_side=np.array([abs(a - b) < 1e-12 for a, b in pairwise(self.angles)]),
+        )  # fmt: skip
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
@@ -322,63 +297,41 @@ class Pack:
         """A ply with the Courant factor that gives it the pack's time step."""
         return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
 
-    def _pair(self, p, q, apart, consts, states):
-        front, rear, knobs = consts[p], consts[q], self.contact
-        form, first = FORMS[knobs.form], min(p, q)
-        n, start = (knobs.points, 0.5) if form == FORMS["smooth"] else (1, 0.0)
-        area, thickness = front.dx * front.dy / n**2, self._thickness(first)
-        table, cell = law_table(self.laws[first], area, self._density(first), knobs)
-        nothing = lambda c: np.array([c.ni + 1, 0, c.row_stride, 0])  # noqa: E731
-        nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
-        sub = (np.arange(n) + start) / n
-        foot = np.zeros((2, front.ni, n, n, front.nj))
-        foot[0], foot[1] = self._first_places(p, q, sub)
-        elements = front.ni * front.nj
-        padded = lambda kind=float: np.zeros(foot[0].size + WIDTH, kind)  # noqa: E731
-        return Pair(
-            closest_point=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), cp_rate=(padded(), padded()),
-            normal=(padded(), padded(), padded()), last_depth=padded(), depth_offset=padded(),
-            status=padded(np.uint8), on_facet=padded(np.uint8), recheck_step=padded(),
-            near_torn=np.zeros(elements, np.uint8),
-            torn_elements=np.zeros(elements, np.int64), torn_counts=np.zeros(3, np.int64),
-            lane_index=np.arange(float(WIDTH)), max_speed=np.zeros(2),
-            f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
-            rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
-            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(5), surface_form=form,
-            points_per_side=n, point_offset=start, law=table, law_step=cell,
-            thickness=thickness, rest_distance=apart,
-            min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
-            turn=None if self.turns is None else self._turn(p, q),
-            **area_factors(self.plies[p], self.plies[q], None if self.turns is None else foot),
-            **friction.fields(
-                self.friction, foot[0].size + WIDTH, self._slip_constants(self._density(first) * area, table[-1, 1])
-            ),
-        )  # fmt: skip
-
-    def _slip_constants(self, mass, stiffness):
-        """Stick between plies is bounded by the mass of one family alone, where the other slides through the nodes."""
+    def _stick_damping(self, mass):
+        """[N s/m] of a contact point. Stick between plies is bounded by the mass of one family alone, where the other
+        slides through the nodes."""
         sliding = [ply for ply in self.plies if isinstance(ply, SlidingPanel)]
         mass *= min((min(ply.own_masses) for ply in sliding if not ply.friction.pins), default=1.0)
-        cfl = self._in_step(self.plies[0]).numerics.cfl
-        return friction.slip_constants(cfl, mass, self.time_step, stiffness, self.contact.damping)
+        return friction.stick_damping(self._in_step(self.plies[0]).numerics.cfl, mass, self.time_step)
 
-    def _first_places(self, p, q, sub):
-        """(along, across) [elements] where the points of ply p lie on ply q at rest, arrays that go together with
-        (ni, points, points, nj).
+    def _first_places(self, p):
+        """(along, across) [elements], each (ni, points, points, nj): where the points of ply p lie on the next at rest.
 
         Near the borders of zones, where the spline's places are not in proportion to distances, a guess; of points
-        beside ply q the nearest place on its rim.
+        beside that ply the nearest place on its rim.
         """
-        front, rear = self.plies[p], self.plies[q]
-        along, across = (np.arange(n)[:, None] + sub for n in front.counts)
-        along, across = along[:, :, None, None], across.T[None, None, :, :]
-        if front.sides is None and self.turns is None:
-            (x0, y0), (X0, Y0), (dx, dy), (DX, DY) = front.origin, rear.origin, front.spacing, rear.spacing
-            return (x0 - X0 + along * dx) / DX, (y0 - Y0 + across * dy) / DY
-        x, y = (np.interp(at, np.arange(line.size), line) for at, line in zip((along, across), front.lines()))
-        turn = None if self.turns is None else self._turn(p, q)
-        places = turn_kernels.turned(turn, x, y)
-        return tuple(np.interp(at, line, np.arange(line.size)) for at, line in zip(places, rear.lines()))
+        front, rear, n = self.plies[p], self.plies[p + 1], self.contact.points
+        sub = (np.arange(n) + 0.5) / n
+        along, across = (np.arange(count)[:, None] + sub for count in front.counts)
+        lines = [np.interp(at, np.arange(line.size), line) for at, line in zip((along, across), front.lines())]
+        x, y = np.broadcast_arrays(lines[0][:, :, None, None], lines[1].T[None, None])
+        angle = self.angles[p + 1] - self.angles[p]
+        x, y = cos(angle) * x + sin(angle) * y, cos(angle) * y - sin(angle) * x
+        return tuple(np.interp(at, line, np.arange(line.size)) for at, line in zip((x, y), rear.lines()))
+
+    def _areas(self, p, places):
+        """(ni, nj) [-] areas that the points of an element of ply p stand for, over that of its smallest: its own, or
+        what its points have where elements of the next ply are smaller, whose nodes' mass would bear no stiffer spring.
+
+        places : of `_first_places`
+        """
+        front, rear = self.plies[p : p + 2]
+        own, other = (np.multiply.outer(*(np.diff(line) for line in ply.lines())) for ply in (front, rear))
+        wide = np.pad(other, 1, mode="edge")
+        (m, n), shifts = other.shape, [(a, b) for a in range(3) for b in range(3)]
+        least = np.min([wide[a : a + m, b : b + n] for a, b in shifts], axis=0)
+        at = np.minimum(places.astype(np.int64), np.array(other.shape)[:, None, None, None, None] - 1)
+        return np.minimum(own, self.contact.points**2 * least[at[0], at[1]].min(axis=(1, 2))) / np.prod(front.spacing)
 
 
 def _slower(ply, step):

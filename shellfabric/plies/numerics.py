@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -10,14 +11,8 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.ply_law import PlyLaw
-from shellfabric.plies import surface_kernels
 
 _CELLS = 128  # of the table of a law over its travel
-FORMS = {
-    "smooth": surface_kernels.SMOOTH,
-    "facets": surface_kernels.FACETS,
-    "nodes": surface_kernels.NODES,
-}
 
 
 @dataclass(frozen=True)
@@ -38,20 +33,18 @@ class PlyContact:
     ----------
     courant : [-] C, which the time step of the pack is cut down to
     damping : [-] zeta, on the stiffness that the law has at the present closure
-    points : along each side of an element; the naive forms have one, at its first node
+    points : along each side of an element
     stiffness : [-] factor on the pressure of the law and on the nose's stiffness, to see what depends on them
-    form : "smooth"; for comparison the naive "facets" and "nodes" (see `plies.contact_kernels`)
 
     Raises
     ------
-    InputError : a value out of its range, unknown form
+    InputError : a value out of its range
     """
 
     courant: float = 0.45
     damping: float = 0.7
     points: int = 2
     stiffness: float = 1.0
-    form: str = "smooth"
 
     def __post_init__(self):
         for key in ("courant", "stiffness"):
@@ -61,24 +54,26 @@ class PlyContact:
             raise InputError(key="damping", value=self.damping, allowed="at least 0")
         if not 1 <= self.points <= 8:
             raise InputError(key="points", value=self.points, allowed="1 to 8")
-        if self.form not in FORMS:
-            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
 
 
-def law_table(law: PlyLaw, area: float, density: float, contact: PlyContact) -> tuple[FloatArray, float]:
-    """(cells + 1, 4) table of a contact point for `law_kernels`, and the width [m] of its cells.
+def law_tables(
+    laws: Sequence[PlyLaw], areas: Sequence[float], densities: Sequence[float], contact: PlyContact
+) -> tuple[FloatArray, FloatArray]:
+    """(laws, cells + 1, 4) tables of contact points for `law_kernels`, and the widths (laws,) [m] of their cells.
 
     Parameters
     ----------
-    law : PlyLaw
-    area : [m2] that a point stands for
-    density : [kg/m2] of a ply
+    laws : of each two neighbouring plies
+    areas : [m2] that a point stands for
+    densities : [kg/m2] of the lighter one of the two plies
     contact : PlyContact, of which factor on the stiffness and damping are taken
     """
-    law = law.scaled(contact.stiffness)
-    cells = 1 if law.closure.size == 2 else _CELLS
-    at = np.linspace(0.0, law.travel, cells + 1)
-    slope = np.append(np.diff(law.pressure_at(at)) / np.diff(at), law.stiffness)
-    damping = contact.damping * np.sqrt(slope * density)
-    columns = law.pressure_at(at), slope, damping, law.energy_at(at)
-    return np.ascontiguousarray(area * np.stack(columns, axis=1)), law.travel / cells
+    cells = 1 if all(law.closure.size == 2 for law in laws) else _CELLS
+    tables = np.zeros((len(laws), cells + 1, 4))
+    for table, law, area, density in zip(tables, laws, areas, densities):
+        scaled = law.scaled(contact.stiffness)
+        at = np.linspace(0.0, law.travel, cells + 1)
+        slope = np.append(np.diff(scaled.pressure_at(at)) / np.diff(at), scaled.stiffness)
+        damping = contact.damping * np.sqrt(slope * density)
+        table[:] = area * np.stack([scaled.pressure_at(at), slope, damping, scaled.energy_at(at)], axis=1)
+    return tables, np.array([law.travel / cells for law in laws])

@@ -1,8 +1,8 @@
 """The guard of a pack (`plies.guard_kernels`): in each step, before its forces have acted.
 
-Places are in the frame of the first ply. Those after the step are predicted from all forces that will act in it. The
-impulses are given as forces that act in this step alone. Their work is half a step's on the velocities before it, and
-half a step's on those after it, as that of all forces is.
+Places after the step are predicted from all forces that will act in it. The impulses are given as forces that act in
+this step alone. Their work is half a step's on the velocities before it, and half a step's on those after it, as that of
+all forces is.
 """
 
 import math
@@ -13,55 +13,67 @@ from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import broadcast, head_mask, load, maximum, reduce_max, where
 from shellfabric.plies import near_kernels as near
-from shellfabric.plies.contact_kernels import forces_on, half_step_work, neighbour_force
-from shellfabric.plies.contact_simd_kernels import extend_window
+from shellfabric.plies.frame_kernels import (
+    BEFORE,
+    BEHIND,
+    NJ,
+    STRIDE,
+    extend_window,
+    half_step_work,
+    place,
+    turned,
+    turned_back,
+)
 from shellfabric.plies.guard_kernels import project
-from shellfabric.plies.turn_kernels import turn_of, turned, turned_back
 
 
 @kernel(_nrt=False)
-def hold_apart(states, consts, pairs, stack, guard):
-    """Forces that keep the plies apart in the coming step, into guard.f, and half of their work."""
-    for p in range(len(states)):
-        if stack.awake[p]:
-            follow(borrowed_item(states, p), borrowed_item(consts, p), guard, p)
-    guard.count[near.STEP] += 1
-    if guard.count[near.REMAKE] or near.tiles_have_moved(guard):
-        for t in range(guard.travel.size):
-            place_tile(states, guard, t)
-        near.list_tiles(guard)
-    guard.count[near.ROWS] = guard.count[near.NODES] = 0
-    look_at_tiles(states, guard)
-    look_at_facets(states, guard)
-    if guard.count[near.ROWS] == 0:
-        return
-    predict(states, consts, pairs, guard)
-    given, resolved = project(guard, guard.count[near.ROWS], guard.count[near.NODES])
-    guard.energy[near.IMPULSES] += given
-    if not resolved:
-        guard.energy[near.FAILED] = near.NOT_RESOLVED
-    if given > 0:
-        give_forces(guard)
+def hold_apart(states, consts, contact):
+    """Forces that keep the plies apart in the coming step, into contact.guard_force, and half of their work."""
+    if contact.count[near.REMAKE]:
         for p in range(len(states)):
-            if guard.window[p, 0] < guard.window[p, 1]:
+            place(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+            follow(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+        contact.travel[:] = 0.0
+    if contact.count[near.REMAKE] or near.tiles_have_moved(contact):
+        contact.count[near.REMAKE] = 0
+        for t in range(contact.travel.size):
+            near.refresh_box(contact, t)
+        near.list_tiles(contact)
+    contact.count[near.ROWS] = contact.count[near.NODES] = 0
+    look_at_tiles(states, contact)
+    look_at_facets(contact)
+    if contact.count[near.ROWS] == 0:
+        return
+    predict(states, consts, contact)
+    given, resolved = project(contact, contact.count[near.ROWS], contact.count[near.NODES])
+    contact.guard[near.IMPULSES] += given
+    if not resolved:
+        contact.guard[near.FAILED] = near.NOT_RESOLVED
+    if given > 0:
+        give_forces(contact)
+        for p in range(len(states)):
+            if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
                 state, const = borrowed_item(states, p), borrowed_item(consts, p)
-                guard.energy[near.WORK] -= half_step_work(state, const, guard.f[p], guard.window[p], False)
+                force, window = contact.guard_force[p], contact.guard_window[p]
+                contact.guard[near.WORK] -= half_step_work(state, const, force, window, False)
 
 
 @kernel(_nrt=False)
-def let_go(states, consts, guard):
+def let_go(states, consts, contact):
     """Take the forces away after their step, and count the other half of their work."""
     for p in range(len(states)):
-        if guard.window[p, 0] < guard.window[p, 1]:
+        if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
             state, const = borrowed_item(states, p), borrowed_item(consts, p)
-            guard.energy[near.WORK] -= half_step_work(state, const, guard.f[p], guard.window[p], True)
+            force, window = contact.guard_force[p], contact.guard_window[p]
+            contact.guard[near.WORK] -= half_step_work(state, const, force, window, True)
 
 
 @kernel(_nrt=False)
-def follow(state, const, guard, p):
-    """The travels of the tiles of a ply, and those after as far a way as in the last step."""
-    s, across = const.row_stride, guard.tiles_across[p]
-    down, speed = (const.ni + near.TALL - 1) // near.TALL, guard.block_speed
+def follow(state, const, contact, p):
+    """The way of each tile of a ply in the last step, the largest of its nodes', into contact.way and contact.travel."""
+    s, across = const.row_stride, contact.tiles_across[p]
+    down, speed = (const.ni + near.TALL - 1) // near.TALL, contact.block_speed[p]
     for i in range(down + 1):
         begin, end = max(i * near.TALL, state.active_rows[0]), min((i + 1) * near.TALL, state.active_rows[1] + 1)
         for j in range(across + 1):
@@ -75,111 +87,102 @@ def follow(state, const, guard, p):
         for j in range(across):
             b = i * (across + 1) + j
             square = max(max(speed[b], speed[b + 1]), max(speed[b + across + 1], speed[b + across + 2]))
-            t, way = guard.first_tile[p] + i * across + j, const.dt * math.sqrt(square)
-            guard.travel[t] += way
-            guard.ahead[t] = guard.travel[t] + way
+            t = contact.first_tile[p] + i * across + j
+            contact.way[t] = const.dt * math.sqrt(square)
+            contact.travel[t] += contact.way[t]
 
 
 @kernel(_nrt=False)
-def place_tile(states, guard, t):
-    """Places of the nodes of a tile, and its box, if that has not been done in this step."""
-    if guard.placed[t] == guard.count[near.STEP]:
-        return
-    guard.placed[t] = guard.count[near.STEP]
-    p, i0, i1, j0, j1 = near.tile_bounds(guard, t)
-    state, turn = borrowed_item(states, p), turn_of(guard.turns, p)
-    for i in range(i0, i1 + 1):
-        for j in range(j0, j1 + 1):
-            k = i * guard.shape[p, 0] + j
-            g = p * guard.slots + k
-            x, y = turned_back(turn, state.u[0][k], state.u[1][k])
-            guard.x[g, 0], guard.x[g, 1] = guard.rest[g, 0] + x, guard.rest[g, 1] + y
-            guard.x[g, 2] = guard.rest[g, 2] + state.u[2][k]
-    near.set_box(guard, t)
-
-
-@kernel(_nrt=False)
-def look_at_tiles(states, guard):
+def look_at_tiles(states, contact):
     """Look at the pairs of tiles that can have come near, and at the tiles that can be near a plane of symmetry."""
-    for m in range(guard.count[near.PAIRS]):
-        a, b = guard.pair_tiles[m]
-        if guard.pair_due[m] > guard.ahead[a] + guard.ahead[b]:
+    for m in range(contact.count[near.PAIRS]):
+        a, b = contact.pair_tiles[m]
+        if contact.pair_due[m] > farthest(contact, a, b):
             continue
-        place_tile(states, guard, a)
-        place_tile(states, guard, b)
-        apart, p, q = near.tiles_apart(guard, a, b), guard.tile_ply[a], guard.tile_ply[b]
-        limit = 0.5 * near.NEAR * (guard.thickness[p] + guard.thickness[q])
+        near.refresh_box(contact, a)
+        near.refresh_box(contact, b)
+        apart, p, q = near.tiles_apart(contact, a, b), contact.tile_ply[a], contact.tile_ply[b]
+        limit = 0.5 * near.NEAR * (contact.thickness[p] + contact.thickness[q])
         if apart > limit:
-            guard.pair_due[m] = guard.travel[a] + guard.travel[b] + apart - limit
+            contact.pair_due[m] = contact.travel[a] + contact.travel[b] + apart - limit
         else:
-            first = near.list_facets(guard, borrowed_item(states, p), a, 0)
-            near.list_near_facets(guard, m, first, near.list_facets(guard, borrowed_item(states, q), b, 1))
-    for t in range(guard.travel.size if guard.has_planes else 0):
-        if guard.plane_due[t] <= guard.ahead[t]:
-            place_tile(states, guard, t)
-            near.look_at_planes(guard, t)
+            first = near.list_facets(contact, borrowed_item(states, p), a, 0)
+            near.list_near_facets(contact, m, first, near.list_facets(contact, borrowed_item(states, q), b, 1))
+    for t in range(contact.travel.size if contact.has_planes else 0):
+        if contact.plane_due[t] <= contact.travel[t] + contact.way[t]:
+            near.look_at_planes(contact, t)
+
+
+@kernel(_nrt=False, forceinline=True)
+def farthest(contact, a, b):
+    """[m] sum of the travels of two tiles after another step like the last."""
+    return contact.travel[a] + contact.way[a] + contact.travel[b] + contact.way[b]
 
 
 @kernel(_nrt=False)
-def look_at_facets(states, guard):
+def look_at_facets(contact):
     """Rows of the guard of all listed pairs of facets that are near; the others stay in the list for as long as it is
     known when they can be."""
     kept = 0
-    for e in range(guard.count[near.ENTRIES]):
-        m = guard.entry_pair[e]
-        a, b = guard.pair_tiles[m]
-        if guard.entry_end[e] != guard.pair_due[m]:
+    for e in range(contact.count[near.ENTRIES]):
+        m = contact.entry_pair[e]
+        a, b = contact.pair_tiles[m]
+        if contact.entry_end[e] != contact.pair_due[m]:
             continue
         if kept != e:
-            guard.entry_pair[kept], guard.entry_due[kept], guard.entry_end[kept] = (
+            contact.entry_pair[kept], contact.entry_due[kept], contact.entry_end[kept] = (
                 m,
-                guard.entry_due[e],
-                guard.pair_due[m],
+                contact.entry_due[e],
+                contact.pair_due[m],
             )
             for r in range(6):
-                guard.entry_nodes[kept, r] = guard.entry_nodes[e, r]
-        if guard.entry_due[kept] <= guard.ahead[a] + guard.ahead[b]:
-            place_tile(states, guard, a)
-            place_tile(states, guard, b)
-            near.look_at_entry(guard, kept)
+                contact.entry_nodes[kept, r] = contact.entry_nodes[e, r]
+        if contact.entry_due[kept] <= farthest(contact, a, b):
+            near.look_at_entry(contact, kept)
         kept += 1
-    guard.count[near.ENTRIES] = kept
+    contact.count[near.ENTRIES] = kept
 
 
 @kernel(_nrt=False)
-def predict(states, consts, pairs, guard):
+def predict(states, consts, contact):
     """Places after the step of all nodes of the rows, by all known forces; lists these nodes."""
-    for row in range(guard.count[near.ROWS]):
+    for row in range(contact.count[near.ROWS]):
         for r in range(6):
-            g = np.int64(guard.row_nodes[row, r])
-            if g >= 0 and guard.node_step[g] != guard.count[near.STEP]:
-                guard.node_step[g] = guard.count[near.STEP]
-                guard.node_list[guard.count[near.NODES]] = g
-                guard.count[near.NODES] += 1
-                p = g // guard.slots
-                v_x, v_y, v_z = next_velocity(
-                    borrowed_item(states, p), borrowed_item(consts, p), pairs, p, g - p * guard.slots
+            g = np.int64(contact.row_nodes[row, r])
+            if g >= 0 and contact.node_step[g] != contact.count[near.STEP]:
+                contact.node_step[g] = contact.count[near.STEP]
+                contact.node_list[contact.count[near.NODES]] = g
+                contact.count[near.NODES] += 1
+                p = g // contact.slots
+                v = next_velocity(
+                    borrowed_item(states, p), borrowed_item(consts, p), contact, p, own_number(contact, g)
                 )
-                v_x, v_y = turned_back(turn_of(guard.turns, p), v_x, v_y)
-                for c, v in enumerate((v_x, v_y, v_z)):
-                    kept = c < 2 and guard.mirror[g] >> c & 1
-                    guard.y[g, c] = guard.x[g, c] + (0.0 if kept else guard.dt * v)
-                    guard.impulse[g, c] = 0.0
+                v_x, v_y = turned_back(contact.turns[p], v[0], v[1])
+                for c, speed in enumerate((v_x, v_y, v[2])):
+                    kept = c < 2 and contact.mirror[g] >> c & 1
+                    contact.y[c, g] = contact.x[c, g] + (0.0 if kept else contact.dt * speed)
+                    contact.impulse[c, g] = 0.0
+
+
+@kernel(_nrt=False, forceinline=True)
+def own_number(contact, g):
+    """Number of a node of the grids in the arrays of its own ply."""
+    p = g // contact.slots
+    i, j = divmod(g - contact.base[p], contact.shape[p, STRIDE])
+    return i * (contact.shape[p, NJ] + 1) + j
 
 
 @kernel(_nrt=False)
-def next_velocity(state, const, pairs, p, k):
+def next_velocity(state, const, contact, p, k):
     """The velocity of a node in the coming step, by all forces but the guard's."""
     i, kick = k // const.row_stride, state.dt_over_mass[k]
-    f_x, f_y, f_z = sum_at(state.f_int, k, (0.0, 0.0, 0.0))
-    f_x, f_y, f_z = sum_at(state.f_contact, k, (f_x, f_y, f_z))
+    f = sum_at(state.f_contact, k, sum_at(state.f_int, k, (0.0, 0.0, 0.0)))
     if i > 0 and i % const.rows_per_block == 0:
-        f_x, f_y, f_z = sum_at(state.f_int_above, k, (f_x, f_y, f_z))
+        f = sum_at(state.f_int_above, k, f)
     if const.has_backing:
-        f_x, f_y, f_z = sum_at(state.f_block_cloth, k, (f_x, f_y, f_z))
-    for n in forces_on(p, len(pairs)):
-        f_x, f_y, f_z = sum_at(neighbour_force(pairs, n)[0], k, (f_x, f_y, f_z))
-    return state.v[0][k] + kick * f_x, state.v[1][k] + kick * f_y, state.v[2][k] + kick * f_z
+        f = sum_at(state.f_block_cloth, k, f)
+    f = sum_at(contact.force[p, BEHIND], k, sum_at(contact.force[p, BEFORE], k, f))
+    return state.v[0][k] + kick * f[0], state.v[1][k] + kick * f[1], state.v[2][k] + kick * f[2]
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -189,14 +192,18 @@ def sum_at(force, k, total):
 
 
 @kernel(_nrt=False)
-def give_forces(guard):
+def give_forces(contact):
     """The impulses as forces of a step, in the frames of the plies."""
-    for m in range(guard.count[near.NODES]):
-        g = guard.node_list[m]
-        p = g // guard.slots
-        k, s = g - p * guard.slots, guard.shape[p, 0]
-        x, y, z = guard.impulse[g, 0] / guard.dt, guard.impulse[g, 1] / guard.dt, guard.impulse[g, 2] / guard.dt
+    for m in range(contact.count[near.NODES]):
+        g = contact.node_list[m]
+        p, k = g // contact.slots, own_number(contact, g)
+        x, y, z = (
+            contact.impulse[0, g] / contact.dt,
+            contact.impulse[1, g] / contact.dt,
+            contact.impulse[2, g] / contact.dt,
+        )
         if x != 0.0 or y != 0.0 or z != 0.0:
-            guard.f[p, 0, k], guard.f[p, 1, k] = turned(turn_of(guard.turns, p), x, y)
-            guard.f[p, 2, k] = z
-            extend_window(guard.window[p], k // s, k // s + 1, k % s, k % s + 1)
+            f_x, f_y = turned(contact.turns[p], x, y)
+            contact.guard_force[p, 0, k], contact.guard_force[p, 1, k], contact.guard_force[p, 2, k] = f_x, f_y, z
+            i, j = divmod(k, contact.shape[p, NJ] + 1)
+            extend_window(contact.guard_window[p], i, i + 1, j, j + 1)

@@ -1,6 +1,6 @@
 """Distance of two facets, and the direction across the gap between them.
 
-A facet is a triangle of three nodes (rows of an array of places), or a bare yarn, whose last node is given twice.
+A facet is a triangle of three nodes (columns of an array of places), or a bare yarn, whose last node is given twice.
 """
 
 import math
@@ -13,7 +13,7 @@ _PARALLEL = 1e-12  # squared sine below which two edges count as parallel
 @kernel(_nrt=False, forceinline=True)
 def difference(x, a, b):
     """The vector from node a to node b."""
-    return x[b, 0] - x[a, 0], x[b, 1] - x[a, 1], x[b, 2] - x[a, 2]
+    return x[0, b] - x[0, a], x[1, b] - x[1, a], x[2, b] - x[2, a]
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -63,7 +63,7 @@ def span(x, nodes, first, n):
     low, high = 1e30, -1e30
     for i in range(first, first + 3):
         k = nodes[i]
-        along = n[0] * x[k, 0] + n[1] * x[k, 1] + n[2] * x[k, 2]
+        along = n[0] * x[0, k] + n[1] * x[1, k] + n[2] * x[2, k]
         low, high = min(low, along), max(high, along)
     return low, high
 

@@ -16,7 +16,7 @@ from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.jit import compile_in_child
 from shellfabric.jit.compile_in_child import COUNTERS, HISTORY, INDEX, NUMBER, VECTOR, type_of
 from shellfabric.panel import element_kernels, motion_kernels, quality_kernels
-from shellfabric.plies import contact_kernels, pack_guard_kernels
+from shellfabric.plies import pack_guard_kernels, pressure_kernels
 from shellfabric.projectile import bar_kernels, window_kernels
 from shellfabric.projectile import contact_kernels as nose_kernels
 from shellfabric.solver import ply_kernels, step_kernels
@@ -25,29 +25,27 @@ THREAD = HISTORY, COUNTERS, INDEX, INDEX, NUMBER  # history, shared, me, count, 
 _begun: set[Any] = set()  # kinds of the constants that this has been done for
 
 
-def begin(states: Any, consts: Any, pairs: Any, guard: Any, stack: Any, works: Any) -> None:
+def begin(states: Any, consts: Any, contact: Any, stack: Any, works: Any) -> None:
     """Begin to compile what a run with pinned crossovers needs; returns at once.
 
     Arguments as of `step_kernels.run_thread`.
     """
-    if not is_new((consts.values[0], pairs is None, stack.turns)):
+    if not is_new((consts.values[0], contact is None)):
         return
     state, const, work = (type_of(items.values[0]) for items in (states, consts, works))
-    lists = type_of(states), type_of(consts), type_of(pairs)
-    forces, contact = parts(state, const, work, type_of(works.values[0].contact_scratch))
-    if pairs is None:
-        first = [forces, contact]
+    lists = type_of(states), type_of(consts), type_of(contact)
+    forces, of_nose = parts(state, const, work, type_of(works.values[0].contact_scratch))
+    if contact is None:
+        first = [forces, of_nose]
     else:
-        all_of = *lists, type_of(stack)
-        pair = type_of(pairs.values[0])
-        contact.append((step_kernels.implicit_nose_contact, (*all_of, type_of(works), INDEX, INDEX)))
-        first = [forces + contact, [
-            (contact_kernels.contact_forces, (state, const, state, const, pair, pair, INDEX)),
-            (contact_kernels.contact_forces_back, (state, const, state, const, pair, pair, INDEX)),
-            (pack_guard_kernels.hold_apart, (*all_of, type_of(guard))),
-        ]]  # fmt: skip
-    others = map(type_of, (guard, None, stack, works))
-    steps = (step_kernels.run_thread, (*lists, *others, *THREAD))
+        of_nose.append((step_kernels.implicit_nose_contact, (*lists, type_of(stack), type_of(works), INDEX, INDEX)))
+        between = [
+            (pressure_kernels.press, (lists[2], INDEX, INDEX)),
+            (pressure_kernels.press_others, (lists[2],)),
+            (pack_guard_kernels.hold_apart, lists),
+        ]
+        first = [forces + of_nose, between]
+    steps = (step_kernels.run_thread, (*lists, *map(type_of, (None, stack, works)), *THREAD))
     compile_in_child.start(first, [[steps], audit(state, const)])
 
 

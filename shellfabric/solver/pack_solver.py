@@ -24,10 +24,10 @@ from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
 from shellfabric.panel.motion_kernels import FAILURES, STEP, TURNED
 from shellfabric.panel.perforation import held, passed
-from shellfabric.plies import contact_simd_kernels, memory, near_kernels
-from shellfabric.plies.contact_kernels import forces_on, side_of
+from shellfabric.plies import memory, near_kernels, pressure_kernels
+from shellfabric.plies.arrays import KEPT
+from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
-from shellfabric.plies.turn_kernels import turned_back
 from shellfabric.projectile import dynamics
 from shellfabric.sliding.model import Slip, SlipSummary, slip_arrays
 from shellfabric.solver import compile_ahead, ply_audit
@@ -54,7 +54,7 @@ def begin_compiling(panel: Panel) -> None:
     pack = Pack((panel,))
     memory.check(pack.plies)
     states, stack = pack.states(1.0)
-    compile_ahead.begin(Items(states), Items(pack.constants()), None, None, stack, Items(pack.works()))
+    compile_ahead.begin(Items(states), Items(pack.constants()), None, stack, Items(pack.works()))
 
 
 class PackSolver(ExplicitSolver):
@@ -70,8 +70,8 @@ class PackSolver(ExplicitSolver):
     pack : Pack, of one ply too
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
-    states, consts, stack, pairs, guard, slips : what the kernels work on; no pairs and no guard of a
-        single ply, no slips of pinned crossovers
+    states, consts, stack, contact, slips : what the kernels work on; contact is a PackContact, or None of a single ply;
+        no slips of pinned crossovers
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 10), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` the largest of its fabric (`ply_audit.deflection`), `energy` what it moves with,
@@ -105,7 +105,7 @@ class PackSolver(ExplicitSolver):
             pack.plies[0].projectile, strike_velocity, end_time, interval=interval,
             energy_error_limit=energy_error_limit,
         )  # fmt: skip
-        self.pack = pack = pack.in_step_with(strike_velocity)
+        self.pack = pack
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
         if not self.struck:
             self.consts = tuple(const._replace(perforation_delay_steps=2**62) for const in self.consts)
@@ -114,8 +114,7 @@ class PackSolver(ExplicitSolver):
         self.slips = self.set_up()
         self.effective = tuple(state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips))
         several = len(pack.plies) > 1
-        self.pairs = pack.pairs(self.consts, self.states) if several else ()
-        self.guard = pack.guard(self.consts, self.states) if several else None
+        self.contact = pack.plies_contact(self.consts, self.states) if several else None
         self._name_energies(several)
         self._begin_run()
 
@@ -137,14 +136,14 @@ class PackSolver(ExplicitSolver):
     def _begin_run(self):
         """Lay out what the kernels take, and take the first sample of the plies at rest."""
         pack, plies = self.pack, len(self.parts)
-        self._plies, self._pairs = (Items(self.states), Items(self.consts)), Items(self.pairs) if self.pairs else None
+        self._plies = Items(self.states), Items(self.consts)
         if self.slips:
             room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
-            loaded = [state._replace(f_contact=room(state)) for state in self.states] if self.pairs else self.states
+            loaded = [state._replace(f_contact=room(state)) for state in self.states] if self.contact else self.states
             self._slips = Items(self.slips), Items(self.effective), Items(loaded)
         self._works = [self._scratch()]
         if not self.slips:
-            compile_ahead.begin(*self._plies, self._pairs, self.guard, self.stack, self._works[0][1])
+            compile_ahead.begin(*self._plies, self.contact, self.stack, self._works[0][1])
         self.share = self.panel.share
         most = plies if plies > 1 or self.slips else np.inf  # threads that can share the work
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, pack.elements), most)
@@ -186,25 +185,16 @@ class PackSolver(ExplicitSolver):
 
     @property
     def deepest(self) -> FloatArray:
-        """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
-        return self._of_pairs(contact_simd_kernels.MAX_DEPTH)
-
-    @property
-    def squeezed(self) -> FloatArray:
-        """(plies - 1,) [-] furthest that the contact of a ply with the next has given way, over the thickness.
-
-        `deepest` without what is found inside another fold of loose fabric, which loads no spring.
-        """
-        return self._of_pairs(contact_simd_kernels.MAX_COMPRESSION)
-
-    def _of_pairs(self, entry):
-        both = np.array([pair.energy[entry] / pair.thickness for pair in self.pairs])
-        return both.reshape(2, -1).max(axis=0, initial=0.0)
+        """(plies - 1,) [-] furthest that a ply and those behind it have closed, over the mean thickness of two."""
+        if self.contact is None:
+            return np.zeros(0)
+        thickness = self.contact.thickness
+        return self.contact.energy[:-1, pressure_kernels.DEEPEST] / (0.5 * (thickness[:-1] + thickness[1:]))
 
     @property
     def held_apart(self) -> int:
         """[-] impulses that kept plies from passing through each other."""
-        return int(self.guard.energy[near_kernels.IMPULSES]) if self.guard else 0
+        return int(self.contact.guard[near_kernels.IMPULSES]) if self.contact else 0
 
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
         """(plies,) SlipSummary of sliding crossovers so far; empty of pinned ones."""
@@ -228,13 +218,12 @@ class PackSolver(ExplicitSolver):
     def _run_thread(self, history, shared, me, count, allowed):
         slips, works = self._works[me]
         return kernels.run_thread(
-            *self._plies, self._pairs, self.guard, slips, self.stack, works, history, shared, me, count, allowed
+            *self._plies, self.contact, slips, self.stack, works, history, shared, me, count, allowed
         )
 
-    def neighbour_forces(self, ply: int) -> list[Any]:
-        """[nodal forces [N] on a ply, by component] of both neighbours; [] of a single ply."""
-        sides = [side_of(n, len(self.pairs)) for n in forces_on(ply, len(self.pairs))]
-        return [self.pairs[k].f_front if on_front else self.pairs[k].f_rear for k, on_front in sides]
+    def neighbour_forces(self, ply: int) -> list[FloatArray]:
+        """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of a single ply."""
+        return list(self.contact.force[ply][:, :, : self.states[ply].mass.size]) if self.contact else []
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
         """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile; of
@@ -245,8 +234,7 @@ class PackSolver(ExplicitSolver):
         rear = nothing if self.backing is None else -state.f_block_cloth[2]
         if not forces:
             return [nose] if self.backing is None else [nose, nothing, rear]
-        along, split = [force[2] for force in forces], 2 if ply > 0 else 0
-        return [nose, sum(along[:split], nothing), rear - sum(along[split:], nothing)]
+        return [nose, forces[BEFORE][2].copy(), rear - forces[BEHIND][2]]
 
     def passed_lengths(self, ply: int) -> tuple[FloatArray, ...]:
         """((slots,), (slots,)) [m] of warp and weft that has passed through the nodes; () of pinned crossovers."""
@@ -265,11 +253,10 @@ class PackSolver(ExplicitSolver):
 
     def contact_energies(self) -> tuple[float, ...]:
         """[J] taken in by the contact between plies, the friction there and the guard; () of a single ply."""
-        if self.guard is None:
+        if self.contact is None:
             return ()
-        taken = sum(pair.energy[contact_simd_kernels.WORK] for pair in self.pairs)
-        rubbed = float(sum(pair.energy[contact_simd_kernels.FRICTION_WORK] for pair in self.pairs))
-        return taken - rubbed, rubbed, float(self.guard.energy[near_kernels.WORK])
+        rubbed = float(self.contact.energy[:, pressure_kernels.FRICTION].sum())
+        return float(self.contact.work.sum()) - rubbed, rubbed, float(self.contact.guard[near_kernels.WORK])
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver. Before a block, one step at a time, each followed by the block's, which is at rest while
@@ -306,8 +293,8 @@ class PackSolver(ExplicitSolver):
 
     def _of_first(self, ply, vector):
         """A vector (3,) of the frame of a ply in that of the first."""
-        turn = None if self.stack.turns is None else self.stack.turns[ply]
-        return np.array([*turned_back(turn, vector[0], vector[1]), vector[2]])
+        c, s = self.stack.turns[ply]
+        return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2]])
 
     def _observe_plies(self, energies, pushes):
         """(plies, 10) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
@@ -368,8 +355,8 @@ class PackSolver(ExplicitSolver):
         The guard makes its lists anew, as a run does that is resumed here: they have an order.
         """
         self.monitor.sampled(self)
-        if self.guard:
-            self.guard.count[near_kernels.REMAKE] = 1
+        if self.contact:
+            self.contact.count[near_kernels.REMAKE] = 1
         turned = self.stack.counter[TURNED]
         if turned and (self.time - turned * self.const.dt >= self.after_stop or self.steps >= self.last_step):
             self.reason = STOPPED
@@ -392,8 +379,8 @@ class PackSolver(ExplicitSolver):
                 x, y = 1e3 * nose[:2]
                 where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
                 self.stop("the projectile leaves the first zone of the grading", where)
-        if self.guard and self.guard.energy[near_kernels.FAILED]:
-            self.stop(f"the guard between plies {FAULTS[int(self.guard.energy[near_kernels.FAILED])]}", "the pack")
+        if self.contact and self.contact.guard[near_kernels.FAILED]:
+            self.stop(f"the guard between plies {FAULTS[int(self.contact.guard[near_kernels.FAILED])]}", "the pack")
 
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
@@ -405,13 +392,12 @@ class PackSolver(ExplicitSolver):
         return known, self.module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
-        """See ExplicitSolver. Of the guard, the rest follows from the plies."""
+        """See ExplicitSolver. Of the contact between plies, the rest follows from these."""
         found: dict[str, Any] = {f"plies/{p:02d}": state for p, state in enumerate(self.states)}
-        found |= {f"pairs/{p:02d}": pair for p, pair in enumerate(self.pairs)}
         for p, slip in enumerate(self.slips):
             found |= slip_arrays(slip, f"slip/{p:02d}")
-        if self.guard:
-            found |= {f"guard/{name}": getattr(self.guard, name) for name in ("dropped", "energy")}
+        if self.contact:
+            found |= {f"contact/{name}": getattr(self.contact, name) for name in KEPT}
         return found | {"stack": self.stack, "monitor": self.monitor.found}
 
     def checkpoint_records(self) -> dict[str, list[Any]]:

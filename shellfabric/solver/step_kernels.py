@@ -1,28 +1,26 @@
 """Explicit time steps of plies and their projectile: of a single ply, or of a pack.
 
 In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`), the
-contact between plies is computed (`plies.contact_kernels`), and with sliding crossovers the fluxes of yarn are updated.
+contact between plies is computed (`plies.pressure_kernels`), and with sliding crossovers the fluxes of yarn are updated.
 All forces of a step are known before it begins: from them the guard of a pack (`plies.pack_guard_kernels`) finds what
 keeps the plies from passing through each other in it. The projectile is one: its speed is shared, and takes the
 impulses of all plies. Its place is kept for each ply, counted from the ply's own plane at rest; where plies lie at
-other angles (`plies.turn_kernels`) each has place and velocity in its own frame, and the velocity is kept in the first
-one's. A ply is skipped until something pushes on it; at most one ply of a pair is skipped while the pair is computed.
+other angles each has place and velocity in its own frame, and the velocity is kept in the first
+one's. A ply is skipped until something pushes on it.
 
-States, constants, scratch and pairs come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend
-on the number of plies; `pairs` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done
-for them before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle
-slots must stay at rest.
+States, constants and scratch come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend on the
+number of plies; `contact` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done for them
+before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle slots must
+stay at rest.
 
-Several threads can share the work: a single ply by its blocks of rows; a pack by its plies, then its pairs. They wait
-for each other in between. No two write to the same place, so that results do not depend on their number. The
-guard involves all plies at once, and is one thread's.
+Several threads can share the work: a single ply by its blocks of rows; a pack by its plies. They wait for each other in
+between. No two write to the same place, so that results do not depend on their number. What involves all plies at once
+(lists of what is near, the guard) is one thread's.
 """
 
 import math
 
 import numpy as np
-from numba import types
-from numba.extending import overload
 
 from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.borrowed_list import borrowed_item
@@ -30,16 +28,10 @@ from shellfabric.jit.compile import entry, kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
 from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED, thread_range
 from shellfabric.plies import near_kernels
-from shellfabric.plies.contact_kernels import (
-    WORK,
-    apply_impulses,
-    contact_forces,
-    contact_forces_back,
-    forces_on,
-    neighbour_force,
-)
-from shellfabric.plies.pack_guard_kernels import hold_apart, let_go
-from shellfabric.plies.turn_kernels import turn_of, turned, turned_back
+from shellfabric.plies.frame_kernels import apply_impulses, hand_over, place, turned, turned_back
+from shellfabric.plies.near_kernels import list_pressed
+from shellfabric.plies.pack_guard_kernels import follow, hold_apart, let_go
+from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 from shellfabric.sliding import slip_kernels
 from shellfabric.solver import ply_kernels
@@ -61,28 +53,10 @@ def slide_of(slips, p):
 @kernel(_nrt=False, forceinline=True)
 def push_projectile(stack, const, p, force):
     """v += dt f / m of the projectile, with a force in the frame of ply p."""
-    f_x, f_y = turned_back(turn_of(stack.turns, p), force[0], force[1])
+    f_x, f_y = turned_back(stack.turns[p], force[0], force[1])
     stack.projectile_velocity[0] += const.dt * const.free_dofs[0] * f_x / const.projectile_mass
     stack.projectile_velocity[1] += const.dt * const.free_dofs[1] * f_y / const.projectile_mass
     stack.projectile_velocity[2] += const.dt * const.free_dofs[2] * force[2] / const.projectile_mass
-
-
-def share_velocity(turns, stack, p, velocity):
-    """The projectile's velocity in the frame of ply p; without turns they have one array."""
-
-
-@overload(share_velocity, inline="always")
-def _share_velocity(turns, stack, p, velocity):
-    if isinstance(turns, types.NoneType):
-        return lambda turns, stack, p, velocity: None
-
-    def share(turns, stack, p, velocity):
-        if p > 0:
-            of_first = stack.projectile_velocity
-            velocity[0], velocity[1] = turned(turn_of(turns, p), of_first[0], of_first[1])
-            velocity[2] = of_first[2]
-
-    return share
 
 
 @kernel(_nrt=False)
@@ -104,19 +78,21 @@ def apply_nose_impulses(states, consts, stack):
     if const.bar_mass.size > 0:
         bar_kernels.advance_bar(state, const, force)
     for p in range(len(states)):
-        velocity = borrowed_item(states, p).projectile_velocity
-        share_velocity(stack.turns, stack, p, velocity)
+        velocity, of_first = borrowed_item(states, p).projectile_velocity, stack.projectile_velocity
+        if p > 0:
+            velocity[0], velocity[1] = turned(stack.turns[p], of_first[0], of_first[1])
+            velocity[2] = of_first[2]
         for c in range(3):
             stack.projectile_position[p, c] += const.dt * velocity[c]
 
 
 @kernel(_nrt=False, inline="always")
-def begin_step(states, consts, pairs, guard, slips, stack):
+def begin_step(states, consts, contact, slips, stack):
     """What one thread does before the others join: the guard, contact impulses, motion of the projectile."""
-    if pairs is not None:
-        hold_apart(states, consts, pairs, stack, guard)
+    if contact is not None:
+        hold_apart(states, consts, contact)
     apply_nose_impulses(states, consts, stack)
-    if pairs is None:
+    if contact is None:
         ply_kernels.grow_rows(borrowed_item(states, 0), borrowed_item(consts, 0), slide_of(slips, 0))
 
 
@@ -131,60 +107,53 @@ def step_ply(states, consts, slips, works, shared, me, count):
         ply_kernels.after_forces(state, const, slide, work)
 
 
-@kernel(_nrt=False, inline="always")
-def apply_neighbours(state, const, p, pairs, guard):
-    """Give ply p the impulses of both neighbours and of the guard; whether there are any."""
-    pushed = apply_impulses(state, const, guard.f[p], guard.window[p])
-    for n in forces_on(p, len(pairs)):
-        force, touched = neighbour_force(pairs, n)
-        pushed |= apply_impulses(state, const, force, touched)
-    return pushed
-
-
 @kernel(_nrt=False)
-def step_plies(states, consts, pairs, guard, slips, stack, works, me, count):
-    """One thread's plies of a pack: the impulses of the others, their own step."""
+def step_plies(states, consts, contact, slips, stack, works, me, count):
+    """One thread's plies of a pack: the impulses of the others and of the guard, their own step."""
     for p in range(me, len(states), count):
         state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
-        stack.awake[p] |= apply_neighbours(state, const, p, pairs, guard)
+        pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
+        for side in range(2):
+            pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
+        stack.awake[p] |= pushed
         if stack.awake[p]:
             slide = slide_of(slips, p)
             ply_kernels.grow_rows(state, const, slide)
             ply_kernels.update_blocks(state, const, slide, work, work.barrier, 0, 1)
             stack.waits_for_plies[p] = ply_kernels.after_forces(state, const, slide, work)
+            place(state, const, contact, p)
+            follow(state, const, contact, p)
+
+
+@kernel(_nrt=False, inline="always")
+def press_plies(states, consts, contact, shared, me, count):
+    """The forces between plies at their new places."""
+    if me == 0:
+        list_pressed(contact)
+    barrier_wait(shared, count)
+    press(contact, me, count)
+    barrier_wait(shared, count)
+    if me == 0:
+        press_others(contact)
+    barrier_wait(shared, count)
+    for p in range(me, len(states), count):
+        hand_over(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
 
 
 @kernel(_nrt=False)
-def step_pairs(states, consts, pairs, stack, me, count):
-    """One thread's pairs of plies, one of which at least is awake."""
-    step = stack.counter[STEP]
-    for p in range(me, len(states) - 1, count):
-        if stack.awake[p] or stack.awake[p + 1]:
-            front, fc, rear, rc = (
-                borrowed_item(states, p),
-                borrowed_item(consts, p),
-                borrowed_item(states, p + 1),
-                borrowed_item(consts, p + 1),
-            )
-            near, back = borrowed_item(pairs, p), borrowed_item(pairs, len(pairs) // 2 + p)
-            contact_forces(front, fc, rear, rc, near, back, step)
-            contact_forces_back(rear, rc, front, fc, back, near, step)
-
-
-@kernel(_nrt=False)
-def implicit_nose_contact(states, consts, pairs, stack, works, me, count):
+def implicit_nose_contact(states, consts, contact, stack, works, me, count):
     """The nose's forces on those of one thread's plies that wait for the others' (see `ply_kernels.after_forces`)."""
     for p in range(me, len(states), count):
         if stack.waits_for_plies[p]:
             state, const = borrowed_item(states, p), borrowed_item(consts, p)
-            predict_increments(state, const, pairs, p)
+            predict_increments(state, const, contact, p)
             ply_kernels.nose_contact(state, const, borrowed_item(works, p))
             if state.f_contact_nose[2] == 0.0:
                 clear_increments(state, const)
 
 
 @kernel(_nrt=False)
-def predict_increments(state, const, pairs, p):
+def predict_increments(state, const, contact, p):
     """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
     what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
     state.force_scale."""
@@ -195,8 +164,8 @@ def predict_increments(state, const, pairs, p):
                 state.dv_other[c][k] = state.f_int[c][k] + state.f_int_above[c][k]
                 if const.has_backing:
                     state.dv_other[c][k] += state.f_block_cloth[c][k]
-    for n in forces_on(p, len(pairs)):
-        add_forces(state, const, neighbour_force(pairs, n)[0])
+    for side in range(2):
+        add_forces(state, const, contact.force[p, side])
     for c in range(3):
         for i in range(i0, i1 + 1):
             for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
@@ -247,7 +216,7 @@ def add_rows(total, state, const, forces):
 
 
 @kernel(_nrt=False)
-def gather_contact(states, consts, pairs, p, total):
+def gather_contact(states, consts, contact, p, total):
     """Sum of the contact forces on the active rows of ply p, into total."""
     state, const = borrowed_item(states, p), borrowed_item(consts, p)
     s = const.row_stride
@@ -255,20 +224,20 @@ def gather_contact(states, consts, pairs, p, total):
         for i in range(state.active_rows[0], state.active_rows[1] + 1):
             for k in range(np.uint64(i * s), np.uint64((i + 1) * s)):
                 total[c][k] = state.f_contact[c][k]
-    for n in forces_on(p, len(pairs)):
-        add_rows(total, state, const, neighbour_force(pairs, n)[0])
+    for side in range(2):
+        add_rows(total, state, const, contact.force[p, side])
 
 
 @kernel(_nrt=False)
-def slip_plies(states, consts, pairs, slips, stack, me, count):
+def slip_plies(states, consts, contact, slips, stack, me, count):
     """New fluxes of one thread's plies. The sum of the contact forces presses the yarns on each other, but for the
     guard's."""
     own, _, loads, _ = slips
     for p in range(me, len(states), count):
         slip, loaded = borrowed_item(own, p), borrowed_item(loads, p)
         if stack.awake[p] and slip.active:
-            if pairs is not None:
-                gather_contact(states, consts, pairs, p, loaded.f_contact)
+            if contact is not None:
+                gather_contact(states, consts, contact, p, loaded.f_contact)
             slip_kernels.slip_nodes(loaded, borrowed_item(consts, p), slip)
 
 
@@ -324,15 +293,15 @@ def post_step(states, consts, stack, row):
 
 
 @kernel(_nrt=False)
-def internal_work(states, pairs, guard):
+def internal_work(states, contact):
     """[J] work done so far on yarns, their viscosity and the contacts."""
     total = 0.0
     for p in range(len(states)):
         total += ply_kernels.internal_work(borrowed_item(states, p))
-    if pairs is not None:
-        for p in range(len(pairs)):
-            total += borrowed_item(pairs, p).energy[WORK]
-        total += guard.energy[near_kernels.WORK]
+    if contact is not None:
+        for p in range(len(states)):
+            total += contact.work[p]
+        total += contact.guard[near_kernels.WORK]
     return total
 
 
@@ -345,14 +314,14 @@ def begin(states, consts, slips, works):
 
 
 @entry(nogil=True, _nrt=False)
-def run_thread(states, consts, pairs, guard, slips, stack, works, history, shared, me, count, allowed):
+def run_thread(states, consts, contact, slips, stack, works, history, shared, me, count, allowed):
     """Thread `me` of `count`, each with scratch of its own: at most as many steps as `history` has rows, as
     thread 0 has them.
 
     The initial forces are computed before the first step, also where there is to be none.
 
     states, consts, works : of the plies, each a list
-    pairs, guard : list of the contacts of neighbours, Guard; None of a single ply
+    contact : PackContact; None of a single ply
     slips : None of pinned crossovers; else lists of Slip, of the states with the effective stretches in the place of
         the stretches, of those with the sum of all contact forces in the place of the nose's, and of the scratch with
         room for the effective stretches
@@ -364,46 +333,46 @@ def run_thread(states, consts, pairs, guard, slips, stack, works, history, share
     """
     if me == 0:
         begin(states, consts, slips, works)
-    made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(states, pairs, guard)
+    made, reason, exchanged, before = 0, RUNNING, 0.0, internal_work(states, contact)
     while True:
         if me == 0:
             shared[STOP] = 0 if made < history.shape[0] and reason == RUNNING else 1
             if shared[STOP] == 0:
-                begin_step(states, consts, pairs, guard, slips, stack)
+                begin_step(states, consts, contact, slips, stack)
         barrier_wait(shared, count)
         if shared[STOP] != 0:
             break
-        if pairs is None:
+        if contact is None:
             step_ply(states, consts, slips, works, shared, me, count)
         else:
-            step_plies(states, consts, pairs, guard, slips, stack, works, me, count)
+            step_plies(states, consts, contact, slips, stack, works, me, count)
             barrier_wait(shared, count)
-            step_pairs(states, consts, pairs, stack, me, count)
+            press_plies(states, consts, contact, shared, me, count)
             barrier_wait(shared, count)
-            implicit_nose_contact(states, consts, pairs, stack, works, me, count)
+            implicit_nose_contact(states, consts, contact, stack, works, me, count)
             barrier_wait(shared, count)
         if slips is not None:
             barrier_wait(shared, count)
-            slip_plies(states, consts, pairs, slips, stack, me, count)
+            slip_plies(states, consts, contact, slips, stack, me, count)
             barrier_wait(shared, count)
         if me == 0:
-            if pairs is not None:
-                let_go(states, consts, guard)
+            if contact is not None:
+                let_go(states, consts, contact)
             reason = post_step(states, consts, stack, history[made])
             made += 1
-            now = internal_work(states, pairs, guard)
+            now = internal_work(states, contact)
             exchanged, before = exchanged + abs(now - before), now
             if reason == RUNNING and not exchanged <= allowed:
                 reason = CHECK
-    refresh_tensions(states, consts, pairs, slips, stack, works, me, count)
+    refresh_tensions(states, consts, contact, slips, stack, works, me, count)
     barrier_wait(shared, count)
     return made, reason
 
 
 @kernel(_nrt=False, inline="always")
-def refresh_tensions(states, consts, pairs, slips, stack, works, me, count):
+def refresh_tensions(states, consts, contact, slips, stack, works, me, count):
     """The tensions of one thread's blocks of a single ply, or plies of a pack."""
-    if pairs is None:
+    if contact is None:
         state, const, work = borrowed_item(states, 0), borrowed_item(consts, 0), borrowed_item(works, 0)
         first, last = thread_range(state, const, me, count)
         ply_kernels.refresh_tensions(state, const, slide_of(slips, 0), first, last, work)

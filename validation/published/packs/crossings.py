@@ -33,7 +33,8 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
         flag = state.element_flag[:size].reshape(shape)[:-1, :-1]
         is_facet = (warp[:-1, :-1] | warp[:-1, 1:]) & (weft[:-1, :-1] | weft[1:, :-1]) & (flag & ERODED == 0)
         is_facet &= (flag == 0) | ~drawn_out(now, rest)
-        is_facet &= march.guard.dropped[p * march.guard.slots :][:size].reshape(shape)[:-1, :-1] == 0
+        contact, rows = march.contact, np.arange(c.ni)[:, None]
+        is_facet &= contact.dropped[contact.base[p] + rows * contact.shape[p, 0] + np.arange(c.nj)] == 0
         number = first + np.arange(size).reshape(shape)
         a, b, c, d = (part[is_facet] for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
         about = np.pad(is_facet, 1)

@@ -1,0 +1,455 @@
+"""Pressure and friction between plies, point by point, from where they are now alone: the contact remembers nothing.
+
+Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the point of the surface of a
+ply behind it that is closest to x, d their distance, t the mean thickness of the two plies, v the velocity of x over y:
+
+    n = (y - x) / d,     f = A max(0, p(t - d) + c n.v),     g = min(mu f / |v_t|, c_t) v_t,     v_t = v - (n.v) n
+
+with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields at c_t below the limit
+(`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the rear ply by
+their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side, or a past: what
+keeps plies from passing through each other is the guard (`plies.guard_kernels`).
+
+Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With the
+offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
+
+    w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b
+
+Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may touch. Most are
+computed eight at once: points with the same place in neighbouring elements are side by side, and so are their closest
+points, to within a node, where plies lie at one angle. Eight of them lie over four rows of four nodes each, that of the
+next a node further. What needs more than a formula (torn fabric, sides, folds, plies at other angles) is computed one at
+a time. Plies that are no neighbours meet where all plies between them have torn.
+"""
+
+import math
+
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import (
+    WIDTH,
+    any_lane,
+    broadcast,
+    equal_bytes,
+    fabs,
+    floor,
+    greater,
+    load,
+    mask_from_bits,
+    masked_store,
+    maximum,
+    minimum,
+    movemask,
+    reduce_add,
+    reduce_max,
+    sqrt,
+    where,
+)
+from shellfabric.plies.frame_kernels import BEFORE, BEHIND, MIRROR_X, MIRROR_Y, NI, NJ, STRIDE, extend_window
+from shellfabric.plies.law_kernels import law_at, law_at8
+from shellfabric.plies.near_kernels import PRESSED, tile_bounds
+from shellfabric.plies.separation_kernels import cross, difference, dot
+from shellfabric.plies.surface_kernels import (
+    interpolate8,
+    is_torn,
+    nearest_place,
+    point_mean8,
+    scatter,
+    scatter8,
+    scatter_to_points8,
+    second_slopes8,
+    spline_weights8,
+    surface_patch8,
+    vector_at,
+    weights_at,
+)
+
+SPRING, DEEPEST, FRICTION = range(3)  # of contact.energy: of the points of a ply on plies behind it
+_ITERATIONS = 8  # of Newton's method, of a point alone
+_LONGEST, _SHORT = 0.5, 0.2  # [elements] a step of it, and one that is as good as its end
+_FAR = 1e30
+
+
+@kernel(_nrt=False)
+def press(contact, me, count):
+    """Forces between neighbours, of the points of one thread's plies."""
+    for p in range(me, contact.failures.size, count):
+        contact.energy[p, SPRING] = 0.0
+    for n in range(contact.count[PRESSED]):
+        tile, p = contact.pressed[n, 0], contact.tile_ply[contact.pressed[n, 0]]
+        if contact.tile_ply[contact.pressed[n, 1]] == p + 1 and p % count == me:
+            press_tile(contact, tile, p)
+
+
+@kernel(_nrt=False)
+def press_others(contact):
+    """Forces between plies that are no neighbours."""
+    for n in range(contact.count[PRESSED]):
+        tile, other = contact.pressed[n, 0], contact.pressed[n, 1]
+        p, q = contact.tile_ply[tile], contact.tile_ply[other]
+        if q != p + 1:
+            press_through_hole(contact, tile, other, p, q)
+
+
+@kernel(_nrt=False)
+def press_tile(contact, tile, p):
+    """Forces of the points of a tile of ply p on the next ply; how far the nearest that does not touch is from that, into
+    contact.clearance."""
+    _, i0, i1, j0, j1 = tile_bounds(contact, tile)
+    points, nj, clearance = contact.points**2, contact.shape[p, NJ], _FAR
+    for row in range(i0 * points, i1 * points):
+        q, count = contact.first_point[p] + row * nj + j0, j1 - j0
+        left = (1 << count) - 1
+        if contact.side_by_side[p]:
+            left, clear = press_points8(contact, p, row, j0, q, count)
+            clearance = min(clearance, clear)
+        for lane in range(count if left else 0):
+            if (left >> lane) & 1:
+                a, b = contact.closest_a[q + lane], contact.closest_b[q + lane]
+                a, b, clear = press_point(contact, p, p + 1, row, j0 + lane, a, b, -1)
+                contact.closest_a[q + lane], contact.closest_b[q + lane] = a, b
+                clearance = min(clearance, clear)
+    contact.clearance[tile] = max(clearance, 0.0)
+
+
+@kernel(_nrt=False)
+def press_through_hole(contact, tile, other, p, q):
+    """Forces of the points of a tile of ply p on a tile of ply q."""
+    _, i0, i1, j0, j1 = tile_bounds(contact, tile)
+    _, m0, m1, n0, n1 = tile_bounds(contact, other)
+    points, s, S = contact.points**2, contact.shape[p, STRIDE], contact.shape[q, STRIDE]
+    thickness = 0.5 * (contact.thickness[p] + contact.thickness[q])
+    reach = (thickness + contact.longest) ** 2
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            g = contact.base[p] + i * s + j
+            if contact.dropped[g]:
+                continue
+            nearest, a, b = reach, 0.0, 0.0
+            for m in range(m0, m1):
+                for n in range(n0, n1):
+                    k = contact.base[q] + m * S + n
+                    u = (
+                        contact.x[0, g] - contact.x[0, k],
+                        contact.x[1, g] - contact.x[1, k],
+                        contact.x[2, g] - contact.x[2, k],
+                    )
+                    if dot(u, u) >= nearest or contact.dropped[k]:
+                        continue
+                    if max(height_over(contact, g, s, k, S), height_over(contact, k, S, g, s)) <= thickness:
+                        nearest, a, b = dot(u, u), m + 0.5, n + 0.5
+            for m in range(points if nearest < reach else 0):
+                press_point(contact, p, q, i * points + m, j, a, b, other)
+
+
+@kernel(_nrt=False, forceinline=True)
+def height_over(contact, g, s, k, S):
+    """[m] by which all nodes of element k (grid of stride S) are off those of element g across its plane."""
+    x = contact.x
+    n = cross(difference(x, g, g + s + 1), difference(x, g + s, g + 1))
+    size = math.sqrt(dot(n, n))
+    low, high, least, most = 0.0, 0.0, _FAR, -_FAR
+    for corner in (g + 1, g + s, g + s + 1):
+        along = dot(n, difference(x, g, corner))
+        low, high = min(low, along), max(high, along)
+    for corner in (k, k + 1, k + S, k + S + 1):
+        along = dot(n, difference(x, g, corner))
+        least, most = min(least, along), max(most, along)
+    return max(least - high, low - most) / size if size > 0.0 else 0.0
+
+
+@kernel(_nrt=False, forceinline=True)
+def place_of_point(contact, row, j):
+    """Place (a, b) [elements] of the point of a row of points in the j-th element: rows have one point an element."""
+    points = contact.points
+    i, m = row // points**2, row % points**2
+    return i + (m // points + 0.5) / points, j + (m % points + 0.5) / points
+
+
+@kernel(_nrt=False, forceinline=True)
+def newton_step(w, slopes, second):
+    """Step (a, b) [elements] towards the closest point: Newton's, or that of Gauss and Newton where this is none.
+
+    w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa, ab, bb
+    """
+    y_a, y_b = slopes
+    aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
+    square = aa * bb - ab * ab
+    if not square > 1e-12 * aa * bb:  # fabric that is drawn to a line
+        return (r_a / aa if aa > 0.0 else 0.0), 0.0
+    curved_aa, curved_ab, curved_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+    curved = curved_aa * curved_bb - curved_ab * curved_ab
+    if curved > 0.1 * square and curved_aa > 0.0:
+        aa, ab, bb, square = curved_aa, curved_ab, curved_bb, curved
+    return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square
+
+
+@kernel(_nrt=False, forceinline=True)
+def bounded_step(w, slopes, step, place, low, high):
+    """A step that keeps to low .. high from `place`; where it is cut along one axis, the best along the other."""
+    y_a, y_b = slopes
+    a = min(max(step[0], low[0] - place[0]), high[0] - place[0])
+    b = min(max(step[1], low[1] - place[1]), high[1] - place[1])
+    bb, aa = dot(y_b, y_b), dot(y_a, y_a)
+    if a != step[0] and bb > 0.0:
+        b = min(max((dot(y_b, w) - a * dot(y_a, y_b)) / bb, low[1] - place[1]), high[1] - place[1])
+    elif b != step[1] and aa > 0.0:
+        a = min(max((dot(y_a, w) - b * dot(y_a, y_b)) / aa, low[0] - place[0]), high[0] - place[0])
+    return a, b
+
+
+@kernel(_nrt=False, forceinline=True)
+def offset_after(w, slopes, second, a, b):
+    """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to second order."""
+    (y_a, y_b), (y_aa, y_ab, y_bb) = slopes, second
+    return (
+        w[0] - (y_a[0] + 0.5 * (a * y_aa[0] + b * y_ab[0])) * a - (y_b[0] + 0.5 * (a * y_ab[0] + b * y_bb[0])) * b,
+        w[1] - (y_a[1] + 0.5 * (a * y_aa[1] + b * y_ab[1])) * a - (y_b[1] + 0.5 * (a * y_ab[1] + b * y_bb[1])) * b,
+        w[2] - (y_a[2] + 0.5 * (a * y_aa[2] + b * y_ab[2])) * a - (y_b[2] + 0.5 * (a * y_ab[2] + b * y_bb[2])) * b,
+    )
+
+
+@kernel(_nrt=False)
+def press_point(contact, p, q, row, j, a, b, tile):
+    """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b) on: its place, and how
+    far the point is from touching [m].
+
+    row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
+    """
+    s, element = contact.shape[p, STRIDE], row // contact.points**2
+    if contact.dropped[contact.base[p] + element * s + j]:
+        return a, b, _FAR
+    at_a, at_b = place_of_point(contact, row, j)
+    torn = is_torn(contact, p, at_a, at_b)
+    i, wa, _, _ = weights_at(torn, at_a, contact.shape[p, NI])
+    j0, wb, _, _ = weights_at(torn, at_b, contact.shape[p, NJ])
+    k = contact.base[p] + i * s + j0
+    x = vector_at(contact.x, k, s, wa, wb)
+    S, thickness = contact.shape[q, STRIDE], 0.5 * (contact.thickness[p] + contact.thickness[q])
+    searched = False
+    for iteration in range(_ITERATIONS):
+        torn = is_torn(contact, q, a, b)
+        if torn and not searched and has_dropped(contact, q, a, b):
+            a, b, searched = *nearest_place(contact, q, a, b, x[0], x[1], x[2]), True
+            if has_dropped(contact, q, a, b):
+                return a, b, 0.0
+        I, za, da, ca = weights_at(torn, a, contact.shape[q, NI])
+        J, zb, db, cb = weights_at(torn, b, contact.shape[q, NJ])
+        K = contact.base[q] + I * S + J
+        y, y_a = vector_at(contact.x, K, S, za, zb), vector_at(contact.x, K, S, da, zb)
+        w, slopes = (x[0] - y[0], x[1] - y[1], x[2] - y[2]), (y_a, vector_at(contact.x, K, S, za, db))
+        y_aa, y_ab = vector_at(contact.x, K, S, ca, zb), vector_at(contact.x, K, S, da, db)
+        second = y_aa, y_ab, vector_at(contact.x, K, S, za, cb)
+        low, high = bounds(contact, q, torn, I, J)
+        step = newton_step(w, slopes, second)
+        go, turn = bounded_step(w, slopes, step, (a, b), low, high)
+        if torn and not searched and (go != step[0] or turn != step[1]):  # beside the facet: another may be nearer
+            a, b, searched = *nearest_place(contact, q, a, b, x[0], x[1], x[2]), True
+            continue
+        ended = torn or max(abs(go), abs(turn)) <= _SHORT
+        go, turn = min(max(go, -_LONGEST), _LONGEST), min(max(turn, -_LONGEST), _LONGEST)
+        if ended or iteration == _ITERATIONS - 1:
+            break
+        a, b = a + go, b + turn
+    w = offset_after(w, slopes, second, go, turn)
+    a, b, distance = a + go, b + turn, math.sqrt(dot(w, w))
+    if 1e-9 * thickness < distance < thickness and (tile < 0 or is_in_tile(contact, tile, a, b)):
+        n = -w[0] / distance, -w[1] / distance, -w[2] / distance
+        push(contact, p, q, (element, j, i, j0), k, wa, wb, (I, J, K, za, zb), n, thickness - distance)
+    return a, b, distance - thickness if ended and not torn else 0.0
+
+
+@kernel(_nrt=False, forceinline=True)
+def has_dropped(contact, p, a, b):
+    """Whether the element of ply p at the place (a, b) is no fabric any more."""
+    i, j = min(max(int(a), 0), contact.shape[p, NI] - 1), min(max(int(b), 0), contact.shape[p, NJ] - 1)
+    return contact.dropped[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
+
+
+@kernel(_nrt=False, forceinline=True)
+def is_in_tile(contact, tile, a, b):
+    """Whether the place (a, b) is in an element of a tile."""
+    _, i0, i1, j0, j1 = tile_bounds(contact, tile)
+    return i0 <= int(a) < i1 and j0 <= int(b) < j1
+
+
+@kernel(_nrt=False, forceinline=True)
+def bounds(contact, p, torn, i, j):
+    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)), in the facet (i, j) alone of
+    torn fabric."""
+    if torn:
+        return (float(i), float(j)), (i + 1.0, j + 1.0)
+    low_a, low_b = (-0.5 if contact.shape[p, MIRROR_X] else 0.0), (-0.5 if contact.shape[p, MIRROR_Y] else 0.0)
+    return (low_a, low_b), (float(contact.shape[p, NI]), float(contact.shape[p, NJ]))
+
+
+@kernel(_nrt=False, forceinline=True)
+def push(contact, p, q, at, k, wa, wb, closest, n, closure):
+    """Force between a point of ply p and its closest point on ply q.
+
+    at : (row, column) of the point's element and of the first of the nodes about it; k, wa, wb : the first of these nodes
+    and their weights; closest : (row, column, number) of the first node about the closest point, and the weights there;
+    n : from the point to the closest one; closure [m]
+    """
+    (e_i, e_j, i, j), (I, J, K, za, zb) = at, closest
+    s, S, law = contact.shape[p, STRIDE], contact.shape[q, STRIDE], contact.law_of[p]
+    area = contact.area[contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j]
+    spring, damping, energy = law_at(contact.laws[law], contact.law_step[law], closure)
+    v_p, v_q = vector_at(contact.v, k, s, wa, wb), vector_at(contact.v, K, S, za, zb)
+    v = v_p[0] - v_q[0], v_p[1] - v_q[1], v_p[2] - v_q[2]
+    closing = dot(n, v)
+    f = area * max(0.0, spring + damping * closing)
+    v = v[0] - closing * n[0], v[1] - closing * n[1], v[2] - closing * n[2]
+    speed = math.sqrt(dot(v, v))
+    rub = 0.0
+    if contact.friction > 0.0 and speed > 0.0:
+        rub = min(contact.friction * f / speed, area * contact.stick_damping[p])
+    force = f * n[0] + rub * v[0], f * n[1] + rub * v[1], f * n[2] + rub * v[2]
+    row = contact.energy[p]
+    row[SPRING] += area * energy
+    row[DEEPEST] = max(row[DEEPEST], closure)
+    row[FRICTION] += contact.dt * rub * speed * speed
+    extend_window(contact.grid_window[p, BEHIND], i, i + 3, j, j + 3)
+    extend_window(contact.grid_window[q, BEFORE], I, I + 3, J, J + 3)
+    scatter(contact.f[p, BEHIND], k - p * contact.slots, s, (-force[0], -force[1], -force[2]), wa, wb)
+    scatter(contact.f[q, BEFORE], K - q * contact.slots, S, force, za, zb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def press_points8(contact, p, row, j, q, count):
+    """`press_point` of those of `count` points from number q on, which begin in the j-th element of a row of points, that
+    need no more than the formulas: (those left, as bits, how far the nearest of the others is from touching)."""
+    x, s, S, thickness = (
+        contact.x,
+        contact.shape[p, STRIDE],
+        contact.shape[p + 1, STRIDE],
+        0.5 * (contact.thickness[p] + contact.thickness[p + 1]),
+    )
+    a, b = place_of_point(contact, row, j)
+    i, wa, _, _ = weights_at(False, a, contact.shape[p, NI])
+    j0, wb, _, _ = weights_at(False, b, contact.shape[p, NJ])
+    k, lanes, all_of = contact.base[p] + i * s + j0, load(contact.lanes, 0), (1 << count) - 1
+    A, B = load(contact.closest_a, q), load(contact.closest_b, q)
+    fit = whole8(contact, p, k + s + 1, q, all_of, count)
+    n_a, n_b = contact.shape[p + 1, NI], contact.shape[p + 1, NJ]
+    I, J = floor(minimum(maximum(A + 0.5, 0.0), float(n_a))), floor(minimum(maximum(B + 0.5, 0.0), float(n_b)))
+    chosen = mask_from_bits(fit)
+    I0, J0 = -reduce_max(where(chosen, 0.0 - I, -_FAR)), -reduce_max(where(chosen, lanes - J, -_FAR))
+    if fit == 0:
+        return all_of, _FAR
+    K = contact.base[p + 1] + (int(I0) - 1) * S + int(J0) - 1
+    r, t, I, J = A - I, B - J, I - I0, J - lanes - J0
+    fit &= ~movemask(greater(maximum(I, J), 1.5))
+    tall = any_lane(greater(where(mask_from_bits(fit), I, 0.0), 0.5))
+    (za, da, ca), (zb, db, cb) = spline_weights8(r, greater(I, 0.5)), spline_weights8(t, greater(J, 0.5))
+    X, X_a, X_b = surface_patch8(x[0], K, S, za, zb, da, db, tall)
+    Y, Y_a, Y_b = surface_patch8(x[1], K, S, za, zb, da, db, tall)
+    Z, Z_a, Z_b = surface_patch8(x[2], K, S, za, zb, da, db, tall)
+    w = point_mean8(x[0], k, s, wa, wb) - X, point_mean8(x[1], k, s, wa, wb) - Y, point_mean8(x[2], k, s, wa, wb) - Z
+    y_a, y_b, weights = (X_a, Y_a, Z_a), (X_b, Y_b, Z_b), ((za, da, ca), (zb, db, cb))
+    aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
+    square = aa * bb - ab * ab
+    fit &= movemask(greater(square, 1e-12 * (aa * bb)))
+    # squared distance after a step of Gauss and Newton, times the squared area of the slopes
+    apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
+    near = fit & movemask(greater(thickness * thickness * square, apart))
+    none = broadcast(0.0)
+    second = (none, none, none), (none, none, none), (none, none, none)
+    if near:
+        second = second_of8(x, K, S, weights, tall)
+        c_aa, c_ab, c_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+        curved = c_aa * c_bb - c_ab * c_ab
+        sure = mask_from_bits(movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0)))
+        aa, ab, bb, square = (
+            where(sure, c_aa, aa),
+            where(sure, c_ab, ab),
+            where(sure, c_bb, bb),
+            where(sure, curved, square),
+        )
+    go, turn = (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square
+    fit &= ~movemask(greater(maximum(fabs(go), fabs(turn)), _SHORT))
+    A, B = A + go, B + turn
+    fit &= within8(contact, p + 1, A, B)
+    masked_store(contact.closest_a, q, where(mask_from_bits(fit), A, load(contact.closest_a, q)), count)
+    masked_store(contact.closest_b, q, where(mask_from_bits(fit), B, load(contact.closest_b, q)), count)
+    w = offset_after(w, (y_a, y_b), second, go, turn)
+    distance = sqrt(dot(w, w))
+    touching = fit & movemask(greater(thickness, distance)) & movemask(greater(distance, 1e-9 * thickness))
+    clear = -reduce_max(where(mask_from_bits(fit & ~touching), 0.0 - distance, -_FAR)) - thickness
+    if touching:
+        n = w[0] / (0.0 - distance), w[1] / (0.0 - distance), w[2] / (0.0 - distance)
+        closest = int(I0) - 1, int(J0) - 1, K, za, zb, tall
+        push8(contact, p, (row // contact.points**2, j, i, j0), k, wa, wb, closest, n, thickness - distance, touching)
+        clear = 0.0
+    return all_of & ~fit, clear
+
+
+@kernel(_nrt=False, forceinline=True)
+def second_of8(x, K, S, weights, tall):
+    """Second slopes aa, ab, bb of eight surface points, each with its three components."""
+    X_aa, X_ab, X_bb = second_slopes8(x[0], K, S, weights, tall)
+    Y_aa, Y_ab, Y_bb = second_slopes8(x[1], K, S, weights, tall)
+    Z_aa, Z_ab, Z_bb = second_slopes8(x[2], K, S, weights, tall)
+    return (X_aa, Y_aa, Z_aa), (X_ab, Y_ab, Z_ab), (X_bb, Y_bb, Z_bb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def whole8(contact, p, node, q, fit, count):
+    """Those of eight points from number q on, as bits, that are not beside torn fabric of either ply; node : the nearest
+    to the first point."""
+    if contact.failures[p] > 0:
+        fit &= movemask(equal_bytes(contact.torn, node, 0))
+    if contact.failures[p + 1] > 0:
+        for lane in range(count):
+            if is_torn(contact, p + 1, contact.closest_a[q + lane], contact.closest_b[q + lane]):
+                fit &= ~(1 << lane)
+    return fit
+
+
+@kernel(_nrt=False, forceinline=True)
+def within8(contact, p, A, B):
+    """Those of eight places, as bits, that are within the bounds of whole fabric of ply p."""
+    (low_a, low_b), (high_a, high_b) = bounds(contact, p, False, 0, 0)
+    beside = movemask(greater(low_a, A)) | movemask(greater(low_b, B))
+    return ~(beside | movemask(greater(A, high_a)) | movemask(greater(B, high_b)))
+
+
+@kernel(_nrt=False, forceinline=True)
+def push8(contact, p, at, k, wa, wb, closest, n, closure, touching):
+    """`push` between those of eight points of ply p and the next whose bits are set; arguments of the first."""
+    (e_i, e_j, i, j), (I, J, K, za, zb, tall) = at, closest
+    s, S, law, which = (
+        contact.shape[p, STRIDE],
+        contact.shape[p + 1, STRIDE],
+        contact.law_of[p],
+        mask_from_bits(touching),
+    )
+    area = load(contact.area, contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j)
+    spring, damping, energy = law_at8(contact.laws[law], contact.law_step[law], closure)
+    v = (
+        point_mean8(contact.v[0], k, s, wa, wb) - interpolate8(contact.v[0], K, S, za, zb, tall),
+        point_mean8(contact.v[1], k, s, wa, wb) - interpolate8(contact.v[1], K, S, za, zb, tall),
+        point_mean8(contact.v[2], k, s, wa, wb) - interpolate8(contact.v[2], K, S, za, zb, tall),
+    )
+    closing = dot(n, v)
+    f = where(which, area * maximum(spring + damping * closing, 0.0), 0.0)
+    force, row = (f * n[0], f * n[1], f * n[2]), contact.energy[p]
+    if contact.friction > 0.0:
+        v = v[0] - closing * n[0], v[1] - closing * n[1], v[2] - closing * n[2]
+        speed = sqrt(dot(v, v))
+        rub = minimum(contact.friction * f / maximum(speed, 1e-60), contact.stick_damping[p] * area)
+        rub = where(which, rub, 0.0)
+        force = force[0] + rub * v[0], force[1] + rub * v[1], force[2] + rub * v[2]
+        row[FRICTION] += contact.dt * reduce_add(rub * speed * speed)
+    row[SPRING] += reduce_add(where(which, area * energy, 0.0))
+    row[DEEPEST] = max(row[DEEPEST], reduce_max(where(which, closure, 0.0)))
+    if not any_lane(greater(fabs(force[0]) + fabs(force[1]) + fabs(force[2]), 0.0)):
+        return
+    nj, NJ_rear = contact.shape[p, NJ], contact.shape[p + 1, NJ]
+    extend_window(contact.grid_window[p, BEHIND], i, i + 3, j, min(j + WIDTH + 2, nj + 2))
+    extend_window(
+        contact.grid_window[p + 1, BEFORE], I, I + (4 if tall else 3), max(J, -1), min(J + WIDTH + 3, NJ_rear + 2)
+    )
+    wa, wb = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
+    for c in range(3):
+        scatter_to_points8(contact.f[p, BEHIND, c], k - p * contact.slots, s, 0.0 - force[c], wa, wb)
+        scatter8(contact.f[p + 1, BEFORE, c], K - (p + 1) * contact.slots, S, force[c], za, zb, tall)
