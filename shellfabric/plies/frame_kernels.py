@@ -35,7 +35,7 @@ def turned_back(turn, x, y):
 
 @kernel(_nrt=False)
 def place(state, const, contact, p):
-    """Places and velocities of the nodes of the active rows of ply p and of their ghosts; which are at torn elements."""
+    """Places and velocities of the nodes of the active rows of ply p and of their ghosts; what of it is torn."""
     c, s = contact.turns[p, 0], contact.turns[p, 1]
     x, v, rest, width = contact.x, contact.v, contact.rest, const.row_stride
     first, last = state.active_rows[0], state.active_rows[1]
@@ -77,7 +77,7 @@ def place_ghosts(contact, x, p, first, last):
 
 @kernel(_nrt=False, forceinline=True)
 def ghost(mirrored, normal, at, inside):
-    """A component of the ghost next to the node `at`, whose neighbour is `inside`; normal : to the plane of symmetry."""
+    """A component of the ghost next to the node `at`, whose neighbour is `inside`; normal : to the mirror plane."""
     if mirrored:
         return -inside if normal else inside
     return 2.0 * at - inside
@@ -85,8 +85,8 @@ def ghost(mirrored, normal, at, inside):
 
 @kernel(_nrt=False)
 def look_at_torn(state, const, contact, p):
-    """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more: those without a yarn of
-    either family, eroded ones, and those that join pieces which have parted."""
+    """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more: those without a yarn
+    of either family, eroded ones, and those that join pieces which have parted."""
     s, warp, weft = const.row_stride, state.intact_fraction[0], state.intact_fraction[1]
     for i in range(const.ni):
         for j in range(const.nj):
@@ -117,8 +117,8 @@ def is_drawn_out(contact, g, stride):
 
 @kernel(_nrt=False)
 def hand_over(state, const, contact, p):
-    """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own frame; half a step's
-    work of those of the last step, which are over, and half a step's of the new."""
+    """The forces on the grid of ply p, of plies before it and behind it, as nodal forces in its own frame; half a
+    step's work of those of the last step, which are over, and half a step's of the new."""
     for side in range(2):
         force, window = contact.force[p, side], contact.window[p, side]
         contact.work[p] -= half_step_work(state, const, force, window, True)
@@ -231,8 +231,8 @@ def half_step_work(state, const, force, window, over):
 
 @kernel(_nrt=False)
 def apply_impulses(state, const, force, window):
-    """v += dt f / m of a ply, with the contact forces of others; widens its window of active rows to them. Whether there
-    are any."""
+    """v += dt f / m of a ply, with the contact forces of others; widens its window of active rows to them. Whether
+    there are any."""
     if window[1] <= window[0]:
         return False
     for i in range(window[0], window[1]):

@@ -1,9 +1,9 @@
 """Coulomb friction between plies: what the kernels need of it (`plies.pressure_kernels`).
 
 Below the limit mu f a point yields slowly: friction is a damper c_t there, of which nothing is remembered. With the
-Courant factor C of the plies, the highest mode of a ply in its own plane has (w dt)^2 = 4 C^2; in a stack of plies of the
-mass m a point, dampers between neighbours, which lag by half a step, add 8 c_t dt / m to that. Central differences are
-stable up to a sum of 4:
+Courant factor C of the plies, the highest mode of a ply in its own plane has (w dt)^2 = 4 C^2; in a stack of plies of
+the mass m a point, dampers between neighbours, which lag by half a step, add 8 c_t dt / m to that. Central differences
+are stable up to a sum of 4:
 
     c_t = (1 - C^2) m / (2 dt)
 

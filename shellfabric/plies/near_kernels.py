@@ -3,8 +3,8 @@
 A tile is TALL by WIDE elements of a ply. Its travel is the sum over steps of the largest way of its nodes, with the way
 that they would make in the coming step. What is `gap` [m] apart is looked at again when the travels of both its tiles
 have grown by gap - near [m] together: it cannot have come nearer than `near` before. That holds of pairs of tiles, of
-pairs of facets of these, and of a tile and a plane of symmetry; and with the thickness for `near`, of tiles whose points
-may press on each other (`plies.pressure_kernels`).
+pairs of facets of these, and of a tile and a plane of symmetry; and with the thickness for `near`, of tiles whose
+points may press on each other (`plies.pressure_kernels`).
 
     pairs of tiles   all whose boxes are within _TILE_REACH thicknesses; found anew when a tile has come that far
     pairs of facets  of tiles that no plane divides: all whose boxes are within _REACH thicknesses; found anew likewise
@@ -280,8 +280,8 @@ def list_pressed(contact):
 
 @kernel(_nrt=False)
 def list_neighbours(contact, now):
-    """The tiles that may touch the next ply by how far they were from it when last looked at, for contact.pressed; which
-    tiles have one of the next ply with fabric behind them, and which one with a hole. Whether there are holes."""
+    """List the tiles that may touch the next ply, by how far they were from it when last looked at; mark those that
+    have a tile of the next ply behind them, and those behind which one has a hole. Whether there are holes."""
     torn = False
     for m in range(contact.count[PAIRS]):
         front, rear = ordered(contact, m)
@@ -321,8 +321,8 @@ def add_pressed(contact, front, rear):
 
 @kernel(_nrt=False, forceinline=True)
 def may_touch(contact, m, front, rear):
-    """Whether the tiles of pair m, which are not of neighbours, may touch: the front one faces a hole, or nothing, of the
-    next ply, and they are within the thickness."""
+    """Whether the tiles of pair m, which are not of neighbours, may touch: the front one faces a hole, or nothing, of
+    the next ply, and they are within the thickness."""
     if contact.covered[front] == contact.count[STEP] and contact.open[front] != contact.count[STEP]:
         return False
     travel = contact.travel[front] + contact.travel[rear]

@@ -1,8 +1,8 @@
 """The guard of a pack (`plies.guard_kernels`): in each step, before its forces have acted.
 
 Places after the step are predicted from all forces that will act in it. The impulses are given as forces that act in
-this step alone. Their work is half a step's on the velocities before it, and half a step's on those after it, as that of
-all forces is.
+this step alone. Their work is half a step's on the velocities before it, and half a step's on those after it, as that
+of all forces is.
 """
 
 import math
@@ -71,7 +71,7 @@ def let_go(states, consts, contact):
 
 @kernel(_nrt=False)
 def follow(state, const, contact, p):
-    """The way of each tile of a ply in the last step, the largest of its nodes', into contact.way and contact.travel."""
+    """The way of each tile of a ply in the last step, the largest of its nodes', for contact.way and contact.travel."""
     s, across = const.row_stride, contact.tiles_across[p]
     down, speed = (const.ni + near.TALL - 1) // near.TALL, contact.block_speed[p]
     for i in range(down + 1):

@@ -1,25 +1,25 @@
 """Pressure and friction between plies, point by point, from where they are now alone: the contact remembers nothing.
 
-Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the point of the surface of a
-ply behind it that is closest to x, d their distance, t the mean thickness of the two plies, v the velocity of x over y:
+Each element of a ply carries n x n points x of its surface (`plies.surface_kernels`). y is the point of the surface of
+a ply behind it that is closest to x, d their distance, t the mean thickness of both plies, v the velocity of x over y:
 
     n = (y - x) / d,     f = A max(0, p(t - d) + c n.v),     g = min(mu f / |v_t|, c_t) v_t,     v_t = v - (n.v) n
 
-with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields at c_t below the limit
-(`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the rear ply by
-their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side, or a past: what
-keeps plies from passing through each other is the guard (`plies.guard_kernels`).
+with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields at c_t below the
+limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the rear
+ply by their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side, or a
+past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`).
 
-Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With the
-offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
+Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With
+the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
 
     w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b
 
 Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may touch. Most are
 computed eight at once: points with the same place in neighbouring elements are side by side, and so are their closest
 points, to within a node, where plies lie at one angle. Eight of them lie over four rows of four nodes each, that of the
-next a node further. What needs more than a formula (torn fabric, sides, folds, plies at other angles) is computed one at
-a time. Plies that are no neighbours meet where all plies between them have torn.
+next a node further. What needs more than a formula (torn fabric, sides, folds, plies at other angles) is computed one
+at a time. Plies that are no neighbours meet where the ply behind the first has a hole.
 """
 
 import math
@@ -92,8 +92,8 @@ def press_others(contact):
 
 @kernel(_nrt=False)
 def press_tile(contact, tile, p):
-    """Forces of the points of a tile of ply p on the next ply; how far the nearest that does not touch is from that, into
-    contact.clearance."""
+    """Forces of the points of a tile of ply p on the next ply; how far the nearest of those that do not touch is from
+    that, into contact.clearance."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     points, nj, clearance = contact.points**2, contact.shape[p, NJ], _FAR
     for row in range(i0 * points, i1 * points):
@@ -113,7 +113,7 @@ def press_tile(contact, tile, p):
 
 @kernel(_nrt=False)
 def press_through_hole(contact, tile, other, p, q):
-    """Forces of the points of a tile of ply p on a tile of ply q."""
+    """Forces on a tile of ply q of the points of a tile of ply p that the next ply does not touch."""
     _, i0, i1, j0, j1 = tile_bounds(contact, tile)
     _, m0, m1, n0, n1 = tile_bounds(contact, other)
     points, s, S = contact.points**2, contact.shape[p, STRIDE], contact.shape[q, STRIDE]
@@ -210,8 +210,8 @@ def offset_after(w, slopes, second, a, b):
 
 @kernel(_nrt=False)
 def press_point(contact, p, q, row, j, a, b, tile):
-    """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b) on: its place, and how
-    far the point is from touching [m].
+    """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b) on: its place, and
+    how far the point is from touching [m].
 
     row, j : of the point (`place_of_point`); tile : which the closest point has to be in, or -1
     """
@@ -224,6 +224,8 @@ def press_point(contact, p, q, row, j, a, b, tile):
     j0, wb, _, _ = weights_at(torn, at_b, contact.shape[p, NJ])
     k = contact.base[p] + i * s + j0
     x = vector_at(contact.x, k, s, wa, wb)
+    if tile >= 0 and touches_next(contact, p, row, j, x):
+        return a, b, _FAR
     S, thickness = contact.shape[q, STRIDE], 0.5 * (contact.thickness[p] + contact.thickness[q])
     searched = False
     for iteration in range(_ITERATIONS):
@@ -259,6 +261,21 @@ def press_point(contact, p, q, row, j, a, b, tile):
 
 
 @kernel(_nrt=False, forceinline=True)
+def touches_next(contact, p, row, j, x):
+    """Whether a point of ply p, which is at x, is within the thickness of the next ply."""
+    n, s = contact.first_point[p] + row * contact.shape[p, NJ] + j, contact.shape[p + 1, STRIDE]
+    a, b = contact.closest_a[n], contact.closest_b[n]
+    torn = is_torn(contact, p + 1, a, b)
+    if torn and has_dropped(contact, p + 1, a, b):
+        return False
+    i, wa, _, _ = weights_at(torn, a, contact.shape[p + 1, NI])
+    j, wb, _, _ = weights_at(torn, b, contact.shape[p + 1, NJ])
+    y = vector_at(contact.x, contact.base[p + 1] + i * s + j, s, wa, wb)
+    w = x[0] - y[0], x[1] - y[1], x[2] - y[2]
+    return dot(w, w) < 0.25 * (contact.thickness[p] + contact.thickness[p + 1]) ** 2
+
+
+@kernel(_nrt=False, forceinline=True)
 def has_dropped(contact, p, a, b):
     """Whether the element of ply p at the place (a, b) is no fabric any more."""
     i, j = min(max(int(a), 0), contact.shape[p, NI] - 1), min(max(int(b), 0), contact.shape[p, NJ] - 1)
@@ -286,9 +303,9 @@ def bounds(contact, p, torn, i, j):
 def push(contact, p, q, at, k, wa, wb, closest, n, closure):
     """Force between a point of ply p and its closest point on ply q.
 
-    at : (row, column) of the point's element and of the first of the nodes about it; k, wa, wb : the first of these nodes
-    and their weights; closest : (row, column, number) of the first node about the closest point, and the weights there;
-    n : from the point to the closest one; closure [m]
+    at : (row, column) of the point's element and of the first of the nodes about it; k, wa, wb : the first of these
+    nodes and their weights; closest : (row, column, number) of the first node about the closest point, and the weights
+    there; n : from the point to the closest one; closure [m]
     """
     (e_i, e_j, i, j), (I, J, K, za, zb) = at, closest
     s, S, law = contact.shape[p, STRIDE], contact.shape[q, STRIDE], contact.law_of[p]
@@ -316,8 +333,8 @@ def push(contact, p, q, at, k, wa, wb, closest, n, closure):
 
 @kernel(_nrt=False, forceinline=True)
 def press_points8(contact, p, row, j, q, count):
-    """`press_point` of those of `count` points from number q on, which begin in the j-th element of a row of points, that
-    need no more than the formulas: (those left, as bits, how far the nearest of the others is from touching)."""
+    """`press_point` of those of `count` points from number q on, which begin in the j-th element of a row of points,
+    that need no more than the formulas: (those left, as bits, how far the nearest of the others is from touching)."""
     x, s, S, thickness = (
         contact.x,
         contact.shape[p, STRIDE],
@@ -394,8 +411,8 @@ def second_of8(x, K, S, weights, tall):
 
 @kernel(_nrt=False, forceinline=True)
 def whole8(contact, p, node, q, fit, count):
-    """Those of eight points from number q on, as bits, that are not beside torn fabric of either ply; node : the nearest
-    to the first point."""
+    """Those of eight points from number q on, as bits, that are not beside torn fabric of either ply; node : the
+    nearest to the first point."""
     if contact.failures[p] > 0:
         fit &= movemask(equal_bytes(contact.torn, node, 0))
     if contact.failures[p + 1] > 0:

@@ -102,8 +102,8 @@ def nearest_place(contact, p, a, b, x, y, z):
 
 @kernel(_nrt=False, forceinline=True)
 def spline_weights8(r, moved):
-    """`spline_weights` of eight points r from their nearest nodes, over four nodes: those of points that are `moved` are
-    the last three, of the others the first three. Returns (values, slopes, second slopes)."""
+    """`spline_weights` of eight points r from their nearest nodes, over four nodes: those of points that are `moved`
+    are the last three, of the others the first three. Returns (values, slopes, second slopes)."""
     low, high = 0.5 - r, 0.5 + r
     values = select_nodes(moved, 0.5 * low * low, 0.75 - r * r, 0.5 * high * high)
     return values, select_nodes(moved, 0.0 - low, -2.0 * r, high), select_nodes(moved, 1.0, -2.0, 1.0)

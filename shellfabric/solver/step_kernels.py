@@ -1,16 +1,16 @@
 """Explicit time steps of plies and their projectile: of a single ply, or of a pack.
 
-In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`), the
-contact between plies is computed (`plies.pressure_kernels`), and with sliding crossovers the fluxes of yarn are updated.
+In a step the contact forces give their impulses, the projectile moves, each ply makes its own part (`ply_kernels`),
+the contact between plies is computed (`plies.pressure_kernels`), and with sliding crossovers the fluxes of yarn follow.
 All forces of a step are known before it begins: from them the guard of a pack (`plies.pack_guard_kernels`) finds what
 keeps the plies from passing through each other in it. The projectile is one: its speed is shared, and takes the
 impulses of all plies. Its place is kept for each ply, counted from the ply's own plane at rest; where plies lie at
 other angles each has place and velocity in its own frame, and the velocity is kept in the first
 one's. A ply is skipped until something pushes on it.
 
-States, constants and scratch come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend on the
-number of plies; `contact` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done for them
-before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle slots must
+States, constants and scratch come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend on
+the number of plies; `contact` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done for
+them before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle slots must
 stay at rest.
 
 Several threads can share the work: a single ply by its blocks of rows; a pack by its plies. They wait for each other in

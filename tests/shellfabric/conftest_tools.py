@@ -3,6 +3,9 @@
 import numpy as np
 from panels import rest, set_nodal
 
+from shellfabric.jit.borrowed_list import Items, borrowed_item
+from shellfabric.jit.compile import entry
+from shellfabric.plies import frame_kernels, near_kernels, pressure_kernels
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
@@ -71,3 +74,68 @@ def grid(const, flat):
 
 class Interrupted(Exception):
     """The user ends a run."""
+
+
+@entry(_nrt=False)
+def press_once(states, consts, contact):
+    """Forces between plies where they are, of all their points, into contact.force."""
+    contact.count[near_kernels.STEP] += 1
+    for p in range(len(states)):
+        frame_kernels.place(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+    for t in range(contact.travel.size):
+        near_kernels.refresh_box(contact, t)
+    near_kernels.list_tiles(contact)
+    near_kernels.list_pressed(contact)
+    pressure_kernels.press(contact, 0, 1)
+    pressure_kernels.press_others(contact)
+    for p in range(len(states)):
+        frame_kernels.hand_over(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
+
+
+class Pressed:
+    """The plies of a pack and the contact between them, outside of a run.
+
+    Attributes
+    ----------
+    pack, states, consts, contact : as of `shellfabric.solver.pack_solver.PackSolver`
+    """
+
+    def __init__(self, pack):
+        self.pack, self.consts = pack, pack.constants()
+        self.states, self.stack = pack.states(1.0)
+        self.contact = pack.plies_contact(self.consts, self.states)
+        for state, const in zip(self.states, self.consts):
+            state.active_rows[:] = 0, const.ni
+        self.thickness = self.contact.thickness[:2].mean()
+
+    def alone(self):
+        """The same, whose points are all computed one at a time."""
+        self.contact.side_by_side[:] = False
+        return self
+
+    def press(self, times=1):
+        """Forces on the nodes of the first two plies, each (ni+1, nj+1, 3), with their closest points found."""
+        for _ in range(times):
+            press_once(Items(self.states), Items(self.consts), self.contact)
+        return self.force(0, frame_kernels.BEHIND), self.force(1, frame_kernels.BEFORE)
+
+    def force(self, ply, side):
+        """(ni+1, nj+1, 3) [N] of the plies on one side of a ply."""
+        return np.stack([grid(self.consts[ply], part) for part in self.contact.force[ply, side]], axis=-1)
+
+    def spring(self):
+        """[J] in the springs of all points."""
+        return self.contact.energy[:, pressure_kernels.SPRING].sum()
+
+    def bulge(self, rng, together, width=4e-3):
+        """Have the plies bulge into each other, the first by `together` [m] more than the second."""
+        for p, (ply, state, const) in enumerate(zip(self.pack.plies, self.states, self.consts)):
+            X, Y = ply.coordinates()
+            bulge = (3e-3 + (1 - p) * together) * np.exp(-(X**2 + 1.3 * Y**2) / width**2)
+            for c, size in enumerate((-0.05 * X * bulge / 1e-3, -0.03 * Y * bulge / 1e-3, bulge)):
+                grid(const, state.u[c])[:] = size
+                grid(const, state.v[c])[:] = rng.normal(0, 5, X.shape)
+            if const.mirror_x:
+                for x in (state.u, state.v):
+                    grid(const, x[0])[0], grid(const, x[1])[:, 0] = 0.0, 0.0
+        return self
