@@ -321,12 +321,15 @@ class Pack:
 
     def _areas(self, p, places):
         """(ni, nj) [-] areas that the points of an element of ply p stand for, over that of its smallest: its own, or
-        what its points have where elements of the next ply are smaller, whose nodes' mass would bear no stiffer spring.
+        what its points have where elements of another grid behind it are smaller, whose nodes' mass would bear no
+        stiffer spring.
 
         places : of `_first_places`
         """
         front, rear = self.plies[p : p + 2]
         own, other = (np.multiply.outer(*(np.diff(line) for line in ply.lines())) for ply in (front, rear))
+        if own.shape == other.shape and np.array_equal(own, other) and self.angles[p] == self.angles[p + 1]:
+            return own / np.prod(front.spacing)
         wide = np.pad(other, 1, mode="edge")
         (m, n), shifts = other.shape, [(a, b) for a in range(3) for b in range(3)]
         least = np.min([wide[a : a + m, b : b + n] for a, b in shifts], axis=0)

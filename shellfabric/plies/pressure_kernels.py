@@ -6,9 +6,9 @@ a ply behind it that is closest to x, d their distance, t the mean thickness of 
     n = (y - x) / d,     f = A max(0, p(t - d) + c n.v),     g = min(mu f / |v_t|, c_t) v_t,     v_t = v - (n.v) n
 
 with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields at c_t below the
-limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the rear
-ply by their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side, or a
-past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`).
+limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the
+rear ply by their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side,
+or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`).
 
 Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With
 the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
@@ -291,8 +291,8 @@ def is_in_tile(contact, tile, a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def bounds(contact, p, torn, i, j):
-    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)), in the facet (i, j) alone of
-    torn fabric."""
+    """Where closest points of ply p may be: ((lowest a, lowest b), (highest a, highest b)); in the facet (i, j) alone
+    of torn fabric."""
     if torn:
         return (float(i), float(j)), (i + 1.0, j + 1.0)
     low_a, low_b = (-0.5 if contact.shape[p, MIRROR_X] else 0.0), (-0.5 if contact.shape[p, MIRROR_Y] else 0.0)

@@ -10,8 +10,8 @@ one's. A ply is skipped until something pushes on it.
 
 States, constants and scratch come as lists (`jit.borrowed_list.Items`), so that what is compiled does not depend on
 the number of plies; `contact` is None of a single ply, `slips` of pinned crossovers, and numba removes what is done for
-them before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle slots must
-stay at rest.
+them before it compiles. Plies of one grid share their scratch; those of another have their own, since its idle slots
+must stay at rest.
 
 Several threads can share the work: a single ply by its blocks of rows; a pack by its plies. They wait for each other in
 between. No two write to the same place, so that results do not depend on their number. What involves all plies at once

@@ -5,7 +5,6 @@ are grids.
 """
 
 from collections.abc import Callable
-from copy import deepcopy
 from dataclasses import replace
 from functools import cache
 from itertools import product
@@ -13,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from conftest_tools import grid
+from conftest_tools import Pressed, grid
 from panels import COARSER, FINER, make_panel, plain_energies, rest, set_nodal, table
 from scipy.spatial.transform import Rotation
 
@@ -25,8 +24,6 @@ from shellfabric.cloth import boundary_kernels, failure_kernels
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.element_kernels import DAMAGED, INTACT
 from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
-from shellfabric.plies import contact_kernels as ply_contact_kernels
-from shellfabric.plies.contact_simd_kernels import IN_CONTACT
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.projectile import contact_kernels
 from shellfabric.projectile.projectile import Projectile
@@ -185,25 +182,19 @@ def plies(stacking, points):
     def make(seed, symmetry):
         ply = make_panel(0.02, table=table(size=41), symmetry=symmetry)
         pack = Pack.stacked(ply, 2, stacking=stacking, gap=0.1e-3, law=law, contact=PlyContact(points=points))
-        (states, _), consts, x = pack.states(1.0), pack.constants(), []
+        pressed, x = Pressed(pack), []
         flat = [rest(part) + np.array([0.0, 0.0, z]) for part, z in zip(pack.plies, pack.places)]
         for part, height in zip(flat, (3.25e-3, 3e-3)):
             bulge = height * np.exp(-np.sum(np.array([1, 1.3]) * part[..., :2] ** 2, axis=-1, keepdims=True) / 4e-3**2)
             x.append(part + bulge * (part * [-50, -30, 0] + [0, 0, 1]) + at_random(part, ply.mirrors, 2e-6, seed))
 
-        def press(pair, x, v, times):
-            for state, place, begin, speed in zip(states, x, flat, v):
+        def press(x, v):
+            for state, place, begin, speed in zip(pressed.states, x, flat, v):
                 set_nodal(state.u, place - begin)
                 set_nodal(state.v, speed)
-            for step in range(times):
-                pair.status[:], pair.recheck_step[:], pair.depth_offset[:] = IN_CONTACT, 0, 0
-                ply_contact_kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, pair, 8 * step)
-            return [nodal(pair.f_front, x[0]), nodal(pair.f_rear, x[1])], pair.energy[ply_contact_kernels.SPRING]
+            return list(pressed.press(4)), pressed.spring()
 
-        pair = pack.pairs(consts, states)[0]
-        press(pair, x, at_rest(x), 200)
-        energy = lambda x: press(deepcopy(pair), x, at_rest(x), 10)[1]  # noqa: E731
-        return Case(x, lambda x, v: press(deepcopy(pair), x, v, 10)[0], energy, mirrors=ply.mirrors)
+        return Case(x, lambda x, v: press(x, v)[0], lambda x: press(x, at_rest(x))[1], mirrors=ply.mirrors)
 
     return make
 

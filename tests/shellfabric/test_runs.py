@@ -97,7 +97,7 @@ RUNS = {
     ),
     "turned pack": (
         PACK | {"symmetry": "whole", "lay_up": (Ply(S726), Ply(S720, angle=0.5)), "ply_friction": 0.2},
-        lambda run: torn(run) and run.pack.turns is not None and spent(run, "ply_friction") > 1e-3,
+        lambda run: torn(run) and len(set(run.pack.angles)) == 2 and spent(run, "ply_friction") > 1e-3,
     ),
     "ply friction": (
         PACK | {"stacking": "alternating", "ply_friction": 0.3, "projectile": Projectile(friction=0.2)},
@@ -175,7 +175,7 @@ def contents(solver):
     kept = {
         "arrays": solver.checkpoint_arrays(), "block": solver.checkpoint_extra(), "reason": solver.reason,
         "records": solver.checkpoint_records(), "steps": solver.step_history, "snapshots": solver.snapshots,
-        "states": solver.states, "stack": solver.stack, "pairs": solver.pairs,
+        "states": solver.states, "stack": solver.stack,
     }  # fmt: skip
     return dict(leaves(kept))
 

@@ -4,12 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_ply_contact import LAW, bulging, lines, plain, settled
+from conftest_tools import Pressed, grid
+from test_ply_contact import LAW, assert_as_plain
 
-from shellfabric.jit.compile import entry
 from shellfabric.panel.model import Numerics
-from shellfabric.plies import contact_kernels as kernels
-from shellfabric.plies import graded_kernels
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
 
@@ -53,18 +51,10 @@ def test_forces_against_a_plain_twin(graded, stacking, zones, side):
     """In both zones and across their border, of plies that bulge into each other."""
     panel = replace(graded, opening=(side, side), grading=zones)
     pack = Pack.stacked(panel, 2, stacking=stacking, gap=20e-6, law=LAW)
-    states, consts, pair = bulging(pack, np.random.default_rng(1), 0.25e-3, 9e-3)
-    settled(states, consts, pair)
-    on_front, on_rear, energy = plain(states[0], consts[0], states[1], consts[1], pair, pack)
-    x, size = lines(consts[0])[0], max(np.abs(f).max() for f in on_front)
-    long = np.diff(x) > 1.5 * consts[0].dx
+    on_front, _ = assert_as_plain(Pressed(pack).bulge(np.random.default_rng(1), 0.25e-3, 9e-3))
+    long = np.diff(panel.lines()[0]) > 1.5 * panel.spacing[0]
     beyond = np.append(long, long[-1]) & np.insert(long, 0, long[0])
-    assert np.abs(on_front[2][beyond]).max() > 0  # also beyond the first zone
-    for found, expected in ((pair.f_front, on_front), (pair.f_rear, on_rear)):
-        for mine, other in zip(found, expected):
-            np.testing.assert_allclose(mine[: other.size].reshape(other.shape), other, atol=1e-5 * size)
-            assert not mine[other.size :].any()
-    assert pair.energy[kernels.SPRING] == pytest.approx(energy, rel=1e-6)
+    assert np.abs(on_front[beyond]).max() > 0  # also beyond the first zone
 
 
 @pytest.mark.parametrize("zones", [ZONES, FINE], ids=["1, 2", "1/2, 1"])
@@ -76,26 +66,22 @@ def test_patch_across_zones(graded, zones, points, slid, within):
     64th of their force in either direction."""
     free = replace(graded, symmetry="whole", edge="free", grading=zones)
     pack = Pack.stacked(free, 2, gap=0.0, contact=PlyContact(damping=0.0, points=points))
-    states, _ = pack.states(1.0)
-    consts = pack.constants()
-    pair = pack.pairs(consts, states)[0]
-    X, Y = np.meshgrid(*lines(consts[0]), indexing="ij")
+    pressed = Pressed(pack)
+    X, Y = free.coordinates()
     F = np.array([[1.01, 0.002], [0.003, 1.02], [0.1, -0.05]])
     n = np.cross(F[:, 0], F[:, 1]) / np.linalg.norm(np.cross(F[:, 0], F[:, 1]))
-    depth = 0.05 * pair.thickness
-    moved = [0.0, 0.0, pair.rest_distance] - (pair.thickness - depth) * n + slid * consts[0].dx * F[:, 0]
-    for state, shift in zip(states, (moved, np.zeros(3))):
+    depth = 0.05 * pressed.thickness
+    moved = [0.0, 0.0, pack.places[1]] - (pressed.thickness - depth) * n + slid * free.spacing[0] * F[:, 0]
+    for state, const, shift in zip(pressed.states, pressed.consts, (moved, np.zeros(3))):
         for u, (a, b), at_rest, by in zip(state.u, F, (X, Y, 0.0), shift):
-            u[: X.size] = (a * X + b * Y - at_rest + by).ravel()
-    settled(states, consts, pair)
+            grid(const, u)[:] = a * X + b * Y - at_rest + by
     per_mass = pack.laws[0].pressure_at(depth) / free.weave.areal_density
     inner = (slice(2, -2), slice(2, -2))
-    for forces, state, sign in ((pair.f_front, states[0], -1), (pair.f_rear, states[1], 1)):
-        mass = state.mass[: X.size].reshape(X.shape)[inner]
+    for force, state, const, sign in zip(pressed.press(3), pressed.states, pressed.consts, (-1, 1)):
+        mass = grid(const, state.mass)[inner][..., None]
         assert mass.max() > 3.9 * mass.min()
-        for force, part in zip(forces, n):
-            found = force[: X.size].reshape(X.shape)[inner]
-            np.testing.assert_allclose(found / mass, sign * part * per_mass, rtol=0, atol=within * per_mass)
+        expected = np.tile(sign * per_mass * n, (*mass.shape[:2], 1))
+        np.testing.assert_allclose(force[inner] / mass, expected, rtol=0, atol=within * per_mass)
 
 
 @pytest.mark.parametrize("strike_velocity", [91.0, 300.0])
@@ -113,18 +99,3 @@ def test_shots_against_the_uniform_pack(ply, strike_velocity, zones):
     (v, n), (v_graded, n_graded) = found
     assert n_graded < 0.6 * n
     assert abs(v_graded - v) < (0.03 if strike_velocity > 200 else 0.01) * strike_velocity
-
-
-@entry()
-def place(distance, step, offsets, n):
-    return graded_kernels.place_in_elements(distance, step, offsets, n)
-
-
-def test_places_in_elements():
-    """By bisection, on lines, between them and beyond both ends."""
-    x = np.array([0.0, 1.0, 2.0, 4.0, 8.0])
-    offsets = np.append(x - np.arange(5), np.zeros(16))
-    for at in np.linspace(-3.0, 15.0, 37):
-        expected = at if at < 2 else 2 + (at - 2) / 2 if at < 4 else 3 + (at - 4) / 4
-        assert place(at, 1.0, offsets, 4) == pytest.approx(expected, abs=1e-12)
-        assert place(at, 0.5, None, 4) == at / 0.5

@@ -8,9 +8,10 @@ from conftest_tools import advance, collide, far_from_nose, grid, same
 
 from fabrics.errors import InputError
 from fabrics.ply_law import PlyLaw
-from shellfabric.plies.contact_simd_kernels import MAX_SQUEEZE
+from shellfabric.plies.frame_kernels import BEHIND
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.solver.pack_solver import PackSolver
+from validation.published.packs import crossings
 
 GAP = 0.1e-3
 
@@ -26,25 +27,19 @@ def test_far_behind_is_a_single_ply(ply, monkeypatch):
     assert not any(u.any() for u in pack.states[1].u)
 
 
-def test_fast_shots_at_thin_plies_have_a_stiffer_law(ply):
-    """The wave that a nose drives into a pack leaves plies nearer to each other by v sqrt(A / K): they came through
-    each other within their first steps, where that was more than their thickness."""
+def test_fast_shots_at_thin_plies_do_not_pass_through(ply):
+    """The wave that a nose drives into a pack leaves plies nearer to each other by v sqrt(A / K): more than their
+    thickness, where the guard takes over."""
     pack = Pack.stacked(ply, 4, gap=0.0, law=PlyLaw.solid(ply.fabric))
-    thickness, step = ply.weave.thickness, pack.time_step
+    step = pack.time_step
     assert step == pytest.approx(0.45 * (ply.weave.areal_density / pack.laws[0].stiffness) ** 0.5)
     assert step < ply.time_step
-    assert pack.in_step_with(1000.0) is pack
-    fast = pack.in_step_with(2000.0)
-    assert fast.time_step < step
-    depth = 1.5 * 2000.0 * fast.time_step / pack.contact.courant
-    assert depth == pytest.approx(MAX_SQUEEZE * thickness - pack.laws[0].travel, rel=1e-9)
-    soft = Pack.stacked(ply, 4, gap=0.0, law=PlyLaw.of_packs(ply.fabric))  # with a travel
-    assert soft.in_step_with(2000.0).laws[0].stiffness > fast.laws[0].stiffness
-    march = PackSolver(pack, 2000.0, 30 * fast.time_step, interval=fast.time_step)
-    march._guard = march.guard_model  # cloth tears at once; this is of the depth
-    march.run()
-    assert march.const.dt == fast.time_step
-    assert march.deepest.max() < 1.0
+    march = PackSolver(pack, 2000.0, 30 * step, interval=step)
+    march._guard = march.guard_model  # cloth tears at once
+    seen: list[int] = []
+    march.run((lambda run: seen.append(crossings.count(run)),))
+    assert march.held_apart > 0
+    assert max(seen) == 0
 
 
 @pytest.mark.parametrize("damping", [0.7, 0.0])
@@ -122,8 +117,8 @@ def test_a_pack_between_platens_has_the_law(ply, plies, law):
             state.v[2][:] = 0.0
         closed = closure
         advance(march, 100)
-        for pair in march.pairs[: plies - 1]:
-            assert -sum(pair.f_front[2]) / area == pytest.approx(pressure, rel=0.02)
+        for p in range(plies - 1):
+            assert -march.contact.force[p, BEHIND, 2].sum() / area == pytest.approx(pressure, rel=0.01)
 
 
 def test_bad_packs_are_reported(ply):
@@ -134,6 +129,6 @@ def test_bad_packs_are_reported(ply):
     ):  # fmt: skip
         with pytest.raises(InputError, match=key):
             Pack(plies, gaps)
-    for bad in ({"courant": 0.0}, {"stiffness": -1.0}, {"damping": -1.0}, {"points": 0}, {"form": "soft"}):
+    for bad in ({"courant": 0.0}, {"stiffness": -1.0}, {"damping": -1.0}, {"points": 0}):
         with pytest.raises(InputError, match=next(iter(bad))):
             PlyContact(**bad)

@@ -10,7 +10,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from shellfabric.impact.simulation import ImpactSetup, Ply, run
 from shellfabric.panel.model import Numerics
-from shellfabric.plies.grading import area_factors
+from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import at_angle
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
@@ -33,22 +33,22 @@ def laid(*degrees, **changes):
     return replace(SETUP, plies=len(plies), lay_up=plies, **changes)
 
 
-def alike(one, other):
-    """Whether two results are equal but for round-off: energies of the panel and of each ply, motion, deflections."""
+def alike(one, other, within=ROUND_OFF):
+    """Whether two results are equal but for `within`: energies of the panel and of each ply, motion, deflections."""
     E, v = one.strike_energy, one.setup.strike_velocity
     far = max(float(np.abs(one.energies[name] - other.energies[name]).max()) / E for name in one.energies)
     far = max(far, float(np.abs(one.plies["energy"] - other.plies["energy"]).max()) / E)
     far = max(far, float(np.abs(one.v - other.v).max()) / v)
-    return far < ROUND_OFF and np.allclose(one.plies["deflection"], other.plies["deflection"], rtol=1e-6)
+    return far < within and np.allclose(one.plies["deflection"], other.plies["deflection"], rtol=1e-6)
 
 
 def test_a_right_angle_by_turning_is_that_by_exchanging_the_yarns():
-    """Both the special way of 0 and 90 degrees, and the general one, whose contact is computed otherwise."""
+    """Both the special way of 0 and 90 degrees, and the general one, whose points are computed one at a time."""
     special, general = run(laid(0, 90)), run(laid(30, -60))
-    assert special.target.turns is None
-    assert general.target.turns is not None
+    assert len(set(special.target.angles)) == 1
+    assert len(set(general.target.angles)) == 2
     assert special.energies["ply_friction"][-1] > 1e-4
-    assert alike(special, general)
+    assert alike(special, general, 1e-8)  # points that are clear are followed less closely eight at once
 
 
 def test_what_all_plies_turn_with_changes_nothing():
@@ -57,7 +57,6 @@ def test_what_all_plies_turn_with_changes_nothing():
     assert alike(straight, run(laid(20, 65, projectile=replace(FSP, roll=radians(20)))))
     assert not alike(straight, run(laid(20, 65, projectile=FSP)))  # which is another scene
     one = laid(35, 35)
-    assert one.target().turns is None
     assert alike(run(laid(0, 0)), run(one))
 
 
@@ -89,18 +88,16 @@ def test_forces_between_turned_plies_balance():
     aslant = Projectile(obliquity=radians(35), azimuth=radians(50))
     solver = PackSolver(laid(0, 30, projectile=aslant, ply_friction=1e-9).target(), 260.0, 12e-6)
     solver.run()
-    (near, back), (first, other) = solver.pairs, solver.pack.plies
     total, moment, size = np.zeros(3), 0.0, 0.0
-    for pair, plies in ((near, (first, other)), (back, (other, first))):
-        for forces, ply in zip((pair.f_front, pair.f_rear), plies):
-            count, state = ply.areas.size, solver.states[solver.pack.plies.index(ply)]
-            f = np.stack([each[:count] for each in forces], axis=1)
-            x = np.stack([X.ravel() + u[:count] for X, u in zip(ply.coordinates(), state.u)], axis=1)
-            f[:, :2], x = ply.in_pack(f[:, :2]), ply.in_pack(x)
-            arms = x[:, 0] * f[:, 1] - x[:, 1] * f[:, 0]
-            total, moment, size = total + f.sum(axis=0), moment + arms.sum(), size + np.abs(arms).sum()
-    push = np.abs(near.f_front[2]).sum()
-    assert np.hypot(near.f_front[0].sum(), near.f_front[1].sum()) > 0.01 * push > 0.01
+    for p, side in ((0, BEHIND), (1, BEFORE)):
+        ply, state, forces = solver.pack.plies[p], solver.states[p], solver.contact.force[p, side]
+        f = np.stack([part[: ply.areas.size] for part in forces], axis=1)
+        x = np.stack([X.ravel() + u[: ply.areas.size] for X, u in zip(ply.coordinates(), state.u)], axis=1)
+        f[:, :2], x = ply.in_pack(f[:, :2]), ply.in_pack(x)
+        arms = x[:, 0] * f[:, 1] - x[:, 1] * f[:, 0]
+        total, moment, size = total + f.sum(axis=0), moment + arms.sum(), size + np.abs(arms).sum()
+    push = np.abs(f[:, 2]).sum()
+    assert np.hypot(f[:, 0].sum(), f[:, 1].sum()) > 0.01 * push > 0.01
     np.testing.assert_allclose(total, 0.0, atol=1e-12 * push)
     assert abs(moment) < 1e-3 * size
 
@@ -119,7 +116,5 @@ def test_a_point_stands_for_no_more_than_the_other_ply_bears():
     middle = np.array(panel.counts).reshape(2, 1, 1, 1, 1) / 2
     places = middle + np.zeros((2, panel.counts[0], 2, 2, panel.counts[1]))
     assert own.max() > 4.0
-    found = area_factors(panel, panel, places)
-    np.testing.assert_allclose(found["area_factor1"], np.minimum(own, 4.0), rtol=1e-12)
-    solver = laid(0, 45, elements_per_crossover=None).target()
-    assert solver.pairs(solver.constants(), solver.states(1.0)[0])[0].area_factor1.shape == panel.counts
+    pack = laid(0, 45, elements_per_crossover=None).target()
+    np.testing.assert_allclose(pack._areas(0, places), np.minimum(own, 4.0), rtol=1e-12)
