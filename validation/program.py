@@ -1,4 +1,4 @@
-"""What the studies share as programs: their command line, their tables as CSV, their pictures and place in a page.
+"""What programs share: their command line, their tables as CSV, and their place in a page.
 
 The options of `python -m validation...` are the parameters of its main function, by their annotations:
 
@@ -24,13 +24,11 @@ from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from fabrics.errors import WeavecellError, marked
-from fabrics.files import replace_whole, write_whole
-from meshing.pictures_style import plots
+from fabrics.files import write_whole
 from validation.commits import computed
 from validation.marked_page import put
 
 NOTES = {
-    "chain": "folder of `python -m validation calibration --fit-solid`",
     "executor": "local, mpi or dask",
     "jobs": "cases beside each other",
     "out": "folder of what is written, and of kept results",
@@ -97,11 +95,6 @@ def write_csv(path: Path, rows: Iterable[Iterable[object]]) -> None:
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 
-def write_tables(path: Path, tables: Mapping[str, Iterable[Iterable[object]]]) -> None:
-    """Write {title: rows} as a file, one table below the other."""
-    write_csv(path, (row for title, rows in tables.items() for row in [[title.strip("*.")], *rows, []]))
-
-
 def write_records(path: Path, records: Sequence[Mapping[str, object]]) -> None:
     """Write {column: value} a row as a file."""
     write_csv(path, [records[0], *(record.values() for record in records)])
@@ -128,9 +121,3 @@ def publish_all(texts: Mapping[str, str], page: Path | None, module: str, stamp:
         publish(text, page, marks(name, module))
     if page is not None:
         put(page, *marks("stamp", module), f"\n\n{computed(f'python -m {module} --page {page}', stamp)}\n\n")
-
-
-def save(compose: Callable[..., Any], *given: Any, to: Path, dpi: int = 120) -> None:
-    """Write the figure that compose(pyplot, *given) returns as PNG, in the look of all pictures."""
-    with plots() as pyplot, replace_whole(to) as beside:
-        compose(pyplot, *given).savefig(beside, format="png", dpi=dpi)
