@@ -274,7 +274,7 @@ class Pack:
             rest.append(np.stack([x, y, np.full_like(x, z)], axis=-1))
         places = [self._first_places(p) for p in range(len(self.gaps))]
         areas = [self._areas(p, np.array(at)) for p, at in enumerate(places)]
-        smallest = [np.prod(ply.spacing) / points**2 for ply in self.plies[:-1]]
+        smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
         densities = [self._density(p) for p in range(len(self.gaps))]
         laws, law_step = law_tables(self.laws, smallest, densities, knobs)
         feet = [np.concatenate([np.ravel(at[axis]) for at in places] + [np.zeros(WIDTH)]) for axis in (0, 1)]

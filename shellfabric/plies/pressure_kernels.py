@@ -231,7 +231,8 @@ def press_point(contact, p, q, row, j, a, b, tile):
     for iteration in range(_ITERATIONS):
         torn = is_torn(contact, q, a, b)
         if torn and not searched and has_dropped(contact, q, a, b):
-            a, b, searched = *nearest_place(contact, q, a, b, x[0], x[1], x[2]), True
+            a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
+            searched = True
             if has_dropped(contact, q, a, b):
                 return a, b, 0.0
         I, za, da, ca = weights_at(torn, a, contact.shape[q, NI])
@@ -245,7 +246,8 @@ def press_point(contact, p, q, row, j, a, b, tile):
         step = newton_step(w, slopes, second)
         go, turn = bounded_step(w, slopes, step, (a, b), low, high)
         if torn and not searched and (go != step[0] or turn != step[1]):  # beside the facet: another may be nearer
-            a, b, searched = *nearest_place(contact, q, a, b, x[0], x[1], x[2]), True
+            a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
+            searched = True
             continue
         ended = torn or max(abs(go), abs(turn)) <= _SHORT
         go, turn = min(max(go, -_LONGEST), _LONGEST), min(max(turn, -_LONGEST), _LONGEST)

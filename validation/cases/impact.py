@@ -22,7 +22,7 @@ from shellfabric.output.wave_fronts import fronts
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import PlyContact
 from validation.models import variants
-from validation.models.ply_crossings import count
+from validation.models.ply_crossings import plies_cross
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import mesh_uncertainty, sweep
 from weavecell.studies.window import QUANTITIES, Window
@@ -139,7 +139,7 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     Parameters
     ----------
     unfailing : whether yarns do not fail, with the cell's table of yarns that do
-    crossings : whether edges and facets of plies that cross are counted at each sample
+    crossings : whether plies that cross are looked for at each sample
     keywords : of `setup`
 
     Returns
@@ -148,11 +148,11 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     peak (warp, weft) [N] of one yarn; strength (warp, weft) [N]; flags, the indicators beyond their limits; kinetic
     [-], the mean of kinetic over stored energy of the fabric in the last half of the shot; fronts {kind family: [m/s]};
     cpu_s [s] of table and run;
-    slip_*, place_* (k,) [m] of the ends of the yarns along the clamps; crossings, the most at a sample; force_peak,
-    force_jumps [N] (`rough`)
+    slip_*, place_* (k,) [m] of the ends of the yarns along the clamps; crossings, 1 if plies cross at a sample;
+    force_peak, force_jumps [N] (`rough`)
     """
     this, crossing = setup(**keywords), [0]
-    hooks = (lambda solver: crossing.append(count(solver)),) if crossings else ()
+    hooks = (lambda solver: crossing.append(int(plies_cross(solver))),) if crossings else ()
     began = time.process_time()
     table = this.table()
     result = simulation.run(replace(this, failure=this.failure and not unfailing), hooks=hooks, table=table)

@@ -1,7 +1,8 @@
-"""What crosses what in a pack: edges of the triangulated plies that go through triangles of other plies.
+"""Whether plies of a pack go through each other, told by another library than the contact: ipctk looks for edges of
+the triangulated plies that cross triangles of other plies.
 
-Found from places, without contact. An element is two triangles where it has yarns of both families, has not eroded, and
-has never been drawn out to more than twice its size once torn: what the guard has dropped for that is taken from it.
+An element is two triangles where it has yarns of both families, has not eroded, and has never been drawn out to more
+than twice its size once torn: what the contact has dropped for that is taken from it.
 """
 
 from __future__ import annotations
@@ -16,10 +17,20 @@ from shellfabric.cloth.membrane_kernels import ERODED
 if TYPE_CHECKING:
     from shellfabric.solver.pack_solver import PackSolver
 
+UNIT = 1e-3  # [m] of the library's coordinates
 
-def count(march: PackSolver) -> int:
-    """Number of (edge, triangle) that cross now."""
-    return len(pierced(*surfaces(march)))
+
+def plies_cross(march: PackSolver) -> bool:
+    """Whether any ply crosses another now."""
+    import ipctk
+
+    places, facets, bare, owner = surfaces(march)
+    sides = np.concatenate([facets[:, [0, 1]], facets[:, [1, 2]], facets[:, [2, 0]], bare])
+    edges = np.unique(np.sort(sides, axis=1), axis=0).astype(np.int32)
+    points = np.asfortranarray(places / UNIT)
+    mesh = ipctk.CollisionMesh(points, edges, facets.astype(np.int32))
+    mesh.can_collide = ipctk.make_vertex_patches_filter(owner.astype(np.int32))
+    return bool(ipctk.has_intersections(mesh, points))
 
 
 def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
@@ -53,51 +64,3 @@ def drawn_out(now: FloatArray, rest: FloatArray) -> FloatArray:
     """(ni, nj) bool: elements with a diagonal of more than twice its length at rest."""
     ways = [(x[1:, 1:] - x[:-1, :-1], x[1:, :-1] - x[:-1, 1:]) for x in (now, rest)]
     return np.any([(a**2).sum(axis=-1) > 4 * (b**2).sum(axis=-1) for a, b in zip(*ways)], axis=0)
-
-
-def pierced(places: FloatArray, facets: IntArray, bare: IntArray, owner: IntArray) -> IntArray:
-    """(n, 4) of all that cross: nodes of the edge, triangle, ply of the triangle; arguments as of `surfaces`."""
-    edges = np.concatenate([facets[:, [0, 1]], facets[:, [1, 2]], facets[:, [2, 0]], bare])
-    edges = np.unique(np.sort(edges, axis=1), axis=0)
-    edge, facet = near_each_other(places[edges], places[facets])
-    other = owner[edges[edge, 0]] != owner[facets[facet, 0]]
-    edge, facet = edge[other], facet[other]
-    p, q = np.moveaxis(places[edges[edge]], 1, 0)
-    a, b, c = np.moveaxis(places[facets[facet]], 1, 0)
-    normal = np.cross(b - a, c - a)
-    before, behind = (((end - a) * normal).sum(axis=1) for end in (p, q))
-    found = before * behind < 0
-    at = p + (q - p) * (before / np.where(found, before - behind, 1.0))[:, None]
-    for one, next_one in ((a, b), (b, c), (c, a)):
-        found &= (np.cross(next_one - one, at - one) * normal).sum(axis=1) >= 0
-    return np.column_stack([edges[edge], facet, owner[facets[facet, 0]]])[found]
-
-
-def near_each_other(edges: FloatArray, facets: FloatArray) -> tuple[IntArray, IntArray]:
-    """Pairs (edge, triangle) whose boxes overlap, by columns of a raster across the plies."""
-    boxes = [(x.min(axis=1), x.max(axis=1)) for x in (edges, facets)]
-    low, high = boxes[1]
-    size, origin = 2 * np.median((high - low)[:, :2], axis=0), low[:, :2].min(axis=0)
-    width = int((high[:, 1].max() - origin[1]) / size[1]) + 2
-    listed = []
-    for low, high in boxes:
-        a, b = (np.floor((end[:, :2] - origin) / size).astype(int) for end in (low, high))
-        a[:, 1], b[:, 1] = np.clip(a[:, 1], 0, width - 1), np.clip(b[:, 1], 0, width - 1)
-        spans = b - a + 1
-        number = np.repeat(np.arange(len(a)), spans.prod(axis=1))
-        place = counted(spans.prod(axis=1))
-        cell = (a[number, 0] + place // spans[number, 1]) * width + a[number, 1] + place % spans[number, 1]
-        order = np.argsort(cell, kind="stable")
-        listed.append((number[order], cell[order]))
-    (edge, mine), (facet, theirs) = listed
-    start, end = np.searchsorted(theirs, mine, "left"), np.searchsorted(theirs, mine, "right")
-    edge, facet = np.repeat(edge, end - start), facet[counted(end - start) + np.repeat(start, end - start)]
-    (low, high), (least, most) = boxes
-    both = np.all((low[edge] <= most[facet]) & (high[edge] >= least[facet]), axis=1)
-    pairs = np.unique(np.stack([edge[both], facet[both]]), axis=1)
-    return pairs[0], pairs[1]
-
-
-def counted(numbers: IntArray) -> IntArray:
-    """0 ... n - 1 for each of the numbers n, one after the other."""
-    return np.arange(numbers.sum()) - np.repeat(np.cumsum(numbers) - numbers, numbers)
