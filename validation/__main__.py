@@ -6,6 +6,7 @@
     python -m validation stability       maps of where each method fails
     python -m validation calibration     the compression laws of the catalogue, or its whole calibration chain
     python -m validation scatter         a study of scatter put into a page
+    python -m validation measured        what was measured against what is computed: bias, scatter, u_val
 
 Each has --help. Others are modules of their own: python -m validation.published.one_ply, ...
 """
@@ -15,12 +16,13 @@ from __future__ import annotations
 import sys
 
 from validation.commands import calibration, claims, cost_accuracy, crossover, scatter, stability
+from validation.measured import command as measured
 from validation.program import program
 from weavecell.results import out_folder
 
 PROGRAMS = {
     "claims": claims, "cost-accuracy": cost_accuracy, "crossover": crossover, "stability": stability,
-    "calibration": calibration, "scatter": scatter,
+    "calibration": calibration, "scatter": scatter, "measured": measured,
 }  # fmt: skip
 
 

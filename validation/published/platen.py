@@ -26,7 +26,7 @@ from unitcell3d.model.crossover import Numerics
 from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps
 from validation.marked_page import markdown
-from validation.program import program, publish, save, write_tables
+from validation.program import program, publish, save, write_csv
 
 MARKS = "<!-- tables of validation.published.platen -->", "<!-- end of the tables -->"
 HEAD = (
@@ -55,19 +55,12 @@ def factor_rows(outcomes: Sequence[Outcome], law: FloatArray) -> list[Any]:
     return rows
 
 
-def range_rows(ranges: Sequence[tuple[float, ...]]) -> list[Any]:
-    """A header, and a row for each range of pressures."""
-    rows = [("pressures from, MPa", "misfit of closure, µm", "misfit of pressure, %")]
-    return rows + [(f"{1e-6 * P:.3f}", f"{1e6 * closure:.1f}", f"{100 * ratio:.0f}") for P, closure, ratio in ranges]
-
-
 FABRIC = "S-720"
 SIZE = (6, 4, 2)
 STEPS = Steps(first=0.004, largest=0.02)  # of the path: 7 µm at the platens, so that rows resolve the lowest pressures
 MIN_PLATE_GAP = 0.2  # of the platens' first distance: the softest variant reaches the peak pressure before
 PACKING = 1e6  # Pa: the law closes four fifths below it
 POINTS = 24
-RANGES = (0.0, 1e5, 3e5, 1e6, 3e6)  # Pa: lower ends of the range of pressures that is compared
 Change = Callable[[Fabric], Fabric]
 
 
@@ -180,19 +173,6 @@ def outcome(variant: Variant) -> Outcome:
     )  # fmt: skip
 
 
-def ranges() -> list[tuple[float, float, float]]:
-    """(lower end [Pa], closure rms [m], relative pressure rms [-]) of the published constants over each range."""
-    fabric = catalogue.load(FABRIC)
-    target = curve(fabric)
-    history, _ = press(PUBLISHED)
-    found = []
-    for lowest in RANGES:
-        pressure = np.geomspace(max(lowest, target.pressure[0]), target.pressure[-1], POINTS)
-        misfit = platen_misfit(history, fabric.weave.cell_area, target, pressure)
-        found.append((float(pressure[0]), misfit.closure, misfit.pressure))
-    return found
-
-
 COLOURS = {"section": BLUE, "crimp": BLUE, "Vf0": BLUE, "contact": GREEN, "mesh": GREEN, "constants": RED}
 LABELS = {BLUE: "geometry", GREEN: "contact and mesh", RED: "solid constants"}
 
@@ -236,14 +216,11 @@ def main(*, out: Path = Path("results/platen"), page: Path | None = None, jobs: 
     with open_executor("local", jobs) as pool:
         found = list(pool.map(outcome, VARIANTS))
     law = curve(catalogue.load(FABRIC)).at(found[0].pressure)
-    tables = {
-        "**One factor at a time.**": factor_rows(found, law),
-        "**Published constants, range of the comparison.**": range_rows(ranges()),
-    }
-    write_tables(out / "platen.csv", tables)
+    rows = factor_rows(found, law)
+    write_csv(out / "platen.csv", rows)
     picture = page.parent / "figures" / "platen-factors.png" if page else out / "platen.png"
     save(draw, found, *law_closures(found[0].pressure, law), to=picture, dpi=90)
-    publish("\n".join(f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()), page, MARKS)
+    publish(markdown(rows), page, MARKS)
 
 
 if __name__ == "__main__":

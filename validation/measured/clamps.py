@@ -1,0 +1,53 @@
+"""One ply whose yarns slide at the crossovers and in the clamps (clamps.toml): outcomes, and slip at the clamps."""
+
+from __future__ import annotations
+
+import tomllib
+from itertools import product
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from shellfabric.sliding.model import grid
+from shellfabric.solver.pack_solver import PackSolver
+from validation.measured.rows import HERE, Case, case_of
+
+END_TIME = "3 ms"
+
+
+def shots() -> list[tuple[dict[str, Any], Case]]:
+    """(what is varied with the outcome of the test, the case) of all shots."""
+    found = []
+    for group in tomllib.loads((HERE / "clamps.toml").read_text("utf-8"))["shots"]:
+        shots_of_test = zip(group["velocities"], group["tested"])
+        varied = product(group["friction"], group["aims"], group["clamps"], shots_of_test)
+        for mu, aim, force, (velocity, tested) in varied:
+            changes = {
+                "projectile.strike_velocity": f"{velocity} m/s",
+                "panel.crossovers": "sliding",
+                "panel.crossover_friction": f"{mu}",
+                "panel.symmetry": "whole",
+                "panel.boundary": f'{{ clamp_force = "{force} N" }}' if isfinite(force) else "clamped",
+                "run.end_time": END_TIME,
+            }
+            changes |= {"panel.impact_point": '["0 mm", "0 mm"]'} if aim == "on" else {}
+            case = case_of("", group["input"], tuple(changes.items()))
+            row = {"input": group["input"], "velocity_m_s": velocity, "friction": mu, "clamp_N": force, "struck": aim}
+            found.append((row | {"tested": tested}, case))
+    return found
+
+
+def fire(case: Case) -> dict[str, Any]:
+    """One shot: outcome, residual velocity, largest slip of warp and weft at the clamps, deflection, energy error."""
+    setup = case.setup()
+    solver = PackSolver(setup.target(), setup.strike_velocity, setup.end_time).run()
+    warp, weft = (np.abs(grid(passed, solver.panel)) for passed in solver.passed_lengths(0))
+    return {
+        "outcome": solver.outcome,
+        "residual_velocity_m_s": round(solver.residual_velocity, 1) if solver.outcome == "perforated" else 0.0,
+        "slip_warp_mm": round(1e3 * float(warp[[0, -1]].max()), 2),
+        "slip_weft_mm": round(1e3 * float(weft[:, [0, -1]].max()), 2),
+        "deflection_mm": round(1e3 * float(solver.sample("z").max()), 1),
+        "energy_error_percent": round(100 * float(np.abs(solver.sample("error")).max()) / solver.strike_energy, 4),
+    }

@@ -1,0 +1,38 @@
+"""Computed against measured, a plot a quantity, both axes logarithmic."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from meshing.pictures_style import BLUE, FAINT, INK, ORANGE
+
+COLUMNS = 3
+
+
+def draw(pyplot: Any, table: Sequence[Mapping[str, str]], quantities: Sequence[Mapping[str, Any]]) -> Any:
+    """A plot of each quantity with a bias: rows, equality with 2 sigma of the tests, bias with 2 sigma of the model."""
+    drawn = [one for one in quantities if one["bias"]]
+    rows = -(-len(drawn) // COLUMNS)
+    figure, grid = pyplot.subplots(rows, COLUMNS, figsize=(11.4, 3.6 * rows), squeeze=False)
+    for axes, one in zip(grid.flat, drawn):
+        of = [row for row in table if row["quantity"] == one["quantity"] and (row["computed"] or row["coarse"])]
+        x, y, sigma = (np.array(list(map(float, each))) for each in zip(*(
+            (row["measured"], row["computed"] or row["coarse"], row["sigma"]) for row in of
+        )))  # fmt: skip
+        ends = np.array([0.8 * min(x.min(), y.min()), 1.25 * max(x.max(), y.max())])
+        test, model, bias = float(one["sigma_test"]), float(one["sigma_model"] or 0), float(one["bias"])
+        axes.loglog(ends, ends, color=INK, lw=1)
+        axes.fill_between(ends, ends * np.exp(-2 * test), ends * np.exp(2 * test), color=FAINT, alpha=0.3, lw=0)
+        axes.loglog(ends, bias * ends, color=ORANGE, lw=1.5)
+        for sign in (-2, 2) if model else ():
+            axes.loglog(ends, bias * np.exp(sign * model) * ends, color=ORANGE, lw=1, ls="--")
+        axes.errorbar(x, y, xerr=sigma, fmt="o", color=BLUE, ms=6, lw=1)
+        axes.set(title=f"{one['quantity']}, n = {one['n']}", xlabel=f"measured [{of[0]['unit']}]", ylabel="computed")
+        axes.title.set_fontsize(11)
+        axes.set(xlim=ends, ylim=ends)
+    for axes in list(grid.flat)[len(drawn) :]:
+        axes.remove()
+    return figure
