@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tomllib
 from itertools import product
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -28,7 +27,7 @@ def shots() -> list[tuple[dict[str, Any], Case]]:
                 "panel.crossovers": "sliding",
                 "panel.crossover_friction": f"{mu}",
                 "panel.symmetry": "whole",
-                "panel.boundary": f'{{ clamp_force = "{force} N" }}' if isfinite(force) else "clamped",
+                "panel.boundary": "clamped" if force == "rigid" else f'{{ clamp_force = "{force} N" }}',
                 "run.end_time": END_TIME,
             }
             changes |= {"panel.impact_point": '["0 mm", "0 mm"]'} if aim == "on" else {}

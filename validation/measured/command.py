@@ -7,11 +7,12 @@ of the tests into weavecell/report/against_tests.csv. Rows that are not computed
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from math import hypot, isnan
 from pathlib import Path
 from typing import Any
+
+from pandas import read_csv
 
 from fabrics import run_cache
 from validation.marked_page import markdown
@@ -62,8 +63,7 @@ def main(
 
 
 def _table(name):
-    with open(DATA / name, encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return read_csv(DATA / name, dtype=str, keep_default_na=False).to_dict("records")
 
 
 def _ran(found, case, coarse, commit):
@@ -79,8 +79,8 @@ def held(row: Row, ran: Mapping[str, str]) -> dict[str, Any]:
 
     u_num is the difference of the two runs of the row and its standard error, where both runs are there.
     """
-    known = {key: getattr(row, key) for key in ("id", "level", "quantity", "unit")} | {"measured": row.value}
-    known |= {"sigma": row.sigma} | {key: ran.get(key, "") for key in RUN}
+    known: dict[str, Any] = {key: getattr(row, key) for key in ("id", "level", "quantity", "unit")}
+    known |= {"measured": row.value, "sigma": row.sigma} | {key: ran.get(key, "") for key in RUN}
     known |= dict.fromkeys(("E", "u_num", "u_input", "u_val", "E_over_u_val"), "")
     computed = _number(known["computed"] or known["coarse"])
     if not isnan(computed) and not isnan(row.number):

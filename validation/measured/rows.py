@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import csv
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -59,16 +59,19 @@ class Case:
         return {key: value for key, value in self.changes if "." not in key}
 
     @property
+    def keys(self) -> dict[str, Any]:
+        """{dotted key: value} of the input file that this row changes."""
+        return {key: _value(text) for key, text in self.changes if "." in key}
+
+    @property
     def scene(self) -> dict[str, Any]:
-        """The tables of the input file with the changes of this row."""
-        own = {key: _value(text) for key, text in self.changes if "." in key}
-        return target.changed(tomllib.loads(self.text.partition("\f")[0]), own)
+        """The tables of the input file with these changes."""
+        return target.changed(tomllib.loads(self.text.partition("\f")[0]), self.keys)
 
     def setup(self, **more: Any) -> Any:
-        """The ImpactSetup of an impact, with other values of dotted keys."""
-        known = dict(_flat(self.scene)) | {"numerics.threads": 1} | more
-        file = HERE / "inputs" / f"{self.input}.toml"
-        return target.read(str(file), HERE, honoured.IMPACT, changes=known).setup
+        """The ImpactSetup of an impact, with `more` values of dotted keys."""
+        file, changes = HERE / "inputs" / f"{self.input}.toml", {"numerics.threads": 1} | self.keys | more
+        return target.read(str(file), HERE, honoured.IMPACT, changes=changes).setup
 
 
 @dataclass(frozen=True)
@@ -124,15 +127,6 @@ def _value(text):
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text
-
-
-def _flat(table, prefix=""):
-    """(dotted key, value) of the tables of an input file."""
-    for key, value in table.items():
-        if isinstance(value, Mapping) and not prefix:
-            yield from _flat(value, f"{key}.")
-        else:
-            yield f"{prefix}{key}", value
 
 
 # {measure: value in the unit of the row} of a wc.ShotResult, of a Strike at a bare block, of a Fabric
