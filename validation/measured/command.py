@@ -39,8 +39,7 @@ def main(
 ) -> None:  # fmt: skip
     parts, stamp, rows = parts or PARTS[: -1 if quick else None], provenance.stamp(), read()
     runs: dict[str, Any] = {"folder": out / "runs", "jobs": jobs}
-    chosen = [row for row in rows if row.level in parts]
-    cases = {row.id: (None if quick else row.case, row.coarse_case) for row in chosen}
+    cases = {row.id: (None if quick else row.case, row.coarse_case) for row in rows if row.level in parts}
     wanted = list(dict.fromkeys(case for pair in cases.values() for case in pair if case is not None))
     found = dict(zip(wanted, run_cache.results(compute, [(case,) for case in wanted], **runs)))
     kept = {row["id"]: row for row in _table(FILES[0])}
@@ -110,13 +109,16 @@ def summary(table: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
         rows = [row for row in table if row["quantity"] == name and (row["computed"] or row["coarse"])]
         values = [row["computed"] or row["coarse"] for row in rows]
         met = [row["measured"] == value or abs(_number(row["E_over_u_val"])) <= 2 for row, value in zip(rows, values)]
-        one = {"level": rows[0]["level"], "quantity": name, "words": f"{sum(met)} within the uncertainty"}
+        one: dict[str, Any] = {
+            "level": rows[0]["level"],
+            "quantity": name,
+            "words": f"{sum(met)} within the uncertainty",
+        }
         one |= {"n": len(rows), "met": sum(met), "bias": "", "sigma_model": "", "sigma_test": ""}
         measured, computed = ([*map(_number, each)] for each in ((row["measured"] for row in rows), values))
         if min(*measured, *computed) > 0:
             of = statistics.of(measured, computed, [float(row["sigma"]) for row in rows])
-            known = {"bias": of.bias, "sigma_model": of.sigma_model, "sigma_test": of.sigma_test}
-            one |= {key: "" if isnan(value) else f"{value:.3f}" for key, value in known.items()}
+            one |= {key: "" if isnan(value) else f"{value:.3f}" for key, value in vars(of).items()}
             one["words"] = f"bias {of.bias:.2f}" + ("" if isnan(of.sigma_model) else f", sigma {of.sigma_model:.0%}")
         one["words"] += f", n = {len(rows)}"
         found.append(one | {"commit": " ".join(dict.fromkeys(row["commit"] for row in rows))})

@@ -23,9 +23,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Statistics:
-    """Of a quantity: rows, bias [-], relative sigma of the model (NaN of one row) and of the tests."""
+    """Of a quantity: bias [-], relative sigma of the model (NaN of one row) and of the tests."""
 
-    n: int
     bias: float
     sigma_model: float
     sigma_test: float
@@ -42,8 +41,8 @@ def of(measured: Sequence[float], computed: Sequence[float], sigma: Sequence[flo
     test = float(np.sqrt(np.mean(np.divide(sigma, measured) ** 2)))
     logs = np.log(np.divide(computed, measured))
     if logs.size == 1:
-        return Statistics(1, float(computed[0] / measured[0]), nan, test)
+        return Statistics(float(computed[0] / measured[0]), nan, test)
     scatter = float(logs.std(ddof=1))
     counted = min(test, scatter / sqrt(2))
     model = sqrt(scatter**2 - counted**2)
-    return Statistics(logs.size, exp(logs.mean() + (model**2 - counted**2) / 2), model, test)
+    return Statistics(exp(logs.mean() + (model**2 - counted**2) / 2), model, test)

@@ -7,7 +7,6 @@ import pytest
 from conftest_tools import advance, grid, solver_at_rest
 from panels import make_panel, rest, set_nodal
 
-from fabrics.errors import InputError
 from shellfabric.cloth import boundary_kernels
 from shellfabric.output import histories
 from shellfabric.panel import boundary
@@ -105,22 +104,13 @@ def test_slip_across_the_panel_brings_new_cloth_under_the_projectile():
 
 
 def test_grips_are_struck_off_the_middle():
-    """Also beside a crossover: the near end slips more than the far one, points on both sides are alike, and the energy
-    balances. One crossover off is the panel in the middle until its edge is felt."""
-    side = 2 * make_panel().weave.w[0]
-    sides = {"symmetry": "whole", "edge": (Grip(5.0), "clamped")}
-    runs = [
-        PackSolver(make_panel(impact_point=(x * side, 0.0), **sides), 90.0, 60e-6).run() for x in (4.3, -4.3, 1.0, 0.0)
-    ]
-    right, left, beside, middle = (solver.sample("v") for solver in runs)
-    np.testing.assert_allclose(right, left, rtol=1e-9)
-    far, near = (np.abs(grid(runs[0].const, runs[0].state.u[0])[end]).max() for end in (0, -1))
+    """Also beside a crossover: the near end slips more, points on both sides are alike, and the energy balances."""
+    x, sides = 4.3 * 2 * make_panel().weave.w[0], {"symmetry": "whole", "edge": (Grip(5.0), "clamped")}
+    right, left = (PackSolver(make_panel(impact_point=(at, 0.0), **sides), 90.0, 60e-6).run() for at in (x, -x))
+    np.testing.assert_allclose(right.sample("v"), left.sample("v"), rtol=1e-9)
+    far, near = (np.abs(grid(right.const, right.state.u[0])[end]).max() for end in (0, -1))
     assert near > 1.5 * far > 0
-    assert max(np.abs(solver.sample("error")).max() / solver.strike_energy for solver in runs) < 1e-3
-    np.testing.assert_allclose(beside[:3], middle[:3], rtol=1e-6)
-    assert abs(beside[-1] - middle[-1]) > 1e-3
-    with pytest.raises(InputError, match="clamped where it is struck off the middle"):
-        make_panel(0.06, impact_point=(side, 0.0), edge="free", symmetry="whole", grading=((9, 1), (np.inf, 2)))
+    assert np.abs(right.sample("error")).max() < 1e-3 * right.strike_energy
 
 
 # oblique weaves, round openings, and impacts off the middle

@@ -6,13 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import weavecell as wc
 from fabrics import catalogue
 from shellfabric.backing.block import Backing
-from shellfabric.impact.simulation import ImpactSetup, run
-from shellfabric.panel.boundary import Grip
 from shellfabric.panel.model import Numerics
-from validation.published import edge_slip, measured_shots, one_ply, shots
+from validation.published import one_ply, shots
 from validation.published.packs import limits
 from validation.published.pencilling import study as pencilling
 
@@ -51,19 +48,6 @@ def test_fronts_are_slower_than_waves_in_a_lone_yarn(monkeypatch):
     assert 0.5 < stopped.kinetic_over_internal < 4
 
 
-def test_slip_follows_from_a_grip():
-    """The weaker the clamp, the further yarns slip and the wider the zone; the energy goes into the grips."""
-    fabric, found = S728.with_effective_density(), []
-    for force in (15.0, 60.0):
-        setup = ImpactSetup(fabric, 60.0, edge=Grip(force), opening=0.06, table_size=61, end_time=120e-6)
-        found.append(edge_slip.of(f"{force:g} N", run(setup)))
-    weak, strong = found
-    assert weak.pulled("weft") > strong.pulled("weft") > edge_slip.SLIPPED
-    assert weak.width("weft") >= strong.width("weft")
-    assert weak.balance < 5e-3
-    assert min(weak.gripped, strong.gripped) > 0
-
-
 def test_a_torn_ply_on_a_fine_mesh_gains_no_energy():
     """Lines beside a failed yarn are drawn out beyond the cell's table; with the polynomials of its last cells there
     this shot gained 5 % of its energy and was stopped."""
@@ -87,12 +71,6 @@ def test_a_target_has_the_mass_and_modulus_of_its_case(number):
     # stiff yarns take half the usual step; that of the contact may be shorter
     assert ply.time_step == pytest.approx(0.5 * replace(ply, numerics=Numerics()).time_step, rel=1e-12)
     assert solver.const.dt == solver.pack.time_step <= ply.time_step
-
-
-@pytest.mark.parametrize(("name", "mass"), [("CT612-550", 119.0), ("CT612-1100", 119.0), ("K29-467", 467.0)])
-def test_fabrics_have_the_mass_of_the_tests(name, mass):
-    fabric = wc.fabric(measured_shots.HERE / "measured_fabrics" / f"{name}.toml")
-    assert 1e3 * fabric.weave.areal_density == pytest.approx(mass, rel=0.015)
 
 
 def test_fabrics_of_other_size_or_fibre_are_similar():
