@@ -18,7 +18,7 @@ from fabrics import run_cache
 from validation.marked_page import markdown
 from validation.measured import clamps, statistics
 from validation.measured.pictures_scatter import draw
-from validation.measured.rows import Row, compute, read
+from validation.measured.rows import Row, compute, number, read
 from validation.program import publish_all, save, write_records
 from weavecell.report.chapters_discretisation import AGAINST_TESTS
 from weavecell.results import provenance
@@ -34,9 +34,13 @@ RUN = ("computed", "coarse", "error", "energy_error", "commit")  # columns that 
 
 
 def main(
-    parts: Sequence[str] = (), *, out: Path = Path("results/measured"), page: Path | None = None, quick: bool = False,
+    parts: Sequence[str] = (),
+    *,
+    out: Path = Path("results/measured"),
+    page: Path | None = None,
+    quick: bool = False,
     jobs: int = 1,
-) -> None:  # fmt: skip
+) -> None:
     parts, stamp, rows = parts or PARTS[: -1 if quick else None], provenance.stamp(), read()
     runs: dict[str, Any] = {"folder": out / "runs", "jobs": jobs}
     cases = {row.id: (None if quick else row.case, row.coarse_case) for row in rows if row.level in parts}
@@ -81,22 +85,15 @@ def held(row: Row, ran: Mapping[str, str]) -> dict[str, Any]:
     known: dict[str, Any] = {key: getattr(row, key) for key in ("id", "level", "quantity", "unit")}
     known |= {"measured": row.value, "sigma": row.sigma} | {key: ran.get(key, "") for key in RUN}
     known |= dict.fromkeys(("E", "u_num", "u_input", "u_val", "E_over_u_val"), "")
-    computed = _number(known["computed"] or known["coarse"])
-    if not isnan(computed) and not isnan(row.number):
-        step = abs(_number(known["computed"]) - _number(known["coarse"]))
-        u_num = hypot(_number(known["error"]), 0.0 if isnan(step) else step)
+    computed = number(known["computed"] or known["coarse"])
+    if not isnan(computed) and not isnan(number(row.value)):
+        step = abs(number(known["computed"]) - number(known["coarse"]))
+        u_num = hypot(number(known["error"]), 0.0 if isnan(step) else step)
         u_input, u_test = float(row.u_input or 0) * abs(computed), float(row.sigma)
         u_val = hypot(u_num, u_input, u_test)
-        values = computed - row.number, u_num, u_input, u_val, (computed - row.number) / u_val
+        values = computed - number(row.value), u_num, u_input, u_val, (computed - number(row.value)) / u_val
         known |= {key: f"{x:.3g}" for key, x in zip(("E", "u_num", "u_input", "u_val", "E_over_u_val"), values)}
     return known | {"source": row.source, "assumed": row.assumed}
-
-
-def _number(text):
-    try:
-        return float(text)
-    except ValueError:
-        return float("nan")
 
 
 def summary(table: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
@@ -108,19 +105,16 @@ def summary(table: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
     for name in dict.fromkeys(row["quantity"] for row in table if row["computed"] or row["coarse"]):
         rows = [row for row in table if row["quantity"] == name and (row["computed"] or row["coarse"])]
         values = [row["computed"] or row["coarse"] for row in rows]
-        met = [row["measured"] == value or abs(_number(row["E_over_u_val"])) <= 2 for row, value in zip(rows, values)]
-        one: dict[str, Any] = {
-            "level": rows[0]["level"],
-            "quantity": name,
-            "words": f"{sum(met)} within the uncertainty",
-        }
-        one |= {"n": len(rows), "met": sum(met), "bias": "", "sigma_model": "", "sigma_test": ""}
-        measured, computed = ([*map(_number, each)] for each in ((row["measured"] for row in rows), values))
+        met = [row["measured"] == value or abs(number(row["E_over_u_val"])) <= 2 for row, value in zip(rows, values)]
+        one: dict[str, Any] = {"level": rows[0]["level"], "quantity": name, "words": "", "n": len(rows)}
+        one |= {"met": sum(met), "bias": "", "sigma_model": "", "sigma_test": ""}
+        words = f"{sum(met)} within the uncertainty"
+        measured, computed = ([*map(number, each)] for each in ((row["measured"] for row in rows), values))
         if min(*measured, *computed) > 0:
             of = statistics.of(measured, computed, [float(row["sigma"]) for row in rows])
             one |= {key: "" if isnan(value) else f"{value:.3f}" for key, value in vars(of).items()}
-            one["words"] = f"bias {of.bias:.2f}" + ("" if isnan(of.sigma_model) else f", sigma {of.sigma_model:.0%}")
-        one["words"] += f", n = {len(rows)}"
+            words = f"bias {of.bias:.2f}" + ("" if isnan(of.sigma_model) else f", sigma {of.sigma_model:.0%}")
+        one["words"] = f"{words}, n = {len(rows)}"
         found.append(one | {"commit": " ".join(dict.fromkeys(row["commit"] for row in rows))})
     return found
 

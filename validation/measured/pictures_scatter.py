@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import Any
 
 import numpy as np
 
 from meshing.pictures_style import BLUE, FAINT, INK, ORANGE
 
-COLUMNS = 3
+COLUMNS = 4
 
 
 def draw(pyplot: Any, table: Sequence[Mapping[str, str]], quantities: Sequence[Mapping[str, Any]]) -> Any:
     """A plot of each quantity with a bias: rows, equality with 2 sigma of the tests, bias with 2 sigma of the model."""
     drawn = [one for one in quantities if one["bias"]]
     rows = -(-len(drawn) // COLUMNS)
-    figure, grid = pyplot.subplots(rows, COLUMNS, figsize=(11.4, 3.6 * rows), squeeze=False)
+    figure, grid = pyplot.subplots(rows, COLUMNS, figsize=(12.4, 3.5 * rows), squeeze=False)
     for axes, one in zip(grid.flat, drawn):
         of = [row for row in table if row["quantity"] == one["quantity"] and (row["computed"] or row["coarse"])]
-        x, y, sigma = (np.array(list(map(float, each))) for each in zip(*(
-            (row["measured"], row["computed"] or row["coarse"], row["sigma"]) for row in of
-        )))  # fmt: skip
+        cells = [(row["measured"], row["computed"] or row["coarse"], row["sigma"]) for row in of]
+        x, y, sigma = np.array(cells, float).T
         ends = np.array([0.8 * min(x.min(), y.min()), 1.25 * max(x.max(), y.max())])
         test, model, bias = float(one["sigma_test"]), float(one["sigma_model"] or 0), float(one["bias"])
         axes.loglog(ends, ends, color=INK, lw=1)
@@ -30,9 +30,12 @@ def draw(pyplot: Any, table: Sequence[Mapping[str, str]], quantities: Sequence[M
         for sign in (-2, 2) if model else ():
             axes.loglog(ends, bias * np.exp(sign * model) * ends, color=ORANGE, lw=1, ls="--")
         axes.errorbar(x, y, xerr=sigma, fmt="o", color=BLUE, ms=6, lw=1)
-        axes.set(title=f"{one['quantity']}, n = {one['n']}", xlabel=f"measured [{of[0]['unit']}]", ylabel="computed")
-        axes.title.set_fontsize(11)
-        axes.set(xlim=ends, ylim=ends)
+        ticks = [float(f"{x:.2g}") for x in np.geomspace(1.1 * ends[0], 0.9 * ends[1], 3)]
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_ticks(ticks, labels=[f"{x:g}" for x in ticks])
+            axis.set_ticks([], minor=True)
+        axes.set(xlabel=f"measured [{of[0]['unit']}]", ylabel="computed", xlim=ends, ylim=ends)
+        axes.set_title(fill(f"{one['quantity']}, n = {one['n']}", 26), fontsize=11)
     for axes in list(grid.flat)[len(drawn) :]:
         axes.remove()
     return figure

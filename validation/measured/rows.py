@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pandas import to_numeric
 
 import weavecell as wc
 from fabrics.fabric import Fabric
@@ -90,13 +91,10 @@ class Row:
     case: Case | None = None
     coarse_case: Case | None = None
 
-    @property
-    def number(self) -> float:
-        """Measured, in `unit`; NaN of an outcome, or without a number."""
-        try:
-            return float(self.value)
-        except ValueError:
-            return float("nan")
+
+def number(text: str) -> float:
+    """The number in a text; NaN of an outcome, or where there is none."""
+    return float(to_numeric(text, errors="coerce"))
 
 
 def read() -> list[Row]:
