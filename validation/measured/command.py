@@ -123,7 +123,7 @@ def in_words(quantities: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
     """The table of the page."""
     heads = ["quantity", "n", "within 2 u_val", "bias", "sigma of the model", "sigma of the tests"]
     keys = ("quantity", "n", "met", "bias", "sigma_model", "sigma_test")
-    return [heads, *([one[key] or "–" for key in keys] for one in quantities)]
+    return [heads, *([one[key] if one[key] != "" else "–" for key in keys] for one in quantities)]
 
 
 def of_clamps(shots: Sequence[Mapping[str, Any]], friction: str = "0.15") -> list[list[Any]]:
