@@ -12,7 +12,7 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 WITH_SOLID = $(addprefix tests/,unitcell3d meshing weavecell refusals installed)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow nightly ledger convergence printed validate fuzz pages lint figures charts docs docs-again setup clean
+.PHONY: demo test test-slow nightly ledger convergence printed validate fuzz pages lint figures studies docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
@@ -35,8 +35,8 @@ validate: test-slow ledger  ## the long tests, and the ledger of the thesis's cl
 ledger: setup  ## all claims of the thesis, slow ones and variants too: fails where a verdict is not the recorded one
 	$(RUN) validation claims --slow --out $(RESULTS)/validate
 
-convergence: setup  ## one ply of S-720 on the default and a finer mesh, in results/convergence
-	$(RUN) validation.verification.mesh_convergence --fabrics S-720 --plies 1 --out $(RESULTS)/convergence
+convergence: setup  ## critical velocities by mesh and by the force of the clamps, held by what they are expected to be
+	$(RUN) validation study published-critical-velocities edges-limits --out $(RESULTS)/studies
 
 fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
 	HYPOTHESIS_PROFILE=fuzz $(RUN) pytest tests/fuzz/test_properties.py --hypothesis-seed $(SEED)
@@ -45,12 +45,8 @@ fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of tw
 figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
 
-charts: setup  ## docs/reports/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
-	$(RUN) validation cost-accuracy --out $(RESULTS)/charts --page docs/reports/charts.md
-	$(RUN) validation stability --out $(RESULTS)/stability --page docs/reports/stability.md
-	$(RUN) validation crossover --out $(RESULTS)/chart-crossover
-	cp $(RESULTS)/chart-crossover/crossover.md docs/reports/
-	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/reports/figures/
+studies: setup  ## all studies again, their CSVs into docs/reports/data: many hours; what is done is not done again
+	$(RUN) validation study all --jobs $(JOBS)
 
 pages: setup  ## pages and numbers of the documentation that are made from code and from the data of studies
 	$(RUN:-m=) tools/pages.py

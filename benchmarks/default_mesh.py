@@ -1,6 +1,6 @@
 """Uniform mesh and meshes that grow longer away from the impact point: error and cost, as candidates for the default.
 
-    taskset -c 0 python benchmarks/default_mesh.py [--page docs/reports/graded.md] [--out FILE.json]
+    taskset -c 0 python benchmarks/default_mesh.py [--out FILE.json]
 
 Seven scenes: the standard shots at one ply and at four plies, a pack of S-731, an oblique shot at S-726 and S-726 on a
 backing block. Errors are against 2 elements a crossover everywhere. Cost is CPU time of one core, the least of two runs
@@ -26,9 +26,8 @@ from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-from validation.marked_page import markdown, put
+from validation.marked_page import markdown
 
-MARKS = "<!-- table of benchmarks/default_mesh.py -->", "<!-- end of the table -->"
 MESHES = {
     "1": {},
     "1 to 24, then 2": {"grading": ((24, 1), (inf, 2))},
@@ -116,7 +115,6 @@ def table(report):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--only", nargs="+", help="first words of the scenes")
-    arguments.add_argument("--page", type=Path)
     arguments.add_argument("--out", type=Path)
     chosen, report = arguments.parse_args(), {}
     for name, setup in SCENES.items():
@@ -124,8 +122,6 @@ def main():
             report[name] = scene(setup())
             print(name, json.dumps(report[name]), flush=True)
     print(table(report))
-    if chosen.page is not None:
-        put(chosen.page, *MARKS, f"\n\n{table(report)}\n")
     publish({"machine": machine(), "scenes": report}, chosen.out)
 
 

@@ -12,7 +12,14 @@ from fabrics import __version__  # noqa: E402
 
 project, author, copyright = "weavecell", "The weavecell developers", "The weavecell developers"
 version = release = __version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc", "sphinx_gallery.gen_gallery"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "numpydoc",
+    "sphinx_gallery.gen_gallery",
+    "study_directives",
+]
 exclude_patterns = ["_build", "conf.py", "generated/examples"]
 highlight_language = "none"  # blocks without a language are commands and their output
 smartquotes = False  # options such as --out keep their hyphens

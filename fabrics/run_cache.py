@@ -51,8 +51,8 @@ def files_of(*modules: str) -> list[Path]:
     """The source and data files, but pictures, that count as the code of some modules, sorted.
 
     All of `LIBRARIES`, since a module can use the methods of an object whose class it does not import; for a module of
-    validation all of validation, for one of weavecell its own folder and `COMPUTING`. A module that is none of ours, as
-    a user's own function has, must have been imported: it is its file.
+    validation all of it but the files of studies, for one of weavecell its own folder; for both `COMPUTING`. A module
+    that is none of ours, as a user's own function has, must have been imported: it is its file.
     """
     folders = {ROOT / name for name in LIBRARIES}
     files = set()
@@ -61,11 +61,13 @@ def files_of(*modules: str) -> list[Path]:
         if package == "weavecell":
             folders |= {ROOT / package / name for name in (*COMPUTING, *inner[:-1])}
         elif (ROOT / package / "__init__.py").is_file():
-            folders.add(ROOT / package)
+            folders |= {ROOT / package, *(ROOT / "weavecell" / name for name in COMPUTING if package == "validation")}
         else:
             files.add(Path(str(sys.modules[module].__file__)))
     files |= {file for folder in folders for file in folder.rglob("*") if file.suffix in SUFFIXES}
-    return sorted(file for file in files if not file.stem.startswith("pictures"))
+    return sorted(
+        file for file in files if not (file.stem.startswith("pictures") or file.match("validation/studies/*"))
+    )
 
 
 def version(*modules: str) -> str:

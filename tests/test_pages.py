@@ -95,3 +95,31 @@ def test_every_link_and_picture_leads_somewhere(page):
 def test_every_figure_is_on_a_page():
     shown = {name for text in TEXTS.values() for name in re.findall(r"figures/([\w.-]+)\)", text)}
     assert {path.name for path in (ROOT / "docs").rglob("figures/*")} <= shown
+
+
+STUDIES = [
+    (page, kind, name, options)
+    for page, text in TEXTS.items()
+    for kind, name, options in re.findall(r"^```\{study-(\w+)\} (\S+)\n(.*?)```", text, re.MULTILINE | re.DOTALL)
+]
+
+
+@pytest.mark.parametrize(("page", "kind", "name", "options"), STUDIES, ids=lambda text: str(text).splitlines()[:1])
+def test_tables_and_figures_of_studies_are_in_their_files(tool, page, kind, name, options):
+    """Twelve rows of a table at most, two tables and one figure a page."""
+    pages = tool("study_pages")
+    if kind == "table":
+        pages.rows_of(name, **dict(re.findall(r"^:(\w+): (.*)$", options, re.MULTILINE)))
+    else:
+        assert pages.draw(name).axes[0].lines
+    if page.startswith("docs/reports/"):
+        of_page = [each[1] for each in STUDIES if each[0] == page]
+        assert of_page.count("figure") <= 1
+        assert of_page.count("table") <= 2
+
+
+@pytest.mark.parametrize("page", [page for page in TEXTS if page.startswith("docs/reports/")])
+def test_a_report_has_at_most_500_words(page):
+    """But the errata, the claims, and pages of measured shots."""
+    if page.rpartition("/")[2] not in ("errata.md", "claims.md", "measured-shots.md", "tests-s726.md"):
+        assert len(CODE.sub("", TEXTS[page]).split()) <= 500

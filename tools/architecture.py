@@ -66,7 +66,7 @@ def diagram():
                                    "studies of many shots  |  scenes: input files"],
                      COLOURS[3])]),
             (8.0, [("validation",
-                    ["published cases  |  verification: convergence, stability, cost  |  claims  |  models"],
+                    ["studies and their cases  |  published cases  |  claims  |  models"],
                     COLOURS[4])]),
         ]  # fmt: skip
         top = sum(height + GAP for height, _ in rows)

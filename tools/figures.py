@@ -1,13 +1,11 @@
 """Make the figures of README and docs from the code: python tools/figures.py [results/demo]  (make figures).
 
-Takes the pictures of a demonstration that has been run into the given folder, and computes the others: biaxial curves
-of the glass weaves, coupons, the laws of the catalogue, and the picture at the head of README. `--only` makes some of
-them. They go to docs/figures/, those of reports to docs/reports/figures/. Figures of a study (convergence, stability,
-charts, validation, ...) come from the command that its page names.
+Takes the pictures of a demonstration that has been run into the given folder, and computes the others: coupons and the
+picture at the head of README. `--only` makes some of them. They go to docs/figures/. Figures of reports are drawn by
+`make docs` from the CSVs of their studies.
 """
 
 import argparse
-from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -15,18 +13,12 @@ import hero
 from PIL import Image
 
 import weavecell as wc
-from fabrics import catalogue
-from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write
-from validation.program import save
-from validation.published import calibration
-from validation.published.biaxial_glass import model_comparison, options
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
-REPORTS = Path(__file__).parents[1] / "docs" / "reports" / "figures"
 COUPONS = Path(__file__).parents[1] / "examples" / "coupons"
 FROM_COUPONS = {
-    "S-728-bias": ("coupon.png", "angles.svg"), "S-728-no-trellis": ("coupon.png",), "S-720-frame": ("stress.svg",),
+    "S-728-bias": ("coupon.png", "angles.svg"), "S-720-frame": ("stress.svg",),
     "S-726-pull-out": ("load.svg",),
     "S-720-warp": ("load.svg", "strains.svg"), "glass-biaxial": ("load.svg",),
 }  # fmt: skip
@@ -43,34 +35,16 @@ def from_demo(demo):
         keep(demo / "pictures" / name, name)
 
 
-def glass(_):
-    """What the options of the cell change, and one weave in three models."""
-    for name in ("glass-balanced", "glass-unbalanced"):
-        weave = catalogue.load(name)
-        save(options.chart, weave, options.same_constants(weave), to=REPORTS / f"biaxial-options-{name}.png")
-        save(
-            model_comparison.chart, weave, model_comparison.compare(weave)[0], to=REPORTS / f"biaxial-sides-{name}.png"
-        )
-
-
-def laws(_):
-    """The catalogue's laws over the published ones."""
-    with TemporaryDirectory() as folder:
-        calibration.command(Path(folder), size="coarse", jobs=1, executor="local", resume=False)
-        keep(Path(folder) / "summary.png", "calibration-catalogue.png", REPORTS)
-
-
 def impact(_):
     """The picture at the head of README."""
     hero.main(hero.HERO)
 
 
 def coupons(_):
-    """Run the examples of coupons, one of them an instability, and keep some of their pictures."""
+    """Run examples of coupons, and keep some of their pictures."""
     with TemporaryDirectory() as folder:
         for name, pictures in FROM_COUPONS.items():
-            with suppress(UnstableError):
-                wc.coupon(COUPONS / f"{name}.toml", out=Path(folder) / name)
+            wc.coupon(COUPONS / f"{name}.toml", out=Path(folder) / name)
             for picture in pictures:
                 keep(Path(folder) / name / "pictures" / picture, f"coupon-{name}-{picture}")
         wc.biaxial("S-731", out=Path(folder) / "biaxial")
@@ -94,7 +68,7 @@ def shrink(path, width=1000, most=4e5):
             small.quantize(256).save(beside, format="PNG", optimize=True)
 
 
-MAKERS = {"demo": from_demo, "glass": glass, "coupons": coupons, "laws": laws, "impact": impact}
+MAKERS = {"demo": from_demo, "coupons": coupons, "impact": impact}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(prog="python tools/figures.py", description=__doc__.splitlines()[0])

@@ -9,11 +9,11 @@ that is not installed.
 
 from __future__ import annotations
 
-import csv
 import sys
 import textwrap
 from collections.abc import Callable
-from math import isfinite
+from dataclasses import dataclass
+from math import hypot, isfinite, nan
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -28,26 +28,56 @@ import keys_page  # noqa: E402
 from validation.claims import page as claims  # noqa: E402
 from validation.claims.judge import MISSED, REPRODUCED  # noqa: E402
 from validation.marked_page import markdown  # noqa: E402
-from validation.verification.mesh_convergence.__main__ import QUANTITIES, Deviation  # noqa: E402
+from validation.study import read  # noqa: E402
 
 TESTED = 110  # [m/s] at which a ply of S-726 was perforated
 
 
+QUANTITIES = {  # of convergence-means.csv, in words
+    "critical_velocity": "critical velocity",
+    "residual_velocity": "residual velocity",
+    "absorbed_energy": "absorbed energy",
+    "cut_yarns": "cut yarns",
+}
+TARGETS = {"critical_velocity": (2.0, 2.0), "absorbed_energy": (3.0, 5.0)}  # [%] of one ply, of packs
+
+
 def table(name: str) -> list[dict[str, str]]:
     """Rows of a file of docs/reports/data."""
-    with open(DATA / name, encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return read(DATA / name)[1]
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far a quantity of a case on the default mesh is from that on the finer one: {mesh: (value, error)}."""
+
+    plies: int
+    quantity: str
+    values: dict[str, tuple[float, float]]
+
+    @property
+    def percent(self) -> tuple[float, float]:
+        """(deviation, its error) [%] of the value on the finer mesh."""
+        (value, error), (reference, reference_error) = (self.values[mesh] for mesh in ("default", "finer"))
+        if reference == 0:
+            return (0.0, 0.0) if value == 0 else (nan, nan)
+        return 100 * (value / reference - 1), 100 * hypot(error, value / reference * reference_error) / abs(reference)
+
+    @property
+    def met(self) -> bool:
+        """Whether the default mesh is within the target; a value that is not known is not."""
+        targets = TARGETS.get(self.quantity)
+        return targets is None or abs(self.percent[0]) <= targets[self.plies > 1]
 
 
 def deviations() -> dict[tuple[int, str], list[Deviation]]:
-    """{(plies, fabric): how far each quantity on the default mesh is from its value on the finer one}."""
+    """{(plies, fabric): the deviation of each quantity}."""
     meshes: dict[tuple[int, str], dict[str, dict[str, str]]] = {}
     for row in table("convergence-means.csv"):
         meshes.setdefault((int(row["plies"]), row["fabric"]), {})[row["mesh"]] = row
     return {
         (plies, fabric): [
-            Deviation(plies, fabric, name, {mesh: measured(row, name) for mesh, row in rows.items()})
-            for name in QUANTITIES
+            Deviation(plies, name, {mesh: measured(row, name) for mesh, row in rows.items()}) for name in QUANTITIES
         ]
         for (plies, fabric), rows in meshes.items()
     }
@@ -56,7 +86,8 @@ def deviations() -> dict[tuple[int, str], list[Deviation]]:
 def measured(row: dict[str, str], quantity: str) -> tuple[float, float]:
     """(value, error) of a quantity in a row of convergence-means.csv."""
     column = next(name for name in row if name.startswith(quantity))
-    return float(row[column]), float(row[f"{column}_error"])
+    value, error = (float(row[name] or "nan") for name in (column, f"{column}_error"))
+    return value, error
 
 
 def pack_mesh_errors() -> str:
@@ -66,13 +97,13 @@ def pack_mesh_errors() -> str:
 
 def mesh_errors(least_plies: int = 1) -> str:
     """Of plies and packs on the default mesh against elements half as long, in %."""
-    rows = [["target", *(words for _, words, _ in QUANTITIES.values())]]
+    rows = [["target", *QUANTITIES.values()]]
     for (plies, fabric), quantities in deviations().items():
         if plies < least_plies:
             continue
         cells = []
         for deviation in quantities:
-            share, error = deviation.percent("default")
+            share, error = deviation.percent
             text = f"{share:+.1f} ± {error:.1f}" if isfinite(share) else ""
             cells.append(text if deviation.met or not text else f"**{text}**")
         rows.append([fabric if plies == 1 else f"{plies} plies, {fabric}", *cells])

@@ -1,1 +1,1 @@
-"""Published cases, verification of the methods, the ledger of claims, and models to compare with (`models`)."""
+"""Studies of the methods and of published cases, the ledger of claims, and models to compare with (`models`)."""

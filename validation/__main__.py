@@ -1,29 +1,23 @@
 """Programs that hold the models against the thesis, against tests and against themselves.
 
-    python -m validation claims          the ledger of the thesis's claims
-    python -m validation cost-accuracy   CPU time against error of every method
-    python -m validation crossover       the same of the 3D crossover, by all its choices
-    python -m validation stability       maps of where each method fails
-    python -m validation calibration     the compression laws of the catalogue, or its whole calibration chain
-    python -m validation scatter         a study of scatter put into a page
-    python -m validation measured        what was measured against what is computed: bias, scatter, u_val
+    python -m validation study      studies of validation/studies: what they vary and read off (`validation.study`)
+    python -m validation claims     the ledger of the thesis's claims
+    python -m validation measured   what was measured against what is computed: bias, scatter, u_val
 
-Each has --help. Others are modules of their own: python -m validation.published.one_ply, ...
+Each has --help.
 """
 
 from __future__ import annotations
 
 import sys
 
-from validation.commands import calibration, claims, cost_accuracy, crossover, scatter, stability
+from validation import runner
+from validation.commands import claims
 from validation.measured import command as measured
 from validation.program import program
 from weavecell.results import out_folder
 
-PROGRAMS = {
-    "claims": claims, "cost-accuracy": cost_accuracy, "crossover": crossover, "stability": stability,
-    "calibration": calibration, "scatter": scatter, "measured": measured,
-}  # fmt: skip
+PROGRAMS = {"study": runner, "claims": claims, "measured": measured}
 
 
 def main(arguments: list[str]) -> None:

@@ -7,7 +7,7 @@ strength is f(r) times as high at the strain rate r (`families.strain_rate`), da
 
 with r(x) the inverse of f, in a table (`RateLaw.table`). At a steady rate r that is D = r(x) / r and failure at
 x = f(r), without a rate being formed from tensions that ring. Under a load that is held damage goes on (Coleman's
-linear accumulation). Sources and limits: docs/reports/strength.md. Where the option is off its table is None, and the
+linear accumulation). Sources and limits: docs/reports/yarns.md. Where the option is off its table is None, and the
 kernel that is handed it is compiled without the rest.
 """
 

@@ -9,7 +9,7 @@ from fabrics.errors import InputError
 
 @dataclass(frozen=True)
 class Numerics:
-    """Numerical parameters, set by stability and convergence (docs/reports/parameters.md), none by an outcome.
+    """Numerical parameters, set by stability and convergence (docs/reports/numerics.md), none by an outcome.
 
     Parameters
     ----------

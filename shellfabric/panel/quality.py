@@ -2,8 +2,8 @@
 
 A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a run. A run is
 "doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower value in NOTES. The limits follow
-from where the methods were found to fail (docs/reports/stability.md) and, of the viscous energy, from experiments;
-docs/reports/checks.md says how many of those points they flag, and how many scenes at default settings.
+from where the methods were found to fail (docs/reports/numerics.md) and, of the viscous energy, from experiments;
+docs/reports/numerics.md says how many of those points they flag, and how many scenes at default settings.
 """
 
 from __future__ import annotations

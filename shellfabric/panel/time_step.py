@@ -1,7 +1,7 @@
 """How much of the bound on the time step is taken: what form, crimp and viscosity leave of it (`panel.model.Panel`).
 
 The bound, (2 / w) (sqrt(1 + xi^2) - xi), is that of a cell that is as stiff as it ever gets, in every element. What it
-is worth depends on the cell, and was found by running it (docs/reports/stability.md):
+is worth depends on the cell, and was found by running it (docs/reports/numerics.md):
 
     form      In the variational form half of a cell's force follows from the mean stretch of two neighbours, which is
               none where they stretch against each other: the highest mode has half the stiffness, and the bound leaves

@@ -19,7 +19,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.materials import Isotropic, load, round_projectile
 
-# Periods of contact (`contact_time`) from which on a rigid projectile is enough (docs/reports/parameters.md)
+# Periods of contact (`contact_time`) from which on a rigid projectile is enough (docs/reports/numerics.md)
 ENOUGH = 3.0
 
 

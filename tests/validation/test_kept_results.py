@@ -57,7 +57,7 @@ def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
 @pytest.mark.parametrize(("name", "again"), [("step_kernels.py", True), ("pictures.py", False)])
 def test_a_study_is_run_again_after_a_change_of_a_kernel_and_not_of_a_picture(monkeypatch, name, again):
     def key():
-        return run_cache.code.__wrapped__("validation.verification.mesh_convergence.study")
+        return run_cache.code.__wrapped__("validation.runner")
 
     before, read = key(), Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda self: read(self) + b"# changed\n" * (self.name == name))

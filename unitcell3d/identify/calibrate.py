@@ -30,7 +30,7 @@ from unitcell3d.solver.load_stepping import Steps
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
 # both yarns at their failure strain together, where a shot presses them hardest on each other, and on by a tenth for
-# the contact force of the cell, which is up to a tenth above that in 3D (docs/reports/calibration.md), and by another
+# the contact force of the cell, up to a tenth above that in 3D (docs/reports/material-tests.md), and by another
 BOTH, BEYOND = "both beyond failure", 1.2
 CASES = len(PATHS) + 2  # of a fabric: the paths, that of both yarns, and the platens
 

@@ -19,12 +19,8 @@ from fabrics import run_cache
 from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
-from fabrics.fabric import Fabric
-from fabrics.plate_curve import PlateCurve
-from meshing.inputs import Size
 from unitcell3d.identify.calibrate import Job, path_jobs, run_job
 from unitcell3d.identify.calibration import samples
-from unitcell3d.identify.solid_fit import fit_solid
 from unitcell3d.identify.solid_record import SolidFit
 
 SIZE = "coarse"  # mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
@@ -52,35 +48,6 @@ class LawInterval:
             "a": (self.a[0] / self.law.a * law.a, self.a[1] / self.law.a * law.a),
             "b": (self.b[0] / self.law.b * law.b, self.b[1] / self.law.b * law.b),
         }
-
-
-def fit_solids(
-    fabrics: Sequence[Fabric], curves: Sequence[PlateCurve], *, folder: FilePath, size: Size = (4, 3, 2),
-    check_size: Size | None = "coarse", measure: str = "pressure", executor: str | Executor = "local", jobs: int = 1,
-    report: Callable[[int, int], object] | None = None,
-) -> list[SolidFit | Exception]:  # fmt: skip
-    """Fit the solids of several fabrics, beside each other; one that fails does not end the others.
-
-    Parameters
-    ----------
-    fabrics, curves : as many of each
-    folder : where finished fits are kept, and taken from
-    size, check_size, measure : as of `solid_fit.fit_solid`
-    executor, jobs, report : as of `fabrics.run_cache.results`
-
-    Returns
-    -------
-    A SolidFit, or the InputError or UnstableError that ended it, of each fabric
-    """
-    cases = [(fabric, curve, size, check_size, measure) for fabric, curve in zip(fabrics, curves, strict=True)]
-    return run_cache.results(_fit, cases, folder=folder, executor=executor, jobs=jobs, fresh=True, report=report)
-
-
-def _fit(*case):
-    try:
-        return fit_solid(*case)
-    except (InputError, UnstableError) as problem:
-        return problem
 
 
 def law_intervals(

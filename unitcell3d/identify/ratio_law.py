@@ -31,7 +31,7 @@ class RatioLaw:
     The force enters with exponent 1 instead of the 1/3 of the regularised law (erratum E-05): the residual of that law
     on single paths does not depend on the ratio. The parameter is a compliance c instead of a limit a = c F0 because
     all samples determine it: those of an unbalanced glass weave stay on d = c F. Residuals with other exponents:
-    docs/reports/calibration.md.
+    docs/reports/material-tests.md.
 
     Parameters
     ----------

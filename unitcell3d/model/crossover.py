@@ -35,7 +35,7 @@ ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
 
 @dataclass(frozen=True)
 class Numerics:
-    """Numbers that belong to the method, not to the fabric; how results converge with them: docs/reports/crossover.md.
+    """Numbers that belong to the method, not to the fabric. How results converge: docs/reports/mesh-and-cost.md.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""The programs of `python -m validation`: cost against error, stability, claims, calibration of the catalogue."""
+"""The program of the claims, of `python -m validation`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
@@ -32,7 +33,7 @@ def shots() -> list[tuple[dict[str, Any], Case]]:
             }
             changes |= {"panel.impact_point": '["0 mm", "0 mm"]'} if aim == "on" else {}
             case = case_of("", group["input"], tuple(changes.items()))
-            row = {"input": group["input"], "velocity_m_s": velocity, "friction": mu, "clamp_N": force, "struck": aim}
+            row = {"input": group["input"], "friction": mu, "clamp [N]": force, "struck": aim, "velocity": velocity}
             found.append((row | {"tested": tested}, case))
     return found
 
@@ -44,9 +45,21 @@ def fire(case: Case) -> dict[str, Any]:
     warp, weft = (np.abs(grid(passed, solver.panel)) for passed in solver.passed_lengths(0))
     return {
         "outcome": solver.outcome,
-        "residual_velocity_m_s": round(solver.residual_velocity, 1) if solver.outcome == "perforated" else 0.0,
-        "slip_warp_mm": round(1e3 * float(warp[[0, -1]].max()), 2),
-        "slip_weft_mm": round(1e3 * float(weft[:, [0, -1]].max()), 2),
-        "deflection_mm": round(1e3 * float(solver.sample("z").max()), 1),
-        "energy_error_percent": round(100 * float(np.abs(solver.sample("error")).max()) / solver.strike_energy, 4),
+        "residual_velocity": solver.residual_velocity,
+        "slip": [1e3 * float(warp[[0, -1]].max()), 1e3 * float(weft[:, [0, -1]].max())],
+        "error": 100 * float(np.abs(solver.sample("error")).max()) / solver.strike_energy,
     }
+
+
+def settings(varied: Sequence[dict[str, Any]], shots: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """A row a setting: tests met, energy error, and of each velocity outcome and slip at the clamps."""
+    found: dict[str, dict[str, Any]] = {}
+    for row, shot in zip(varied, shots):
+        setting = {key: row[key] for key in ("input", "friction", "clamp [N]", "struck")}
+        one = found.setdefault(repr(setting), setting | {"tests met": 0})
+        left = f", {shot['residual_velocity']:.0f} m/s left" if shot["outcome"] == "perforated" else ""
+        one["tests met"] += shot["outcome"] == row["tested"]
+        one[f"{row['velocity']} m/s"] = f"{shot['outcome']}{left}"
+        one[f"slip at {row['velocity']} m/s, warp / weft [mm]"] = [round(slip, 2) for slip in shot["slip"]]
+        one["energy error [%]"] = max(shot["error"], one.get("energy error [%]", 0.0))
+    return list(found.values())

@@ -1,1 +1,1 @@
-"""Cases of the literature, each a module or folder: input, reference with provenance, comparison, difference."""
+"""Cases of the literature that claims and studies share, and tables of measured shots with their provenance."""

@@ -90,7 +90,7 @@ def impact(
 
     Returns
     -------
-    ShotResult, one with a quality check beyond its limit (docs/reports/checks.md) is `doubtful` and warns with
+    ShotResult, one with a quality check beyond its limit (docs/reports/numerics.md) is `doubtful` and warns with
     `DoubtfulResult`; of `check` RunSize; where the folder holds the results of this very run `run_folder.Finished`
 
     Raises

@@ -260,7 +260,7 @@ class PanelTable(Table):
     yarn_failure: flag("whether a yarn fails at its strength") = True
     rate_dependence: flag(
         "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the table "
-        "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/strength.md))"
+        "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/yarns.md))"
     ) = False
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
@@ -273,7 +273,7 @@ class PanelTable(Table):
     ] = None
     crossovers: one_of(
         "whether warp and weft are pinned to each other where they cross, or slide against friction "
-        "([sliding](../reports/sliding.md))",
+        "([sliding](../reports/slip.md))",
         "pinned",
         "sliding",
     ) = "pinned"

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from panels import make_panel, table
 
+from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.simulation import ELEMENT_SIDE, ImpactSetup, run
 from shellfabric.panel import quality
@@ -13,12 +14,13 @@ from shellfabric.panel.model import Numerics
 from shellfabric.panel.quality_kernels import alternation
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver.pack_solver import PackSolver
+from validation.cases.impact import Unchecked
 from validation.models.variants import with_law_form
-from validation.verification.stability import shots
 
 
 def small_panel(side=0.1, **numerics):
-    return make_panel(side, table=shots.table(), numerics=shots.Beyond(threads=1, **numerics), failure=False)
+    cell = CellModel(catalogue.load("S-720").with_effective_density())
+    return make_panel(side, table=cell.table(51), numerics=Unchecked(threads=1, **numerics), failure=False)
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_patch_across_zones(graded, zones, points, slid, within):
 @pytest.mark.parametrize("zones", [((10, 1), (16, 2), (INF, 4)), ((9, 0.5), (INF, 1))], ids=["coarser", "finer"])
 def test_shots_against_the_uniform_pack(ply, strike_velocity, zones):
     """Held or torn: no ply goes through another, and the projectile is slowed down alike: by torn ones within the few
-    per cent by which it matters which yarn fails first (docs/reports/graded.md)."""
+    per cent by which it matters which yarn fails first (docs/reports/mesh-and-cost.md)."""
     found, side, end_time = [], *((0.0762, 60e-6) if zones[0][1] == 1 else (0.05, 25e-6))
     for grading in (((INF, zones[0][1]),), zones):
         panel = replace(ply, grading=grading, opening=(side, side))

@@ -15,7 +15,7 @@ from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.plies import guard_kernels, near_kernels, separation_kernels
 from shellfabric.plies.model import Pack, at_angle
 from shellfabric.solver.pack_solver import PackSolver
-from validation.published.packs import crossings
+from validation.models import ply_crossings as crossings
 
 
 @entry()

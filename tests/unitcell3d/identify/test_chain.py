@@ -5,11 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import UnstableError
 from fabrics.executors import InProcess
-from fabrics.plate_curve import PlateCurve
 from unitcell3d.identify import chain
 from unitcell3d.identify.chain import combine
 from unitcell3d.identify.solid_record import with_solid_laws
@@ -63,19 +61,6 @@ def test_an_end_without_a_path_is_left_out_and_a_solid_without_one_has_no_law(in
     assert found.ends[2][1] is None
     assert np.log(np.array(found.b) / B) == pytest.approx([-0.4, 0], abs=2e-3)
     assert isinstance(intervals(lambda *_: NONE), UnstableError)
-
-
-def test_one_fit_that_fails_does_not_end_the_others(s720, tmp_path, monkeypatch):
-    def fit_solid(fabric, *_):
-        if fabric.name != "S-720":
-            raise UnstableError("no platen curve")
-        return fabric.name
-
-    monkeypatch.setattr(chain, "fit_solid", fit_solid)
-    curve = PlateCurve.pressure_law(0.2665)
-    found = chain.fit_solids([s720, catalogue.load("S-726")], [curve, curve], folder=tmp_path, executor=InProcess())
-    assert found[0] == "S-720"
-    assert isinstance(found[1], UnstableError)
 
 
 def test_changes_of_unknowns_add_as_squares_on_each_side():

@@ -1,6 +1,5 @@
 """`weavecell calibrate`: the whole catalogue side by side, with fitted solids, and what is printed of a law."""
 
-import csv
 import json
 from dataclasses import replace
 
@@ -16,7 +15,7 @@ from tests.weavecell.session_runs import SHORT, small_calibration
 from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import chain, solid_fit
 from unitcell3d.identify.solid_record import SolidFit
-from validation.commands import calibration
+from validation.cases import solid
 
 
 @pytest.fixture
@@ -55,58 +54,14 @@ def a_fit(fabric, curve, *_, **__):
     )  # fmt: skip
 
 
-def table(file):
-    """(heading, rows) of a CSV file, whose rows are all as long."""
-    header, *rows = csv.reader(file.open())
-    assert {len(row) for row in rows} == {len(header)}
-    return header, rows
-
-
-def within(value, interval):
-    low, high = map(float, interval.split(" .. "))
-    return low <= float(value) <= high
-
-
-def test_the_catalogue_side_by_side(capsys, tmp_path, small):
-    folder = tmp_path / "all"
-    calibration.main(mesh="coarse", jobs=2, out=folder)
-    out = capsys.readouterr().out
-    assert {"S-720", "S-726", "report.html", "summary.csv", "summary.png"} <= {path.name for path in folder.iterdir()}
-    header, rows = table(folder / "summary.csv")
-    assert [row[0] for row in rows] == ["S-720", "S-726"]
-    assert float(rows[0][header.index("a / published")]) == pytest.approx(float(rows[0][1]) / 0.045, abs=0.01)
-    assert within(rows[0][1], rows[0][2])
-    assert out.splitlines()[0].startswith("S-720             a ")
-    # again: nothing is solved, the laws are the same to the last bit
-    law = (folder / "S-720" / "law.json").read_bytes()
-    (folder / "S-720" / "law.json").unlink()
-    calibration.main(mesh="coarse", jobs=1, resume=True, out=folder)
-    assert capsys.readouterr().out == out
-    assert (folder / "S-720" / "law.json").read_bytes() == law
-
-
-def test_the_chain_of_the_catalogue(capsys, tmp_path, monkeypatch, small, fitted):
-    """Both laws of each fabric side by side, and on a page; a fabric without a platen law is named with the reason."""
-    monkeypatch.setattr(catalogue, "list_names", lambda: ["S-720", "S-726", "glass-balanced"])
-    page = tmp_path / "page.md"
-    page.write_text("before\n<!-- chain -->old<!-- end of chain -->\nafter\n")
-    (tmp_path / "figures").mkdir()
-    calibration.main(fit_solid=True, mesh="coarse", jobs=2, out=tmp_path / "c", page=page)
-    left_out = "glass-balanced: left out, since fabric glass-balanced has no areal_density_measured"
-    assert left_out in capsys.readouterr().out
-    _, rows = table(tmp_path / "c" / "laws.csv")
-    assert [row[0] for row in rows] == ["S-720", "S-726"]
-    for row in rows:
-        assert within(row[5], row[6])
-        assert (row[9], row[10]) != (row[3], row[4])  # another solid, another law
-    header, rows = table(tmp_path / "c" / "solids.csv")
-    assert float(rows[0][header.index("misfit before [µm]")]) > float(rows[0][header.index("fitted [µm]")])
-    text = page.read_text()
-    assert (text.startswith("before\n"), text.endswith("after\n"), "old" in text) == (True, True, False)
-    assert text.count("| S-720 |") == 2
-    assert (tmp_path / "figures" / "calibration-chain-laws.png").exists()
-    for file in ("solid.json", "law-interval.json", "law.json", "solid-of-the-file/law.json"):
-        assert (tmp_path / "c" / "S-726" / file).exists()
+def test_a_study_has_the_law_with_the_fitted_solid(small, fitted):
+    """Beside that of the file's solid; the interval is what the fit leaves open."""
+    before, after = (solid.calibrated(fabric="S-720", mesh="coarse", fit_solid=one) for one in (False, True))
+    assert after["a_interval"][0] < after["a"] < after["a_interval"][1]
+    assert before["a_ratio"] == pytest.approx(before["a"] / 0.045e-3)
+    assert (after["a"], after["b"]) != (before["a"], before["b"])  # another solid, another law
+    assert after["misfit_before"] > after["misfit"]
+    assert after["constants"]["E_c"] == (1.8e9, 0.9e9, 3.6e9)
 
 
 def told(out):

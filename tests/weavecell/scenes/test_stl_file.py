@@ -14,8 +14,8 @@ from fabrics.errors import InputError
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import volume
 from tests.scene_text import datasets, merged, toml
+from tests.stl_noses import NOSES, errors, triangles, write
 from tests.weavecell.session_runs import SCENES
-from validation.verification.stl_noses import NOSES, errors, triangles, write
 from weavecell.scenes import impact, stl_file
 
 CUBE = Path(__file__).parents[3] / "examples" / "cube.stl"

@@ -55,7 +55,7 @@ class CableNumerics:
     Parameters
     ----------
     cfl : Courant factor, the time step over its stability bound. It could be near one but for crimp: bars that snap
-        taut between two steps cost energy, as the square of the step (docs/reports/parameters.md)
+        taut between two steps cost energy, as the square of the step (docs/reports/numerics.md)
     viscosity : damping ratio of the highest mode of the taut net; 0.1, as in the shell
     penalty : stiffness of the contact, in units of the touching mass / dt^2
     contact_damping : ratio to critical of that mass on that spring

@@ -1,0 +1,130 @@
+"""The runner of studies: how a file is read, what it makes of cases, references, maps and charts; and all files."""
+
+import inspect
+
+import numpy as np
+import pytest
+
+from fabrics.errors import InputError, UnstableError
+from validation import cases, judges, runner, study
+from validation.cases import impact
+from validation.judges import STABLE
+from validation.study import Study
+
+
+def made_up(monkeypatch, tmp_path, function, content):
+    monkeypatch.setattr(cases, "function", lambda name: function)
+    monkeypatch.chdir(tmp_path)
+    return Study("made-up", {"run": "made.up", **content})
+
+
+def test_cases_are_all_combinations_with_changes_of_the_keywords():
+    content = {
+        "base": {"a": 1, "table": {"x": 1, "y": 2}},
+        "labels": ["published"],
+        "each": {"mesh": {"coarse": {"n": 1}, "fine": {"n": 2}}},
+        "case": [
+            {"name": "{force} N", "each": {"force": [20, 40]}, "set": {"clamp": "{force} N", "raw": "{force}"}},
+            {"name": "pairs", "each": {"table.x, published": [[5, "stops"]]}},
+        ],
+    }
+    rows = Study("made-up", content).rows()
+    assert [row.labels["name"] for row in rows] == ["20 N", "40 N", "20 N", "40 N", "pairs", "pairs"]
+    assert rows[2].keywords == {"a": 1, "table": {"x": 1, "y": 2}, "clamp": "20 N", "raw": 20, "n": 2}
+    assert rows[4].keywords == {"a": 1, "table": {"x": 5, "y": 2}, "n": 1}
+    assert rows[4].labels == {"name": "pairs", "mesh": "coarse", "table.x": 5, "published": "stops"}
+
+
+def error_of_second_order(n, scale=1.0):
+    if n == 7:
+        raise UnstableError("seven")
+    return {"value": 3 + scale / n**2, "history": np.arange(n)}
+
+
+def test_a_study_is_computed_compared_written_and_taken_again(monkeypatch, tmp_path):
+    content = {
+        "each": {"n": [1, 2, 4, 7]},
+        "reference": {"n": 4},
+        "quantities": {"value": "value", "off [%]": "100 * (value / ref.value - 1)", "sum": "sum(history)"},
+        "fits": {"line": {"value": "max(of('value'))"}},
+        "expect": ["falls(of('off [%]'))", "max(of('sum')) > 6"],
+    }
+    this = made_up(monkeypatch, tmp_path, error_of_second_order, content)
+    records = runner.run(this)
+    assert records[0] == {"n": 1, "value": 4.0, "off [%]": pytest.approx(100 * (4 / 3.0625 - 1)), "sum": 0}
+    assert records[3] == {"n": 7, "value": None, "off [%]": None, "sum": None, "problem": "seven"}
+    assert records[4] == {"n": "line", "value": 4.0}
+    assert study.unmet(this, records) == ["max(of('sum')) > 6"]
+    study.write(tmp_path / "a.csv", records, "by hand", {"n": "elements"})
+    made, rows = study.read(tmp_path / "a.csv")
+    assert (made, rows[0]["elements"], rows[0]["value"], rows[3]["problem"]) == ("by hand", "1", "4", "seven")
+    monkeypatch.setattr(cases, "function", lambda name: None)
+    assert runner.run(this) == records
+
+
+def valley(x, y):
+    if x * y > 3:
+        raise UnstableError("too much")
+    return {"x": x}
+
+
+def test_a_map_finds_the_edges_about_its_default(monkeypatch, tmp_path):
+    content = {
+        "each": {"x": [0.1, 1.0, 2.0, 8.0], "y": [1.0, 0.5]},
+        "map": {"x": "x", "y": "y", "stable": "x > 0.3", "default": [1.0, 1.0], "sides": ["above", "below"]},
+        "quantities": {"x again": "x"},
+    }
+    records = runner.run(made_up(monkeypatch, tmp_path, valley, content))
+    outcomes = {(one["x"], one["y"]): one["outcome"] for one in records}
+    assert (outcomes[0.1, 1.0], outcomes[2.0, 1.0], outcomes[8.0, 0.5]) == ("wrong", STABLE, "failed")
+    above, below = records[-2:]
+    assert (above["outcome"], below["outcome"]) == ("edge above: failed", "edge below: wrong")
+    assert above["margin"] == pytest.approx(3.0, rel=0.05)
+    assert below["margin"] == pytest.approx(1 / 0.3, rel=0.08)
+
+
+def test_a_chart_knows_errors_costs_and_what_none_beats(monkeypatch, tmp_path):
+    def timed(n, scale=1.0):
+        return error_of_second_order(n, scale) | {"cpu_s": 0.7 * n}
+
+    content = {
+        "base": {"n": 1},
+        "each": {"method": {"1": {}, "3": {"n": 3}, "3, dear": {"n": 3, "scale": 1.01}, "fails": {"n": 7}}},
+        "quantities": {"value": "value"},
+        "cost": {"warm": {"n": 1}, "groups": {"value": ["value"]}, "meshes": [[1 / n, {"n": n}] for n in (2, 4, 8)]},
+    }
+    records = runner.run(made_up(monkeypatch, tmp_path, timed, content))
+    assert records[-1]["value"] == pytest.approx(3.0)
+    assert [one["error of value [%]"] for one in records[:2]] == pytest.approx([100 / 3, 100 / 27])
+    assert [one["Pareto-optimal in"] for one in records[:4]] == ["value; ", "value; ", "", ""]
+    assert np.isnan(records[3]["error of value [%]"])
+
+
+def test_what_none_beats_in_time_and_error():
+    assert judges.non_dominated([1, 2, 3, 4], [4.0, 4.0, 2.0, 1.99], 0.1) == [0, 2]
+    assert judges.non_dominated([1, 2, np.nan], [np.nan, 2, 1]) == [1]
+
+
+def test_there_is_no_other_study(capsys):
+    with pytest.raises(InputError, match=r"moon.*all, or of "):
+        study.load("moon")
+    assert runner.main(["sliding-scaling"], quick=True) == 0
+    assert "sliding-scaling: 2 rows" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", study.all_names())
+def test_every_study_can_be_run(name):
+    """Nothing is computed: its function takes the keywords of its cases, and the set-ups of shots can be made."""
+    if 'run = "solid.' in (study.FOLDER / f"{name}.toml").read_text():
+        pytest.importorskip("dolfinx")
+    this = study.load(name)
+    function = cases.function(this.content["run"])
+    rows = this.rows()
+    assert this.content["question"].endswith("?")
+    assert all(row.quantities for row in rows)
+    own = {"search", "unfailing", *inspect.signature(function).parameters}
+    for row in rows[:: max(1, len(rows) // 12)]:
+        for keywords in filter(None, (row.keywords, row.reference)):
+            inspect.signature(function).bind(**keywords)
+            if function in (impact.shot, impact.several, impact.limit, impact.means, impact.stepped):
+                impact.setup(**{key: value for key, value in keywords.items() if key not in own - {"velocity"}})

@@ -1,0 +1,45 @@
+"""What a case of a study computes: functions of keywords, which return dicts of numbers, texts and arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from fabrics.errors import InputError
+
+MODULES = "impact", "cell", "coupons", "block", "drawn", "laws", "solid"
+
+
+def function(name: str) -> Callable[..., dict[str, Any]]:
+    """A function by "module.function"; its module is imported when it is needed, since `solid` needs dolfinx.
+
+    Raises
+    ------
+    InputError : there is none of this name
+    """
+    module, _, inner = name.partition(".")
+    found = _module(module)
+    if found is None or not callable(getattr(found, inner, None)):
+        raise InputError(key="run", value=name, allowed=f"a function of {', '.join(MODULES)} of validation/cases")
+    return getattr(found, inner)
+
+
+def _module(name):
+    match name:
+        case "impact":
+            from validation.cases import impact as module
+        case "cell":
+            from validation.cases import cell as module
+        case "coupons":
+            from validation.cases import coupons as module
+        case "block":
+            from validation.cases import block as module
+        case "drawn":
+            from validation.cases import drawn as module
+        case "laws":
+            from validation.cases import laws as module
+        case "solid":
+            from validation.cases import solid as module
+        case _:
+            return None
+    return module

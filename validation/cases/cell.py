@@ -1,0 +1,148 @@
+"""The crossover's cell and its yarn: where iterations and laws fail, the scaling of sliding yarns, a struck yarn."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from fabrics import catalogue
+from fabrics.errors import UnstableError
+from shellfabric.cell import crossover_kernels as kernels
+from shellfabric.cell.model import FORMS, CellModel, CellTable
+from shellfabric.panel import quality
+from validation.claims.checks import newton as thesis
+from validation.claims.checks.cell import printed
+from validation.models import cell_scaling
+from validation.models.cable import smith
+from validation.models.cable.model import CableNumerics
+from validation.models.variants import with_law_form
+from validation.published.biaxial_glass.curves import at_ratio, free_edge
+
+FABRIC = "S-720"
+TABLE = 51  # stretches
+
+
+def _stretches(fabric, d1, d2):
+    w = fabric.weave.w
+    return 1 + d1 / w[0], 1 + d2 / w[1]
+
+
+def newton(*, d1: float, d2: float) -> dict[str, Any]:
+    """The thesis's Newton iteration on two heights (App. B.3) with its printed law at end displacements [m].
+
+    Returns
+    -------
+    dict with F [N]; root [N], the contact force of the monotone equation; steps; and closing, by how much the yarns
+    miss closing the cell with F [heights at rest]
+
+    Raises
+    ------
+    UnstableError : it does not converge, or runs off
+    """
+    found, model = thesis.iterate(FABRIC, d1, d2), printed(FABRIC)
+    if not found.converged:
+        many = found.steps >= thesis.MOST
+        raise UnstableError(f"no convergence in {thesis.MOST} steps" if many else "ran off")
+    root = float(model.solve(*_stretches(catalogue.load(FABRIC), d1, d2))["F"])
+    return {"F": found.F, "root": root, "steps": found.steps, "closing": _miss(model, found.F, d1, d2)}
+
+
+def _miss(model, F, d1, d2):
+    """[heights at rest] by which the yarns miss closing the cell with a force; without one they close nothing."""
+    if not F > 0:
+        return np.inf
+    warp, weft = model.yarn_tuples
+    w1, w2 = (w + d for w, d in zip(model.fabric.weave.w, (d1, d2)))
+    free = [kernels.free_height(half, yarn[1], yarn[-1]) for half, yarn in ((w1, warp), (w2, weft))]
+    return abs(kernels.residual(F, w1, w2, *free, warp, weft, model.gap, FORMS[model.form])[0]) / sum(model.h0)
+
+
+def bracket(*, d1: float, d2: float) -> dict[str, Any]:
+    """What `shellfabric` solves instead, one monotone equation in a bracket: F [N] and closing, as of `newton`."""
+    fabric = catalogue.load(FABRIC)
+    model = CellModel(fabric)
+    F = float(model.solve(*_stretches(fabric, d1, d2))["F"])
+    return {"F": F, "closing": _miss(model, F, d1, d2) if F > 0 else 0.0}
+
+
+@cache
+def _printed_table() -> CellTable:
+    return CellModel(with_law_form(catalogue.load(FABRIC), "printed")).table(TABLE)
+
+
+def printed_law(*, d1: float, d2: float) -> dict[str, Any]:
+    """The printed law d = a - b / F^(1/3) beside the regularised one, d = a - b / (F + F0)^(1/3), near F = 0.
+
+    Returns
+    -------
+    dict with off [-], the largest difference of the tensions over the strength; F, F_printed [N]; flags
+    """
+    fabric = catalogue.load(FABRIC)
+    stretches = _stretches(fabric, d1, d2)
+    ours, theirs = (CellModel(one).solve(*stretches) for one in (fabric, with_law_form(fabric, "printed")))
+    off = max(abs(float(ours[T] - theirs[T])) for T in ("T1", "T2")) / fabric.weave.warp.strength
+    checks = quality.of_cell(_printed_table(), [float(theirs[T]) for T in ("T1", "T2")])
+    return {
+        "off": off,
+        "F": float(ours["F"]),
+        "F_printed": float(theirs["F"]),
+        "flags": ", ".join(check.name for check in checks if not check.ok),
+    }
+
+
+def scaling(*, fabric: str, share: float) -> dict[str, float]:
+    """Error of the effective stretch of sliding yarns over the strength: {quantity: [-]} of `cell_scaling`.
+
+    share : yarn in a cell over that at rest
+    """
+    [row] = cell_scaling.errors(CellModel(catalogue.load(fabric)), [share], np.linspace(-0.02, 0.03, 26))
+    return dict(zip(cell_scaling.QUANTITIES, map(float, row)))
+
+
+def struck_yarn(
+    *,
+    fabric: str,
+    velocity: float,
+    length: float,
+    bars: int = 2000,
+    cfl: float = smith.STRAIGHT.cfl,
+    viscosity: float = CableNumerics.viscosity,
+    exact: bool = False,
+) -> dict[str, float]:
+    """A lone straight warp struck across at constant velocity by the cable model, or by Smith's closed form (`exact`):
+    tension, force [N], kink and front [m/s] speeds; bars along its half, of `length` [m]."""
+    yarn = catalogue.load(fabric).weave.warp
+    numerics = CableNumerics(cfl=cfl, viscosity=viscosity)
+    wave = (
+        smith.smith(yarn, velocity)
+        if exact
+        else smith.strike(yarn, velocity, length=length, bars=bars, numerics=numerics).computed
+    )
+    return {"tension": wave.tension, "force": wave.force, "kink": wave.U, "front": wave.c}
+
+
+def biaxial_options(*, fabric: str, test: str, yarn: str, options: dict[str, Any]) -> dict[str, float]:
+    """What options of the cell change of the curves of the glass weaves (thesis section 5.3), with its constants.
+
+    Parameters
+    ----------
+    test : "k = 1" or another ratio of strains, or "free", with the cross yarns free
+    yarn : "warp" or "weft"
+    options : of CellModel, beside the equilibrium form: fibre slack `toe`, `profile`
+
+    Returns
+    -------
+    dict with rms [N], the largest difference [N] and rms over the strength of the yarn [-], at equal strains
+    """
+    family, weave = ("warp", "weft").index(yarn), catalogue.load(fabric)
+    curves = []
+    for changes in ({}, options):
+        cell = CellModel(weave, form="equilibrium", **changes)
+        curves.append(free_edge(cell, yarn) if test == "free" else at_ratio(cell, float(test.removeprefix("k = "))))
+    strains = [curve.strain[:, family] for curve in curves]
+    e = np.linspace(0, min(strain[-1] for strain in strains), 241)
+    one, two = (np.interp(e, strain, curve.tension[:, family]) for strain, curve in zip(strains, curves))
+    rms, off = float(np.sqrt(np.mean((two - one) ** 2))), float((two - one)[np.argmax(np.abs(two - one))])
+    return {"rms": rms, "largest": off, "share": rms / weave.weave.yarns[family].strength}

@@ -1,0 +1,157 @@
+"""Quasi-static tests on coupons: bias extension, a cross pulled by its four arms, a yarn pulled out of a strip."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fabrics import catalogue, variants
+from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.coupon import pull_out as pulled
+from shellfabric.coupon import quasistatic
+from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.panel.numerics import Numerics
+from shellfabric.sliding import contact_force
+from shellfabric.sliding.model import CrossoverFriction
+from validation.models import variants as comparison
+from validation.published.bias_extension.cases import cloth
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+
+
+def _table(fabric: Fabric, model: str, law: str, size: int, crossovers: int) -> CellTable:
+    """Table of the cell; `crossovers` along each side of an element."""
+    fabric = comparison.with_law_form(fabric, law)
+    if crossovers > 1:
+        fabric = comparison.homogenised(fabric, crossovers)
+    return CellModel(fabric, model=model).table(size)
+
+
+def bias(
+    *,
+    name: str = "locking",
+    factor: float | None = None,
+    locking: bool = True,
+    model: str = "",
+    law: str = "regularised",
+    table: int = 201,
+    crossovers: int = 1,
+    **options: Any,
+) -> dict[str, Any]:
+    """Bias extension of balanced S-728.
+
+    Parameters
+    ----------
+    name : of its cloth, of `bias_extension.cases.CLOTHS`
+    factor : [-] on the moduli of its trellis, the second of which is the first without `locking`; 0 for no trellis
+    model, law, table : of the cell, of its compression, and the stretches of its table
+    crossovers : along each side of an element of thicker yarns
+    options : of `quasistatic.bias_extension`
+
+    Returns
+    -------
+    dict with moved [m], load [N] and angles (A, B, C) [deg] between warp and weft at each load step; not_stretching
+    [deg], angle C of yarns that do not stretch; concentration [-] of the shear at the end
+
+    Raises
+    ------
+    UnstableError : as `quasistatic.bias_extension`
+    """
+    fabric, own, trellis = cloth(name)
+    if factor is not None:
+        shear, trellis = fabric.shear, factor > 0
+        if trellis:
+            fabric = variants.with_shear(fabric, G1=factor * shear.G1, G2=factor * (shear.G2 if locking else shear.G1))
+    result = quasistatic.bias_extension(
+        _table(fabric, model or own, law, table, crossovers), trellis=trellis, **options
+    )
+    size = quasistatic.bias_size(result)
+    zone = quasistatic.zones(result.coupon, *size)
+    shear_angles = [np.degrees(result.shear(step)) for step in range(len(result.prescribed))]
+    return {
+        "moved": result.prescribed,
+        "load": np.abs(result.force(1, 1)),
+        "angles": np.array([[90 - gamma[zone == k].mean() for k in range(3)] for gamma in shear_angles]),
+        "not_stretching": 90 - np.degrees(quasistatic.inextensible_shear(*size, result.prescribed[-1])),
+        "concentration": quasistatic.concentration(np.abs(result.shear()), zone == quasistatic.ZONES.index("C")),
+    }
+
+
+def cross(
+    *,
+    fabric: str,
+    strain: float,
+    centre: int,
+    arm: int,
+    model: str = "compressible",
+    law: str = "regularised",
+    table: int = 201,
+    crossovers: int = 1,
+    **options: Any,
+) -> dict[str, float]:
+    """A cross of a fabric, pulled to a strain of its arms.
+
+    Parameters
+    ----------
+    strain : [-] of the arms
+    centre, arm : [crossovers] width of the cross, length of its woven arms
+    model, law, table, crossovers : as of `bias`
+    options : of `quasistatic.biaxial`
+
+    Returns
+    -------
+    dict with load_warp, load_weft [N]; strain_warp, strain_weft [-] of the middle
+    """
+    of_cell = _table(catalogue.load(fabric).with_effective_density(), model, law, table, crossovers)
+    result = quasistatic.biaxial(
+        of_cell,
+        strain=(strain, strain),
+        centre=centre // crossovers,
+        arm=arm // crossovers,
+        cross_yarns_removed=False,
+        **options,
+    )
+    half = [0.5 * (centre // crossovers) * w for w in of_cell.model.fabric.weave.w]
+    warp, weft = quasistatic.middle_strain(result, half)[-1]
+    loads = (float(abs(result.force(grip, axis)[-1])) for grip, axis in ((1, 0), (3, 1)))
+    return dict(zip(("load_warp", "load_weft"), loads)) | {"strain_warp": float(warp), "strain_weft": float(weft)}
+
+
+def pull_out(
+    *,
+    crossings: int,
+    mu: float,
+    cohesion: float = 0.0,
+    stiffness: float | None = None,
+    load: float = 0.0,
+    speed: float = 2.0,
+    pulled_by: float = 4e-4,
+    late: float = 0.5,
+) -> dict[str, float]:
+    """A yarn of S-726 pulled out of a strip whose yarns slide.
+
+    Parameters
+    ----------
+    crossings : yarns that cross it
+    mu, cohesion : [-], [N] at a crossover
+    stiffness : share between the bending stiffness of the fibres alone, 0, and that of a solid section, 1, in ratio;
+        None for flexible yarns
+    load : [N] of all crossing yarns together
+    speed, pulled_by : [m/s], [m] of the crosshead
+    late : share of its way after which the load is averaged
+
+    Returns
+    -------
+    dict with load [N], bending [N m2] of the warp, error [-] of the energy over the work
+    """
+    fabric = catalogue.load("S-726").with_effective_density()
+    bounds = [contact_force.bending_bounds(yarn) for yarn in catalogue.load("S-726").weave.yarns]
+    warp, weft = (0.0 if stiffness is None else low ** (1 - stiffness) * high**stiffness for low, high in bounds)
+    table = ImpactSetup(fabric, 1.0).table(kept=True)
+    friction = CrossoverFriction(mu, cohesion, (warp, weft))
+    coupon = pulled.PullOut(table, crossings, speed, load / crossings, friction, Numerics(threads=1))
+    found = pulled.run(coupon, pulled_by / speed)
+    after = found.displacement > late * pulled_by
+    return {"load": float(found.load[after].mean()), "bending": warp, "error": found.energy_error}

@@ -1,0 +1,128 @@
+"""Random shots held against finer meshes: the intervals of `--uncertainty`, and the targets of [accuracy]."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from fabrics.errors import InputError, UnstableError
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactSetup
+from validation.cases import drawn_shots
+from weavecell.studies import mesh_uncertainty, window
+
+TARGETS = (0.02, 0.05, 0.1)
+QUANTITIES = {
+    "residual velocity": "residual_velocity",
+    "absorbed energy": "absorbed_energy",
+    "peak deflection": "deflection",
+    "peak tension, warp": "peak_tension",
+    "peak tension, weft": "peak_tension",
+}
+FINEST = 16  # elements per crossover
+SMALLER, END = (0.5, 0.35), 250e-6  # opening over that of a drawn ply and pack, [s]: shots of seconds
+
+
+def _reference(setup: ImpactSetup, finer: ImpactSetup) -> ImpactSetup:
+    """The set-up with a quarter of the scene's element side near the impact point, and half of it around that."""
+    count = setup.resolved_elements_per_crossover
+    if finer.grading is None:
+        return replace(setup, elements_per_crossover=4 * count)
+    reach = finer.grading[0][0]
+    grading = ((reach, 1 / (4 * count)), (2 * reach, 1 / (2 * count)), (inf, 1 / count))
+    return replace(setup, elements_per_crossover=None, grading=grading)
+
+
+def interval(*, number: int, seed: int) -> dict[str, Any]:
+    """A random scene on its own mesh, the finer one of `weavecell impact --uncertainty`, and a reference.
+
+    Returns
+    -------
+    dict with fabric, velocity [m/s]; outcomes on the three meshes; decided, whether the pair has one outcome; covered,
+    whether the reference has it too and lies in all intervals; outside, the results that do not; widths and errors
+    {result: [-] of the value}; cost [-] of the pair over that of the scene
+    """
+    scene = drawn_shots.drawn(number, seed)
+    setup: Any = mesh_uncertainty.smallest_part(replace(scene, numerics=replace(scene.numerics, threads=1)))
+    table = setup.table()
+    refined: Any = mesh_uncertainty.finer(setup, table)
+    shots: list[Any] = []
+    seconds: list[float] = []
+    for this in (setup, refined, _reference(setup, refined)):
+        began = time.process_time()
+        result = simulation.run(this, table=table)
+        shots.append(mesh_uncertainty.Shot(result, window=window.about(result)))
+        seconds.append(time.process_time() - began)
+    pair = mesh_uncertainty.compare(*shots[:2])
+    finest = {one.name: one.other for one in mesh_uncertainty.compare(shots[0], shots[2]).intervals}
+    known = [one for one in pair.intervals if one.name in finest]
+    outcomes = [shot.result.outcome for shot in shots]
+    outside = [one.name for one in known if abs(finest[one.name] - one.value) > one.uncertainty]
+    return {
+        "fabric": setup.fabric.name,
+        "velocity": setup.strike_velocity,
+        "outcomes": outcomes,
+        "decided": outcomes[0] == outcomes[1],
+        "covered": len(set(outcomes)) == 1 and not outside,
+        "outside": outside,
+        "widths": {one.name: one.uncertainty / abs(one.value) for one in known if one.value},
+        "errors": {one.name: abs(finest[one.name] / one.value - 1) for one in known if one.value},
+        "cost": (seconds[0] + seconds[1]) / seconds[0],
+    }
+
+
+def targets(*, number: int, seed: int) -> dict[str, Any]:
+    """A random shot at one ply or, every third, at a pack of two to four, with a target for one or two quantities.
+
+    All elements of the reference have half the side of those of the results.
+
+    Returns
+    -------
+    dict with shot, in words; wanted and errors against the reference {quantity: [-]}; outcomes of result and reference;
+    mesh of the results; confirmed, by the command; met, whatever it says; cost [-] of all meshes over that of the first
+    """
+    draw = np.random.default_rng((seed, number, 1))
+    names = draw.choice(sorted(set(QUANTITIES.values())), int(draw.integers(1, 3)), replace=False)
+    wanted = {str(name): float(draw.choice(TARGETS)) for name in names}
+    scene: Any = (drawn_shots.drawn_pack if number % 3 == 2 else drawn_shots.drawn)(number, seed)
+    opening: Any = tuple(SMALLER[scene.plies > 1] * side for side in scene.opening)
+    scene = replace(scene, opening=opening, end_time=END, numerics=replace(scene.numerics, threads=1))
+    shots: list[Any] = []
+    seconds: list[float] = []
+
+    def shoot(setup: ImpactSetup, table: Any, _: str = "") -> Any:
+        began = time.process_time()
+        result, problem = simulation.fired(setup, table=table)
+        shots.append(mesh_uncertainty.Shot(result, UnstableError(problem) if problem else None, window.about(result)))
+        seconds.append(time.process_time() - began)
+        return shots[-1]
+
+    _, found = mesh_uncertainty.climb(scene, wanted, shoot, fixed={"projectile"})
+    answer, cost = shots[-1], sum(seconds) / seconds[0]
+    table, finest = found.setup.table(), replace(found.setup, grading=None, elements_per_crossover=FINEST)
+    try:
+        shoot(mesh_uncertainty.halved(found.setup), table)
+    except InputError:  # of a graded mesh no element is shorter than an eighth of a crossover
+        shoot(finest, table)
+    strike = {"residual velocity": scene.strike_velocity, "absorbed energy": answer.result.strike_energy}
+    errors = dict.fromkeys(wanted, 0.0)  # of what is not there
+    for one in mesh_uncertainty.compare(answer, shots[-1]).intervals:
+        share = abs(one.other - one.value) / strike.get(one.name, one.other)
+        errors[QUANTITIES[one.name]] = max(errors.get(QUANTITIES[one.name], 0.0), share)
+    outcomes = [answer.result.outcome, shots[-1].result.outcome]
+    same = outcomes[0] == outcomes[1]
+    plies = f"{scene.plies} plies, " if scene.plies > 1 else ""
+    return {
+        "shot": f"{plies}{scene.fabric.name}, {scene.projectile.shape}, {scene.strike_velocity:g} m/s",
+        "wanted": wanted,
+        "errors": {name: errors[name] for name in wanted},
+        "outcomes": outcomes,
+        "mesh": found.meshes[-1],
+        "confirmed": found.confirmed,
+        "met": same and all(errors[name] <= share for name, share in wanted.items()),
+        "cost": cost,
+    }

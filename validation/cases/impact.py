@@ -1,0 +1,343 @@
+"""Shots and critical velocities: a case has the keywords of `weavecell.setup`, and a few that no input file has."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from math import nan
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import weavecell as wc
+from fabrics.errors import UndecidedError, UnstableError
+from fabrics.fabric import Fabric
+from fabrics.ply_law import PlyLaw
+from fabrics.variants import with_failure_length, with_yarns
+from shellfabric.impact import ballistic_limit, lambert_jonas, simulation
+from shellfabric.output.wave_fronts import fronts
+from shellfabric.panel.model import Numerics
+from shellfabric.plies.model import PlyContact
+from validation.models import variants
+from validation.models.ply_crossings import count
+from weavecell.results.impact import ImpactRecord
+from weavecell.studies import mesh_uncertainty, sweep
+from weavecell.studies.window import QUANTITIES, Window
+
+if TYPE_CHECKING:
+    from shellfabric.impact.simulation import ImpactResult, ImpactSetup
+
+STRAIGHT = 0.9  # least coefficient of determination of a line whose slope is called a speed of a wave
+SLIPPED = 50e-6  # [m] from which on a yarn counts as slipped
+VISCOUS = "viscous energy"  # the indicator of `quality`
+NOT_IN_A_FILE = ("table_size", "jam", "audit_interval")  # fields of ImpactSetup
+
+
+@dataclass(frozen=True)
+class Unchecked(Numerics):
+    """Numerics that nobody checks: a map has to go where the code refuses to."""
+
+    def __post_init__(self):
+        pass
+
+
+@dataclass(frozen=True)
+class UncheckedContact(PlyContact):
+    """The same of the contact between plies."""
+
+    def __post_init__(self):
+        pass
+
+
+def changed(
+    fabric: Fabric,
+    *,
+    size: float = 1.0,
+    mass: float = 1.0,
+    yarns: Mapping[str, float] | None = None,
+    law: str = "regularised",
+    crossovers: int = 1,
+    straight: bool = False,
+    failure_length: float | None = None,
+) -> Fabric:
+    """A fabric with changes for comparison.
+
+    Parameters
+    ----------
+    size, mass : of all lengths of the weave, and of the yarns' linear density, over those of the fabric; closures of
+        the compression laws grow with the size, forces with the mass of a yarn's length
+    yarns : {field of Yarn: factor} of all yarns
+    law : form of the compression laws, "regularised" or "printed"
+    crossovers : along each side, for which one of thicker yarns stands (`variants.homogenised`)
+    straight : whether the yarns have next to no crimp
+    failure_length : [m]
+    """
+    factors = {"linear_density": mass} | dict(yarns or {})
+    fabric = fabric.with_yarns(**{k: [f * getattr(yarn, k) for yarn in fabric.weave.yarns] for k, f in factors.items()})
+    weave, gap = fabric.weave, fabric.interlayer_gap
+    warp, weft = (replace(one, a=size * one.a, b=size * mass ** (1 / 3) * one.b) for one in fabric.laws or ())
+    fabric = replace(
+        fabric,
+        weave=replace(weave, warp_count=weave.warp_count / size, weft_count=weave.weft_count / size),
+        laws=(warp, weft),
+        interlayer_gap=None if gap is None else size * gap,
+    )
+    if law != "regularised":
+        fabric = variants.with_law_form(fabric, law)
+    if straight:
+        fabric = with_yarns(fabric, crimp=variants.NEARLY_STRAIGHT)
+    if failure_length is not None:
+        fabric = with_failure_length(fabric, failure_length)
+    return variants.homogenised(fabric, crossovers) if crossovers > 1 else fabric
+
+
+def setup(
+    fabric: str | None = None,
+    velocity: float | str = 100.0,
+    *,
+    change: Mapping[str, Any] | None = None,
+    mesh: str = "default",
+    unchecked: Mapping[str, Any] | None = None,
+    contact: Mapping[str, Any] | None = None,
+    **keywords: Any,
+) -> ImpactSetup:
+    """The set-up of a shot.
+
+    Parameters
+    ----------
+    fabric : name, or None where each of `ply` has its own
+    velocity : [m/s]
+    change : keywords of `changed`
+    mesh : "default", "finer", with half of its element side about the impact point, or "coarser", with one element per
+        crossover
+    unchecked : fields of Numerics, which are not checked
+    contact : fields of PlyContact, which are not checked; plies then press on each other as solid fibre
+    keywords : of `weavecell.setup`, and NOT_IN_A_FILE; one thread, where none is given
+    """
+    cloth: Any = fabric if not change or fabric is None else changed(wc.fabric(fabric), **change)
+    own = {name: keywords.pop(name) for name in NOT_IN_A_FILE if name in keywords}
+    if contact is not None:  # other laws reach the stiffness that bounds the step only at high pressures
+        own |= {"contact": UncheckedContact(**contact)}
+        keywords["ply_contact"] = PlyLaw.solid(wc.fabric(str(fabric)))
+    keywords["numerics"] = {"threads": 1} | keywords.get("numerics", {})
+    with warnings.catch_warnings(action="ignore"):  # notes of sliding crossovers
+        made = replace(wc.setup(cloth, velocity, **keywords), **own)
+    if unchecked is not None:
+        given = {entry.name: getattr(made.numerics, entry.name) for entry in fields(Numerics)}
+        made = replace(made, numerics=Unchecked(**given | dict(unchecked)))
+    if mesh == "coarser":
+        return replace(made, elements_per_crossover=1)
+    return mesh_uncertainty.finer(made, made.plain_table()) if mesh == "finer" else made
+
+
+def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -> dict[str, Any]:
+    """One shot: keys of its summary.json, histories, and what only studies read.
+
+    Parameters
+    ----------
+    unfailing : whether yarns do not fail, with the cell's table of yarns that do
+    crossings : whether edges and facets of plies that cross are counted at each sample
+    keywords : of `setup`
+
+    Returns
+    -------
+    dict with all keys of summary.json; t, v, z, force and absorbed (n,) [s, m/s, m, N, J]; energies {name: (n,)} [J];
+    peak (warp, weft) [N] of one yarn; strength (warp, weft) [N]; flags, the indicators beyond their limits; kinetic
+    [-], the mean of kinetic over stored energy of the fabric in the last half of the shot; fronts {kind family: [m/s]};
+    cpu_s [s] of table and run;
+    slip_*, place_* (k,) [m] of the ends of the yarns along the clamps; crossings, the most at a sample; force_peak,
+    force_jumps [N] (`rough`)
+    """
+    this, crossing = setup(**keywords), [0]
+    hooks = (lambda solver: crossing.append(count(solver)),) if crossings else ()
+    began = time.process_time()
+    table = this.table()
+    result = simulation.run(replace(this, failure=this.failure and not unfailing), hooks=hooks, table=table)
+    return {"cpu_s": time.process_time() - began, "crossings": max(crossing)} | found(result, keywords)
+
+
+def found(result: ImpactResult, keywords: Mapping[str, Any]) -> dict[str, Any]:
+    """The dict of `shot`."""
+    yarns = dict(keywords.get("change") or {}).get("crossovers", 1)
+    energies, late = result.energies, result.t > 0.5 * result.t[-1]
+    stored = energies["yarn_strain"] + energies["shear"]
+    late &= stored > 0
+    speeds = {
+        f"{front.kind} {front.family}": front.speed if front.r2 >= STRAIGHT else nan
+        for history in result.histories[:1]
+        for front in fronts(history)
+    }
+    return (
+        ImpactRecord.of(result, "", "").facts()
+        | ends(result)
+        | rough(result.step_history)
+        | {
+            "t": result.t,
+            "v": result.v,
+            "z": result.nose_position,
+            "force": result.contact_force,
+            "absorbed": result.strike_energy - energies["kinetic_projectile"],
+            "energies": energies,
+            "peak": np.array(result.peak_tension) / yarns,
+            "fronts": speeds,
+            "strength": np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
+            "flags": ", ".join(check.name for check in result.checks if not check.ok),
+            "kinetic": float(np.mean(energies["kinetic_fabric"][late] / stored[late])) if late.any() else nan,
+        }
+    )
+
+
+def ends(result: ImpactResult) -> dict[str, Any]:
+    """How far the ends of the yarns of a quarter panel of one ply have come in, and where they are along the clamps."""
+    panel = result.panel
+    if panel.symmetry != "quarter" or len(result.panels) > 1:
+        return {}
+    X, Y = panel.coordinates()
+    nodes = result.last[0].nodes
+    found: dict[str, Any] = {"slip_warp": X[-1] - nodes[-1, :, 0], "slip_weft": Y[:, -1] - nodes[:, -1, 1]}
+    found |= {"place_warp": Y[-1], "place_weft": X[:, -1]}
+    for family in ("warp", "weft"):
+        moved = found[f"place_{family}"][found[f"slip_{family}"] > SLIPPED]
+        found[f"width_{family}"] = 2 * float(moved.max()) if moved.size else 0.0
+    return found
+
+
+def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
+    """How the force on the projectile jumps: the highest mean over 2 us, and the rms of its difference from the mean
+    over 20 us up to a time [s]."""
+    t, force = history[:, 0], -history[:, 3]
+    if len(t) < 3:
+        return {}
+    smooth, slow = (
+        np.convolve(force, np.ones(n) / n, "same") for n in (max(1, round(w / (t[1] - t[0]))) for w in (2e-6, 20e-6))
+    )
+    return {"force_peak": float(smooth.max()), "force_jumps": float(np.sqrt(np.mean((smooth - slow)[t < until] ** 2)))}
+
+
+def stepped(*, cfl: float, neighbours: int = 1, penalty: float, soft: float, **keywords: Any) -> dict[str, Any]:
+    """A shot with a time step over its bound, and a contact whose stiffness does not depend on it.
+
+    The contact is given in units of nodal mass / dt^2: it would be four times as stiff at half the step, which moves
+    peaks by some per cent and has nothing to do with the step. Here it is held, at the stiffness that `penalty` has at
+    the Courant factor `soft`. Without viscosity crimped yarns ring, and their peaks are an extreme of chance: there an
+    answer is the median over some `neighbours`, steps each 1 % of the longest apart, which is the one that counts.
+    """
+    own = dict(keywords.pop("unchecked", {}))
+    steps = [cfl * (1 - 0.01 * n) for n in range(neighbours)]
+    runs = [shot(unchecked=own | {"cfl": dt, "penalty": penalty * (dt / soft) ** 2}, **keywords) for dt in steps]
+    peak = np.median([run["peak"] for run in runs], axis=0)
+    velocity = median(float(run["v"][-1]) for run in runs)
+    return runs[0] | {"peak": peak, "v": np.array([velocity]), "neighbours": neighbours}
+
+
+def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> dict[str, Any]:
+    """Shots at velocities [m/s] that all have an outcome: residual [m/s] and absorbed [J] of each.
+
+    Raises
+    ------
+    UnstableError : a shot with another outcome, or as of `simulation.run`
+    """
+    runs = [simulation.run(setup(velocity=velocity, **keywords)) for velocity in velocities]
+    for velocity, run in zip(velocities, runs):
+        if run.outcome != outcome:
+            raise UnstableError(f"the shot at {velocity:g} m/s ends {run.outcome}, not {outcome}")
+    return {"residual": [r.residual_velocity for r in runs], "absorbed": [r.absorbed_energy for r in runs]}
+
+
+def limit(
+    *,
+    tolerance: float = 1.0,
+    guess: float | None = None,
+    step: float = ballistic_limit.STEP,
+    multiples: Sequence[float] = (),
+    **keywords: Any,
+) -> dict[str, Any]:
+    """The critical velocity, and residual velocities above it.
+
+    Parameters
+    ----------
+    tolerance, guess, step : of `ballistic_limit.critical_velocity`
+    multiples : of the critical velocity, at which shots are fired; a and p of Lambert and Jonas are fitted to them
+    keywords : of `setup`
+
+    Returns
+    -------
+    dict with low, high, critical, half_width [m/s]; shots; error [-], the largest of the energy balance over the strike
+    energy; cut_yarns of the slowest perforation; window [m], the widest distance of yarns that slide at the fastest
+    stop; strikes, residuals [m/s], a, p with their intervals and rms [m/s] of the fit; flags of the bracket's shots
+    """
+    this = setup(**keywords)
+    target = this.target(this.table(kept=True))
+    bracket = ballistic_limit.critical_velocity(target, tolerance=tolerance, guess=guess, step=step)
+    slowest = min((one for one in bracket.shots if one.perforated), key=lambda one: one.strike_velocity)
+    flags = {check.name for one in bracket.ends for check in one.checks if not check.ok}
+    summary = {
+        "low": bracket.low,
+        "high": bracket.high,
+        "critical": bracket.velocity,
+        "half_width": bracket.half_width,
+        "shots": len(bracket.shots),
+        "error": max(one.balance for one in bracket.shots),
+        "flags": ", ".join(sorted(flags)),
+        "cut_yarns": slowest.cut_yarns,
+        "window": nan,
+    }
+    if this.crossovers is not None:
+        stopped = simulation.run(replace(this, strike_velocity=bracket.low, end_time=1e-3))
+        summary["window"] = max(float(slip.largest_window) for slip in stopped.slips)
+    if not multiples:
+        return summary
+    shots = ballistic_limit.shoot(target, [one * bracket.velocity for one in multiples])
+    strikes, residuals = zip(*((one.strike_velocity, one.residual_velocity) for one in shots if one.perforated))
+    fit = lambert_jonas.fit(strikes, residuals, limit=bracket.velocity)
+    return summary | {
+        "strikes": [one.strike_velocity for one in shots],
+        "residuals": [one.residual_velocity for one in shots],
+        "a": fit.a,
+        "p": fit.p,
+        "a_interval": fit.intervals["a"],
+        "p_interval": fit.intervals["p"],
+        "rms": fit.residual_rms,
+    }
+
+
+def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> dict[str, Any]:
+    """Means over a window of strike velocities about one (`weavecell.studies.window`).
+
+    Parameters
+    ----------
+    velocity : [m/s] in the middle
+    factors : on it, of the shots
+    keywords : of `setup`; and `search`, those of `limit` alone
+
+    Returns
+    -------
+    dict with (mean, standard error) of residual_velocity, absorbed_energy, cut_yarns; not_perforated; elements; cpu [s]
+    of a shot, the median; viscous [-], the largest share of viscous energy; with `search` critical and half_width [m/s]
+    """
+    search = keywords.pop("search", None)
+    rows, costs, shares = [], [], []
+    for factor in factors:
+        this = setup(velocity=round(factor * velocity, 3), end_time=ballistic_limit.UNDECIDED, **keywords)
+        table, began = this.table(kept=True), time.process_time()
+        result, problem = simulation.fired(this, table=table)
+        costs.append(time.process_time() - began)
+        shares.append(next(check.value for check in result.checks if check.name == VISCOUS))
+        rows.append({"strike_velocity_m_s": this.strike_velocity} | sweep.row_of(result, problem))
+    of_window = Window(velocity, tuple(rows))
+    summary: dict[str, Any] = {name: of_window.mean(name) for name in QUANTITIES} | {
+        "not_perforated": len(rows) - of_window.outcomes["perforated"],
+        "cpu": median(costs),
+        "viscous": max(shares),
+        "elements": sum(panel.elements for panel in result.panels),
+    }
+    if search is None:
+        return summary
+    try:
+        bracket = limit(**search, **keywords)
+        return summary | {name: bracket[name] for name in ("critical", "half_width")}
+    except (UnstableError, UndecidedError) as problem:
+        return summary | {"critical": nan, "half_width": nan, "undecided": str(problem)}

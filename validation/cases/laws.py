@@ -1,0 +1,137 @@
+"""What laws of yarns and cards are worth in a shot: assumed laws, scatter of strength, cards of other codes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+import weavecell as wc
+from shellfabric.cell import coefficients
+from shellfabric.cell.model import CellTable
+from shellfabric.cell.surface_cell import potential
+from shellfabric.impact import simulation
+from shellfabric.impact.simulation import ImpactSetup
+from weavecell.decks.cloth import Cloth
+from weavecell.decks.laws import CrimpExchange, Law, UncoupledCurves
+from weavecell.decks.mismatch import Mismatch
+from weavecell.studies import mesh_uncertainty
+
+LAWS: dict[str, Any] = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExchange}
+TABLE, FLOOR = 201, 0.05
+
+
+def assumed(*, fabric: str, mesh: str = "coarse", multiple: float = 1.3, tolerance: float = 0.5) -> dict[str, Any]:
+    """A fabric of the catalogue treated as one of which only the data sheet is known, beside its published laws.
+
+    Its compression, trellis and solid laws are taken away, the fibre family's are assumed (`fabrics.families`), and the
+    3D crossover yields the compression law and its range.
+
+    Parameters
+    ----------
+    mesh : of the 3D crossover
+    multiple : of the critical velocity with the published laws, at which residual velocities are compared
+    tolerance : [m/s] between a stop and a perforation
+
+    Returns
+    -------
+    dict with critical, residual [m/s] with the published laws; `*_range`, `*_nominal` [m/s] with the assumed ones;
+    strike [m/s]; a, b and a_range, b_range (soft, stiff) [m, m N^(1/3)]; `*_within`, whether the published value lies
+    in the range; `*_ends` {ends of the laws: velocity or outcome}
+    """
+    cloth = wc.fabric(fabric)
+    search: dict[str, Any] = {"tolerance": tolerance, "residual_shots": 0, "scan": False}
+    critical = wc.critical_velocity(cloth, **search).velocity
+    found = wc.calibrate(replace(cloth, laws=None, shear=None, solid_laws=None), mesh=mesh)
+    bare, strike = replace(found.fabric, laws=None), multiple * critical
+    ranges = {
+        "critical": wc.critical_velocity(bare, law=found.law, assumed_range=True, **search).range,
+        "residual": wc.impact(bare, strike, law=found.law, assumed_range=True).range,
+    }
+    published = {"critical": critical, "residual": wc.impact(cloth, strike).residual_velocity}
+    ends = found.law.assumed_range or ()
+    summary: dict[str, Any] = {"strike": strike, "a": found.law.a, "b": found.law.b}
+    summary |= {"a_range": [a for a, _ in ends], "b_range": [b for _, b in ends]}
+    for name, around in ranges.items():
+        summary |= {
+            name: published[name],
+            f"{name}_range": (around.low, around.high),
+            f"{name}_nominal": around.rows[0].velocity,
+            f"{name}_within": around.low <= published[name] <= around.high,
+            f"{name}_ends": {row.laws: row.outcome if row.velocity is None else row.velocity for row in around.rows},
+        }
+    return summary
+
+
+def v50(**options: Any) -> dict[str, Any]:
+    """The summary of `weavecell.v50`, with the values and intervals of each curve as "LINK QUANTITY"."""
+    found = wc.v50(options.pop("fabric"), **options)
+    curves = {
+        f"{link}_{name}": (getattr(curve, name), *curve.intervals[name])
+        for link, curve in found.study.curves.items()
+        for name in curve.intervals
+    }
+    return found.summary() | curves
+
+
+def sobol(**options: Any) -> dict[str, Any]:
+    """Sobol indices of `weavecell.sensitivity`: indices {"VELOCITY, QUANTITY, INPUT": (first order, half the width of
+    its interval, total order, half the width)}."""
+    found = wc.sensitivity(options.pop("fabric"), **options)
+    return {
+        "indices": {
+            f"{of.velocity:g}, {of.quantity}, {name}": values
+            for of in found.indices
+            for name, *values in zip(of.names, of.first, of.first_half, of.total, of.total_half)
+        }
+    }
+
+
+def _card_table(setup: ImpactSetup, law: Law) -> CellTable:
+    """A card's law in place of the cell: its nominal stresses over the range of the cell, none below 0."""
+    model: Any = setup.cell()
+    x, y = (coefficients.grid(low, high, TABLE) for low, high in model.range())
+    N = np.maximum(law.stress(*np.meshgrid(x, y, indexing="ij")), 0.0) / Cloth(model).smear[:, None, None]
+    per = [2 * w * (axis[1] - axis[0]) for w, axis in zip(model.fabric.weave.w, (x, y))]
+    floor = np.array([FLOOR * p * yarn.strength for p, yarn in zip(per, model.fabric.weave.yarns)])
+    W, fx, fy, residual = potential(N[0] * per[0], N[1] * per[1], floor, np.ones_like(N[0]))
+    values = {"T1": N[0], "T2": N[1], "W": W, "N1": fx / per[0], "N2": fy / per[1]}
+    # no contact force between yarns: that is not in the law
+    return CellTable.of(replace(model, model="decoupled"), x, y, values, fx, fy, residual)
+
+
+@cache
+def _cell(fabric: str, velocity: float, cell: Any) -> tuple[ImpactSetup, CellTable]:
+    setup = wc.setup(fabric, velocity, cell_model=cell, elements_per_crossover=1, end_time=200e-6, yarn_failure=False)
+    return setup, setup.table()
+
+
+def card(
+    *, fabric: str, velocity: float, cell: str, law: str = "", match: str = "", finer: bool = False
+) -> dict[str, Any]:
+    """A shot without failure with the cell, or with the law of a material card, which other codes have, in its place.
+
+    Parameters
+    ----------
+    cell : model of the cell
+    law, match : of LAWS, and of `decks.cloth.MATCHES`; none for the cell
+    finer : whether the elements have half the side
+
+    Returns
+    -------
+    dict with t, v (n,) [s, m/s], deflection [m], peak (warp, weft) [N]
+    """
+    setup, table = _cell(fabric, velocity, cell)
+    if law:
+        table = _card_table(setup, LAWS[law].of(Cloth(setup.cell()), match))  # type: ignore[arg-type]
+    result = simulation.run(mesh_uncertainty.finer(setup, table) if finer else setup, table=table)
+    return {"t": result.t, "v": result.v, "deflection": result.max_deflection, "peak": result.peak_tension}
+
+
+def card_error(*, fabric: str, law: str, match: str) -> dict[str, Any]:
+    """Errors of a card's law against the cell, over the strength [-]: {name: error} of `decks.mismatch.Mismatch`."""
+    cell: Any = wc.setup(fabric, "100 m/s").cell()
+    cloth = Cloth(cell)
+    return {"errors": Mismatch.of(cloth, LAWS[law].of(cloth, match)).numbers()}

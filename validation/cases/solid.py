@@ -1,0 +1,282 @@
+"""The 3D crossover: its meshes, contact and load steps, platens, pull-out, calibration. Needs dolfinx."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+import weavecell as wc
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError, UnstableError
+from fabrics.friction.pull_out import PullOutLaw
+from fabrics.plate_curve import PlateCurve
+from fabrics.variants import with_solids
+from meshing import crossover
+from shellfabric.panel import quality
+from unitcell3d.cases import pull_out as pulling
+from unitcell3d.cases import single_yarn
+from unitcell3d.cases.biaxial_and_platens import plate_compression
+from unitcell3d.identify.calibration import samples
+from unitcell3d.identify.platen_misfit import closures, platen_misfit
+from unitcell3d.material import solid_law
+from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
+from unitcell3d.solver.load_stepping import Steps, solve_load_path
+from validation.models.variants import scale_solids
+
+FABRIC = "S-720"  # whose solid the thesis calibrated (Tables 3-1, 3-2)
+FORCES = ("T1", "T2", "F_c")
+PACKING = 1e6  # [Pa] below which platens close four fifths
+POINTS = 24  # of the platen curve
+
+
+def _numerics(factors: Mapping[str, float], **fields: Any) -> Numerics:
+    """The default Numerics with factors on some fields, and others given."""
+    plain = Numerics()
+    return replace(plain, **{name: factor * getattr(plain, name) for name, factor in factors.items()}, **fields)
+
+
+def paths(
+    *,
+    ends: Mapping[str, Sequence[float]],
+    size: Sequence[int] = (8, 6, 2),
+    domain: str = "quarter",
+    section: str | None = None,
+    tip: float | None = None,
+    equal_bars: bool = False,
+    one_point: bool = False,
+    factors: Mapping[str, float] | None = None,
+    friction: float = 0.0,
+    steps: Mapping[str, float] | None = None,
+    solids: Mapping[str, float] | None = None,
+) -> dict[str, Any]:
+    """A crossover of S-720 meshed, formulated and stepped in one way, pulled along paths.
+
+    Parameters
+    ----------
+    ends : {path: (d1, d2)} [m] end displacements at which they stop
+    size, domain, section, tip : of `meshing.crossover.build`; tip is its tip_thickness_ratio
+    equal_bars : whether all fibre bars have one area, and not what is nearest to each
+    one_point : one-point integration of the solids
+    factors, friction : on fields of the default Numerics; Coulomb's coefficient
+    steps : fields of load_stepping.Steps
+    solids : {field of SolidLaw: factor}, on both yarns
+
+    Returns
+    -------
+    dict with "T1, PATH", "T2, PATH", "F_c, PATH" [N] at the ends; a [m], b [m N^(1/3)] of the law fitted to them, None
+    where none can be; unknowns
+
+    Raises
+    ------
+    UnstableError : a path that does not reach its end
+    """
+    fabric = scale_solids(catalogue.load(FABRIC), dict(solids or {}))
+    options: dict[str, Any] = {} if tip is None else {"tip_thickness_ratio": tip}
+    mesh = crossover.build(fabric, domain=domain, size=tuple(size), section=section, **options)
+    if equal_bars:
+        mesh = replace(mesh, bar_area=tuple(np.full_like(area, area.mean()) for area in mesh.bar_area))
+    integration = solid_law.ONE_POINT if one_point else solid_law.FULL
+    numerics = _numerics(factors or {}, friction=friction)
+    stepping: Any = dict(steps or {})
+    histories, unknowns = [], 0
+    values: dict[str, float] = {}
+    for name, end in ends.items():
+        model = CrossoverModel(mesh, fabric, numerics, integration=integration)
+        load: Any = tuple(end)
+        history = solve_load_path(model, Load(), Load(load), case=name, steps=replace(Steps(), **stepping))
+        if history.failed:
+            raise UnstableError(f"{name}: {history.failed}")
+        histories.append(history)
+        values |= {f"{force}, {name}": float(getattr(history, force)[-1]) for force in FORCES}
+        unknowns = model.size
+    try:
+        law = CompressionLaw.fit(*(np.concatenate(parts) for parts in zip(*map(samples, histories))))
+    except InputError:
+        law = None
+    return {"values": values, "a": law and law.a, "b": law and law.b, "unknowns": unknowns}
+
+
+@cache
+def _yarn() -> crossover.Crossover:
+    return crossover.build(catalogue.load(FABRIC), size=(8, 10, 3))
+
+
+def bars(*, bars: int, reduced: bool) -> dict[str, Any]:
+    """The warp alone, 8 x 10 x 3 hexahedra in half its width and length, pulled straight and on to its failure strain.
+
+    Parameters
+    ----------
+    bars : of the fibre lines, that carry bars
+    reduced : one-point integration, which leaves modes without energy, or full
+
+    Returns
+    -------
+    dict with astray [-], the largest amplitude from node to node along the yarn over its thickness; flags
+
+    Raises
+    ------
+    UnstableError : the path ends early
+    """
+    lines = len(_yarn().bar_area[0])
+    record = single_yarn.pull(
+        _yarn(),
+        catalogue.load(FABRIC),
+        0,
+        bars=None if bars >= lines else bars,
+        rows=12,
+        integration=solid_law.ONE_POINT if reduced else solid_law.FULL,
+    )
+    if record.failed:
+        raise UnstableError(record.failed)
+    thickness = 2 * catalogue.load(FABRIC).weave.h01
+    checks = quality.of_yarn(record["astray"], thickness)
+    flags = ", ".join(check.name for check in checks if not check.ok)
+    return {"astray": float(max(record["astray"])) / thickness, "flags": flags}
+
+
+def platens(
+    *,
+    mesh: Mapping[str, Any] | None = None,
+    solids: Mapping[str, Any] | None = None,
+    lowest: float = 0.0,
+    numerics: Mapping[str, float] | None = None,
+) -> dict[str, Any]:
+    """S-720 between platens beside its platen law (thesis section 3.4.3.2), from its published solid constants.
+
+    Parameters
+    ----------
+    mesh : options of `meshing.crossover.build`
+    solids : {field of SolidLaw: value, or (warp, weft)}
+    lowest : [Pa] from which on the pressures are compared
+    numerics : fields of Numerics
+
+    Returns
+    -------
+    dict with closure [m], pressure [-], the rms misfits, offset free; loose, packed [m], closures below and above
+    PACKING, and law_loose, law_packed of the law; Vf0 (warp, weft); ended, why the path ended early, or ""
+    """
+    file = catalogue.load(FABRIC)
+    fabric = with_solids(file, **{name: tuple(np.broadcast_to(value, 2)) for name, value in (solids or {}).items()})
+    built = crossover.build(fabric, **{"size": (6, 4, 2)} | dict(mesh or {}))
+    history = plate_compression(
+        built,
+        fabric,
+        min_plate_gap=0.2,
+        numerics=replace(Numerics(), **dict(numerics or {})),
+        steps=Steps(first=0.004, largest=0.02),
+    )
+    assert file.areal_density_measured is not None
+    target, area = PlateCurve.pressure_law(file.areal_density_measured), file.weave.cell_area
+    pressure = np.geomspace(max(lowest, target.pressure[0]), target.pressure[-1], POINTS)
+    law = target.at(pressure)
+    computed = closures(history, area, pressure, law)
+    misfit = platen_misfit(history, area, target, pressure)
+    at, of_law = (float(np.interp(np.log(PACKING), np.log(pressure), curve)) for curve in (computed, law))
+    return {
+        "closure": misfit.closure,
+        "pressure": misfit.pressure,
+        "loose": at - computed[0],
+        "packed": computed[-1] - at,
+        "law_loose": of_law,
+        "law_packed": float(law[-1]) - of_law,
+        "Vf0": tuple(map(float, built.Vf0)),
+        "ended": history.failed,
+    }
+
+
+def pull_out(
+    *,
+    pulled: str = "warp",
+    friction: float,
+    size: Sequence[int] = (8, 6, 2),
+    loads: Sequence[float] = (1.0,),
+    rows: int = pulling.ROWS,
+    slip: float = Numerics.slip,
+    pressures: Sequence[float] = (),
+) -> dict[str, Any]:
+    """A yarn of S-720 pulled through a whole crossover under transverse loads.
+
+    Parameters
+    ----------
+    pulled : "warp" or "weft"
+    friction, slip : Coulomb's coefficient, and [m] over which it sets in
+    size : hexahedra along, across and through a quarter of each yarn
+    loads : of the largest end displacement of the crossing yarn
+    rows : states along the pull
+    pressures : [Pa] of platens, in place of the end displacements
+
+    Returns
+    -------
+    dict with F_c, T_f [N] of each load, largest [N], the sum of normal pressures along the axis, mobilised [-], the
+    share of Coulomb's limit; P [N], the largest axial force; c0 [N], mu_eff [-] of the law through them, nan of a
+    single one; tangents for each state; seconds
+    """
+    fabric, family = catalogue.load(FABRIC), ("warp", "weft").index(pulled)
+    largest = pulling.displacements(fabric, family)[-1] / pulling.LOADS[-1]
+    record = pulling.pull_out(
+        crossover.build(fabric, domain="whole", size=tuple(size)),
+        fabric,
+        [] if pressures else [share * largest for share in loads],
+        pressures=tuple(pressures),
+        pulled=family,
+        numerics=Numerics(friction=friction, slip=slip),
+        rows=rows,
+    )
+    if record.failed:
+        raise UnstableError(record.failed)
+    F_c, T_f = pulling.thresholds(record)
+    law = PullOutLaw.fit(F_c, T_f, friction=friction) if len(F_c) > 1 else None
+    each = [record["load"] == number for number in np.unique(record["load"])]
+    return {
+        "F_c": F_c,
+        "T_f": T_f,
+        "P": float(np.abs(record["P"]).max()),
+        "largest": [float(np.abs(record["P_geometric"][of]).max()) for of in each],
+        "mobilised": [float(record["mobilised"][of].max()) for of in each],
+        "c0": np.nan if law is None else law.c0,
+        "mu_eff": np.nan if law is None else law.mu_eff,
+        "tangents": float(record["iterations"].sum() / len(record["path"])),
+        "seconds": float(record["seconds"].sum()),
+    }
+
+
+def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0) -> dict[str, Any]:
+    """The compression law of a fabric from its 3D crossover (`weavecell.calibrate`), beside the published one.
+
+    Returns
+    -------
+    dict with a [m], b [m N^(1/3)], a_interval, b_interval; a_ratio, b_ratio [-] over the published values, nan without;
+    rms, rms_ratio [m] of the fit and of that of the tension ratio; a_warp, b_warp, a_weft, b_weft of the yarns' own
+    laws; of a fitted solid misfit_before, misfit (closure [m], pressure [-]) and constants {name: (value, low, high)}
+    """
+    found = wc.calibrate(fabric, mesh=mesh, fit_solid=fit_solid, friction=friction, assumed_range=False)
+    done, law, nan = found.calibration, found.law, float("nan")
+    interval: Any = found.interval
+    around = interval.around(law) if fit_solid and not isinstance(interval, Exception) else {}
+    own = {
+        f"{key}_{name}": nan if one is None else getattr(one, key)
+        for name, one in zip(("warp", "weft"), done.yarn_laws)
+        for key in "ab"
+    }
+    summary: dict[str, Any] = own | {
+        "a": law.a,
+        "b": law.b,
+        "a_interval": around.get("a", law.a_interval),
+        "b_interval": around.get("b", law.b_interval),
+        "a_ratio": done.comparison.get("a_ratio", nan),
+        "b_ratio": done.comparison.get("b_ratio", nan),
+        "rms": law.residual_rms,
+        "rms_ratio": nan if done.ratio_law is None else done.ratio_law.residual_rms,
+    }
+    if found.solid is not None:
+        summary["constants"] = {
+            name: (value, *found.solid.intervals[name]) for name, value in found.solid.values.items()
+        }
+        for name, misfit in (("misfit_before", found.solid.misfit_before), ("misfit", found.solid.misfit)):
+            summary[name] = misfit.closure, misfit.pressure
+    return summary

@@ -1,0 +1,243 @@
+"""Studies as data: a file of validation/studies says what is varied and what is read off, `validation.runner` runs it.
+
+A file NAME.toml has
+
+    question    what the study answers
+    run         function of validation/cases that computes a case, as "module.function"
+    like        another study, whose entries are those that this file does not have
+    [base]      keywords of the function; those of a shot are the keys of the input file (`weavecell.setup`)
+    [each]      what is varied, in all combinations: lists of values, tables {label: changes of the keywords}, or lists
+                of lists under a heading of several keys, "fabric, plies, velocity"
+    [[case]]    groups of cases with a `name`, changes `set`, `each` and `quantities` of their own. {key} in a text
+                stands for a value of `each`, which is then no keyword itself
+    labels      keys of `each` that are no keywords
+    [columns]   headings of keys of `each`
+    [quantities]  columns: expressions of what the function returns, of `ref` (the same of the reference), of `row` (the
+                values of `each`) and of NAMES
+    [reference] values of `each`, or changes in their place, of the run that a case is compared with
+    [fits]      further rows: {column: expression} of `of(column, {key: value})`, the values of a column
+    [cost], [map]   how the cases are judged (`validation.judges`)
+    expect      expressions of `of` that must hold
+    [picture]   columns of the figure in the documentation: x, y, by; and whether they are logarithmic: log = "xy"
+    [quick]     keywords changed for a short look, and `most`, the number of cases
+
+A case that ends with an error has it in the column "problem".
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import product
+from math import isnan
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from fabrics.errors import InputError
+from fabrics.files import write_whole
+from validation import cases
+
+FOLDER = Path(__file__).parent / "studies"
+DATA = Path(__file__).parents[1] / "docs" / "reports" / "data"
+_NUMPY = (
+    "abs all any arange array corrcoef degrees diff exp interp isnan log max mean median min nan polyfit sqrt std sum"
+)
+NAMES: dict[str, Any] = {name: getattr(np, name) for name in _NUMPY.split()} | {
+    "float": float,
+    "len": len,
+    "round": round,
+    "set": set,
+    "str": str,
+    "sorted": sorted,
+    "zip": zip,
+    "rises": lambda values: bool(np.all(np.diff(values) > 0)),
+    "falls": lambda values: bool(np.all(np.diff(values) < 0)),
+}
+Record = dict[str, Any]  # {column: value} of a row of the CSV
+
+
+@dataclass(frozen=True)
+class Row:
+    """One case: what stands in the table, the keywords of its run and of its reference, and its quantities."""
+
+    labels: dict[str, Any]
+    keywords: dict[str, Any]
+    reference: dict[str, Any] | None
+    quantities: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study by its name and the content of its file."""
+
+    name: str
+    content: dict[str, Any]
+
+    def rows(self, quick: bool = False) -> list[Row]:
+        """All cases, or those of a short look."""
+        content, short = self.content, dict(self.content.get("quick", {})) if quick else {}
+        most = short.pop("most", 2 if quick else None)
+        base = merged(content.get("base", {}), short)
+        rows = [row for case in content.get("case", [{}]) for row in self._rows_of(case, base)]
+        return rows[:most]
+
+    def row_at(self, chosen: Mapping[str, Any]) -> Row:
+        """The case at other values {key of `each`: value}, of a study without [[case]]."""
+        return self._row({}, self.content.get("base", {}), self.content["each"], dict(chosen))
+
+    def row_of(self, changes: Mapping[str, Any]) -> Row:
+        """The case of [base] with changes."""
+        return Row({}, merged(self.content["base"], changes), None, self.content["quantities"])
+
+    def _rows_of(self, case: Mapping[str, Any], base: Mapping[str, Any]) -> Iterator[Row]:
+        varied = {**self.content.get("each", {}), **case.get("each", {})}
+        choices = [[dict(zip(keys(key), values(key, one))) for one in entries] for key, entries in varied.items()]
+        for places in product(*choices):
+            yield self._row(case, base, varied, {key: value for place in places for key, value in place.items()})
+
+    def _row(self, case: Mapping[str, Any], base: Mapping[str, Any], varied: Mapping[str, Any], chosen: Record) -> Row:
+        other = None
+        if "reference" in self.content:
+            other = self._keywords(case, base, varied, chosen | self.content["reference"])
+        shown = {"name": filled(case["name"], chosen)} if "name" in case else {}
+        quantities = self.content.get("quantities", {}) | case.get("quantities", {})
+        return Row(shown | chosen, self._keywords(case, base, varied, chosen), other, quantities)
+
+    def _keywords(self, case, base, varied, chosen):
+        used = set(self.content.get("labels", ()))
+        found = filled(merged(base, case.get("set", {})), chosen, used)
+        for key, value in chosen.items():
+            labelled = varied.get(key)
+            if isinstance(value, Mapping):
+                found = merged(found, value)
+            elif isinstance(labelled, Mapping):
+                found = merged(found, filled(labelled[value], chosen))
+            elif key not in used:
+                *tables, last = key.split(".")
+                found = merged(found, reduce(lambda inner, table: {table: inner}, reversed(tables), {last: value}))
+        return found
+
+
+def keys(heading: str) -> list[str]:
+    """The keys of a heading of `each`."""
+    return [key.strip() for key in heading.split(",")]
+
+
+def values(heading: str, entry: Any) -> Sequence[Any]:
+    """The values of an entry under a heading."""
+    return entry if "," in heading else [entry]
+
+
+def merged(first: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """A table with changes; tables in it are merged as well."""
+    both = dict(first)
+    for key, value in changes.items():
+        inner = both.get(key)
+        both[key] = merged(inner, value) if isinstance(value, Mapping) and isinstance(inner, Mapping) else value
+    return both
+
+
+def filled(entry: Any, chosen: Mapping[str, Any], used: set[str] | None = None) -> Any:
+    """An entry whose texts have the values of {key} in them; a text of a key alone becomes its value."""
+    if isinstance(entry, Mapping):
+        return {key: filled(value, chosen, used) for key, value in entry.items()}
+    if isinstance(entry, list):
+        return [filled(value, chosen, used) for value in entry]
+    if not isinstance(entry, str):
+        return entry
+    found = [key for key in re.findall(r"\{([\w. -]+)\}", entry) if key in chosen]
+    if used is not None:
+        used.update(found)
+    if found and entry == f"{{{found[0]}}}":
+        return chosen[found[0]]
+    for key in found:
+        entry = entry.replace(f"{{{key}}}", text(chosen[key]))
+    return entry
+
+
+def all_names() -> list[str]:
+    """All studies."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def load(name: str) -> Study:
+    """A study by its name.
+
+    Raises
+    ------
+    InputError : there is none of this name, or a study without a function of validation/cases
+    """
+    if name not in all_names():
+        raise InputError(key="names", value=name, allowed=f"all, or of {', '.join(all_names())}")
+    content = tomllib.loads((FOLDER / f"{name}.toml").read_text("utf-8"))
+    if "like" in content:
+        content = load(content["like"]).content | content
+    cases.function(content["run"])
+    return Study(name, content)
+
+
+def evaluated(expression: str, result: Mapping[str, Any], reference: Mapping[str, Any] | None = None) -> Any:
+    """Value of a quantity of a result."""
+    known = NAMES | dict(result) | ({} if reference is None else {"ref": SimpleNamespace(**reference)})
+    return eval(expression, {"__builtins__": {}, **known})  # of a file of ours
+
+
+def record(row: Row, result: Mapping[str, Any], reference: Mapping[str, Any]) -> Record:
+    """The row of the CSV of a case."""
+    problem = result.get("problem") or reference.get("problem", "")
+    if problem:
+        return row.labels | dict.fromkeys(row.quantities) | {"problem": problem}
+    known = dict(result) | {"row": row.labels}
+    return row.labels | {name: evaluated(expression, known, reference) for name, expression in row.quantities.items()}
+
+
+def of(records: Sequence[Record]) -> Callable[..., Any]:
+    """of(column, where={}): the values of a column, where others have these values; numbers as an array."""
+
+    def values_of(column: str, where: Mapping[str, Any] | None = None) -> Any:
+        chosen = [one for one in records if all(one.get(key) == value for key, value in (where or {}).items())]
+        found = [one[column] for one in chosen if one.get(column) not in (None, "")]
+        return np.array(found) if all(isinstance(value, (int, float)) for value in found) else found
+
+    return values_of
+
+
+def unmet(study: Study, records: Sequence[Record]) -> list[str]:
+    """Expectations of a study that its records do not meet."""
+    known = {"__builtins__": {}, **NAMES, "of": of(records)}
+    return [expression for expression in study.content.get("expect", []) if not eval(expression, known)]
+
+
+def text(value: Any) -> str:
+    """A value as it stands in the CSV: numbers with five digits, sequences with strokes between."""
+    if value is None or (isinstance(value, float) and isnan(value)):
+        return ""
+    if isinstance(value, (bool, np.bool_)):
+        return "yes" if value else "no"
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.5g}"
+    return " / ".join(map(text, value)) if isinstance(value, (list, tuple, np.ndarray)) else str(value)
+
+
+def write(path: Path, records: Sequence[Record], made: str, headings: Mapping[str, str] | None = None) -> None:
+    """Write records as CSV; `made` says how in its first line, and `headings` are those of columns."""
+    columns = list(dict.fromkeys(column for one in records for column in one))
+    with write_whole(path) as file:
+        file.write(f"# {made}\n")
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([(headings or {}).get(column, column) for column in columns])
+        writer.writerows([text(one.get(column)) for column in columns] for one in records)
+
+
+def read(path: Path) -> tuple[str, list[dict[str, str]]]:
+    """(how it was made, rows) of a CSV of `write`."""
+    with open(path, encoding="utf-8", newline="") as file:
+        made = file.readline().removeprefix("#").strip()
+        return made, list(csv.DictReader(file))

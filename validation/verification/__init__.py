@@ -1,1 +1,0 @@
-"""Convergence, stability, and cost against accuracy: what the methods do, whatever the literature says."""
