@@ -23,16 +23,6 @@ def test_waves_in_a_ply_are_slower_than_in_a_lone_yarn():
     assert 0.5 < shot["kinetic"] < 4
 
 
-def test_slip_follows_from_a_grip():
-    """The weaker the clamp, the further yarns slip and the wider the zone; the energy goes into the grips."""
-    small = {"fabric": "S-728", "velocity": 60.0, "opening": "60 mm", "table_size": 61, "end_time": "120 us"}
-    weak, strong = (impact.shot(boundary={"clamp_force": force}, **small) for force in ("15 N", "60 N"))
-    assert weak["slip_weft"].max() > strong["slip_weft"].max() > impact.SLIPPED
-    assert weak["width_weft"] >= strong["width_weft"]
-    assert weak["energy_error_max"] < 5e-3
-    assert min(shot["energies"]["clamp_friction"][-1] for shot in (weak, strong)) > 0
-
-
 def test_a_torn_ply_on_a_fine_mesh_gains_no_energy():
     """Lines beside a failed yarn are drawn out beyond the cell's table; with the polynomials of its last cells there
     this shot gained 5 % of its energy and was stopped."""
