@@ -1,37 +1,49 @@
-"""The claims of the thesis as data: what is claimed, where, and what our number has to be to bear it out.
+"""The claims of the thesis as data: what is claimed, where, the runs it takes, and what would bear it out.
 
 claims.toml has the claims that were listed before anything was computed; additional.toml has those that were added
-later, among them earlier, weaker readings of a claim that is now held against what the thesis states.
+later, among them earlier, weaker readings of a claim that is now held against what the thesis states. Their keys are
+the fields of `Claim`.
 
-A claim is in one of three states. It names a `check`; or it is not testable, with the reason; or what it needs is not
-built yet, with where that is planned. A check may be marked in one of three ways, each with its reason: its conditions
-are evidence that the thesis is wrong (`against`); they repeat input data or evaluate a closed form on which no code of
-the product depends, so that nothing is reproduced (`data`); or what the thesis states is not comparable with what the
-check computes (`incomparable`).
+`run.NAME` is a run: its kind (a function of `runs`) with what it is made of, and keywords of that function, as
+`run.less = { shot = "S-728", velocity = "100 m/s", change = { modulus = 0.8 } }`. With `for`, a list or the name of
+one, it is a dict of runs, one an entry, which stands for "{}" in the values. A text that begins with "=" is an
+expression.
 
-A condition holds one number, text or list that the check finds against a target, in the unit it is given in:
+`expect` has conditions "NAME: EXPRESSION", or "NAME" of a number that the function `check` finds, with one of
 
-    value with within (absolute) or relative   |found - value| <= within, or <= relative |value|
-    above, below                               found > above, found < below
-    is                                         found == is: a text, a list in order, or true
+    = 0.12 mm +- 0.005 mm, = 255.2 g/m2 +- 3 %   |found - value| <= tolerance, or <= the share of |value|
+    > 4.3 %, < 5 us                              in the unit, a unit of UNITS or none
+    is S-720, is ['weft', 'warp'], is True       equal: a text, a list in order, or true
+
+An expression is Python over the names of `readers`, the functions of `checks`, the runs, and the values of `let`,
+which are evaluated first, in their order. A number with a unit ("60 us") is one in SI.
+
+`each` makes one claim for each entry of its lists of one length: "{fabric}" in any text, and for a text that is nothing
+else the value itself. With `fabric` there is "{tag}" for the id: "s720" of "S-720".
+
+A claim is in one of three states. It has conditions; or it is not testable, with the reason; or what it needs is not
+built yet. Conditions may be marked in one of three ways, each with its reason: they are evidence that the thesis is
+wrong (`against`); they repeat input data or evaluate a closed form on which no code of the product depends (`data`); or
+what the thesis states is not comparable with what is computed (`incomparable`).
 """
 
 from __future__ import annotations
 
+import ast
+import json
+import re
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
-from math import isfinite
+from math import isfinite, pi
 from typing import Any
 
 from fabrics.errors import InputError
-from fabrics.units import si
 
 FILES = ("claims.toml", "additional.toml")
 KINDS = ("number", "outcome", "ordering", "trend", "shape", "failure-mode", "future")
-TESTS = ("value", "above", "below", "is")
 TOPICS = {
     "geom": "Weave geometry",
     "compr": "Transverse compression",
@@ -51,34 +63,35 @@ TOPICS = {
     "failmode": "Ways to fail",
     "future": "Recommendations",
 }
-# what a unit is converted to; a found number is held against the target in SI and given in the unit
-SI = {
-    "mm": "m", "um": "m", "mm2": "m^2", "us": "s", "g": "kg", "g/m2": "kg/m^2", "kg/m3": "kg/m^3", "GPa": "Pa",
-    "MPa": "Pa", "kPa": "Pa", "deg": "rad", "mm uN^(1/3)": "m * N^(1/3)", "Pa um3": "Pa * m^3", "N": "N", "m/s": "m/s",
-    "rad": "rad", "Pa": "Pa", "s": "s", "J": "J", "kN": "N", "J/m2": "J/m^2",
-}  # fmt: skip
-_SPELLED = {
-    "g/m2": "g/m^2", "kg/m3": "kg/m^3", "mm2": "mm^2", "Pa um3": "Pa um^3", "mm uN^(1/3)": "mm * uN**(1/3)",
-    "J/m2": "J/m^2",
-}  # fmt: skip
+POWERS = {"km": 3, "mm": -3, "um": -6, "us": -6, "g": -3, "kN": 3, "GPa": 9, "MPa": 6, "kPa": 3}  # of ten, to SI
+UNITS = {unit: float(f"1e{power}") for unit, power in POWERS.items()}
+UNITS |= {"": 1.0, "%": 0.01, "mm2": 1e-6, "g/m2": 1e-3, "mm uN^(1/3)": 1e-5, "Pa um3": 1e-18, "deg": pi / 180}
+UNITS |= dict.fromkeys(("m", "s", "N", "m/s", "rad", "Pa", "J", "J/m2", "kg/m3"), 1.0)
+_NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
+_UNIT = "|".join(map(re.escape, sorted(UNITS, key=len, reverse=True)))
+_CONDITION = re.compile(rf"(.+?) ([=<>]) ({_NUMBER}) ?({_UNIT})(?: \+- ({_NUMBER}) ?({_UNIT}))?")
+_EQUAL = re.compile(r"(.+) is (.+)")
+_QUANTITY = re.compile(rf"(?<![\w'.])({_NUMBER.removeprefix('[-+]?')}) ?({'|'.join((*POWERS, 'deg', 'm/s', 'N'))})\b")
 
 
 @dataclass(frozen=True)
 class Condition:
-    """One condition on what a check finds.
+    """One condition.
 
     Parameters
     ----------
-    name : of the number or text among those that the check finds
-    test : of TESTS
+    name : of the number or text
+    expression : that finds it; "" where the function `check` does
+    test : "=", "<", ">" or "is"
     target : number in `unit`, text, list or bool
-    within, relative : the tolerance of a "value"
-    unit : of SI, "%" or "" for none
+    within, relative : the tolerance of "=", in `unit` or as a share
+    unit : of UNITS
     """
 
     name: str
+    expression: str
     test: str
-    target: object
+    target: Any
     within: float | None = None
     relative: float | None = None
     unit: str = ""
@@ -86,9 +99,16 @@ class Condition:
     @property
     def factor(self) -> float:
         """SI value of the unit."""
-        if self.unit in ("", "%"):
-            return 0.01 if self.unit else 1.0
-        return si(f"1 {_SPELLED.get(self.unit, self.unit)}", SI[self.unit].replace("^", "**"), key=self.name)
+        return UNITS[self.unit]
+
+
+@dataclass(frozen=True, order=True)
+class Run:
+    """A computation: its kind, what it is made of, and its keywords as JSON."""
+
+    kind: str
+    of: str
+    keywords: str = "{}"
 
 
 @dataclass(frozen=True)
@@ -103,18 +123,20 @@ class Claim:
     basis : "experiment", "thesis-model" or "analytic": what the claim rests on there
     origin : "source", stated there; "ledger", follows from its formulas and tables
     quantity : what is claimed, in words
+    run : {name: run, or a dict of runs, as the file has it}; `runs_of` makes them
+    let : {name: expression} that conditions share
+    check, arguments : name of the function that finds numbers, and what it is called with beside the runs
     conditions : all of which have to hold
     reason : of the tolerances
-    check, arguments : name of the check, and what it is called with
-    slow : left out but for --slow
+    slow : takes minutes: left out but for --slow
     erratum : entry of docs/reports/errata.md that bears on it, or ""
     against : the conditions are evidence that the thesis is wrong; says what is
     data : the conditions compare input data, or a closed form, with themselves; says which
     incomparable : the thesis's statement and the computed quantity are not comparable; says why
-    untestable, unbuilt : why there is no check; or ""
+    untestable, unbuilt : why there are no conditions; or ""
     cause : of a miss, as far as it has been investigated
-    verdict : recorded one of `judge.VERDICTS`, with which the check has to end; "" of slow checks not run since
-    turned : "verdict: why" where the check ends with another one now, until the page of claims is computed again
+    verdict : recorded one of `judge.VERDICTS`, with which the claim has to end; "" of slow ones not run since
+    turned : "verdict: why" where it ends with another one now, until the page of claims is computed again
     """
 
     id: str
@@ -123,10 +145,12 @@ class Claim:
     basis: str
     origin: str
     quantity: str
+    run: dict[str, Any] = field(default_factory=dict)
+    let: dict[str, str] = field(default_factory=dict)
+    check: str = ""
+    arguments: dict[str, Any] = field(default_factory=dict)
     conditions: tuple[Condition, ...] = ()
     reason: str = ""
-    check: str = ""
-    arguments: dict | None = None
     slow: bool = False
     erratum: str = ""
     against: str = ""
@@ -142,6 +166,11 @@ class Claim:
     def topic(self) -> str:
         return self.id.split("-")[0]
 
+    @property
+    def due(self) -> str:
+        """The verdict with which it has to end now."""
+        return self.turned.partition(":")[0] or self.verdict
+
 
 @cache
 def load() -> tuple[Claim, ...]:
@@ -151,15 +180,16 @@ def load() -> tuple[Claim, ...]:
     ------
     InputError : a file does not keep to the rules above
     """
-    claims = tuple(_claim(entry) for name in FILES for entry in entries(name))
+    claims = tuple(map(claim_of, (entry for name in FILES for entry in entries(name))))
     if len({claim.id for claim in claims}) < len(claims):
         raise InputError("the ledger has two claims of one name", file=" and ".join(FILES))
     return claims
 
 
 def entries(name: str) -> list[dict[str, Any]]:
-    """The claims of a file of FILES, as dicts."""
-    return tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))["claim"]
+    """The claims of a file of FILES, as dicts; those of a group one by one."""
+    content = tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))
+    return [claim for entry in content["claim"] for claim in _members(dict(entry))]
 
 
 def select(claims: Sequence[Claim], topics: Sequence[str] = (), slow: bool = False) -> tuple[list[Claim], list[Claim]]:
@@ -171,38 +201,113 @@ def select(claims: Sequence[Claim], topics: Sequence[str] = (), slow: bool = Fal
     """
     for topic in topics:
         if topic not in TOPICS:
-            raise InputError(key="--topic", value=topic, allowed=", ".join(TOPICS))
+            raise InputError(key="--topics", value=topic, allowed=", ".join(TOPICS))
     chosen = [claim for claim in claims if not topics or claim.topic in topics]
     return [c for c in chosen if slow or not c.slow], [c for c in chosen if c.slow and not slow]
 
 
-def _claim(entry):
+def filled(value: Any, names: dict[str, Any]) -> Any:
+    """A value of a file with "{NAME}" replaced, in all texts of it; a text that is nothing else becomes the value."""
+    if isinstance(value, dict):
+        return {filled(key, names): filled(part, names) for key, part in value.items()}
+    if isinstance(value, list):
+        return [filled(part, names) for part in value]
+    if not isinstance(value, str):
+        return value
+    for name, content in names.items():
+        if value == f"{{{name}}}":
+            return content
+        value = value.replace(f"{{{name}}}", str(content))
+    return value
+
+
+def in_si(text: str) -> str:
+    """An expression whose numbers with a unit are numbers in SI, to the last digit."""
+    return _QUANTITY.sub(lambda found: repr(_exact(*found.groups())), text)
+
+
+def _exact(digits, unit):
+    plain = unit in POWERS and "e" not in digits.lower()
+    return float(f"{digits}e{POWERS[unit]}") if plain else float(digits) * UNITS[unit]
+
+
+def claim_of(entry: dict[str, Any]) -> Claim:
+    """A claim from its entry in a file, which is no group.
+
+    Raises
+    ------
+    InputError : it does not keep to the rules above
+    """
     entry = dict(entry)
-    conditions = tuple(_condition(entry["id"], part) for part in entry.pop("expect", ()))
+    conditions = tuple(condition_of(entry["id"], text) for text in entry.pop("expect", ()))
     claim = Claim(conditions=conditions, **entry)
+    states = [bool(conditions), bool(claim.untestable), bool(claim.unbuilt)]
+    marks = [mark for mark in (claim.against, claim.data, claim.incomparable) if mark]
     bad = None
     if claim.kind not in KINDS:
         bad = "kind", claim.kind, ", ".join(KINDS)
     elif claim.topic not in TOPICS:
         bad = "id", claim.id, f"one that begins with a topic: {', '.join(TOPICS)}"
-    elif [bool(claim.check), bool(claim.untestable), bool(claim.unbuilt)].count(True) != 1:
-        bad = "check", claim.check, "given, or else the reason why there is none"
-    elif bool(claim.check) != bool(claim.conditions) or (claim.check and not claim.reason):
-        bad = "expect", None, "given with every check, and with the reason of its tolerance"
-    elif len([mark for mark in (claim.against, claim.data, claim.incomparable) if mark]) > (1 if claim.check else 0):
-        bad = "against, data, incomparable", claim.id, "at most one of them, and only with a check"
+    elif states.count(True) != 1 or bool(claim.check) > bool(conditions):
+        bad = "expect", None, "given, or else the reason why there is none"
+    elif conditions and not claim.reason:
+        bad = "reason", None, "given with conditions: that of their tolerances"
+    elif len(marks) > bool(conditions):
+        bad = "against, data, incomparable", claim.id, "at most one of them, and only with conditions"
     if bad:
         raise InputError(file=f"ledger, {claim.id}", key=bad[0], value=bad[1], allowed=bad[2])
     return claim
 
 
-def _condition(owner, part):
-    part = dict(part)
-    tests = [test for test in TESTS if test in part]
-    unit = part.get("unit", "")
-    if len(tests) != 1 or "name" not in part or unit not in ("", "%", *SI):
-        raise InputError(file=f"ledger, {owner}", key="expect", value=part, allowed="a name, one test and a known unit")
-    target = part.pop(tests[0])
-    if tests[0] == "value" and (("within" in part) == ("relative" in part) or not isfinite(target)):
-        raise InputError(file=f"ledger, {owner}", key="value", value=target, allowed="a number, within or relative")
-    return Condition(part.pop("name"), tests[0], target, **part)
+def condition_of(owner: str, text: str) -> Condition:
+    """A condition from its text.
+
+    Raises
+    ------
+    InputError : it is none of those that stand at the top of this module
+    """
+    number, equal = _CONDITION.fullmatch(text), _EQUAL.fullmatch(text)
+    if number and (number[2] == "=") == (number[5] is not None) and isfinite(float(number[3])):
+        left, test, value, unit, tolerance, its_unit = number.groups()
+        name, _, expression = left.partition(": ")
+        relative = its_unit == "%" and unit != "%"
+        if tolerance is None or relative or its_unit == unit:
+            target, spread = float(value), None if tolerance is None else float(tolerance)
+            within, share = (None, spread and 0.01 * spread) if relative else (spread, None)
+            return Condition(name, in_si(expression), test, target, within, share, unit)
+    elif equal:
+        name, _, expression = equal[1].partition(": ")
+        try:
+            is_to_be = ast.literal_eval(equal[2])
+        except (SyntaxError, ValueError):
+            is_to_be = equal[2]
+        return Condition(name, in_si(expression), "is", is_to_be)
+    raise InputError(file=f"ledger, {owner}", key="expect", value=text, allowed="such as h: EXPRESSION = 1 mm +- 3 %")
+
+
+def run_of(spec: dict[str, Any]) -> Run:
+    """A run from its entry in a file, whose first key is its kind; texts that are a number with a unit are in SI."""
+    (kind, of), *keywords = spec.items()
+    return Run(
+        kind, json.dumps(_plain(of)), json.dumps({key: _plain(value) for key, value in keywords}, sort_keys=True)
+    )
+
+
+def _plain(value):
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
+    quantity = isinstance(value, str) and re.fullmatch(rf"({_NUMBER}) ?({_UNIT})", value)
+    return _exact(*quantity.groups()) if quantity else value
+
+
+def _members(entry):
+    """The entries of a group, or the entry itself."""
+    lists = entry.pop("each", None)
+    if lists is None:
+        return [entry]
+    rows = [dict(zip(lists, values)) for values in zip(*lists.values(), strict=True)]
+    if "fabric" in lists:
+        rows = [row | {"tag": row["fabric"].replace("S-", "s").lower()} for row in rows]
+    return [filled(entry, row) for row in rows]

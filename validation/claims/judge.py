@@ -1,29 +1,29 @@
-"""Holds what a check has found against the conditions of its claim, and says by how much it misses."""
+"""Holds what was found against the conditions of a claim, and says by how much it misses."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 if TYPE_CHECKING:
     from validation.claims.claims import Claim, Condition
-    from validation.claims.registry import Found
 
+Found: TypeAlias = dict[str, Any]  # {name: number in SI, text, list or bool}
 REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
 DATA, NOT_COMPARABLE = "data", "not comparable"
 NOT_TESTABLE, NOT_BUILT, LEFT_OUT, BROKEN = "not testable", "not built", "left out", "broken"
 VERDICTS = {
-    REPRODUCED: "the computed value is within the tolerance",
-    MISSED: "the computed value is outside the tolerance",
+    REPRODUCED: "within the tolerance",
+    MISSED: "outside the tolerance",
     WRONG: "the computed value shows an error of the thesis",
-    DATA: "input data or a closed form compared with itself: nothing is reproduced, and it is in no percentage",
-    NOT_COMPARABLE: "the statement and the computed value are not comparable: both are listed",
-    NOT_BUILT: "what the check would need is not built yet",
-    NOT_TESTABLE: "no number to compare with, or a number that no model here gives",
-    LEFT_OUT: "a slow check that was not selected",
-    BROKEN: "the check itself did not come to an end",
+    DATA: "compares input data or a closed form with itself: in no percentage",
+    NOT_COMPARABLE: "statement and computed value are listed side by side",
+    NOT_BUILT: "what it needs is not built yet",
+    NOT_TESTABLE: "no number to compare with, or one that no model here gives",
+    LEFT_OUT: "a slow one that was not selected",
+    BROKEN: "its expressions or its function did not come to an end",
 }
 
 
@@ -35,61 +35,47 @@ class Record:
     ----------
     id : of the claim
     verdict : of VERDICTS
-    found : {name: number in SI, text or list} that the check found
-    text : one line: what was found against what was expected
+    found : by the names of the conditions
     miss : by how much, "" where nothing was missed
-    note : remark of the check
-    seconds : of the check, without the runs it shares
-    setting : projectile body, cell formulation, denier and mesh of its shots, in words; "" if it rests on none
-    variants : {name: verdict} of `variants.VARIANTS` in which the claim was checked too
+    note : what went wrong, or why nothing was computed
+    variants : {name: verdict} of `runner.VARIANTS` in which the claim was judged too
     """
 
     id: str
     verdict: str
-    found: dict = field(default_factory=dict)
-    text: str = ""
+    found: Found = field(default_factory=dict)
     miss: str = ""
     note: str = ""
-    seconds: float = 0.0
-    setting: str = ""
-    variants: dict = field(default_factory=dict)
-
-    def as_dict(self) -> dict[str, Any]:
-        return asdict(self)
+    variants: dict[str, str] = field(default_factory=dict)
 
 
-def judge(claim: Claim, found: Found, note: str = "", seconds: float = 0.0) -> Record:
-    """Record of a claim whose check has found {name: value}; numbers are in SI."""
+def judge(claim: Claim, found: Found) -> Record:
+    """Record of a claim of which {name: value} were found; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
-    misses = [text for text in (_miss(condition, found) for condition in claim.conditions) if text]
-    verdict = NOT_COMPARABLE if claim.incomparable else MISSED if misses else _unmissed(claim)
-    text = "; ".join(_as_text(condition, found) for condition in claim.conditions)
-    return Record(claim.id, verdict, found, text, "; ".join(misses), note, seconds)
-
-
-def _unmissed(claim):
-    """Verdict of a claim whose conditions all hold."""
-    return WRONG if claim.against else DATA if claim.data else REPRODUCED
+    miss = "; ".join(filter(None, (_miss(condition, found.get(condition.name)) for condition in claim.conditions)))
+    met = WRONG if claim.against else DATA if claim.data else REPRODUCED
+    return Record(claim.id, NOT_COMPARABLE if claim.incomparable else MISSED if miss else met, found, miss)
 
 
 def unchecked(claim: Claim) -> Record:
-    """Record of a claim that has no check."""
-    if claim.unbuilt:
-        return Record(claim.id, NOT_BUILT, note=claim.unbuilt)
-    return Record(claim.id, NOT_TESTABLE, note=claim.untestable)
+    """Record of a claim that has no conditions."""
+    return Record(claim.id, NOT_BUILT if claim.unbuilt else NOT_TESTABLE, note=claim.unbuilt or claim.untestable)
+
+
+def changed(claim: Claim, verdict: str) -> bool:
+    """Whether a claim has ended with another verdict than it has to; one left out, or that lacks a package, has not."""
+    if not claim.conditions or verdict in (LEFT_OUT, NOT_TESTABLE):
+        return False
+    return verdict == BROKEN or verdict != (claim.due or verdict)
 
 
 def plain(value: Any) -> Any:
     """A value as JSON can hold it."""
-    if isinstance(value, dict):
-        return {name: plain(part) for name, part in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
+    if isinstance(value, (np.ndarray, np.generic)):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
         return [plain(part) for part in value]
-    if isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    if isinstance(value, (int, float, np.number)):
-        return float(value)
-    return value
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
 
 
 def expected(condition: Condition) -> str:
@@ -97,52 +83,43 @@ def expected(condition: Condition) -> str:
     unit = f" {condition.unit}" if condition.unit else ""
     if condition.test == "is":
         return _words(condition.target)
-    if condition.test != "value":
-        return f"{'>' if condition.test == 'above' else '<'} {condition.target:g}{unit}"
+    if condition.test != "=":
+        return f"{condition.test} {condition.target:g}{unit}"
     if condition.relative is not None:
         return f"{condition.target:g}{unit} ± {100 * condition.relative:g} %"
     return f"{condition.target:g} ± {condition.within:g}{unit}"
 
 
-def computed(condition: Condition, found: Found) -> str:
-    """What a check found for a condition, in words: "h01 0.1203 mm"."""
-    return f"{condition.name} {_shown(condition, found.get(condition.name))}"
-
-
-def _as_text(condition, found):
-    return f"{computed(condition, found)} ({expected(condition)})"
-
-
-def _shown(condition, value):
-    if not isinstance(value, float):
-        return _words(value)
-    return f"{value / condition.factor:.4g}{' ' + condition.unit if condition.unit else ''}"
+def computed(condition: Condition, value: Any) -> str:
+    """What was found for a condition, in words: "h01 0.1203 mm"."""
+    if isinstance(value, float):
+        value = f"{value / condition.factor:.4g}{' ' + condition.unit if condition.unit else ''}"
+    return f"{condition.name} {_words(value)}"
 
 
 def _words(value):
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, list):
         return ", ".join(map(_words, value))
     if isinstance(value, bool):
         return "yes" if value else "no"
     return "none" if value is None else str(value)
 
 
-def _miss(condition, found):
+def _miss(condition, value):
     """By how much a condition is missed, in words; "" if it holds."""
-    value, name, unit = found.get(condition.name), condition.name, condition.unit
+    name, target = condition.name, condition.target
     if condition.test == "is":
-        return "" if value == condition.target else f"{name} {_words(value)} instead of {_words(condition.target)}"
+        return "" if value == target else f"{name} {_words(value)} instead of {_words(target)}"
     if not isinstance(value, float) or not np.isfinite(value):
         return f"{name} has no value"
-    value /= condition.factor
-    off = value - condition.target
-    unit = f" {unit}" if unit else ""
-    if condition.test == "value":
-        allowed = condition.within if condition.within is not None else condition.relative * abs(condition.target)
-        if abs(off) <= allowed * (1 + 1e-12):
-            return ""
-        share = f" ({100 * off / condition.target:+.3g} %)" if condition.target else ""
-        return f"{name} off by {off:+.3g}{unit}{share}, {allowed:.3g} allowed"
-    if (off > 0) == (condition.test == "above") and off != 0:
-        return ""
-    return f"{name} {value:.4g}{unit}, target {expected(condition)}"
+    off = value / condition.factor - target
+    if condition.test == "=":
+        allowed = condition.within if condition.within is not None else condition.relative * abs(target)
+        share = f" ({100 * off / target:+.3g} %)" if target else ""
+        kept = abs(off) <= allowed * (1 + 1e-12)
+        return "" if kept else f"{name} off by {off:+.3g} {condition.unit}{share}, {allowed:.3g} allowed"
+    return (
+        ""
+        if (off > 0 if condition.test == ">" else off < 0)
+        else f"{computed(condition, value)}, target {expected(condition)}"
+    )

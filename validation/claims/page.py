@@ -1,8 +1,5 @@
-"""docs/reports/claims.md: counts by verdict, and every claim with its computed and its published value.
-
-The page is made from rows of texts, which are stored beside it (data/claims.csv). `tools/pages.py` takes the counts of
-README and of validation.md from there.
-"""
+"""docs/reports/data/claims.csv, a row of texts a claim, and what is made of it: docs/reports/claims.md and the counts
+of README and validation.md (`tools/pages.py`)."""
 
 from __future__ import annotations
 
@@ -10,57 +7,74 @@ import csv
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from fabrics.errors import InputError
 from fabrics.files import write_whole
-from validation.claims import judge, variants
-from validation.claims.claims import TOPICS
-from validation.claims.judge import MISSED, REPRODUCED, VERDICTS
+from validation.claims import claims as data
+from validation.claims import judge
+from validation.claims.claims import TOPICS, Claim
+from validation.claims.judge import BROKEN, MISSED, NOT_TESTABLE, REPRODUCED, VERDICTS, Record
+from validation.claims.runner import VARIANTS, holds
 from validation.marked_page import markdown
 
-Table = Sequence[dict[str, str]]
+Table = list[dict[str, str]]  # of texts by COLUMNS
 DATA = "data/claims.csv"
-COLUMNS = ("id", "topic", "origin", "section", "verdict", "computed", "published", "cause", "shots", "variants")
-_LEAD = """\
+COLUMNS = ("id", "topic", "origin", "section", "verdict", "computed", "published", "cause", "variants")
+MOST_TOPICS = 11  # that have a row of their own in the table of missed claims
+_PAGE = """\
 # Claims of the thesis and computed values
 
-*Which statements of the thesis does the code reproduce, which does it miss, and why?*
+*Which statements of the thesis does the code reproduce, and which does it miss?*
 
-Computed at commit {commit} on {date} by `{command}` ({cost}). Not to be edited by hand; the rows are in
-[data/claims.csv](data/claims.csv) too.
+Computed at commit {commit} on {date} by `{command}`. Not to be edited by hand. [data/claims.csv](data/claims.csv) has
+every claim with its computed and its published value, and the cause of each miss as far as it is known.
 
 A claim is a statement of the thesis that a computation can confirm or contradict: a number, an order, a trend, a
-shape or an outcome. "Published" is the value of the thesis, or the condition that follows from its statement, with
-its tolerance. Tolerances were set before the comparison; an audit has narrowed some of them since. "Computed" is
-the value of this software. Nothing is fitted to a claim, and no tolerance is widened to turn a miss.
-"""
-_VARIANTS = """\
-A claim on impacts on one ply is checked with a rigid projectile, the variational cell formulation, the linear density
+shape or an outcome. `validation/claims/claims.toml` has for each its runs, what of them would bear it out, and the
+tolerance with its reason; `validation/claims/readers.py` has the names that its expressions use. Tolerances were set
+before the comparison; an audit has narrowed some since. Nothing is fitted to a claim, and no tolerance is widened to
+turn a miss. A test holds each claim to its recorded verdict.
+
+## Counts
+
+{counts}
+## Missed claims
+
+{missed}
+## Variants
+
+A claim on impacts on one ply is judged with a rigid projectile, the variational cell formulation, the linear density
 that the tables of the thesis imply (erratum E-07) and one element per crossover, and again in four variants: {names}.
-"Holds in 5 of 5" means that its conditions are met in all five. Packs are not varied.
+"Holds in 5 of 5" means that its conditions are met in all five. Packs are not varied. {varied}.
 """
 
 
-def rows(claims: Sequence[Any], records: Sequence[Any]) -> list[dict[str, str]]:
-    """One row of texts a claim, with the keys COLUMNS."""
+def rows(claims: Sequence[Claim], records: Sequence[Record]) -> Table:
+    """One row a claim."""
     by_id = {record.id: record for record in records}
-    found = []
-    for claim in claims:
-        record = by_id[claim.id]
-        why = claim.against or claim.data or claim.incomparable or record.note
-        if record.verdict == MISSED:
-            why = claim.cause or (record.text if not record.found else "")
-        elif record.verdict == REPRODUCED:
-            why = ""
-        texts = (
-            claim.id, claim.topic, claim.origin, claim.source, record.verdict,
-            "; ".join(judge.computed(condition, record.found) for condition in claim.conditions if record.found),
-            "; ".join(judge.expected(condition) for condition in claim.conditions),
-            why, record.setting, variants.summary(record),
-        )  # fmt: skip
-        found.append(dict(zip(COLUMNS, (" ".join(text.split()) for text in texts), strict=True)))
-    return found
+    return [_row(claim, by_id[claim.id]) for claim in claims]
+
+
+def _row(claim, record):
+    why = claim.against or claim.data or claim.incomparable or record.note
+    if record.verdict in (MISSED, REPRODUCED):
+        why = (claim.cause or record.note) if record.verdict == MISSED else ""
+    found = [judge.computed(c, record.found[c.name]) for c in claim.conditions if record.found]
+    texts = (
+        claim.id, claim.topic, claim.origin, claim.source, record.verdict, "; ".join(found),
+        "; ".join(map(judge.expected, claim.conditions)), why, _in_variants(record),
+    )  # fmt: skip
+    return dict(zip(COLUMNS, (" ".join(text.split()) for text in texts), strict=True))
+
+
+def _in_variants(record):
+    """ "holds in 4 of 5; missed with nominal denier"; "" for a claim without variants."""
+    if not record.variants or record.verdict == NOT_TESTABLE:
+        return ""
+    of_all = [record.variants.get(name, record.verdict) for name in VARIANTS]
+    changed = [f"{verdict} with {name}" for name, verdict in record.variants.items() if verdict != record.verdict]
+    text = f"holds in {sum(map(holds, (record.verdict, *of_all)))} of {1 + len(of_all)}"
+    return f"{text}; {', '.join(changed)}" if changed else text
 
 
 def counts(table: Table) -> Counter[str]:
@@ -68,9 +82,15 @@ def counts(table: Table) -> Counter[str]:
     return Counter(row["verdict"] for row in table)
 
 
+def of_thesis(table: Table, own: bool = True) -> Table:
+    """The rows of the claims of the thesis, or those of the additional claims."""
+    added = {entry["id"] for entry in data.entries(data.FILES[1])}
+    return [row for row in table if (row["id"] not in added) is own]
+
+
 def sentence(table: Table) -> str:
     """The counts in words, as README has them; those of the thesis alone, then the additional ones."""
-    thesis, others = _split(table)
+    thesis, others = of_thesis(table), of_thesis(table, False)
     n, more = counts(thesis), counts(others)
     decided = n[REPRODUCED] + n[MISSED]
     return (
@@ -78,7 +98,7 @@ def sentence(table: Table) -> str:
         f"{n[REPRODUCED]} are reproduced ({100 * n[REPRODUCED] / max(decided, 1):.0f} %) and {n[MISSED]} missed; "
         f"{n[judge.DATA]} compare input data or a closed form with themselves and are in no percentage; "
         f"{n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable; "
-        f"{n[judge.NOT_BUILT]} not built yet; {n[judge.NOT_TESTABLE]} cannot be tested; "
+        f"{n[judge.NOT_BUILT]} not built yet; {n[NOT_TESTABLE]} cannot be tested; "
         f"{n[judge.LEFT_OUT]} slow ones are left out. Of {len(others)} additional claims, which the project adds, "
         f"{more[REPRODUCED]} are reproduced, {more[MISSED]} missed and {more[judge.LEFT_OUT]} left out"
     )
@@ -86,74 +106,48 @@ def sentence(table: Table) -> str:
 
 def variants_sentence(table: Table) -> str:
     """In how many claims on shots a variant changes the result, in words, as validation.md has it."""
-    varied = [row for row in table if row["variants"]]
-    changed = [row for row in varied if "; " in row["variants"]]
-    whole = sum(row["variants"] == "holds in 5 of 5" for row in varied)
-    return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the result of {len(changed)}"
+    varied = [row["variants"] for row in table if row["variants"]]
+    whole, changed = varied.count("holds in 5 of 5"), sum("; " in text for text in varied)
+    return f"Of {len(varied)} such claims {whole} hold in 5 of 5, and a variant changes the result of {changed}"
 
 
-def of_thesis(table: Table) -> list[dict[str, str]]:
-    """The rows of the claims of the thesis, without the additional ones."""
-    return _split(table)[0]
-
-
-def _split(table):
-    """(rows of the claims of the thesis, rows of the additional ones)"""
-    from validation.claims import claims as data
-
-    added = {entry["id"] for entry in data.entries(data.FILES[1])}
-    return tuple([row for row in table if (row["id"] in added) is own] for own in (False, True))
-
-
-def lines(table: Table, command: str, commit: str, date: str, cost: str) -> str:
+def lines(table: Table, command: str, commit: str, date: str) -> str:
     """The page."""
-    parts = [_LEAD.format(command=command, commit=commit, date=date, cost=cost), "## Counts\n"]
-    parts += [f"{sentence(table)[0].upper()}{sentence(table)[1:]}.\n", _count_table(table)]
-    parts += ["".join(f"- {verdict}: {meaning}\n" for verdict, meaning in VERDICTS.items())]
-    changed = [row for row in table if "; " in row["variants"]]
-    parts += ["## Variants\n", _VARIANTS.format(names=", ".join(variants.VARIANTS)), f"{variants_sentence(table)}:\n"]
-    parts += [markdown([["claim", "variants"], *([f"`{row['id']}`", row["variants"]] for row in changed)])]
-    for topic, title in TOPICS.items():
-        own = [row for row in table if row["topic"] == topic]
-        if own:
-            parts += [f"## {title}\n", _claim_table(own)]
-    return "\n".join(parts)
+    thesis, others = counts(of_thesis(table)), counts(of_thesis(table, False))
+    told = [["verdict", "of the thesis", "additional", "meaning"]]
+    told += [[name, str(thesis[name]), str(others[name]), VERDICTS[name]] for name in VERDICTS if name != BROKEN]
+    parts = {"counts": markdown(told), "missed": markdown(_missed(table)), "varied": variants_sentence(table)}
+    return _PAGE.format(command=command, commit=commit, date=date, names=", ".join(VARIANTS), **parts)
 
 
-def _count_table(table):
-    """Counts of the claims of the thesis by topic, of all of them, and of the additional ones."""
-    thesis, others = _split(table)
-    parts = [(title, [row for row in thesis if row["topic"] == topic]) for topic, title in TOPICS.items()]
-    parts += [("claims of the thesis", thesis), ("additional claims", others)]
-    found = [["topic", *VERDICTS]]
-    for title, own in parts:
-        n = counts(own)
-        if n:
-            found.append([title, *(str(n[verdict]) for verdict in VERDICTS)])
-    return markdown(found)
+def _missed(table):
+    """Claims missed by topic, most first; the topics with the fewest in one row."""
+    parts = {title: [row for row in table if row["topic"] == topic] for topic, title in TOPICS.items()}
+    ranked = sorted(parts.items(), key=lambda part: -counts(part[1])[MISSED])
+    rest = [row for _, own in ranked[MOST_TOPICS:] for row in own]
+    found: list[list[object]] = [["topic", "decided", "missed", "which"]]
+    for title, own in [*ranked[:MOST_TOPICS], ("all other topics", rest)]:
+        missed = [f"`{row['id']}`" for row in own if row["verdict"] == MISSED]
+        found.append([title, counts(own)[REPRODUCED] + len(missed), len(missed), ", ".join(missed)])
+    return found
 
 
-def _claim_table(own):
-    shots = any(row["variants"] for row in own)
-    head = ["claim", "thesis", "result", "computed", "published", "cause or remark"] + ["variants"] * shots
-    keys = ("section", "verdict", "computed", "published", "cause") + ("variants",) * shots
-    return markdown([head, *([f"`{row['id']}`", *(row[key].replace("|", "/") for key in keys)] for row in own)])
-
-
-def read(path: Path) -> list[dict[str, str]]:
+def read(path: Path) -> Table:
     """The rows that `write` has stored."""
     with open(path, encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
-def write(path: Path, table: Table, **stamp: str) -> None:
-    """Write the page, and its rows beside it.
+def write_csv(path: Path, table: Table) -> None:
+    """Write the rows, whole or not at all."""
+    with write_whole(path) as file:
+        out = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        out.writeheader()
+        out.writerows(table)
 
-    Parameters
-    ----------
-    path : of the page; the rows go to data/ beside it
-    table : of `rows`
-    stamp : command, commit, date and cost, as texts
+
+def write(path: Path, table: Table, **stamp: str) -> None:
+    """Write the page, and its rows to data/ beside it; `stamp` as of `lines`.
 
     Raises
     ------
@@ -162,9 +156,6 @@ def write(path: Path, table: Table, **stamp: str) -> None:
     if not path.parent.is_dir():
         raise InputError(key="--page", value=path, allowed="a file in a folder that exists")
     (path.parent / DATA).parent.mkdir(exist_ok=True)
-    with write_whole(path.parent / DATA) as file:
-        out = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        out.writeheader()
-        out.writerows(table)
+    write_csv(path.parent / DATA, table)
     with write_whole(path) as file:
         file.write(lines(table, **stamp))

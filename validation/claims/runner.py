@@ -1,217 +1,197 @@
-"""Runs the ledger: first the computations that the checks share, each once, then the checks, side by side.
+"""Runs the ledger: first the computations that claims share, each once (`fabrics.run_cache`), then the conditions.
 
-Any executor of concurrent.futures will do; processes are the default. What is done is on disk before the next begins,
-so that an interrupted run goes on where it was.
-
-A claim that rests on shots can be checked in variants of these too (`variants`): its record then holds their verdicts.
-
-The folder: runs/ what the shared computations left, records/ one JSON file a claim.
+A shot is computed with a rigid projectile, the variational cell formulation, the linear density that the thesis's
+tables imply (erratum E-07) and one element per crossover. Each of the four VARIANTS changes one of these, in every
+shot at one ply that does not state it itself, and the claim is judged again: does its verdict depend on a choice that
+the thesis leaves open? Packs are not varied: with two elements per crossover their runs alone would take longer than
+the ledger.
 """
 
 from __future__ import annotations
 
 import json
-import shutil
-import time
 import traceback
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fabrics import run_cache
 from fabrics.errors import WeavecellError
-from fabrics.executors import as_done, open_executor
-from fabrics.files import write_whole
-from validation.claims import judge, variants
-from validation.claims.checks import CHECKS
-from validation.claims.claims import Claim
+from validation.claims import checks, judge
+from validation.claims.claims import Claim, Run, filled, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Record
 
-if TYPE_CHECKING:
-    from validation.claims.registry import Run, RunResult
-
-RUNS_FOLDER, RECORDS_FOLDER = "runs", "records"
+VARIANTS: dict[str, dict[str, Any]] = {  # name: what is merged into the keywords of shots at one ply
+    "the thesis's cell formulation": {"cell_formulation": "equilibrium"},
+    "nominal denier": {"change": {"denier": "nominal"}},
+    "2 elements per crossover": {"elements_per_crossover": 2},
+    "elastic-plastic bored projectile": {"projectile": {"body": "elastic_bar"}},
+}
+SHOTS = ("shot", "limit", "shots")
+# kind: rough cost, to begin with the longest, and the package that it needs
+COSTS = {
+    "shot": 2, "limit": 8, "shots": 6, "net": 2, "struck_yarn": 1, "strip": 3, "bias": 40, "frame": 3, "stability": 1,
+    "pace": 9, "pencil": 90, "stretched": 20, "plates": 60, "lone": 10, "sections": 3, "meshes": 5, "brick": 3,
+    "released": 25,
+}  # fmt: skip
+NEEDS = {"sections": "gmsh", "meshes": "gmsh"} | dict.fromkeys(
+    ("stretched", "plates", "lone", "brick", "released"), "dolfinx"
+)
 
 
 def validate(
-    claims: Sequence[Claim], out: Path, *, left_out: Sequence[Claim] = (), vary: bool = False, executor: str = "local",
-    jobs: int = 1, resume: bool = False, report: Callable[..., object] | None = None,
-) -> tuple[Record, ...]:  # fmt: skip
-    """Run the checks of the claims.
+    claims: Sequence[Claim], folder: Path, *, left_out: Sequence[Claim] = (), vary: bool = False,
+    report: Callable[[int, int], object] | None = None, **pool: Any,
+) -> list[Record]:  # fmt: skip
+    """Judge the claims.
 
     Parameters
     ----------
     claims : of `claims.load`
-    out : folder
+    folder : where runs are kept, and taken from
     left_out : claims that get a record of their own as being left out
-    vary : also check each claim that rests on shots in its variants
-    executor, jobs : as of `fabrics.executors.open_executor`
-    resume : keep what is in the folder and still holds; else it is emptied
-    report : called as report(share of the work done, text)
+    vary : also judge each claim that rests on shots at one ply in the variants that change them
+    report, **pool : report, executor, jobs, resume of `run_cache.results`
 
     Returns
     -------
     One record a claim, in the order of the claims, those left out at the end.
     """
-    out, report = Path(out), report or (lambda share, text: None)
-    if not resume:
-        for part in (RUNS_FOLDER, RECORDS_FOLDER):
-            shutil.rmtree(out / part, ignore_errors=True)
-    for part in (RUNS_FOLDER, RECORDS_FOLDER):
-        (out / part).mkdir(parents=True, exist_ok=True)
-    records = {claim.id: record for claim in claims if (record := _kept(claim, out, vary)) is not None}
-    waiting = [claim for claim in claims if claim.id not in records]
-    for claim in (claim for claim in waiting if not claim.check):
-        records[claim.id] = _keep(claim, judge.unchecked(claim), out, vary)
-    waiting = [claim for claim in waiting if claim.check]
-    tasks = [(claim, name) for claim in waiting for name in (None, *(variants.varied(claim) if vary else ()))]
-    runs = wanted(tasks, out)
-    total, done = sum(cost(run) for run in runs) + len(tasks), 0.0
-    found: dict[str, dict] = {claim.id: {} for claim in waiting}
-    with open_executor(executor, jobs) as pool:
-        for index, _ in as_done(pool, _make, [(run, str(out), digest(run)) for run in runs]):
-            run = runs[index]
-            done += cost(run)
-            report(done / total, f"{run.name} {_brief(run)}")
-        given = [(claim, str(out), _names(claim, name), name) for claim, name in tasks]
-        for index, record in as_done(pool, check, given):
-            claim, name = tasks[index]
-            done += 1
-            found[claim.id][name] = record
-            if len(found[claim.id]) == 1 + (len(variants.varied(claim)) if vary else 0):
-                records[claim.id] = _keep(claim, _with_variants(claim, found[claim.id], vary), out, vary)
-            report(done / total, claim.id)
-    for claim in left_out:
-        records[claim.id] = Record(claim.id, LEFT_OUT, note="slow: run with --slow")
-    return tuple(records[claim.id] for claim in (*claims, *left_out))
+    tasks = [(claim, name) for claim in claims for name in (None, *(varied(claim) if vary else ()))]
+    wanted = {run for claim, name in tasks for run in _flat(runs_of(claim, name)) if _missing(run) is None}
+    runs = sorted(wanted, key=lambda run: (-cost(run), run))
+    found = run_cache.results(compute, [(run,) for run in runs], folder=folder, report=report, **pool)
+    done = dict(zip(runs, found))
+    records: dict[str, Record] = {}
+    for claim, name in tasks:
+        record = check(claim, done, name)
+        first = records.setdefault(claim.id, record)
+        if name is not None:
+            records[claim.id] = replace(first, variants=first.variants | {name: record.verdict})
+    return [*records.values(), *(Record(claim.id, LEFT_OUT, note="slow: run with --slow") for claim in left_out)]
 
 
-def _with_variants(claim, found, vary):
-    """The record of a claim, from {None: its record as computed, variant: its record there}.
+def compute(run: Run) -> Any:
+    """What a run comes to; an error of weavecell is a result too, for the claims to tell."""
+    from validation.claims import runs, runs_crossover
 
-    A variant that changes no run of the claim has the verdict of the claim as computed.
-    """
-    record = replace(found[None], setting=variants.setting(claim))
-    if not (vary and record.setting):
-        return record
-    return replace(record, variants={name: found.get(name, record).verdict for name in variants.VARIANTS})
-
-
-def wanted(tasks: Iterable[tuple[Claim, str | None]], out: Path) -> list[Run]:
-    """Runs that the checks of (claim, variant or None) read and that the folder does not hold; the longest first."""
-    runs = {run for claim, name in tasks for run in variants.runs(claim, name).values()}
-    missing = [run for run in runs if not _holds(run, out)]
-    return sorted(missing, key=lambda run: (-cost(run), run))
-
-
-def _holds(run, out):
-    """Whether the folder has a run that came to an end; one that broke, or lacked a package, is tried again."""
-    return digest(run) in _runs(out) and load(run, out).get("kind", "unstable") == "unstable"
-
-
-def _names(claim, variant=None):
-    """{run: name of its file} of the runs that the check of a claim reads, in a variant.
-
-    Names are settled in one process, at the start: were a package edited meanwhile, another's would differ.
-    """
-    return {run: digest(run) for run in variants.runs(claim, variant).values()}
-
-
-def check(claim: Claim, out: Path, names: Any = None, variant: str | None = None) -> Record:
-    """Do the check of one claim, with the runs of the folder; `names` of their files, if settled before.
-
-    variant : of `variants.VARIANTS`, or None for the claim as computed
-    """
-    entry, arguments, begun = CHECKS[claim.check], claim.arguments or {}, time.perf_counter()
+    kind = getattr(runs, run.kind, None) or getattr(runs_crossover, run.kind)
     try:
-        names = names or _names(claim, variant)
-        runs = {name: _runs(out)[names[run]] for name, run in variants.runs(claim, variant).items()}
-        for run in runs.values():
-            if "error" in run:
-                verdict = {"missing": NOT_TESTABLE, "unstable": MISSED}.get(run["kind"], BROKEN)
-                return Record(
-                    claim.id,
-                    verdict,
-                    text=run["error"],
-                    miss=run["error"] if verdict == MISSED else "",
-                    note=run["error"],
-                )
-        found = entry.function(**runs, **arguments)
-        note = found.pop("note", "")
+        return kind(json.loads(run.of), **json.loads(run.keywords))
     except WeavecellError as problem:
-        return Record(claim.id, MISSED, text=str(problem), miss=str(problem))
+        return WeavecellError(f"{run.kind} {run.of} {run.keywords}: {problem}")
+
+
+def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Record:
+    """The record of a claim, from what its runs have come to; `variant` of VARIANTS, or None for it as it stands."""
+    if not claim.conditions:
+        return judge.unchecked(claim)
+    try:
+        specs = runs_of(claim, variant)
+        for run in _flat(specs):
+            if package := _missing(run):
+                return Record(claim.id, NOT_TESTABLE, note=f"{package} is not installed")
+            if isinstance(done[run], WeavecellError):
+                raise done[run]
+        runs = {name: _results(spec, done) for name, spec in specs.items()}
+        return judge.judge(claim, values(claim, runs))
+    except WeavecellError as problem:
+        return Record(claim.id, MISSED, miss=str(problem), note=str(problem))
     except Exception:
         return Record(claim.id, BROKEN, note=traceback.format_exc(limit=-3))
-    return judge.judge(claim, found, note, time.perf_counter() - begun)
 
 
-def load(run: Run, out: Path) -> RunResult:
-    """What a run left in the folder."""
-    return _runs(out)[digest(run)]
+def values(claim: Claim, runs: dict[str, Any]) -> judge.Found:
+    """{name: what is found for it} of the conditions of a claim.
+
+    Expressions are evaluated by Python, for they come from our own files alone.
+    """
+    names = checks.names() | {"__builtins__": __builtins__} | runs
+    for name, expression in claim.let.items():
+        names[name] = eval(in_si(expression), names)
+    found = dict(names[claim.check](**runs, **claim.arguments)) if claim.check else {}
+    for condition in claim.conditions:
+        if condition.expression:
+            found[condition.name] = eval(condition.expression, names)
+    return {condition.name: found[condition.name] for condition in claim.conditions}
 
 
-def _runs(out):
-    return run_cache.RunCache(Path(out) / RUNS_FOLDER)
+def runs_of(claim: Claim, variant: str | None = None) -> dict[str, Any]:
+    """{name: Run, or dict of Runs} that a claim reads, as it stands or in a variant."""
+    names = checks.names()
+    return {name: _specified(spec, names, VARIANTS.get(variant or "", {})) for name, spec in claim.run.items()}
 
 
 def cost(run: Run) -> float:
-    """Rough cost of a run, only for order and progress; elements per side enter with their third power."""
-    return _registry()[run.name][1] * run.keywords.get("elements", 1) ** 3
+    """Rough cost of a run; elements per crossover enter with their third power, plies once."""
+    keywords = json.loads(run.keywords)
+    return COSTS[run.kind] * keywords.get("elements_per_crossover", 1) ** 3 * max(1, 5 * (keywords.get("plies", 1) - 1))
 
 
-def digest(run: Run) -> str:
-    """Key of a run: of what is run with what, and of the code."""
-    return run_cache.key((run.name, run.keywords), _registry()[run.name][0].__module__)
+def claim_cost(claim: Claim) -> float:
+    """That of its longest run."""
+    return max((cost(run) for run in _flat(runs_of(claim))), default=0)
 
 
-def _registry():
-    from validation.claims import runs, runs3d, runs_extra, runs_studies
-
-    return runs.RUNS | runs_extra.RUNS | runs_studies.RUNS | runs3d.RUNS
-
-
-def _make(run, out, name):
-    """Do a run and keep what it leaves; what goes wrong is kept too, for the checks to tell."""
-    function, _ = _registry()[run.name]
-    try:
-        content = function(**run.keywords)
-    except ModuleNotFoundError as problem:
-        content = {"error": f"{problem.name} is not installed", "kind": "missing"}
-    except WeavecellError as problem:
-        content = {"error": f"{run.name} {_brief(run)}: {problem}", "kind": "unstable"}
-    except Exception:
-        content = {"error": f"{run.name} {_brief(run)}: {traceback.format_exc(limit=-3)}", "kind": "broken"}
-    _runs(out)[name] = content
+def varied(claim: Claim) -> list[str]:
+    """The variants that change a run of a claim; none of one that rests on no shot at one ply."""
+    runs = list(_flat(runs_of(claim)))
+    if not any(_at_one_ply(run) for run in runs):
+        return []
+    return [name for name in VARIANTS if list(_flat(runs_of(claim, name))) != runs]
 
 
-def make(run: Run, out: Path) -> None:
-    """Do a run and keep what it leaves in the folder."""
-    _make(run, out, digest(run))
+def holds(verdict: str) -> bool:
+    """Whether a verdict says that the conditions of the claim are met."""
+    return verdict in (judge.REPRODUCED, judge.WRONG)
 
 
-def _brief(run):
-    return " ".join(str(value) for value in run.keywords.values() if not isinstance(value, (list, dict)))
+def _specified(spec, names, changes):
+    spec = dict(spec)
+    over = spec.pop("for", None)
+    if over is None:
+        return _varied(run_of(_evaluated(spec, names)), changes)
+    rows = names[over] if isinstance(over, str) else over
+    each = {row if isinstance(row, (str, float, int)) else tuple(row): row for row in rows}
+    one = lambda row: {f"{k}": part for k, part in enumerate(row)} if isinstance(row, list) else {"": row}  # noqa: E731
+    return {key: _varied(run_of(_evaluated(filled(spec, one(row)), names)), changes) for key, row in each.items()}
 
 
-def _stamp(claim, vary):
-    """Key of a claim's record: of the claim, of the program that checks it, and of whether variants were selected."""
-    return run_cache.key((claim, vary and variants.varied(claim)), __name__)
+def _evaluated(value, names):
+    """A value of the file, its texts that begin with "=" evaluated."""
+    if isinstance(value, dict):
+        return {key: _evaluated(part, names) for key, part in value.items()}
+    return eval(in_si(value[1:].strip()), names) if isinstance(value, str) and value.startswith("=") else value
 
 
-def _keep(claim, record, out, vary):
-    with write_whole(out / RECORDS_FOLDER / f"{claim.id}.json") as file:
-        json.dump({"stamp": _stamp(claim, vary), **record.as_dict()}, file, indent=1)
-        file.write("\n")
-    return record
+def _varied(run, changes):
+    """A run with the keywords of a variant that it takes and does not state itself."""
+    keywords = json.loads(run.keywords)
+    if run.kind == "net":
+        keywords = changes.get("change", {}) | keywords
+    elif _at_one_ply(run):
+        for name, value in changes.items():
+            own = keywords.get(name)
+            keywords[name] = value | (own or {}) if isinstance(value, dict) else own or value
+    return replace(run, keywords=json.dumps(keywords, sort_keys=True))
 
 
-def _kept(claim, out, vary):
-    """The record of a claim, if it is in the folder and neither claim nor program has changed since."""
-    try:
-        content = json.loads((out / RECORDS_FOLDER / f"{claim.id}.json").read_text("utf-8"))
-    except (OSError, ValueError):
-        return None
-    if content.pop("stamp", None) != _stamp(claim, vary) or content["verdict"] == BROKEN:
-        return None
-    return Record(**content)
+def _at_one_ply(run):
+    return run.kind in SHOTS and json.loads(run.keywords).get("plies", 1) == 1
+
+
+def _flat(specs: dict[str, Any]) -> Iterator[Run]:
+    for spec in specs.values():
+        yield from spec.values() if isinstance(spec, dict) else (spec,)
+
+
+def _results(spec, done):
+    return {key: done[run] for key, run in spec.items()} if isinstance(spec, dict) else done[spec]
+
+
+def _missing(run):
+    """The package that a run needs and that is not installed, or None."""
+    package = NEEDS.get(run.kind)
+    return package if package and find_spec(package) is None else None

@@ -1,34 +1,30 @@
-"""The computations that checks share, each by name, from arguments that JSON can hold to a dict of numbers and arrays.
+"""The computations that claims share: each a kind of run in claims.toml, with what it is made of and its keywords.
 
-Fabrics are those of the thesis's shell runs (`Fabric.effective`, erratum E-07). All other settings are the defaults of
-`shellfabric`: nothing is set to suit a claim.
+Fabrics are those of the thesis's shell runs (`Fabric.with_effective_density`, erratum E-07), with its mesh of one
+element per crossover. All other settings are the defaults of weavecell: nothing is set to suit a claim.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import weavecell as wc
 from fabrics import catalogue, variants
+from fabrics.errors import UnstableError
 from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
-from shellfabric.impact import ballistic_limit as limits
-from shellfabric.impact.simulation import ImpactSetup
-from shellfabric.impact.simulation import run as run_impact
-from shellfabric.output import snapshots as output_snapshots
-from shellfabric.output.histories import HistoryRequest
-from shellfabric.panel.boundary import PullIn
+from shellfabric.coupon import quasistatic
+from shellfabric.impact import ballistic_limit, simulation
+from shellfabric.output.snapshots import yarn_tensions
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.gap import ply_gap
-from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.projectile import dynamics as bodies
 from shellfabric.projectile.bar import Bar
-from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import CrossoverFriction
-from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver
+from shellfabric.solver.pack_solver import PackSolver
 from validation.models import variants as comparison
 from validation.models.cable import smith
 from validation.models.cable.model import CableNet
@@ -37,9 +33,11 @@ from validation.published.bias_extension import cases as bias_cases
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
-    from validation.claims.registry import RunResult
+    from shellfabric.impact.ballistic_limit import Limit
+    from shellfabric.impact.simulation import ImpactSetup
 
-THESIS: dict[str, Any] = {"elements_per_crossover": 1}  # its mesh
+PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3}  # of the thesis
+HISTORY = {"interval": 1e-6, "warp": [0.0], "weft": [0.0]}
 
 
 def cloth(
@@ -58,9 +56,7 @@ def cloth(
     shear : {"G1", "G2", "gamma1", "gamma2": values} that replace those of the fabric
     denier : "effective", the linear density that the thesis's tables imply (erratum E-07), or "nominal"
     """
-    fabric = catalogue.load(name)
-    if denier == "effective":
-        fabric = fabric.with_effective_density()
+    fabric = variants.with_linear_density(catalogue.load(name), denier)
     fabric = variants.scale_yarns(fabric, E=modulus, failure_strain=strain, crimp=crimp)
     fabric = variants.scale_areal_density(fabric, mass)
     if straight:
@@ -70,198 +66,172 @@ def cloth(
     return variants.with_shear(fabric, **shear) if shear else fabric
 
 
-class _FirstFailures:
-    """Hook: time [s] after which a warp and a weft segment have failed."""
-
-    def __init__(self):
-        self.times = [np.nan, np.nan]
-
-    def __call__(self, march):
-        for family, failed in enumerate(march.state.failed):
-            if np.isnan(self.times[family]) and failed.any():
-                self.times[family] = march.time
-
-
 def setup(
-    fabric: str, velocity: float, *, cell_model: str = "compressible", form: str | None = None,
-    pull: dict[str, float] | None = None, symmetry: str = "quarter", end_time: float = 800e-6,
-    offsets: Sequence[float] = (), snapshots: float | None = None, interval: float = 1e-6, elements: int = 1,
-    bending: float = 0.0, body: str = "rigid", crossovers: float | None = None, **changes: Any,
+    fabric: str, velocity: float, *, change: dict[str, Any] | None = None, struck: dict[str, Any] | None = None,
+    wider: float | None = None, projectile: dict[str, Any] | str | None = None, history: dict[str, Any] | None = None,
+    **keywords: Any,
 ) -> ImpactSetup:  # fmt: skip
-    """ImpactSetup of a shot; the arguments are those of `shot`."""
-    options: dict[str, Any] = {"form": form} if form else {}
-    if pull:
-        slipping = PullIn(pull["length"], pull["start"], pull["end"])
-        options["edge"] = ("clamped", slipping)  # weft, as in section 6.4.3
-    if crossovers is not None:
-        options["crossovers"] = CrossoverFriction(crossovers)
-    projectile = Projectile()
-    if body == "bored":
-        projectile = replace(projectile, body=projectile.steel_bar())
-    return ImpactSetup(
-        cloth(fabric, **changes),
-        velocity,
-        projectile=projectile,
-        cell_model=cell_model,
-        symmetry=symmetry,
-        end_time=end_time,
-        elements_per_crossover=elements,
-        bending=bending,
-        snapshot_interval=snapshots,
-        history=HistoryRequest(interval, (0.0,), (0.0, *offsets)),
-        **options,
-    )
-
-
-def shot(**scene: Any) -> RunResult:
-    """One impact on one ply.
+    """`weavecell.setup` of a shot.
 
     Parameters
     ----------
-    fabric, velocity [m/s] and the changes of `cloth`
-    cell_model, form, symmetry, end_time, elements, bending : as in ImpactSetup; form None is its default
-    body : of the projectile, "rigid" or "bored", the elastic-plastic bar of steel
-    crossovers : coefficient of friction of crossovers that slide; None pins them
-    pull : {"length" [m], "start", "end" [s]} of the weft edges
-    offsets : [m] of further weft yarns to record at the edge
-    snapshots, interval : [s]
+    fabric, velocity : name, [m/s]
+    change : of the fabric, arguments of `cloth`
+    struck : of the struck ply of a pack, beside `change`
+    wider : [m] that the gap between plies has beside that of their compression data (erratum E-02)
+    projectile : keys beside those of PROJECTILE; or "full bar", elastic without a bore (`Bar.full`)
+    history : keys beside those of HISTORY
+    **keywords : of `weavecell.setup`
     """
-    chosen, hook = setup(**scene), _FirstFailures()
-    result = run_impact(chosen, hooks=(hook,))
-    (history,) = result.histories
-    yarns = {
-        yarn.family: {
-            name: np.asarray(getattr(yarn, name)) for name in ("X", "tension", "place", "deflection", "strength")
-        }
-        for yarn in history.yarns
-        if yarn is history.through(yarn.family)
-    }
-    weave, panel = chosen.fabric.weave, result.panel
-    edge = sorted((abs(yarn.offset), yarn.tension[:, -1]) for yarn in history.yarns if yarn.family == "weft")
-    return {
-        "outcome": result.outcome,
-        "residual": result.residual_velocity,
-        "t": result.t,
-        "v": result.v,
-        "z": result.nose_position,
-        "energies": result.energies,
-        "reactions": result.reactions,
-        "failed": result.cut_yarns,
-        "peak": np.array(result.peak_tension),
-        "strength": np.array([yarn.strength for yarn in weave.yarns]),
-        "fine": result.step_history,
-        "first_failure": np.array(hook.times),
-        "steps": result.steps,
-        "clock": history.t,
-        "yarns": yarns,
-        "edge_offset": np.array([place for place, _ in edge]),
-        "edge_tension": np.array([tension for _, tension in edge]),
-        "half": np.array([yarns[f]["X"][-1] for f in ("warp", "weft")]),
-        "snapshots": [_shape(panel, taken) for (taken,) in result.snapshots],
-        "eroded": int(result.last[0].failed[..., 2].sum()),
-        "balance": result.energy_error_max,
-    }
+    used, plies = cloth(fabric, **change or {}), keywords.get("plies", 1)
+    keywords = {"elements_per_crossover": 1} | keywords
+    if wider is not None:
+        keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
+    own = {} if isinstance(projectile, str) else projectile or {}
+    made = wc.setup(
+        used, velocity, projectile=PROJECTILE | own,
+        history=HISTORY | (history or {}), **keywords,
+    )  # fmt: skip
+    if projectile == "full bar":
+        made = replace(made, projectile=replace(made.projectile, body=Bar.full()))
+    if struck is not None:
+        rest = (simulation.Ply(used),) * (plies - 1)
+        made = replace(made, lay_up=(simulation.Ply(cloth(fabric, **(change or {}) | struck)), *rest))
+        made = replace(made, fabric=made.lay_up[0].fabric, laws=made.lay_up[0].laws)
+    return made
 
 
-def _shape(panel, taken):
-    """What is kept of a snapshot."""
-    a = np.diff(taken.nodes, axis=0)
-    b = np.diff(taken.nodes, axis=1)
-    warp, weft = 0.5 * (a[:, :-1] + a[:, 1:]), 0.5 * (b[:-1] + b[1:])
-    sine = np.einsum("ijk,ijk->ij", warp, weft) / (np.linalg.norm(warp, axis=2) * np.linalg.norm(weft, axis=2))
-    return {
-        "t": taken.t,
-        "pyramid": np.array(output_snapshots.pyramid(panel, taken)),
-        "gamma": np.abs(np.arcsin(sine)),
-        "x": panel.coordinates()[0][:, 0],
-        "y": panel.coordinates()[1][0],
-        "z": taken.nodes[..., 2].astype(np.float32),
-        "whole": ~taken.failed.any(axis=2),
-    }
+class _Watch:
+    """Hook: times [s] after which a warp and a weft segment of the struck ply have failed, and at each audit the mean
+    tension [N] of the weft through the impact point from 5 to 15 mm beside it, on a quarter of a panel."""
+
+    def __init__(self):
+        self.times, self.beside = np.full(2, np.nan), []
+
+    def __call__(self, solver):
+        tension = yarn_tensions(solver.const, solver.state)[0, :, 1]
+        middle = (np.arange(tension.size) + 0.5) * solver.const.dy
+        self.beside.append(float(tension[(middle > 5e-3) & (middle < 15e-3)].mean()))
+        for family, failed in enumerate(solver.state.failed):
+            if np.isnan(self.times[family]) and failed.any():
+                self.times[family] = solver.time
 
 
-def limit(*, fabric: str, tolerance: float = 1.0, guess: float | None = None, **scene: Any) -> RunResult:
-    """Critical velocity of a panel, within `tolerance` [m/s]."""
-    panel = setup(fabric, 100.0, **scene).panel()
-    found = limits.critical_velocity(panel, tolerance=tolerance, guess=guess)
-    return {
-        "velocity": found.velocity,
-        "low": found.low,
-        "high": found.high,
-        "single": found.single,
-        "shots": np.array([(s.strike_velocity, s.residual_velocity, s.perforated) for s in found.shots]),
-    }
+@dataclass(frozen=True, kw_only=True)
+class Shot(simulation.ImpactResult):
+    """One impact.
+
+    Parameters
+    ----------
+    first_failure : (2,) [s] after which a warp and a weft segment of the struck ply have failed; nan where none has
+    beside : (n - 1,) [N] mean tension of the weft through the impact point from 5 to 15 mm beside it
+    """
+
+    first_failure: np.ndarray
+    beside: np.ndarray
 
 
-def shots(*, fabric: str, velocities: Sequence[float], **scene: Any) -> RunResult:
-    """Residual velocities [m/s], failure and end times at several velocities."""
-    panel = setup(fabric, 100.0, **scene).panel()
-    fired = limits.shoot(panel, velocities)
-    return {
-        "strike": np.array(velocities),
-        "residual": np.array([s.residual_velocity for s in fired]),
-        "stopped": np.array([not s.perforated for s in fired]),
-    }
+def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: Any) -> Shot:
+    """One impact on one ply or several.
+
+    Parameters
+    ----------
+    fabric, velocity, **scene : of `setup`
+    failure_time : [s] over which tensions are low-passed before they are held against the strength, in place of the
+        time that follows from the failure length; 0 leaves that
+    """
+    made, hook = setup(fabric, velocity, **scene), _Watch()
+    if failure_time:
+        solver = PackSolver(made.target(), velocity, made.end_time, interval=made.sample_interval)
+        for lines in (lines for const in solver.consts for lines in (const.warp_lines, const.weft_lines)):
+            lines.filter_factor[:] = -np.expm1(-solver.const.dt / failure_time)
+        solver.run((hook,))
+        result = simulation.collect_result(made, solver)
+    else:
+        result = simulation.run(made, hooks=(hook,))
+    plain = made.target(made.plain_table())  # whose table of the cell, which takes 15 MB, is not needed any more
+    return Shot(**vars(result) | {"target": plain}, first_failure=hook.times, beside=np.array(hook.beside))
 
 
-def net(*, fabric: str, velocity: float, end_time: float = 800e-6, **changes: Any) -> RunResult:
-    """One impact on the pin-jointed cable net."""
-    found = run_cable(CableNet.of(ImpactSetup(cloth(fabric, **changes), velocity, **THESIS)), velocity, end_time)
-    return {
-        "outcome": found.outcome,
-        "t": found.t,
-        "v": found.v,
-        "z": found.nose_position,
-        "fine": found.step_history,
-        "reactions": found.reactions,
-        "seconds": found.wall_time,
-        "bars": found.net.bars,
-    }
+def limit(fabric: str, *, tolerance: float = 1.0, guess: float | None = None, **scene: Any) -> Limit:
+    """Critical velocity of one ply, within `tolerance` [m/s]."""
+    target = setup(fabric, 100.0, **scene).panel()
+    return ballistic_limit.critical_velocity(target, tolerance=tolerance, guess=guess)
 
 
-def struck_yarn(*, fabric: str, velocity: float) -> RunResult:
-    """A lone straight yarn struck at constant velocity, with Smith's closed form beside it."""
+def shots(fabric: str, velocities: Sequence[float], **scene: Any) -> SimpleNamespace:
+    """(n,) strike and residual velocities [m/s], and which shots stopped."""
+    fired = ballistic_limit.shoot(setup(fabric, 100.0, **scene).panel(), velocities)
+    residual = np.array([shot.residual_velocity for shot in fired])
+    stopped = np.array([not shot.perforated for shot in fired])
+    return SimpleNamespace(strike=np.array(velocities), residual=residual, stopped=stopped)
+
+
+def net(fabric: str, velocity: float, **change: Any) -> SimpleNamespace:
+    """One impact on the pin-jointed cable net of a changed fabric (`cloth`)."""
+    made = simulation.ImpactSetup(cloth(fabric, **change), velocity, elements_per_crossover=1)
+    found = run_cable(CableNet.of(made), velocity, 800e-6)
+    return SimpleNamespace(step_history=found.step_history, reactions=found.reactions)
+
+
+def struck_yarn(fabric: str, velocity: float) -> SimpleNamespace:
+    """A lone straight yarn struck at constant velocity: what was computed, and Smith's closed form, `theory`."""
     yarn = catalogue.load(fabric).with_effective_density().weave.warp
-    run, theory = smith.strike(yarn, velocity), smith.smith(yarn, velocity)
-    return {
-        "c": run.computed.c,
-        "U": run.computed.U,
-        "force": run.computed.force,
-        "strain": run.computed.strain,
-        "theory_c": theory.c,
-        "theory_U": theory.U,
-        "theory_strain": theory.strain,
-        "X": run.X,
-        "nodes": run.nodes,
-    }
+    run = smith.strike(yarn, velocity)
+    return SimpleNamespace(**vars(run.computed), X=run.X, nodes=run.nodes, theory=smith.smith(yarn, velocity))
 
 
-def bias(*, cloth: str, steps: int = 20) -> RunResult:
-    """The bias extension test on one of its cloths."""
+def strip(fabric: str, velocity: float, length: float, end_time: float) -> SimpleNamespace:
+    """The shell's own lone yarns: straight warp under a shot, in a strip whose weft has next to no mass and stiffness.
+
+    The strip is 12 mm wide with free sides, of which the nose meets the middle half, and `length` [m] long between its
+    clamps. Kept is the history of its middle yarn.
+    """
+    made = setup(
+        fabric, velocity, change={"straight": True}, opening=(length, 12e-3),
+        boundary={"warp": "clamped", "weft": "free"}, cell_model="decoupled", end_time=end_time, yarn_failure=False,
+        history={"weft": []},
+    )  # fmt: skip
+    given = made.fabric
+    weft = replace(given.weave.weft, linear_density=1e-3 * given.weave.weft.linear_density)
+    given = replace(given, weave=replace(given.weave, weft=weft), shear=None)
+    return SimpleNamespace(histories=simulation.run(replace(made, fabric=given)).histories)
+
+
+def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
+    """The bias extension test on one of its cloths, by load steps."""
     case = bias_cases.run(cloth, steps=steps)
-    result = case.result
-    means = np.array([case.means(k) for k in range(len(result.states))])
-    return {
-        "problem": case.problem or "",
-        "moved": result.prescribed,
-        "angles": np.radians(means),
-        "concentration": np.array([case.concentration(k) for k in range(len(result.states))]),
-        "asymmetry": bias_cases.asymmetry(result) if not case.problem else np.nan,
-        "inextensible": np.radians([case.inextensible(k) for k in range(len(result.states))]),
-        "x": result.states[-1].x,
-        "quads": result.coupon.quads,
-        "gamma": result.shear(),
-    }
+    result, count = case.result, range(len(case.result.states))
+    return SimpleNamespace(
+        moved=result.prescribed,
+        angles=np.radians([case.means(k) for k in count]),
+        concentration=np.array([case.concentration(k) for k in count]),
+        asymmetry=bias_cases.asymmetry(result) if not case.problem else np.nan,
+        load=np.abs(result.force(1, 1)),
+    )
 
 
-def stability(*, fabric: str, velocity: float, factor: float, end_time: float) -> RunResult:
+def frame(fabric: str, *, shear_angle: float, steps: int = 16, cells: int = 4) -> SimpleNamespace:
+    """The picture frame test: shear angle [rad], shear stress [Pa] and force [N] along the diagonal of the frame.
+
+    The force does the work of the stress: F d(delta) = tau V d(gamma), with the diagonal delta = 2 L sin(beta / 2) of a
+    square of side L whose angle between the yarns is beta = 90 degrees + gamma on the side of the diagonal.
+    """
+    table = CellModel(cloth(fabric)).table(201)
+    result = quasistatic.picture_frame(table, cells=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7)
+    stress, weave = quasistatic.frame_stress(result), table.model.fabric.weave
+    side = np.array([2 * cells * w for w in weave.w])
+    slope = np.sqrt(side[0] * side[1]) * np.cos(0.25 * np.pi + 0.5 * result.prescribed)
+    force = stress * side[0] * side[1] * weave.thickness / slope
+    return SimpleNamespace(gamma=result.prescribed, stress=stress, force=force, side=side)
+
+
+def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -> SimpleNamespace:
     """Whether a panel of straight yarns stays in balance at `factor` times its critical step.
 
     Nothing damps it and its yarns are taut, so that the bound is that of its highest mode; in the equilibrium form, for
     in the variational one half of the stiffness sees means over two elements, which leaves room of a root of 2.
     """
-    from fabrics.errors import UnstableError
-    from shellfabric.solver.pack_solver import PackSolver
 
     class Paced(Panel):
         @property
@@ -272,108 +242,35 @@ def stability(*, fabric: str, velocity: float, factor: float, end_time: float) -
     panel = Paced(table, numerics=Numerics(stretch_viscosity=0.0), trellis=False, failure=False)
     try:
         PackSolver(panel, velocity, end_time).run()
-    except UnstableError as problem:
-        return {"stable": False, "message": str(problem)}
-    return {"stable": True, "message": ""}
+    except UnstableError:
+        return SimpleNamespace(stable=False)
+    return SimpleNamespace(stable=True)
 
 
-def pace(*, fabric: str, velocity: float, repeats: int = 3) -> RunResult:
-    """Seconds that shell and cable net need for the same impact, run in turns; the least of each."""
-    shell, cables = [], []
-    scene, given = ImpactSetup(cloth(fabric), velocity, end_time=250e-6, **THESIS), cloth(fabric)
+def pace(fabric: str, velocity: float, *, repeats: int = 3) -> SimpleNamespace:
+    """Seconds that shell and cable net need for 250 us of the same impact, run in turns; the least of each."""
+    made = simulation.ImpactSetup(cloth(fabric), velocity, end_time=250e-6, elements_per_crossover=1)
+    shell, cable = [], []
     for _ in range(repeats):
-        shell.append(run_impact(scene).wall_time)
-        cables.append(run_cable(CableNet.of(ImpactSetup(given, velocity, **THESIS)), velocity, 250e-6).wall_time)
-    return {"shell": min(shell), "cable": min(cables)}
+        shell.append(simulation.run(made).wall_time)
+        cable.append(run_cable(CableNet.of(made), velocity, 250e-6).wall_time)
+    return SimpleNamespace(shell=min(shell), cable=min(cable))
 
 
-def low_pass(march: PackSolver, failure_time: float) -> None:
-    """Low-pass tensions over failure_time [s] before they are held against the strength, in place of the time that
-    follows from the failure length; 0 leaves that."""
-    for lines in (lines for const in march.consts for lines in (const.warp_lines, const.weft_lines)):
-        if failure_time > 0:
-            lines.filter_factor[:] = -np.expm1(-march.const.dt / failure_time)
-
-
-def pack(
-    *, fabric: str, velocity: float, plies: int, stacking: str = "aligned", added: float = 0.0, body: str = "rigid",
-    end_time: float = 400e-6, face: dict[str, Any] | None = None, form: str = "smooth", failure_time: float = 0.0,
-) -> RunResult:  # fmt: skip
-    """One impact on a pack of plies, with the gap of its compression data (erratum E-02).
+def pencil(
+    fabric: str, *, plies: int, modulus: float = 1.0, mass: float = 0.0, elements: int = 2, edge: str = "free",
+    layer: float | None = None,
+) -> SimpleNamespace:  # fmt: skip
+    """One run of Table 6-2 before its block; without plies the block alone.
 
     Parameters
     ----------
-    fabric, velocity [m/s], plies, end_time [s]
-    stacking : "aligned" or "alternating"
-    added : [m] to that gap
-    body : of the projectile, "rigid", "elastic_bar" (bored), or "full" (`Bar.full`)
-    face : {"modulus", "strain": factors} of the ply that is struck, None where all are alike
-    form : of the contact between plies
-    failure_time : as of `low_pass`
+    plies, modulus, mass : of `pencilling.study.Case`
+    elements, edge, layer : of `pencilling.study.march`
     """
-    shot = Projectile(body=Bar.full() if body == "full" else body)
-    base = ImpactSetup(cloth(fabric), velocity, projectile=shot, **THESIS)
-    ply = base.panel()
-    gap = (ply_gap(ply.fabric, PlyLaw.of(ply.fabric)).value if plies > 1 else 0.0) + added
-    whole = Pack.stacked(ply, plies, stacking=stacking, gap=gap, contact=PlyContact(form=form))
-    if face is not None:
-        struck = replace(base, fabric=cloth(fabric, **face)).panel()
-        whole = replace(whole, plies=(struck, *whole.plies[1:]))
-    march = PackSolver(whole, velocity, end_time, interval=1e-6)
-    low_pass(march, failure_time)
-    cones, tensions = [], []
+    from validation.published.pencilling.study import FABRIC, Case, bare, shoot
 
-    def look(march):
-        tensions.append(_beside(march.consts[0], march.states[0]))
-        if len(march.samples) % 20 == 0:
-            shots = [output_snapshots.snapshot(p, s, march.time) for p, s in zip(march.pack.plies, march.states)]
-            cones.append((march.time, [output_snapshots.pyramid(p, shot) for p, shot in zip(march.pack.plies, shots)]))
-
-    march.run((look,))
-    fine = np.concatenate(march.step_history)
-    bar = ply.projectile.bar
-    return {
-        "outcome": march.outcome,
-        "residual": float(march.sample("v")[-1]),
-        "gap": gap,
-        "t": march.sample("t"),
-        "v": march.sample("v"),
-        "z": march.sample("z"),
-        "fine": np.column_stack([march.const.dt * np.arange(1, len(fine) + 1), fine]),
-        "energies": {name: march.sample(name) for name in march.energy_names},
-        "plies": {name: march.ply_sample(name) for name in PLY_SAMPLES},
-        "tension": np.array(tensions),
-        "peak": march.peak_tensions[..., 0],
-        "deepest": march.deepest,
-        "cones": cones,
-        "swing": _swing(fine, march, bar) if bar else np.nan,
-        "balance": float(np.abs(march.sample("error")).max()) / march.strike_energy,
-        "seconds": march.wall_time,
-        "steps": march.steps,
-    }
-
-
-def _beside(const, state):
-    """[N] mean tension of the weft through the impact point from 5 to 15 mm beside it, on a quarter of a panel."""
-    tension = output_snapshots.yarn_tensions(const, state)[0, :, 1]
-    middle = (np.arange(tension.size) + 0.5) * const.dy
-    return float(tension[(middle > 5e-3) & (middle < 15e-3)].mean())
-
-
-def _swing(fine, march, bar):
-    """[s] in which tip and tail of an elastic projectile swing."""
-    return bodies.history(march.const.dt * np.arange(1, len(fine) + 1), fine, march.state, bar).swing
-
-
-# name: (function, rough cost, to begin with the longest)
-RUNS = {
-    "shot": (shot, 2),
-    "limit": (limit, 8),
-    "shots": (shots, 6),
-    "net": (net, 2),
-    "struck_yarn": (struck_yarn, 1),
-    "bias": (bias, 40),
-    "stability": (stability, 1),
-    "pace": (pace, 9),
-    "pack": (pack, 20),
-}
+    assert fabric == FABRIC
+    found = bare() if plies == 0 else shoot(Case(plies, modulus, mass), elements=elements, edge=edge, layer=layer)
+    names = "outcome", "depth", "crater", "steepness", "half_width", "balance", "t", "z"
+    return SimpleNamespace(**{name: getattr(found, name) for name in names})

@@ -16,22 +16,14 @@ from shellfabric.coupon.model import Coupon
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.bar import Bar
 from validation.claims import claims as data
-from validation.claims import judge
-from validation.claims.checks import CHECKS, compression, shear
+from validation.claims import judge, runner
+from validation.claims.checks import compression, shear
 
 CLAIMS = {claim.id: claim for claim in data.load()}
 KERNELS = compression.crossover_kernels
 OFF_THE_EQUATIONS = [
     name for name, claim in CLAIMS.items() if "off the equations" in {c.name for c in claim.conditions}
 ]
-
-
-def judged(name):
-    """Record of a claim whose check needs no run, as the product stands."""
-    claim = CLAIMS[name]
-    found = CHECKS[claim.check].function(**(claim.arguments or {}))
-    found.pop("note", "")
-    return judge.judge(claim, found)
 
 
 def scaled(function, factor, *places):
@@ -138,6 +130,6 @@ def test_a_defect_of_the_product_misses_the_claim(monkeypatch, defect, name):
     owner, attribute, wrong, claims = PLANTED[defect]
     assert len(OFF_THE_EQUATIONS) == 18
     monkeypatch.setattr(owner, attribute, wrong(getattr(owner, attribute)))
-    record = judged(name)
+    record = runner.check(CLAIMS[name], {})
     assert record.verdict == judge.MISSED
     assert claims[name] in record.miss

@@ -13,7 +13,6 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
-from validation.claims.registry import Found, check
 
 TOLERANCE = 1e-3  # K_tol of App. B.3
 MOST = 500
@@ -60,49 +59,12 @@ def _force(w, h, S0, yarn):
     return F, slope
 
 
-@check()
-def iterations_inside(fabric: str, least: float, most: float) -> Found:
-    counts = [iterate(fabric, d1, d2).steps for d1 in np.linspace(least, most, 9) for d2 in np.linspace(least, most, 9)]
-    return {"most": max(counts), "note": f"{min(counts)} to {max(counts)} steps"}
-
-
-@check()
-def iterations_at_edge(fabric: str, reach: float) -> Found:
+def iterations_at_edge(fabric: str, reach: float) -> float:
     """Steps of the iteration where yarns barely touch, of the pairs at which it converges, over those inside."""
     d = np.linspace(-reach, reach, 41)
     ends = {(a, b): iterate(fabric, a, b) for a in d for b in d if a > 0 or b > 0}
     inside = np.median([e.steps for (a, b), e in ends.items() if a >= 0.01e-3 and b >= 0.01e-3 and e.converged])
     cell = CellModel(catalogue.load(fabric), form="equilibrium")
-    w = cell.fabric.weave.w
-    force = cell.solve(*(1 + np.array(list(ends)) / w).T)["F"]
+    force = cell.solve(*(1 + np.array(list(ends)) / cell.fabric.weave.w).T)["F"]
     weak = [e.steps for F, e in zip(force, ends.values()) if 0 < F < 1.0 and e.converged]
-    lost = sum(not e.converged for e in ends.values())
-    return {
-        "edge over interior, converged": np.mean(weak) / inside,
-        "note": f"{inside:.0f} steps inside; where it converges and the force is below 1 N {np.mean(weak):.0f} "
-        f"on average, {max(weak)} at most; {lost} of {len(ends)} pairs do not converge in {MOST} or run off",
-    }
-
-
-@check()
-def zero_start(fabric: str) -> Found:
-    ours = CellModel(catalogue.load(fabric), form="equilibrium").solve(1.0, 1.0)
-    return {
-        "printed is finite": bool(np.isfinite(iterate(fabric, 0.0, 0.0).F)),
-        "ours is finite": bool(np.isfinite(float(ours["F"]))),
-    }
-
-
-@check()
-def no_inverse(fabric: str) -> Found:
-    found = iterate(fabric, 0.02e-3, 0.01e-3, invert=False)
-    return {"converged": found.converged, "steps": found.steps}
-
-
-@check()
-def wrong_root(fabric: str, d1: float, d2: float, below: float) -> Found:
-    from validation.claims.checks.cell import printed
-
-    w = catalogue.load(fabric).weave.w
-    ours = printed(fabric).solve(1 + d1 / w[0], 1 + d2 / w[1])
-    return {"Newton": iterate(fabric, d1, d2, below=below).F, "bracketed": float(ours["F"])}
+    return float(np.mean(weak) / inside)
