@@ -110,7 +110,8 @@ def _row(measure, input, changes, coarse, **columns):
         tuple((key.strip(), value) for key, _, value in (part.partition("=") for part in texts.split(";")) if value)
         for texts in (changes, coarse)
     )
-    return Row(**columns, case=case_of(measure, input, own), coarse_case=case_of(measure, input, (*own, *cheapest)))
+    cheap = None if coarse == "-" else case_of(measure, input, (*own, *cheapest))
+    return Row(**columns, case=case_of(measure, input, own), coarse_case=cheap)
 
 
 def case_of(measure: str, name: str, changes: tuple[tuple[str, str], ...]) -> Case:
