@@ -184,7 +184,7 @@ def _growth(case):
 def _strike(case):
     """What a projectile does to the bare block of a file with the tables [projectile] and [backing] alone."""
     shot, backing = dict(case.scene["projectile"]), case.scene["backing"]
-    setup = wc.setup("S-728", shot.pop("strike_velocity"), opening="15 mm", projectile=shot, backing=backing)
+    setup = wc.setup("S-728", shot.pop("strike_velocity"), opening="200 mm", projectile=shot, backing=backing)
     return strike(setup.backing, setup.projectile, setup.strike_velocity, 0.03, after=setup.backing.after_stop)
 
 
