@@ -9,7 +9,7 @@ the fields of `Claim`.
 one, it is a dict of runs, one an entry, which stands for "{}" in the values. A text that begins with "=" is an
 expression.
 
-`expect` has conditions "NAME: EXPRESSION", or "NAME" of a number that the function `check` finds, with one of
+`expect` has conditions "NAME: EXPRESSION", or "NAME" of what an earlier condition or the function `check` finds, with
 
     = 0.12 mm +- 0.005 mm, = 255.2 g/m2 +- 3 %   |found - value| <= tolerance, or <= the share of |value|
     > 4.3 %, < 5 us                              in the unit, a unit of UNITS or none
@@ -20,11 +20,6 @@ which are evaluated first, in their order. A number with a unit ("60 us") is one
 
 `each` makes one claim for each entry of its lists of one length: "{fabric}" in any text, and for a text that is nothing
 else the value itself. With `fabric` there is "{tag}" for the id: "s720" of "S-720".
-
-A claim is in one of three states. It has conditions; or it is not testable, with the reason; or what it needs is not
-built yet. Conditions may be marked in one of three ways, each with its reason: they are evidence that the thesis is
-wrong (`against`); they repeat input data or evaluate a closed form on which no code of the product depends (`data`); or
-what the thesis states is not comparable with what is computed (`incomparable`).
 """
 
 from __future__ import annotations
@@ -44,29 +39,10 @@ from fabrics.errors import InputError
 
 FILES = ("claims.toml", "additional.toml")
 KINDS = ("number", "outcome", "ordering", "trend", "shape", "failure-mode", "future")
-TOPICS = {
-    "geom": "Weave geometry",
-    "compr": "Transverse compression",
-    "yarn": "Single yarns",
-    "cell": "The unit cell",
-    "shear": "Shear",
-    "wave": "Waves",
-    "impact1": "Impact on one ply",
-    "impactN": "Impact on packs",
-    "gap": "Gaps between plies",
-    "biaxial": "Biaxial tests on glass",
-    "bias": "Bias extension",
-    "sens": "Sensitivities",
-    "slip": "Slip at the boundary",
-    "pencil": "Pencilling",
-    "cost": "Cost",
-    "failmode": "Ways to fail",
-    "future": "Recommendations",
-}
-POWERS = {"km": 3, "mm": -3, "um": -6, "us": -6, "g": -3, "kN": 3, "GPa": 9, "MPa": 6, "kPa": 3}  # of ten, to SI
+POWERS = {"mm": -3, "um": -6, "us": -6, "g": -3, "kN": 3, "GPa": 9, "MPa": 6}  # of ten, to SI
 UNITS = {unit: float(f"1e{power}") for unit, power in POWERS.items()}
 UNITS |= {"": 1.0, "%": 0.01, "mm2": 1e-6, "g/m2": 1e-3, "mm uN^(1/3)": 1e-5, "Pa um3": 1e-18, "deg": pi / 180}
-UNITS |= dict.fromkeys(("m", "s", "N", "m/s", "rad", "Pa", "J", "J/m2", "kg/m3"), 1.0)
+UNITS |= dict.fromkeys(("N", "m/s", "rad", "kg/m3"), 1.0)
 _NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 _UNIT = "|".join(map(re.escape, sorted(UNITS, key=len, reverse=True)))
 _CONDITION = re.compile(rf"(.+?) ([=<>]) ({_NUMBER}) ?({_UNIT})(?: \+- ({_NUMBER}) ?({_UNIT}))?")
@@ -81,7 +57,7 @@ class Condition:
     Parameters
     ----------
     name : of the number or text
-    expression : that finds it; "" where the function `check` does
+    expression : that finds it; "" where it has been found
     test : "=", "<", ">" or "is"
     target : number in `unit`, text, list or bool
     within, relative : the tolerance of "=", in `unit` or as a share
@@ -96,15 +72,10 @@ class Condition:
     relative: float | None = None
     unit: str = ""
 
-    @property
-    def factor(self) -> float:
-        """SI value of the unit."""
-        return UNITS[self.unit]
-
 
 @dataclass(frozen=True, order=True)
 class Run:
-    """A computation: its kind, what it is made of, and its keywords as JSON."""
+    """A computation: its kind, what it is made of and its keywords as JSON."""
 
     kind: str
     of: str
@@ -113,7 +84,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim.
+    """One claim: it has conditions; or it is not testable; or what it needs is not built yet.
 
     Parameters
     ----------
@@ -123,15 +94,14 @@ class Claim:
     basis : "experiment", "thesis-model" or "analytic": what the claim rests on there
     origin : "source", stated there; "ledger", follows from its formulas and tables
     quantity : what is claimed, in words
-    run : {name: run, or a dict of runs, as the file has it}; `runs_of` makes them
-    let : {name: expression} that conditions share
+    run, let : as above
     check, arguments : name of the function that finds numbers, and what it is called with beside the runs
     conditions : all of which have to hold
     reason : of the tolerances
     slow : takes minutes: left out but for --slow
     erratum : entry of docs/reports/errata.md that bears on it, or ""
     against : the conditions are evidence that the thesis is wrong; says what is
-    data : the conditions compare input data, or a closed form, with themselves; says which
+    data : they repeat input data, or a closed form on which no code of the product depends; says which
     incomparable : the thesis's statement and the computed quantity are not comparable; says why
     untestable, unbuilt : why there are no conditions; or ""
     cause : of a miss, as far as it has been investigated
@@ -188,22 +158,28 @@ def load() -> tuple[Claim, ...]:
 
 def entries(name: str) -> list[dict[str, Any]]:
     """The claims of a file of FILES, as dicts; those of a group one by one."""
-    content = tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))
-    return [claim for entry in content["claim"] for claim in _members(dict(entry))]
+    return [claim for entry in _content(name)["claim"] for claim in members(entry)]
 
 
-def select(claims: Sequence[Claim], topics: Sequence[str] = (), slow: bool = False) -> tuple[list[Claim], list[Claim]]:
-    """(claims to run, claims that are left out for being slow) of the topics; all topics where none is given.
+def topics() -> dict[str, str]:
+    """{topic: title}"""
+    return _content(FILES[0])["topics"]
 
-    Raises
-    ------
-    InputError : an unknown topic
-    """
-    for topic in topics:
-        if topic not in TOPICS:
-            raise InputError(key="--topics", value=topic, allowed=", ".join(TOPICS))
-    chosen = [claim for claim in claims if not topics or claim.topic in topics]
-    return [c for c in chosen if slow or not c.slow], [c for c in chosen if c.slow and not slow]
+
+@cache
+def _content(name):
+    return tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))
+
+
+def members(entry: dict[str, Any]) -> list[dict[str, Any]]:
+    """The entries of a group, or the entry itself."""
+    entry = dict(entry)
+    lists = entry.pop("each", None)
+    if lists is None:
+        return [entry]
+    rows = [dict(zip(lists, values)) for values in zip(*lists.values(), strict=True)]
+    tags = [{"tag": row["fabric"].replace("S-", "s")} if "fabric" in row else {} for row in rows]
+    return [filled(entry, row | tag) for row, tag in zip(rows, tags)]
 
 
 def filled(value: Any, names: dict[str, Any]) -> Any:
@@ -212,23 +188,24 @@ def filled(value: Any, names: dict[str, Any]) -> Any:
         return {filled(key, names): filled(part, names) for key, part in value.items()}
     if isinstance(value, list):
         return [filled(part, names) for part in value]
-    if not isinstance(value, str):
-        return value
-    for name, content in names.items():
+    for name, content in names.items() if isinstance(value, str) else ():
         if value == f"{{{name}}}":
             return content
         value = value.replace(f"{{{name}}}", str(content))
     return value
 
 
-def in_si(text: str) -> str:
-    """An expression whose numbers with a unit are numbers in SI, to the last digit."""
-    return _QUANTITY.sub(lambda found: repr(_exact(*found.groups())), text)
+def select(claims: Sequence[Claim], of: Sequence[str] = (), slow: bool = False) -> tuple[list[Claim], list[Claim]]:
+    """(claims to run, claims that are left out for being slow) of the topics; all topics where none is given.
 
-
-def _exact(digits, unit):
-    plain = unit in POWERS and "e" not in digits.lower()
-    return float(f"{digits}e{POWERS[unit]}") if plain else float(digits) * UNITS[unit]
+    Raises
+    ------
+    InputError : an unknown topic
+    """
+    for topic in set(of) - set(topics()):
+        raise InputError(key="--topics", value=topic, allowed=", ".join(topics()))
+    chosen = [claim for claim in claims if not of or claim.topic in of]
+    return [c for c in chosen if slow or not c.slow], [c for c in chosen if c.slow and not slow]
 
 
 def claim_of(entry: dict[str, Any]) -> Claim:
@@ -242,20 +219,18 @@ def claim_of(entry: dict[str, Any]) -> Claim:
     conditions = tuple(condition_of(entry["id"], text) for text in entry.pop("expect", ()))
     claim = Claim(conditions=conditions, **entry)
     states = [bool(conditions), bool(claim.untestable), bool(claim.unbuilt)]
-    marks = [mark for mark in (claim.against, claim.data, claim.incomparable) if mark]
-    bad = None
-    if claim.kind not in KINDS:
-        bad = "kind", claim.kind, ", ".join(KINDS)
-    elif claim.topic not in TOPICS:
-        bad = "id", claim.id, f"one that begins with a topic: {', '.join(TOPICS)}"
-    elif states.count(True) != 1 or bool(claim.check) > bool(conditions):
-        bad = "expect", None, "given, or else the reason why there is none"
-    elif conditions and not claim.reason:
-        bad = "reason", None, "given with conditions: that of their tolerances"
-    elif len(marks) > bool(conditions):
-        bad = "against, data, incomparable", claim.id, "at most one of them, and only with conditions"
-    if bad:
-        raise InputError(file=f"ledger, {claim.id}", key=bad[0], value=bad[1], allowed=bad[2])
+    marks = [bool(mark) for mark in (claim.against, claim.data, claim.incomparable)]
+    rules = {
+        f"kind: one of {', '.join(KINDS)}": claim.kind in KINDS,
+        f"id: one that begins with a topic: {', '.join(topics())}": claim.topic in topics(),
+        "expect: given, or else the reason why it is not": states.count(True) == 1,
+        "check: with conditions alone": bool(conditions) or not claim.check,
+        "reason: given with conditions: that of their tolerances": bool(claim.reason) or not conditions,
+        "against, data, incomparable: at most one, with conditions alone": marks.count(True) <= bool(conditions),
+    }
+    for rule, kept in rules.items():
+        if not kept:
+            raise InputError(file=f"ledger, {claim.id}", key=rule.split(": ")[0], allowed=rule.partition(": ")[2])
     return claim
 
 
@@ -267,30 +242,38 @@ def condition_of(owner: str, text: str) -> Condition:
     InputError : it is none of those that stand at the top of this module
     """
     number, equal = _CONDITION.fullmatch(text), _EQUAL.fullmatch(text)
+    name, _, expression = (number or equal or [text, text])[1].partition(": ")
+    expression = in_si(expression)
     if number and (number[2] == "=") == (number[5] is not None) and isfinite(float(number[3])):
-        left, test, value, unit, tolerance, its_unit = number.groups()
-        name, _, expression = left.partition(": ")
-        relative = its_unit == "%" and unit != "%"
-        if tolerance is None or relative or its_unit == unit:
-            target, spread = float(value), None if tolerance is None else float(tolerance)
-            within, share = (None, spread and 0.01 * spread) if relative else (spread, None)
-            return Condition(name, in_si(expression), test, target, within, share, unit)
+        test, value, unit, tolerance, its_unit = number.groups()[1:]
+        if tolerance is None:
+            return Condition(name, expression, test, float(value), unit=unit)
+        if its_unit == unit:
+            return Condition(name, expression, test, float(value), float(tolerance), unit=unit)
+        if its_unit == "%":
+            return Condition(name, expression, test, float(value), relative=0.01 * float(tolerance), unit=unit)
     elif equal:
-        name, _, expression = equal[1].partition(": ")
         try:
-            is_to_be = ast.literal_eval(equal[2])
+            return Condition(name, expression, "is", ast.literal_eval(equal[2]))
         except (SyntaxError, ValueError):
-            is_to_be = equal[2]
-        return Condition(name, in_si(expression), "is", is_to_be)
+            return Condition(name, expression, "is", equal[2])
     raise InputError(file=f"ledger, {owner}", key="expect", value=text, allowed="such as h: EXPRESSION = 1 mm +- 3 %")
+
+
+def in_si(text: str) -> str:
+    """An expression whose numbers with a unit are numbers in SI, to the last digit."""
+    return _QUANTITY.sub(lambda found: repr(_exact(*found.groups())), text)
+
+
+def _exact(digits, unit):
+    plain = unit in POWERS and "e" not in digits.lower()
+    return float(f"{digits}e{POWERS[unit]}") if plain else float(digits) * UNITS[unit]
 
 
 def run_of(spec: dict[str, Any]) -> Run:
     """A run from its entry in a file, whose first key is its kind; texts that are a number with a unit are in SI."""
-    (kind, of), *keywords = spec.items()
-    return Run(
-        kind, json.dumps(_plain(of)), json.dumps({key: _plain(value) for key, value in keywords}, sort_keys=True)
-    )
+    (kind, of), *keywords = _plain(spec).items()
+    return Run(kind, json.dumps(of), json.dumps(dict(keywords), sort_keys=True))
 
 
 def _plain(value):
@@ -300,14 +283,3 @@ def _plain(value):
         return [_plain(part) for part in value]
     quantity = isinstance(value, str) and re.fullmatch(rf"({_NUMBER}) ?({_UNIT})", value)
     return _exact(*quantity.groups()) if quantity else value
-
-
-def _members(entry):
-    """The entries of a group, or the entry itself."""
-    lists = entry.pop("each", None)
-    if lists is None:
-        return [entry]
-    rows = [dict(zip(lists, values)) for values in zip(*lists.values(), strict=True)]
-    if "fabric" in lists:
-        rows = [row | {"tag": row["fabric"].replace("S-", "s").lower()} for row in rows]
-    return [filled(entry, row) for row in rows]

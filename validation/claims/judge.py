@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from validation.claims.claims import Claim, Condition
+from validation.claims.claims import UNITS, Claim, Condition
 
 Found: TypeAlias = dict[str, Any]  # {name: number in SI, text, list or bool}
 REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
@@ -93,7 +92,7 @@ def expected(condition: Condition) -> str:
 def computed(condition: Condition, value: Any) -> str:
     """What was found for a condition, in words: "h01 0.1203 mm"."""
     if isinstance(value, float):
-        value = f"{value / condition.factor:.4g}{' ' + condition.unit if condition.unit else ''}"
+        value = f"{value / UNITS[condition.unit]:.4g}{' ' + condition.unit if condition.unit else ''}"
     return f"{condition.name} {_words(value)}"
 
 
@@ -112,7 +111,7 @@ def _miss(condition, value):
         return "" if value == target else f"{name} {_words(value)} instead of {_words(target)}"
     if not isinstance(value, float) or not np.isfinite(value):
         return f"{name} has no value"
-    off = value / condition.factor - target
+    off = value / UNITS[condition.unit] - target
     if condition.test == "=":
         allowed = condition.within if condition.within is not None else condition.relative * abs(target)
         share = f" ({100 * off / target:+.3g} %)" if target else ""

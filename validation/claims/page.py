@@ -12,7 +12,7 @@ from fabrics.errors import InputError
 from fabrics.files import write_whole
 from validation.claims import claims as data
 from validation.claims import judge
-from validation.claims.claims import TOPICS, Claim
+from validation.claims.claims import Claim
 from validation.claims.judge import BROKEN, MISSED, NOT_TESTABLE, REPRODUCED, VERDICTS, Record
 from validation.claims.runner import VARIANTS, holds
 from validation.marked_page import markdown
@@ -122,7 +122,7 @@ def lines(table: Table, command: str, commit: str, date: str) -> str:
 
 def _missed(table):
     """Claims missed by topic, most first; the topics with the fewest in one row."""
-    parts = {title: [row for row in table if row["topic"] == topic] for topic, title in TOPICS.items()}
+    parts = {title: [row for row in table if row["topic"] == topic] for topic, title in data.topics().items()}
     ranked = sorted(parts.items(), key=lambda part: -counts(part[1])[MISSED])
     rest = [row for _, own in ranked[MOST_TOPICS:] for row in own]
     found: list[list[object]] = [["topic", "decided", "missed", "which"]]

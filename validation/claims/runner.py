@@ -19,7 +19,7 @@ from typing import Any
 
 from fabrics import run_cache
 from fabrics.errors import WeavecellError
-from validation.claims import checks, judge
+from validation.claims import checks, judge, runs, runs_crossover
 from validation.claims.claims import Claim, Run, filled, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Record
 
@@ -30,15 +30,9 @@ VARIANTS: dict[str, dict[str, Any]] = {  # name: what is merged into the keyword
     "elastic-plastic bored projectile": {"projectile": {"body": "elastic_bar"}},
 }
 SHOTS = ("shot", "limit", "shots")
-# kind: rough cost, to begin with the longest, and the package that it needs
-COSTS = {
-    "shot": 2, "limit": 8, "shots": 6, "net": 2, "struck_yarn": 1, "strip": 3, "bias": 40, "frame": 3, "stability": 1,
-    "pace": 9, "pencil": 90, "stretched": 20, "plates": 60, "lone": 10, "sections": 3, "meshes": 5, "brick": 3,
-    "released": 25,
-}  # fmt: skip
-NEEDS = {"sections": "gmsh", "meshes": "gmsh"} | dict.fromkeys(
-    ("stretched", "plates", "lone", "brick", "released"), "dolfinx"
-)
+LONG = ("limit", "shots", "bias", "pace", "pencil", "stretched", "plates", "lone", "meshes", "released")
+NEEDS = dict.fromkeys(("stretched", "plates", "lone", "brick", "released"), "dolfinx")
+NEEDS |= dict.fromkeys(("sections", "meshes"), "gmsh")
 
 
 def validate(
@@ -60,8 +54,8 @@ def validate(
     One record a claim, in the order of the claims, those left out at the end.
     """
     tasks = [(claim, name) for claim in claims for name in (None, *(varied(claim) if vary else ()))]
-    wanted = {run for claim, name in tasks for run in _flat(runs_of(claim, name)) if _missing(run) is None}
-    runs = sorted(wanted, key=lambda run: (-cost(run), run))
+    wanted = {run for claim, name in tasks for run in _flat(runs_of(claim, name)) if not _missing(run)}
+    runs = sorted(wanted, key=lambda run: (not _is_long(run), run))
     found = run_cache.results(compute, [(run,) for run in runs], folder=folder, report=report, **pool)
     done = dict(zip(runs, found))
     records: dict[str, Record] = {}
@@ -75,8 +69,6 @@ def validate(
 
 def compute(run: Run) -> Any:
     """What a run comes to; an error of weavecell is a result too, for the claims to tell."""
-    from validation.claims import runs, runs_crossover
-
     kind = getattr(runs, run.kind, None) or getattr(runs_crossover, run.kind)
     try:
         return kind(json.loads(run.of), **json.loads(run.keywords))
@@ -95,23 +87,23 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
                 return Record(claim.id, NOT_TESTABLE, note=f"{package} is not installed")
             if isinstance(done[run], WeavecellError):
                 raise done[run]
-        runs = {name: _results(spec, done) for name, spec in specs.items()}
-        return judge.judge(claim, values(claim, runs))
+        results = {
+            name: {key: done[run] for key, run in spec.items()} if isinstance(spec, dict) else done[spec]
+            for name, spec in specs.items()
+        }
+        return judge.judge(claim, values(claim, results))
     except WeavecellError as problem:
         return Record(claim.id, MISSED, miss=str(problem), note=str(problem))
     except Exception:
         return Record(claim.id, BROKEN, note=traceback.format_exc(limit=-3))
 
 
-def values(claim: Claim, runs: dict[str, Any]) -> judge.Found:
-    """{name: what is found for it} of the conditions of a claim.
-
-    Expressions are evaluated by Python, for they come from our own files alone.
-    """
-    names = checks.names() | {"__builtins__": __builtins__} | runs
+def values(claim: Claim, results: dict[str, Any]) -> judge.Found:
+    """{name: what is found for it} of the conditions; Python evaluates the expressions, which are our own files'."""
+    names = checks.names() | {"__builtins__": __builtins__} | results
     for name, expression in claim.let.items():
         names[name] = eval(in_si(expression), names)
-    found = dict(names[claim.check](**runs, **claim.arguments)) if claim.check else {}
+    found = dict(names[claim.check](**results, **claim.arguments)) if claim.check else {}
     for condition in claim.conditions:
         if condition.expression:
             found[condition.name] = eval(condition.expression, names)
@@ -124,15 +116,9 @@ def runs_of(claim: Claim, variant: str | None = None) -> dict[str, Any]:
     return {name: _specified(spec, names, VARIANTS.get(variant or "", {})) for name, spec in claim.run.items()}
 
 
-def cost(run: Run) -> float:
-    """Rough cost of a run; elements per crossover enter with their third power, plies once."""
-    keywords = json.loads(run.keywords)
-    return COSTS[run.kind] * keywords.get("elements_per_crossover", 1) ** 3 * max(1, 5 * (keywords.get("plies", 1) - 1))
-
-
-def claim_cost(claim: Claim) -> float:
-    """That of its longest run."""
-    return max((cost(run) for run in _flat(runs_of(claim))), default=0)
+def is_long(claim: Claim) -> bool:
+    """Whether a run of it takes more than a few seconds."""
+    return any(map(_is_long, _flat(runs_of(claim))))
 
 
 def varied(claim: Claim) -> list[str]:
@@ -187,11 +173,11 @@ def _flat(specs: dict[str, Any]) -> Iterator[Run]:
         yield from spec.values() if isinstance(spec, dict) else (spec,)
 
 
-def _results(spec, done):
-    return {key: done[run] for key, run in spec.items()} if isinstance(spec, dict) else done[spec]
+def _is_long(run):
+    return run.kind in LONG or json.loads(run.keywords).get("plies", 1) > 1
 
 
 def _missing(run):
-    """The package that a run needs and that is not installed, or None."""
-    package = NEEDS.get(run.kind)
-    return package if package and find_spec(package) is None else None
+    """The package that a run needs and that is not installed, or ""."""
+    package = NEEDS.get(run.kind, "")
+    return package if package and find_spec(package) is None else ""

@@ -15,8 +15,8 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.bar import Bar
+from validation.claims import checks, judge, runner
 from validation.claims import claims as data
-from validation.claims import judge, runner
 from validation.claims.checks import compression, shear
 
 CLAIMS = {claim.id: claim for claim in data.load()}
@@ -114,7 +114,7 @@ PLANTED = {
         shear, "trellis", lambda trellis: scaled(trellis, 1.001, 1), {"shear-thickness-constant": "relative change"},
     ),
     "gap between plies": (
-        compression, "compression_gap", lambda gap: lambda density, plies: 1e-4, {"compr-gap-formula": "difference"},
+        checks, "compression_gap", lambda gap: lambda density, plies: 1e-4, {"compr-gap-formula": "difference"},
     ),
     "pressure of records": (
         compression.PlateCurve, "at", lambda at: lambda self, pressure: at(self, 0.8 * np.asarray(pressure)),

@@ -9,17 +9,16 @@ from fabrics.errors import InputError, UnstableError
 from validation.claims import claims as data
 from validation.claims import judge, readers, runner, runs
 from validation.claims import page as pages
-from validation.claims.checks import compression
+from validation.claims.checks import cell
 from validation.commands import claims as command
 
 RECORDED = Path(__file__).parents[3] / "docs" / "reports" / "data" / "claims.csv"
-TIMED, CHEAP = ("future-lut-equals-iteration", "cost-ratio-shell-cable-1"), 3  # what measures time; cost of a run
+TIMED = ("future-lut-equals-iteration", "cost-ratio-shell-cable-1")
 
 
 def marked(claim):
     """A claim as a case; a test of a long one is slow."""
-    long = runner.claim_cost(claim) > CHEAP
-    return pytest.param(claim, id=claim.id, marks=pytest.mark.slow(60) if long else ())
+    return pytest.param(claim, id=claim.id, marks=pytest.mark.slow(60) if runner.is_long(claim) else ())
 
 
 @pytest.fixture(scope="session")
@@ -120,13 +119,13 @@ def test_expressions_have_units_readers_and_values_of_their_own():
     assert data.in_si(text) == "2 * 6e-05 + a[1] * 0.0005 - T1 / 0.7853981633974483"
     claim = claim_of("twice: 2 * h > 0.2 mm", "once: h < 1 mm", let={"h": "weave('S-720').h0[0]"})
     assert runner.values(claim, {})["twice"] == 2 * readers.weave("S-720").h0[0]
-    found = runner.values(claim_of("distance from a < 0.001", check="law_asymptote"), {})
-    assert found == {"distance from a": compression.law_asymptote()["distance from a"]}
+    lone = claim_of("difference over strength < 1", check="lone_yarn")
+    assert runner.values(lone, {}) == {"difference over strength": cell.lone_yarn()["difference over strength"]}
 
 
 def test_a_group_makes_a_claim_of_each_row():
     group = {"id": "geom-{tag}", "each": {"fabric": ["S-720", "S-726"], "n": [1, 2]}, "run": {"a": {"net": "{n}"}}}
-    assert data._members(group) == [
+    assert data.members(group) == [
         {"id": "geom-s720", "run": {"a": {"net": 1}}},
         {"id": "geom-s726", "run": {"a": {"net": 2}}},
     ]

@@ -5,7 +5,6 @@ Where the printed compression law is meant, it is used; else the regularised one
 
 from __future__ import annotations
 
-import itertools
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -22,8 +21,8 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import mesh_coupon
 from validation.claims.checks.unit_cell import departure
 from validation.claims.judge import Found
-from validation.claims.readers import FAMILIES, KEVLAR, rank
-from validation.published.biaxial_glass.curves import Curve, at_ratio, free_edge  # noqa: F401
+from validation.claims.readers import FAMILIES, KEVLAR
+from validation.published.biaxial_glass.curves import Curve
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
@@ -105,12 +104,6 @@ def failure_extensions() -> Found:
     return found
 
 
-def slack_over_taut(name: str, strain: float) -> float:
-    """Largest tension of decoupled yarns that are shortened by a strain, over that of yarns strained by as much."""
-    found, yarns = cell(name, "decoupled").solve(1 - strain, 1 - strain), catalogue.load(name).weave.yarns
-    return max(float(abs(found[T])) / (yarn.EA * strain) for T, yarn in zip(("T1", "T2"), yarns))
-
-
 def equilibrium() -> Found:
     """F against 2 T sin(alpha) of both yarns; heights and compressions against the heights at rest; random states."""
     force = closing = 0.0
@@ -158,44 +151,6 @@ def sine_slope_error() -> float:
             written = 4 * np.pi * stretched**2 / np.hypot(2 * stretched, np.pi * h) ** 3
             worst = max(worst, abs(found / written - 1))
     return worst
-
-
-def against_lone_warp(strain: FloatArray, T1: FloatArray, T2: FloatArray, alone: FloatArray, crimp: float) -> Found:
-    """Tension of a warp in the weave, weft held, less that of the warp alone; and the weft's tension."""
-    before = (strain > 0.1 * crimp) & (strain < crimp)
-    ratio = (T2 / np.maximum(T1, 1e-12))[before]
-    return {
-        "least lead of the woven yarn": (T1 - alone).min(),
-        "least lead of the woven yarn over the peak": float((T1 - alone).min() / T1.max()),
-        "least lead before it is straight": (T1 - alone)[before].min(),
-        "least growth of the weft": np.diff(T2).min(),
-        "least of weft over warp": ratio.min(),
-        "greatest of weft over warp": ratio.max(),
-    }
-
-
-def warp_in_weave(fabric: str) -> Found:
-    """`against_lone_warp` of the cell."""
-    strain, woven = warp_pull(cell(fabric))
-    alone, crimp = cell(fabric, "decoupled").solve(1 + strain, 1.0)["T1"], catalogue.load(fabric).weave.warp.crimp
-    found = against_lone_warp(strain, woven["T1"], woven["T2"], alone, crimp)
-    return found | {"off the equations": departure(cell(fabric), 1 + strain, 1.0)}
-
-
-def least_slope_on_weft(fabric: str) -> float:
-    """[N] of the warp tension on the weft's stretch, where yarns touch and the warp is not straight."""
-    model = cell(fabric)
-    s1, s2 = grid(model)
-    found = model.solve(s1, s2)
-    touching = (found["F"][:, 1:] > 0) & (found["F"][:, :-1] > 0) & (found["h1"][:, 1:] > 0)
-    return (np.diff(found["T1"], axis=1) / np.diff(s2, axis=1))[touching].min()
-
-
-def height_change(name: str) -> float:
-    """Relative change of the sum of the heights of incompressible yarns where they touch."""
-    model = cell(name, "incompressible")
-    found = model.solve(*random_states(name))
-    return np.abs((found["h1"] + found["h2"])[found["F"] > 0] / sum(model.fabric.weave.h0) - 1).max()
 
 
 def off_lone_yarns(name: str, **changes: Any) -> float:
@@ -252,23 +207,6 @@ def lone_yarn() -> Found:
         # the printed w for 2w leaves it slack whatever the stretch
         as_printed = max(weave.w1 * stretch_at_failure(weave.warp) - weave.S01, 0)
     return {"difference over strength": worst, "as printed, at failure": as_printed}
-
-
-def bounds(fabric: str, strain: float) -> Found:
-    """Warp extension with held weft between the bounds; tensions are given at a warp strain."""
-    cells = {model: cell(fabric, model) for model in BOUNDED}
-    strains, stiff = warp_pull(cells["incompressible"])
-    found = {model: cells[model].solve(1 + strains, 1.0) for model in BOUNDED[1:]} | {"incompressible": stiff}
-    result: Found = {}
-    for T in ("T1", "T2"):
-        rows = [found[model][T][1:] for model in BOUNDED]
-        result[f"{T} least distance"] = min(float((a - b).min()) for a, b in itertools.pairwise(rows))
-        at_strain = {model: float(np.interp(strain, strains, found[model][T])) for model in BOUNDED}
-        result |= {f"{T} decoupled": at_strain["decoupled"], f"{T} order": rank(at_strain)}
-    stiff_T, T1, soft = (found[model]["T1"] for model in BOUNDED)
-    real = stiff_T - soft > 0.01 * (stiff_T - soft).max()  # shares mean little before there is a difference to share
-    result["greatest share of the way"] = ((T1 - soft)[real] / (stiff_T - soft)[real]).max()
-    return result | {"off the equations": max(departure(model, 1 + strains, 1.0) for model in cells.values())}
 
 
 def surfaces(fabric: str) -> Found:

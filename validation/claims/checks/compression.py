@@ -20,7 +20,6 @@ from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from fabrics.units import si
 from shellfabric.cell import crossover_kernels
-from shellfabric.plies.gap import compression_gap
 from validation.claims.judge import Found
 from validation.claims.readers import KEVLAR
 
@@ -89,19 +88,6 @@ def _shift(law):
     return law.F0 if law.form == "regularised" else 0.0
 
 
-def law_asymptote() -> Found:
-    """The law as the cell evaluates it: its shape, its limit, and the distance to it over b / (F + F0)^(1/3)."""
-    F, ok, worst, off = np.geomspace(1e-3, 1e3, 400), True, 0.0, 0.0
-    for name in catalogue.list_names():
-        law = catalogue.load(name).laws[0]
-        d = in_the_cell(law, F)
-        slope = np.diff(d) / np.diff(F)
-        ok = ok and bool(np.all(slope > 0) and np.all(np.diff(slope) < 0))
-        worst = max(worst, abs(float(in_the_cell(law, [1e12 * law.F0])[0]) / law.a - 1))
-        off = max(off, float(np.abs((law.a - d) * np.cbrt(F + law.F0) / law.b - 1).max()))
-    return {"rises ever more slowly": ok, "distance from a": worst, "remaining compression, off the law": off}
-
-
 def compliance_error() -> float:
     """Slope of the law that the cell iterates with, and differences of its compression, against b / (3 F^(4/3))."""
     worst = 0.0
@@ -119,28 +105,6 @@ def compliance_error() -> float:
                 )
                 worst = max(worst, *(abs(slope / written - 1) for slope in slopes))
     return worst
-
-
-def gap_error() -> float:
-    """What a pack of panels closes by, from one ply's closure and the gaps it is set up with, less eq. 2-5, over it."""
-    worst, start = 0.0, pressure_law()["start"]
-    for name in KEVLAR:
-        for N in (4, 8, 16):
-            one, pack = closures(packs(name, (1, N)), start)
-            built = one + (N - 1) * compression_gap(catalogue.load(name).areal_density_measured, N)
-            worst = max(worst, abs(built / pack - 1))
-    return worst
-
-
-def gap_start_load(gaps: dict[str, float]) -> Found:
-    """Start load that fits printed gaps best, and their largest difference at it."""
-
-    def misfit(start):
-        return [gap(name, start) / printed - 1 for name, printed in gaps.items()]
-
-    loads = np.geomspace(2, 50, 2000)
-    best = loads[np.argmin([np.sum(np.square(misfit(load))) for load in loads])]
-    return {"start load": best, "largest difference of a gap": max(abs(gap(n, best) - g) for n, g in gaps.items())}
 
 
 def layers_taken_off(fabric: str, layer_modulus: float, layer_thickness: float, rows: int) -> Found:

@@ -5,31 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
-from fabrics.plate_curve import PlateCurve
 from shellfabric.cell.model import CellModel
-from validation.claims.checks.cell import against_lone_warp
 from validation.claims.judge import Found
-
-
-def platen_error(pressed: Any, fabric: str, least: float) -> float:
-    """Closure of the 3D crossover from a pressure [Pa] on, less the law's, over the law's; the largest."""
-    given = catalogue.load(fabric)
-    pressure, closure = pressed.F_plate.mean(axis=1) / given.weave.cell_area, 2 * (pressed.plates[0] - pressed.plates)
-    law = PlateCurve.pressure_law(given.areal_density_measured)
-    P = np.geomspace(least, min(pressure.max(), law.pressure[-1]), 60)
-    ours, theirs = np.interp(P, pressure, closure), np.interp(P, law.pressure, law.closure)
-    ours, theirs = ours - ours[0], theirs - theirs[0]
-    return (np.abs(ours[1:] - theirs[1:]) / theirs[1:]).max()
-
-
-def work_lost(run: Any) -> float:
-    """[-] share of the work of closing a pack that it does not give back."""
-    closing, opening = (float(trapezoid(pressure, closure)) for closure, pressure in (run.loading, run.unloading))
-    return 1 + opening / closing
 
 
 def fitted(*paths: Any) -> CompressionLaw:
@@ -53,21 +33,6 @@ def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Fou
         "warp": float(np.abs(cell["T1"] - T).max() / T.max()),
         "weft": float(np.abs(cell["T2"] - path.T2).max() / path.T2.max()),
         "energy": (np.abs(cell["W"] - work) / work.max()).max(),
-    }
-
-
-def warp_in_crossover(woven: Any, alone: Any, fabric: str) -> Found:
-    """`against_lone_warp` of the 3D crossover."""
-    weave = catalogue.load(fabric).weave
-    strain = woven.d1 / weave.w1
-    both = (strain > 0) & (strain <= alone.strain[-1])
-    found = against_lone_warp(
-        strain[both], woven.T1[both], woven.T2[both], np.interp(strain[both], alone.strain, alone.T), weave.warp.crimp
-    )
-    lead = found["least lead of the woven yarn"] / woven.T1.max()
-    return found | {
-        "least lead of the woven yarn over the peak": lead,
-        "least growth of the weft": float(np.diff(woven.T2).min()),
     }
 
 

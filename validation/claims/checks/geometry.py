@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace  # noqa: F401
 from math import pi
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +11,9 @@ from scipy.integrate import quad
 
 from fabrics import catalogue
 from fabrics.trellis import locking_modulus
-from fabrics.weave import arc_length, height_from_length  # noqa: F401
+from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Panel
-from shellfabric.projectile.bar import Bar  # noqa: F401
 from validation.claims.readers import FAMILIES, KEVLAR
 
 if TYPE_CHECKING:

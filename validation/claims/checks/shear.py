@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from math import pi
-from typing import Any
-
 import numpy as np
 
 from fabrics import catalogue
@@ -42,19 +39,6 @@ def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4)
     return (high - 2 * middle + low) / (step**2 * len(coupon.quads) * np.prod(coupon.spacing) * weave.thickness)
 
 
-def frame_load(run: Any, fabric: str, gamma: float) -> Found:
-    """Force of a picture frame at a shear angle over that of the published law, and its growth after locking."""
-    law, weave = catalogue.load(fabric).with_effective_density().shear, catalogue.load(fabric).weave
-    side = float(np.sqrt(np.prod(run.side)))
-    expected = law.stress(gamma) * side * weave.thickness / np.cos(0.25 * pi + 0.5 * gamma)
-    locked, free = run.force[run.gamma > law.gamma2], run.force[run.gamma < law.gamma1]
-    growth = float(np.diff(locked).min() / max(np.diff(np.append(0.0, free)).max(), 1e-300))
-    return {
-        "force over the law's": float(np.interp(gamma, run.gamma, run.force) / expected),
-        "stiffer once locked": growth,
-    }
-
-
 def limit_angles(fabric: str, K_s: float) -> Found:
     """gamma1 from the narrower micrograph width, gamma2 by the corrected eq. 4-34."""
     given = catalogue.load(fabric)
@@ -90,23 +74,6 @@ def trellis(gamma: float, cells: int = 8) -> tuple[FloatArray, ...]:
     coupon = _coupon("S-720", 1.01 * cells * catalogue.load("S-720").weave.w1)
     moved = in_trellis(coupon, gamma)
     return coupon.shear_angles(moved), np.concatenate(coupon.stretches(moved)), moved[coupon.quads]
-
-
-def rhombus_error(gamma: float) -> float:
-    """Spacing of the sheared yarns over the side of their rhombus, less the cosine of the shear angle."""
-    angles, _, x = trellis(gamma)
-    side, across = x[:, 1] - x[:, 0], x[:, 3] - x[:, 0]
-    area = np.abs(side[:, 0] * across[:, 1] - side[:, 1] * across[:, 0])
-    spacing = area / np.linalg.norm(side, axis=1)
-    return np.abs(spacing / np.linalg.norm(across, axis=1) - np.cos(angles)).max()
-
-
-def thickness_change(gamma: float) -> float:
-    """Relative change of the heights of the yarns of the same coupon, from its cells' stretches."""
-    stretches = trellis(gamma)[1]
-    half, model = len(stretches) // 2, CellModel(catalogue.load("S-720"))
-    state = model.solve(stretches[:half], stretches[half : 2 * half])
-    return float(np.abs(2 * (state["h1"] + state["h2"]) / model.fabric.weave.thickness - 1).max())
 
 
 def tension_change_in_shear(stretch: float, gamma: float) -> float:

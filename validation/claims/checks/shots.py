@@ -24,7 +24,6 @@ from validation.claims.readers import (
     v,
     yarn,
 )  # fmt: skip
-from validation.published.pencilling.study import Case, march  # noqa: F401
 
 NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
 SLIPPED = 50e-6  # [m] from which on a yarn counts as slipped
@@ -62,16 +61,11 @@ def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> Found:
     return {"middle": profile[0], "plateau": plateau, "width": 2 * float(offset[below[0]]) if below.size else np.nan}
 
 
-def steady_reaction(cables: Any, family: str) -> FloatArray:
-    """[N] of the net as means over a microsecond, as the shell's audit is spaced; at its steps."""
-    width = max(1, round(1e-6 / (cables.step_history[1, 0] - cables.step_history[0, 0])))
-    return np.convolve(cables.reactions[family], np.ones(width) / width, "same")
-
-
 def noise_over_net(shell: Any, cables: Any) -> float:
-    """Noise of the reaction of the warp: shell over cable net."""
-    t = np.arange(0, min(shell.t[-1], end(cables)), 1e-6)
-    of_cables = np.interp(t, cables.step_history[:, 0], steady_reaction(cables, "warp"))
+    """Noise of the reaction of the warp: shell over cable net, as means over a microsecond, as the shell's are."""
+    t, clock = np.arange(0, min(shell.t[-1], end(cables)), 1e-6), cables.step_history[:, 0]
+    width = max(1, round(1e-6 / (clock[1] - clock[0])))
+    of_cables = np.interp(t, clock, np.convolve(cables.reactions["warp"], np.ones(width) / width, "same"))
     return noise(t, np.interp(t, shell.t, shell.reactions["warp"])) / noise(t, of_cables)
 
 
@@ -96,32 +90,10 @@ def cone_base(run: Any, reach: float = 50e-3, share: float = 0.05) -> float:
     return radius[1] / axis
 
 
-def inflow(run: Any, velocity: float) -> Found:
-    """Velocity of the material of a lone yarn behind the front, from what it has moved, over that of Smith's closed
-    form; and how straight the side of the cone is."""
-    X, c, t = run.X, run.theory.c, run.nodes[0, 1] / velocity
-    between = (X > 1.5 * run.U * t) & (X < 0.8 * c * t)
-    inwards = -(run.nodes[between, 0] - X[between]) / (t - X[between] / c)
-    return {
-        "spread of the inflow": np.ptp(inwards) / inwards.mean(),
-        "inflow over c e": inwards.mean() / (c * run.theory.strain),
-        "R2 of the side": straight_side(run, velocity),
-    }
-
-
 def straight_side(run: Any, velocity: float) -> float:
     """R2 of the line through the side of the cone of a lone yarn."""
     inside = run.nodes[:, 0] < 0.9 * run.U * run.nodes[0, 1] / velocity
     return np.corrcoef(*run.nodes[inside].T)[0, 1] ** 2
-
-
-def flatter_slope(run: Any, later: Any, velocity: float, slower: float, mass: float, time: float) -> float:
-    """[-] what the slope V / U of a lone yarn loses while it slows a projectile of a mass [kg] down for a time [s].
-
-    The force on the striker is that of the march at constant velocity; two velocities give the slope's change with V.
-    """
-    slope, slowed = velocity / run.U, slower / later.U
-    return (slope - slowed) / (velocity - slower) * (run.force / mass * time) / slope
 
 
 def cone_sides(run: Any, times: Sequence[float]) -> Found:
@@ -187,17 +159,7 @@ def slipped_width(run: Any) -> float:
     return 2 * float(run.panel.coordinates()[0][:, -1][slip(run) > SLIPPED].max(initial=0.0))
 
 
-def early_velocity(run: Any) -> FloatArray:
-    """[m/s] of the projectile at each microsecond from 20 to 100."""
-    return np.interp(np.linspace(20e-6, 100e-6, 81), *even(run.step_history[:, 0], run.step_history[:, 2], 2e-7))
-
-
 def jumps(run: Any) -> float:
     """RMS of the velocity of a rigid projectile, or of the tip of an elastic one, above QUIET; from 10 us on."""
     velocity = run.step_history[:, 2] if run.bar is None else run.bar.tip_velocity
     return noise(*even(run.step_history[:, 0], velocity, 2e-7), start=10e-6)
-
-
-def split(run: Any) -> float:
-    """Largest difference of the velocities of tip and tail of a projectile; a rigid one has one velocity."""
-    return 0.0 if run.bar is None else np.abs(run.bar.tip_velocity - run.bar.tail_velocity).max()
