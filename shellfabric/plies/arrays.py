@@ -57,19 +57,7 @@ def pack_contact(
     slots = int(max((s[1] + 3) * s[0] for s in shape)) + 4 * WIDTH
     base = np.arange(plies) * slots + shape[:, 0] + 1
     nodes = plies * slots
-    x, kick, mirror = np.zeros((3, nodes)), np.zeros(nodes), np.zeros(nodes, np.uint8)
-    for p, (const, state, places) in enumerate(zip(consts, states, rest)):
-        grid = np.pad(places, ((1, 1), (1, 1), (0, 0)))
-        for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
-            lines = np.moveaxis(grid, axis, 0)
-            lines[0], lines[-1] = 2 * lines[1] - lines[2], 2 * lines[-2] - lines[-3]
-            if mirrored:
-                lines[0] = lines[2] * np.where(np.arange(3) == axis, -1, 1)
-        x[:, p * slots :][:, : grid[..., 0].size] = grid.reshape(-1, 3).T
-        numbers = base[p] + np.add.outer(np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride))
-        kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
-        mirror[numbers[0]] |= np.uint8(const.mirror_x)
-        mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
+    x, kick, mirror = _grids(consts, states, rest, shape, slots, base)
     down, across = np.array([(-(-c.ni // TALL), -(-c.nj // WIDE)) for c in consts]).T
     first = np.concatenate([[0], np.cumsum(down * across)])
     tiles = int(first[-1])
@@ -120,6 +108,25 @@ def pack_contact(
         **_zeros("block_speed", plies, int(((down + 1) * (across + 1)).max())),
         **_lists(_ENTRIES * max(nodes, 20_000), nodes, _PAIRS * tiles),
     )
+
+
+def _grids(consts, states, rest, shape, slots, base):
+    """Places of nodes and ghosts (3, plies slots), dt over mass, and planes of symmetry of the nodes (plies slots)."""
+    nodes = len(consts) * slots
+    x, kick, mirror = np.zeros((3, nodes)), np.zeros(nodes), np.zeros(nodes, np.uint8)
+    for p, (const, state, places) in enumerate(zip(consts, states, rest)):
+        grid = np.pad(places, ((1, 1), (1, 1), (0, 0)))
+        for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+            lines = np.moveaxis(grid, axis, 0)
+            lines[0], lines[-1] = 2 * lines[1] - lines[2], 2 * lines[-2] - lines[-3]
+            if mirrored:
+                lines[0] = lines[2] * np.where(np.arange(3) == axis, -1, 1)
+        x[:, p * slots :][:, : grid[..., 0].size] = grid.reshape(-1, 3).T
+        numbers = base[p] + np.add.outer(np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride))
+        kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
+        mirror[numbers[0]] |= np.uint8(const.mirror_x)
+        mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)
+    return x, kick, mirror
 
 
 def _lists(entries, nodes, pairs):

@@ -97,7 +97,7 @@ def look_at_torn(state, const, contact, p):
             g, stride = contact.base[p] + i * contact.shape[p, STRIDE] + j, contact.shape[p, STRIDE]
             contact.torn[g] = contact.torn[g + 1] = contact.torn[g + stride] = contact.torn[g + stride + 1] = 1
             cut = warp[k] + warp[k + 1] == 0.0 or weft[k] + weft[k + s] == 0.0
-            if cut or flag & ERODED or is_drawn_out(contact, g, stride):
+            if contact.dropped[g] or cut or flag & ERODED or is_drawn_out(contact, g, stride):
                 contact.dropped[g] = 1
                 contact.holes[contact.first_tile[p] + i // TALL * contact.tiles_across[p] + j // WIDE] = 1
 

@@ -34,7 +34,8 @@ def hold_apart(states, consts, contact):
         for p in range(len(states)):
             place(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
             follow(borrowed_item(states, p), borrowed_item(consts, p), contact, p)
-        contact.travel[:] = 0.0
+        for t in range(contact.travel.size):
+            contact.travel[t], contact.plane_due[t], contact.order[t] = 0.0, 0.0, t
     if contact.count[near.REMAKE] or near.tiles_have_moved(contact):
         contact.count[near.REMAKE] = 0
         for t in range(contact.travel.size):

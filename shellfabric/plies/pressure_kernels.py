@@ -65,7 +65,9 @@ from shellfabric.plies.surface_kernels import (
 
 SPRING, DEEPEST, FRICTION = range(3)  # of contact.energy: of the points of a ply on plies behind it
 _ITERATIONS = 8  # of Newton's method, of a point alone
-_LONGEST, _SHORT = 0.5, 0.2  # [elements] a step of it, and one that is as good as its end
+_LONGEST = 0.5  # [elements] a step of it
+_LAST, _LAST_FAR = 0.01, 0.2  # [elements] a step that ends it, within the thickness and beyond
+_BERTH = 1.1  # [thicknesses] from which on a point counts as clear: its closest point is followed to a few hundredths
 _FAR = 1e30
 
 
@@ -166,8 +168,9 @@ def place_of_point(contact, row, j):
 
 
 @kernel(_nrt=False, forceinline=True)
-def newton_step(w, slopes, second):
-    """Step (a, b) [elements] towards the closest point: Newton's, or that of Gauss and Newton where this is none.
+def newton_step(w, slopes, second, thickness):
+    """Step (a, b) [elements] towards the closest point: Newton's within the thickness; that of Gauss and Newton beyond
+    it, and where there is no other. Whether it is within.
 
     w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa, ab, bb
     """
@@ -175,12 +178,16 @@ def newton_step(w, slopes, second):
     aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
     square = aa * bb - ab * ab
     if not square > 1e-12 * aa * bb:  # fabric that is drawn to a line
-        return (r_a / aa if aa > 0.0 else 0.0), 0.0
-    curved_aa, curved_ab, curved_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
-    curved = curved_aa * curved_bb - curved_ab * curved_ab
-    if curved > 0.1 * square and curved_aa > 0.0:
-        aa, ab, bb, square = curved_aa, curved_ab, curved_bb, curved
-    return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square
+        return (r_a / aa if aa > 0.0 else 0.0), 0.0, False
+    # squared distance after a step of Gauss and Newton, times the squared area of the slopes
+    apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
+    near = thickness * thickness * square > apart
+    if near:
+        curved_aa, curved_ab, curved_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+        curved = curved_aa * curved_bb - curved_ab * curved_ab
+        if curved > 0.1 * square and curved_aa > 0.0:
+            aa, ab, bb, square = curved_aa, curved_ab, curved_bb, curved
+    return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, near
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -208,6 +215,17 @@ def offset_after(w, slopes, second, a, b):
     )
 
 
+@kernel(_nrt=False, forceinline=True)
+def first_order(w, slopes, a, b):
+    """`offset_after` to first order."""
+    y_a, y_b = slopes
+    return (
+        w[0] - y_a[0] * a - y_b[0] * b,
+        w[1] - y_a[1] * a - y_b[1] * b,
+        w[2] - y_a[2] * a - y_b[2] * b,
+    )
+
+
 @kernel(_nrt=False)
 def press_point(contact, p, q, row, j, a, b, tile):
     """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b) on: its place, and
@@ -226,15 +244,29 @@ def press_point(contact, p, q, row, j, a, b, tile):
     x = vector_at(contact.x, k, s, wa, wb)
     if tile >= 0 and touches_next(contact, p, row, j, x):
         return a, b, _FAR
-    S, thickness = contact.shape[q, STRIDE], 0.5 * (contact.thickness[p] + contact.thickness[q])
-    searched = False
+    thickness = 0.5 * (contact.thickness[p] + contact.thickness[q])
+    (a, b), w, closest, ended = closest_point(contact, q, x, a, b, thickness)
+    distance = math.sqrt(dot(w, w))
+    if 1e-9 * thickness < distance < thickness and (tile < 0 or is_in_tile(contact, tile, a, b)):
+        n = -w[0] / distance, -w[1] / distance, -w[2] / distance
+        push(contact, p, q, (element, j, i, j0), k, wa, wb, closest, n, thickness - distance)
+    return a, b, distance - _BERTH * thickness if ended else 0.0
+
+
+@kernel(_nrt=False, forceinline=True)
+def closest_point(contact, q, x, a, b, thickness):
+    """The point of ply q that is closest to x, looked for from (a, b) on: its place, the offset of x from it,
+    the nodes about the last place that was looked at and their weights (of `push`), whether the search has ended. An
+    offset of _FAR if there is no fabric."""
+    S, searched, far = contact.shape[q, STRIDE], False, (_FAR, _FAR, _FAR)
+    w, I, J, K, za, zb, torn = far, 0, 0, 0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False
     for iteration in range(_ITERATIONS):
         torn = is_torn(contact, q, a, b)
         if torn and not searched and has_dropped(contact, q, a, b):
             a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
             searched = True
             if has_dropped(contact, q, a, b):
-                return a, b, 0.0
+                return (a, b), far, (I, J, K, za, zb), False
         I, za, da, ca = weights_at(torn, a, contact.shape[q, NI])
         J, zb, db, cb = weights_at(torn, b, contact.shape[q, NJ])
         K = contact.base[q] + I * S + J
@@ -242,24 +274,20 @@ def press_point(contact, p, q, row, j, a, b, tile):
         w, slopes = (x[0] - y[0], x[1] - y[1], x[2] - y[2]), (y_a, vector_at(contact.x, K, S, za, db))
         y_aa, y_ab = vector_at(contact.x, K, S, ca, zb), vector_at(contact.x, K, S, da, db)
         second = y_aa, y_ab, vector_at(contact.x, K, S, za, cb)
+        step_a, step_b, near = newton_step(w, slopes, second, thickness)
         low, high = bounds(contact, q, torn, I, J)
-        step = newton_step(w, slopes, second)
-        go, turn = bounded_step(w, slopes, step, (a, b), low, high)
-        if torn and not searched and (go != step[0] or turn != step[1]):  # beside the facet: another may be nearer
+        go, turn = bounded_step(w, slopes, (step_a, step_b), (a, b), low, high)
+        if torn and not searched and (go != step_a or turn != step_b):  # beside the facet: another may be nearer
             a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
             searched = True
             continue
-        ended = torn or max(abs(go), abs(turn)) <= _SHORT
+        ended = torn or max(abs(go), abs(turn)) <= (_LAST if near else _LAST_FAR)
         go, turn = min(max(go, -_LONGEST), _LONGEST), min(max(turn, -_LONGEST), _LONGEST)
-        if ended or iteration == _ITERATIONS - 1:
-            break
         a, b = a + go, b + turn
-    w = offset_after(w, slopes, second, go, turn)
-    a, b, distance = a + go, b + turn, math.sqrt(dot(w, w))
-    if 1e-9 * thickness < distance < thickness and (tile < 0 or is_in_tile(contact, tile, a, b)):
-        n = -w[0] / distance, -w[1] / distance, -w[2] / distance
-        push(contact, p, q, (element, j, i, j0), k, wa, wb, (I, J, K, za, zb), n, thickness - distance)
-    return a, b, distance - thickness if ended and not torn else 0.0
+        if ended or iteration == _ITERATIONS - 1:
+            w = offset_after(w, slopes, second, go, turn) if near else first_order(w, slopes, go, turn)
+            return (a, b), w, (I, J, K, za, zb), ended and not torn
+    return (a, b), w, (I, J, K, za, zb), False
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -377,7 +405,7 @@ def press_points8(contact, p, row, j, q, count):
         second = second_of8(x, K, S, weights, tall)
         c_aa, c_ab, c_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
         curved = c_aa * c_bb - c_ab * c_ab
-        sure = mask_from_bits(movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0)))
+        sure = mask_from_bits(near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0)))
         aa, ab, bb, square = (
             where(sure, c_aa, aa),
             where(sure, c_ab, ab),
@@ -385,7 +413,8 @@ def press_points8(contact, p, row, j, q, count):
             where(sure, curved, square),
         )
     go, turn = (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square
-    fit &= ~movemask(greater(maximum(fabs(go), fabs(turn)), _SHORT))
+    longest = maximum(fabs(go), fabs(turn))
+    fit &= ~(movemask(greater(longest, _LAST_FAR)) | near & movemask(greater(longest, _LAST)))
     A, B = A + go, B + turn
     fit &= within8(contact, p + 1, A, B)
     masked_store(contact.closest_a, q, where(mask_from_bits(fit), A, load(contact.closest_a, q)), count)
@@ -393,7 +422,7 @@ def press_points8(contact, p, row, j, q, count):
     w = offset_after(w, (y_a, y_b), second, go, turn)
     distance = sqrt(dot(w, w))
     touching = fit & movemask(greater(thickness, distance)) & movemask(greater(distance, 1e-9 * thickness))
-    clear = -reduce_max(where(mask_from_bits(fit & ~touching), 0.0 - distance, -_FAR)) - thickness
+    clear = -reduce_max(where(mask_from_bits(fit & ~touching), 0.0 - distance, -_FAR)) - _BERTH * thickness
     if touching:
         n = w[0] / (0.0 - distance), w[1] / (0.0 - distance), w[2] / (0.0 - distance)
         closest = int(I0) - 1, int(J0) - 1, K, za, zb, tall

@@ -13,7 +13,7 @@ import pytest
 pytest.importorskip("numba")
 ROOT = Path(__file__).parents[3]
 ALIKE = {  # two fields of each that hold arrays of one type
-    ("shellfabric.plies.arrays", "Pair"): ("normal", "last_depth"),
+    ("shellfabric.plies.arrays", "PackContact"): ("closest_a", "closest_b"),
     ("shellfabric.plies.arrays", "Stack"): ("projectile_position", "f_contact_nose"),
     ("shellfabric.projectile.contact", "Scratch"): ("box_low", "box_high"),
     ("shellfabric.panel.arrays", "State"): ("u", "v"),
