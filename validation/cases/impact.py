@@ -209,7 +209,7 @@ def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
     """How the force on the projectile jumps: the highest mean over 2 us, and the rms of its difference from the mean
     over 20 us up to a time [s]."""
     t, force = history[:, 0], -history[:, 3]
-    if len(t) < 3:
+    if len(t) < 3 or t[-1] < 20e-6:
         return {}
     smooth, slow = (
         np.convolve(force, np.ones(n) / n, "same") for n in (max(1, round(w / (t[1] - t[0]))) for w in (2e-6, 20e-6))

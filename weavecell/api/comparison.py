@@ -55,7 +55,7 @@ def compare(
 
     Parameters
     ----------
-    tests : table of tests (*.csv), a row a shot
+    tests : table of tests (``*.csv``), a row a shot
     target, tolerance, jobs, executor, out : as of `critical_velocity`
     **options : beside a fabric, keywords of `setup` but history
 

@@ -84,7 +84,7 @@ def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
     Parameters
     ----------
     name : of `projectiles`; the name alone will do as well: projectile="FSP 1.10 g"
-    changes : keys of [projectile] in the input file that are added to its data or replace them
+    **changes : keys of [projectile] in the input file that are added to its data or replace them
 
     Raises
     ------

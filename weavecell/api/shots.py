@@ -71,8 +71,8 @@ def impact(
     [accuracy] says how well it wants to know something: it is run on finer and finer meshes, until two of them agree so
     far. A key of the input file that cannot be honoured is rejected.
 
-    The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
-    while the run goes on, checkpoint.h5.
+    The folder then holds report.html, summary.json, histories.h5, panel.pvd with ``panel/*.vtu``, pictures/ and
+    scene.toml; while the run goes on, checkpoint.h5.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ from fabrics.yarn import Yarn, striking_velocity
 from shellfabric.projectile import contact
 from shellfabric.projectile.projectile import Projectile
 from validation.models.cable import step_kernels as kernels
-from validation.models.cable.model import CableNumerics, Constants, at_rest
+from validation.models.cable.model import CableNumerics, at_rest, constants, energies
 
 STRAIGHT = CableNumerics(cfl=0.8)  # a yarn without slack
 
@@ -119,7 +119,7 @@ def strike(
     share, held = np.zeros((2, 1, bars + 1)), np.zeros((3, 1, bars + 1), bool)
     share[1, 0, :-1] = 1.0
     held[:, 0, [0, -1]] = True
-    state = at_rest(const, share, (0.0, const.S0[1] * yarn.linear_density), held, (0, 0), velocity)
+    state = at_rest(const, share, (0.0, const.S0[1] * yarn.linear_density), held, velocity)
     state.v[2, 0] = velocity  # the driven node has no kick: it keeps its speed
     steps = round(0.9 * length / (theory.c * const.dt))
     history = np.empty((steps, kernels.COLUMNS))
@@ -129,17 +129,12 @@ def strike(
 
 def _constants(yarn, spacing, bars, numerics):
     """The yarn as a net of one row: bars along the weft, none along the warp, nothing in contact."""
-    (dt, cv), shot = numerics.step(2 * yarn.wave_speed / spacing), Projectile()
-    return Constants(
-        ni=0, nj=bars, row_stride=bars + 1, rows_per_block=1, mirror_x=False, mirror_y=False, x0=0.0, y0=0.0,
-        dx=spacing, dy=spacing,
-        dt=dt, S0=(spacing, spacing), EA=(yarn.EA, yarn.EA), cv=cv, failure_elongation=(inf, inf),
-        window_limits=(0, 0, 0, 0),
-        **contact.constants(1, 0.0, dt, 0.0, 0.0), nose_shape=shot.number, nose_parameters=shot.form,
-        projectile_length=inf, frame=shot.frame,
-        tilted=False, friction=0.0, erosion_gap_ratio=inf, projectile_radius=1.0, edge_radius=1.0, projectile_mass=1.0,
-        free_dofs=(0.0, 0.0, 1.0), perforation_delay_steps=1, clamped_nodes=np.array([0, bars]),
-        middle_end_nodes=(0, bars), middle_yarn_fraction=(1.0, 1.0), driven_node=0,
+    dt, cv = numerics.step(2 * yarn.wave_speed / spacing)
+    return constants(
+        (0, bars), (spacing, spacing), (spacing, spacing), (yarn.EA, yarn.EA), dt, cv, Projectile(),
+        mirror_x=False, mirror_y=False, failure_elongation=(inf, inf), window_limits=(0, 0, 0, 0),
+        **contact.constants(1, 0.0, dt, 0.0, 0.0), erosion_gap_ratio=inf, projectile_mass=1.0,
+        clamped_nodes=np.array([0]), middle_end_nodes=(0, bars),
     )  # fmt: skip
 
 
@@ -155,12 +150,12 @@ def _read(yarn, const, state, history, V):
     plateau = float(strain[(middle > 1.5 * kink) & (middle < 0.8 * X[-1])].mean())
     k = int(np.flatnonzero(strain > 0.5 * plateau)[-1])
     front = middle[k] + spacing * (strain[k] - 0.5 * plateau) / (strain[k] - strain[k + 1])
-    drive = history[:, kernels.DRIVE]
+    drive = history[:, kernels.CLAMP_FORCE]
     force = 2 * float(drive[len(drive) // 2 :].mean())
-    cloth, _, stored = kernels.energies(state, const)
+    cloth, _, stored = energies(state, const)
     viscous = float(state.energy_sums[kernels.VISCOUS])
     external = -V * const.dt * (drive.sum() - 0.5 * drive[-1])
-    energies = {"kinetic_fabric": cloth, "yarn_strain": stored, "viscous": viscous, "boundary_work": external}
-    energies["error"] = sum(energies.values()) - 0.5 * state.mass[0] * V * V
+    sums = {"kinetic_fabric": cloth, "yarn_strain": stored, "viscous": viscous, "boundary_work": external}
+    sums["error"] = sum(sums.values()) - 0.5 * state.mass[0] * V * V
     computed = TransverseImpact(plateau, yarn.EA * plateau, float(front / t), float(U), force)
-    return YarnRun(computed, X, nodes, strain, energies)
+    return YarnRun(computed, X, nodes, strain, sums)

@@ -6,13 +6,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from fabrics.checks import FloatArray
-from shellfabric.driver.guards import speed_limit
+from shellfabric.driver.guards import ENERGY_ERROR_LIMIT, speed_limit
 from shellfabric.driver.solver import ExplicitSolver, Hook, run_to_end
 from validation.models.cable import step_kernels as kernels
-from validation.models.cable.contact_kernels import CONTACT
-from validation.models.cable.model import CableNet
+from validation.models.cable.model import CableNet, energies
 
 ENERGIES = (
     "kinetic_fabric",
@@ -42,8 +43,8 @@ class CableResult:
     step_history : (steps, 4) time [s], nose position [m], velocity [m/s] at half steps, force on the projectile [N]
     reactions : {"warp", "weft", "edges": (steps,)} [N] after each step: pulls of the middle yarns on a clamp, along the
         yarns at rest, and the force of all clamps on the net, along z
-    nodes : (ni+1, nj+1, 3) [m] at the end
-    failed : (2, ni+1, nj+1) bool at the end: bars that have failed, from each node along warp and weft
+    nodes : (ni+1, nj+1, 3) [m] of the quarter at the end
+    failures : bars of the quarter that have failed
     steps, wall_time : cost of the run, [s]
     """
 
@@ -58,7 +59,7 @@ class CableResult:
     step_history: np.ndarray
     reactions: dict
     nodes: np.ndarray
-    failed: np.ndarray
+    failures: int
     steps: int
     wall_time: float
 
@@ -84,9 +85,10 @@ class CableSolver(ExplicitSolver):
     sample_names, energy_names, history_columns = SAMPLES, ENERGIES, kernels.COLUMNS
 
     def __init__(self, net: CableNet, strike_velocity: float, end_time: float, *, interval: float = 2e-6) -> None:
-        limit = net.numerics.energy_error_limit
-        super().__init__(net.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=limit)
-        self.net, self.share = net, net.share
+        super().__init__(
+            net.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=ENERGY_ERROR_LIMIT
+        )
+        self.net, self.share = net, 0.25
         self.const, self.state = net.constants(), net.state(strike_velocity)
         self._begin(self.const.dt)
 
@@ -97,14 +99,34 @@ class CableSolver(ExplicitSolver):
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver."""
-        return kernels.run_steps(self.state, self.const, len(history), history)
+        made, reason = kernels.run_steps(self.state, self.const, len(history), history)
+        torn = reason == kernels.RUNNING and made and self.state.counter[kernels.FAILURES]
+        if torn and not history[:made, kernels.NOSE_FORCE].any() and not self._held_ahead():
+            reason = kernels.PERFORATED
+        return made, reason
+
+    def _held_ahead(self):
+        """Whether the middle of a bar that the clamps hold is still ahead of the edge, within the projectile's radius.
+
+        Bars that are not connected to the clamps (a plug) do not count: the projectile may push them for good.
+        """
+        state, const = self.state, self.const
+        n = (const.ni + 1) * const.row_stride
+        family, near = np.nonzero(state.stiffness[:, :n])
+        far = near + np.where(family == 0, const.row_stride, 1)
+        _, part = connected_components(coo_array((np.ones(near.size), (near, far)), (n, n)), directed=False)
+        x = state.u[:, :n] - [[0.0], [0.0], [state.projectile_position[2]]]
+        x[:2] += [X.ravel() for X in self.net.coordinates()]
+        middle = 0.5 * (x[:, near] + x[:, far])
+        ahead = (middle[2] > -const.edge_radius) & (np.hypot(*middle[:2]) < const.projectile_radius)
+        return bool(np.isin(part[near[ahead]], part[const.clamped_nodes]).any())
 
     def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver. What is stored follows from the lengths of the bars, not from the work done on them."""
         state, const = self.state, self.const
-        cloth, projectile, stored = kernels.energies(state, const)
+        cloth, projectile, stored = energies(state, const)
         speed = state.projectile_velocity[2] + 0.5 * const.dt * state.f_contact_nose[2] / const.projectile_mass
-        spent = state.energy_sums[kernels.VISCOUS], state.energy_sums[CONTACT], state.energy_sums[kernels.LOST]
+        spent = state.energy_sums[kernels.VISCOUS], state.energy_sums[kernels.CONTACT], state.energy_sums[kernels.LOST]
         return [speed, state.projectile_position[2]], [cloth, projectile, stored, *spent, 0.0]  # clamps do no work
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
@@ -136,12 +158,10 @@ def run(
 def collect_result(solver: CableSolver) -> CableResult:
     """Gather what a run has recorded."""
     net, const, state = solver.net, solver.const, solver.state
-    shape, share = (2, const.ni + 1, const.row_stride), net.share
-    size = shape[1] * shape[2]
-    whole = net.state(1.0).stiffness[:, :size].reshape(shape)
+    shape = (const.ni + 1, const.row_stride)
+    size = shape[0] * shape[1]
     history = np.concatenate([np.empty((0, kernels.COLUMNS)), *solver.step_history])
-    clock = const.dt * np.arange(1, len(history) + 1)
-    moved = state.u[:, :size].reshape(3, *shape[1:])
+    clock, forces = const.dt * np.arange(1, len(history) + 1), history[:, kernels.NOSE_FORCE] / solver.share
     return CableResult(
         net=net,
         outcome=solver.outcome,
@@ -151,16 +171,15 @@ def collect_result(solver: CableSolver) -> CableResult:
         nose_position=solver.sample("z"),
         energies={name: solver.sample(name) for name in ENERGIES},
         peak_tension=tuple(float(e * k) for e, k in zip(state.peak_elongation, net.stiffness)),
-        step_history=np.column_stack(
-            [clock, history[:, [kernels.Z, kernels.V_Z]], history[:, kernels.NOSE_FORCE] / share]
-        ),
+        step_history=np.column_stack([clock, history[:, [kernels.Z, kernels.V_Z]], forces]),
         reactions={
             "warp": history[:, kernels.MIDDLE].copy(),
             "weft": history[:, kernels.MIDDLE + 1].copy(),
-            "edges": history[:, kernels.CLAMP_FORCE] / share,
+            "edges": history[:, kernels.CLAMP_FORCE] / solver.share,
         },
-        nodes=np.stack([*net.coordinates(), np.zeros(shape[1:])], axis=-1) + np.moveaxis(moved, 0, 2),
-        failed=(whole > 0) & (state.stiffness[:, :size].reshape(shape) == 0),
+        nodes=np.stack([*net.coordinates(), np.zeros(shape)], -1)
+        + np.moveaxis(state.u[:, :size].reshape(3, *shape), 0, 2),
+        failures=int(state.counter[kernels.FAILURES]),
         steps=solver.steps,
         wall_time=solver.wall_time,
     )
