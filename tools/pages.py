@@ -120,8 +120,7 @@ def tested_ply() -> str:
     """The ply of S-726 beside its test."""
     rows = [["elements per crossover", "computed, m/s", f"above {TESTED} m/s", "above the middle, 103 m/s"]]
     for n, V in enumerate(limits_of_meshes(), 1):
-        name = f"{n} (default)" if n == 1 else f"{n}"
-        rows.append([name, f"{V:.1f}", f"{100 * (V / TESTED - 1):.1f} %", f"{100 * (V / 103 - 1):.1f} %"])
+        rows.append([f"{n}", f"{V:.1f}", f"{100 * (V / TESTED - 1):.1f} %", f"{100 * (V / 103 - 1):.1f} %"])
     return f"\n\n{markdown(rows)}\n"
 
 

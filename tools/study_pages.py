@@ -21,6 +21,8 @@ import tomllib
 from itertools import groupby
 from pathlib import Path
 
+import measured_plots
+
 ROOT = Path(__file__).parents[1]
 DATA, STUDIES = ROOT / "docs" / "reports" / "data", ROOT / "validation" / "studies"
 MOST = 12  # rows of a table
@@ -60,9 +62,11 @@ def picture(name):
 
 
 def draw(name):
-    """The figure of a study."""
+    """The figure of a study, or of the measured rows."""
     from matplotlib.figure import Figure
 
+    if name == "measured":
+        return measured_plots.draw(read(name)[1], read("measured-quantities")[1])
     asked, (_, rows) = picture(name), read(name)
     lines, by = asked["y"] if isinstance(asked["y"], list) else [asked["y"]], asked.get("by", [])
     by, x = [by] if isinstance(by, str) else by, asked["x"]

@@ -1,7 +1,8 @@
 """Programs that hold the models against the thesis, against tests and against themselves.
 
-    python -m validation study    studies of validation/studies: what they vary and read off (`validation.study`)
-    python -m validation claims   the ledger of the thesis's claims
+    python -m validation study      studies of validation/studies: what they vary and read off (`validation.study`)
+    python -m validation claims     the ledger of the thesis's claims
+    python -m validation measured   what was measured against what is computed: bias, scatter, u_val
 
 Each has --help.
 """
@@ -12,10 +13,11 @@ import sys
 
 from validation import runner
 from validation.commands import claims
+from validation.measured import command as measured
 from validation.program import program
 from weavecell.results import out_folder
 
-PROGRAMS = {"study": runner, "claims": claims}
+PROGRAMS = {"study": runner, "claims": claims, "measured": measured}
 
 
 def main(arguments: list[str]) -> None:

@@ -1,4 +1,4 @@
-"""What programs share: their command line, their tables as CSV, and their place in a page.
+"""What programs share: their command line.
 
 The options of `python -m validation...` are the parameters of its main function, by their annotations:
 
@@ -15,24 +15,18 @@ tuple as many as it has, a Literal one of its values.
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter, signature
-from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from fabrics.errors import WeavecellError, marked
-from fabrics.files import write_whole
-from validation.commits import computed
-from validation.marked_page import put
 
 NOTES = {
     "executor": "local, mpi or dask",
     "jobs": "cases beside each other",
     "out": "folder of what is written, and of kept results",
-    "page": "put tables and pictures into this page",
 }
 
 
@@ -87,37 +81,3 @@ def _values(parameter):
     if origin is Sequence:
         return {"nargs": "*", "type": parts[0]}
     return {"action": "store_true"} if kind is bool else {"type": kind}
-
-
-def write_csv(path: Path, rows: Iterable[Iterable[object]]) -> None:
-    """Write rows, the first of which is the head, as a file."""
-    with write_whole(path) as file:
-        csv.writer(file, lineterminator="\n").writerows(rows)
-
-
-def write_records(path: Path, records: Sequence[Mapping[str, object]]) -> None:
-    """Write {column: value} a row as a file."""
-    write_csv(path, [records[0], *(record.values() for record in records)])
-
-
-def publish(text: str, page: Path | None, marks: tuple[str, str], remark: str = "") -> None:
-    """Print a text, and put it between two marks of a page, if one is given, with a remark behind it."""
-    print(text)
-    if page is not None:
-        put(page, *marks, f"\n\n{text}\n{remark}")
-
-
-def marks(name: str, module: str) -> tuple[str, str]:
-    """The marks of a page between which the table of that name is, of a module that makes several."""
-    return f"<!-- {name} of {module} -->", f"<!-- end of {name} -->"
-
-
-def publish_all(texts: Mapping[str, str], page: Path | None, module: str, stamp: Mapping[str, str]) -> None:
-    """`publish` texts by their names, and between the marks "stamp" when, at which commit and by which command.
-
-    stamp : of `provenance.stamp`, taken before a page of the checkout is written to
-    """
-    for name, text in texts.items():
-        publish(text, page, marks(name, module))
-    if page is not None:
-        put(page, *marks("stamp", module), f"\n\n{computed(f'python -m {module} --page {page}', stamp)}\n\n")

@@ -7,11 +7,11 @@ meet that are not free, the corner is held.
 
 Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes move in.
 
-The grid follows the yarns, and its middle is the impact point, or with sliding crossovers that of the opening
-(`Panel.grid_middle`). Where the weave is at an angle to the sides of the opening, the opening is round, or its middle
-is not that of the grid, the grid covers the opening, and its nodes on and beyond the edge are held: the fabric out
-there lies in the clamp. The clamped line is thus a staircase of crossovers, nowhere further from the edge than the
-diagonal of one element.
+The grid follows the yarns, and its middle is the impact point, or that of the opening where crossovers slide or a side
+is not clamped (`Panel.grid_middle`). Where the weave is at an angle to the sides of the opening, the opening is round,
+or its middle is not that of the grid, the grid covers the opening, and its nodes on and beyond the edge are held: the
+fabric out there lies in the clamp. The clamped line is thus a staircase of crossovers, nowhere further from the edge
+than the diagonal of one element.
 """
 
 from __future__ import annotations
@@ -113,28 +113,24 @@ def pull_in(edge: Any) -> tuple[float, ...]:
 def check(panel: Panel) -> None:
     """InputError where the edges do not go with the panel's symmetry or with its oblique weave."""
     given = sides(panel.edge)
-    for (low, high), mirrored in zip(given, panel.mirrors):
-        if mirrored and low != high:
-            raise InputError(key="edge", value=panel.edge, allowed="alike at both ends of mirrored yarns")
+    if any(mirrored and low != high for (low, high), mirrored in zip(given, panel.mirrors)):
+        raise InputError(key="edge", value=panel.edge, allowed="alike at both ends of mirrored yarns")
     if any(offset and mirrored for offset, mirrored in zip(panel.impact_point, panel.mirrors)):
         allowed = "0 across planes of symmetry, or symmetry = whole"
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if panel.round and len(set(panel.opening)) > 1:
         raise InputError(key="opening", value=panel.opening, allowed="one diameter of a round opening")
     if stepped(panel) and any(side != "clamped" for pair in given for side in pair):
-        what = "off the axes of the opening, or in a round one"
-        what = "turned in its pack" if panel.ply_angle else "oblique" if panel.weave_angle else what
+        what = "turned in its pack" if panel.ply_angle else "oblique" if panel.weave_angle else "in a round opening"
         raise InputError(key="edge", value=panel.edge, allowed=f"clamped where the weave is {what}")
     room = [0.5 * side - 2 * panel.projectile.radius for side in panel.opening]
     inside = np.hypot(*panel.impact_point) < room[0] if panel.round else np.all(np.abs(panel.impact_point) < room)
     if any(panel.impact_point) and not inside:
         allowed = "within the opening, two radii of the projectile from its edge"
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
-    if panel.weave_angle == 0:
-        return
     if not abs(panel.weave_angle) < 1.5708:
         raise InputError(key="weave_angle", value=panel.weave_angle, allowed="within a right angle")
-    if any(panel.mirrors):
+    if panel.weave_angle and any(panel.mirrors):
         what = "a ply is turned by another angle than 90 deg" if panel.ply_angle else "the weave is oblique"
         raise InputError(key="symmetry", value=panel.symmetry, allowed=f"whole where {what}")
 

@@ -129,11 +129,12 @@ class Panel:
     def _check_grading(self):
         given = self.elements_per_crossover
         if given != 1:
-            raise InputError(
-                key="elements_per_crossover", value=given, allowed=f"none, but a side 1/{given} in grading"
-            )
-        if any(isinstance(side, boundary.Grip) for pair in boundary.sides(self.edge) for side in pair):
-            raise InputError(key="edge", value=self.edge, allowed="clamped, free or a pull-in on a graded panel")
+            allowed = f"none, but a side 1/{given} in grading"
+            raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
+        gripped = any(isinstance(side, boundary.Grip) for pair in boundary.sides(self.edge) for side in pair)
+        if gripped or self.grid_middle != self.impact_point:
+            allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
+            raise InputError(key="edge", value=self.edge, allowed=allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
             least = int(np.ceil(reach / step)) + 1  # and what the smooth surface of the last element has beside it
             if self.sides is not None and place < least:
@@ -318,8 +319,10 @@ class Panel:
 
     @property
     def grid_middle(self) -> tuple[float, float]:
-        """[m] of the crossover in the middle of the grid from the middle of the opening, along its two sides."""
-        return self.impact_point
+        """[m] of the crossover in the middle of the grid from the middle of the opening, along both sides: that of the
+        impact point, or where a side is not clamped 0, so that edges are lines of the grid wherever it is struck."""
+        clamped = all(side == "clamped" for pair in boundary.sides(self.edge) for side in pair)
+        return self.impact_point if clamped or self.weave_angle or self.round else (0.0, 0.0)
 
     @property
     def origin(self) -> tuple[float, ...]:

@@ -88,7 +88,7 @@ def test_examples_and_published_fabrics_are_within_the_bounds():
     for quantity in (OF_YARN | OF_FABRIC).values():
         assert quantity.read(quantity.example)[1] in quantity.bounds
         assert all(low < high for low, high in map(quantity.limits, quantity.bounds))
-    for path in Path(__file__).parents[2].glob("validation/published/measured_fabrics/*.toml"):
+    for path in Path(__file__).parents[2].glob("validation/measured/inputs/fabrics/*.toml"):
         catalogue.load(path)
 
 

@@ -25,7 +25,7 @@ from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
 from weavecell.api.runs import backings, fabric, fabrics, projectile, projectiles, setup
 from weavecell.api.scatter import DrawsResult, SensitivityResult, V50Result, draws, sensitivity, v50
-from weavecell.api.shots import ShotResult, impact, shoot
+from weavecell.api.shots import ShotResult, impact
 from weavecell.api.surfaces import SurfaceResult, surface
 from weavecell.api.sweeps import SweepResult, SweepTable, sweep
 from weavecell.studies.fit import fit
@@ -76,7 +76,6 @@ __all__ = [
     "projectiles",
     "sensitivity",
     "setup",
-    "shoot",
     "show_backing",
     "show_fabric",
     "show_projectile",

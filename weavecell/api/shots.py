@@ -112,8 +112,7 @@ def impact(
         raise InputError(key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report")
     if check:
         with panel.named():
-            size = RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))
-        return size  # type: ignore[return-value]
+            return RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))  # type: ignore[return-value]
     key = run_cache.key((panel.text, panel.setup, assumed_range, uncertainty), "shellfabric.impact.simulation")
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
@@ -135,8 +134,6 @@ def impact(
     result.warn()
     return result
 
-
-shoot = impact  # the name of earlier releases, which goes with the next one
 
 # keys of an input file that [accuracy] would change; what is given there stays
 _BY_HAND = {("panel", "symmetry"): "symmetry", ("projectile", "body"): "projectile"}

@@ -124,9 +124,8 @@ def sources(*fabrics: Fabric) -> Section:
     tables = []
     for fabric in fabrics:
         of = f" {fabric.name}" if fabrics[1:] else ""
-        rows = tuple(
-            (key, entry["value"], entry["status"], entry["source"]) for key, entry in sorted(fabric.sources.items())
-        )
+        data = sorted(fabric.sources.items())
+        rows = tuple((key, entry["value"], entry["status"], entry["source"]) for key, entry in data)
         tables.append(Table(("key", "value", "status", "source"), rows, caption=f"Data of the fabric{of}"))
         tables.append(Table(("quantity", "value"), tuple(derived(fabric)), caption=f"What follows from them{of}"))
     return Section(

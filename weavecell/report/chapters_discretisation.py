@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from math import inf
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fabrics.files import read_csv
 from weavecell.report.page import Section, Table
 from weavecell.results import display
 
@@ -15,6 +17,7 @@ _INDEX = (
     "Uncertainty of the results {} by the grid convergence index of ASME V&V 20, from two meshes with an assumed order "
     "of 2 and a safety factor of 3, of the largest difference of their histories{}."
 )
+AGAINST_TESTS = Path(__file__).with_name("against_tests.csv")  # written by `python -m validation measured`
 _MEANS = "; of means that of the means, to which their standard errors are added"
 
 
@@ -57,8 +60,8 @@ def words(pair: Discretisation) -> str:
     other = "coarser" if pair.targets else "finer"
     for one in pair.intervals:
         value = f"{'mean ' * bool(window)}{one.name} {one.value:.4g} +- {one.uncertainty:.2g} {one.unit}"
-        found.append(f"  {value} ({one.other:.4g} on the {other} mesh)")
-    return "\n".join([*found, *_verdict(pair)])
+        found.append(f"  {value} ({one.other:.4g} on the {other} mesh; no test)")
+    return "\n".join([*found, *_verdict(pair), *_against_tests(pair)])
 
 
 def _of_window(window):
@@ -104,6 +107,13 @@ def _verdict(pair):
     return [f"accuracy {verdict}: {pair.meshes[-1]}, {pair.setup.symmetry} panel; {errors}"]
 
 
+def _against_tests(pair):
+    """A line of each quantity of such a shot that was compared with tests."""
+    levels = {"ply" if pair.setup.plies == 1 else "pack", "backing" if pair.setup.backing else ""}
+    rows = read_csv(AGAINST_TESTS, "level, quantity, words")
+    return [f"against tests, {cells[1]}: {cells[2]}" for _, cells in rows if cells[0] in levels]
+
+
 def _percent(share):
     return "not known" if share == inf else display.text(share, "1", "share", ".2g")
 
@@ -113,7 +123,9 @@ def section(pair: Discretisation) -> Section:
     from pandas import DataFrame
 
     meshes, tables, window = pair.meshes[-1:-3:-1] if pair.targets else pair.meshes, [], pair.windows[0]
-    lead = " ".join(line[0].upper() + line[1:] + "." for line in (*_verdict(pair), *_outcomes(pair)))
+    lead = " ".join(
+        line[0].upper() + line[1:] + "." for line in (*_verdict(pair), *_outcomes(pair), *_against_tests(pair))
+    )
     if pair.intervals:
         counts, of_means = "on the finer mesh" if pair.targets else "on the mesh of the scene", _MEANS * bool(window)
         lead = f"{lead} {_INDEX.format(counts, of_means)}".strip()

@@ -145,9 +145,7 @@ class BackingTable(Table):
     rate_exponent: number(
         "exponent m of the rate: the yield stress is multiplied by (1 + rate / reference_rate)^m", 0.1, ge=0.0, le=1.0
     ) = None
-    reference_rate: quantity("reference_rate in that formula, a rate of effective plastic strain", "1/s", "1 / s") = (
-        None
-    )
+    reference_rate: quantity("rate of effective plastic strain in that formula", "1/s", "1 / s") = None
     outer_boundary: one_of(
         "condition on the faces other than the struck one: fixed, absorbing (dashpots) or free",
         "fixed",

@@ -215,15 +215,12 @@ class PanelTable(Table):
         "203 mm",
         TEXT_OR_TWO,
     )
-    opening_shape: one_of("shape of the opening; a round one needs clamped edges", "rectangular", "round") = (
-        "rectangular"
-    )
+    opening_shape: one_of("shape of the opening; round needs clamped edges", "rectangular", "round") = "rectangular"
     impact_point: Annotated[
         quantities(
             "where the projectile hits, from the middle of the opening along its two sides. Where not given the "
             "middle; of one ply with sliding crossovers, computed whole, a quarter of the spacing off a crossover in "
-            "both directions. Off the middle it needs a symmetry across which it is 0, `half` for a point on the "
-            "second axis, else `whole`; with pinned crossovers also clamped edges",
+            "both directions. Off the middle it needs the symmetry `half`, on the second axis, else `whole`",
             "m",
             "a list of two lengths",
             '["20 mm", "0 mm"]',
@@ -241,9 +238,7 @@ class PanelTable(Table):
     weave_angle: angle("angle of the warp to the sides of the opening", -89, 89, "45 deg") = 0.0
     plies: whole("number of plies; above 1 a pack with contact between plies", 1, MOST_PLIES) = 1
     ply: Annotated[tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")] = ()
-    stacking: one_of("pack: all plies alike, or every second one turned by 90 degrees", "aligned", "alternating") = (
-        "aligned"
-    )
+    stacking: one_of("pack: all plies alike, or every second turned by 90 deg", "aligned", "alternating") = "aligned"
     ply_gap: quantity(
         "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
         "a range ([Packs](../pack.md))",

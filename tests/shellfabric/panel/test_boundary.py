@@ -103,6 +103,16 @@ def test_slip_across_the_panel_brings_new_cloth_under_the_projectile():
     assert state.contact_window[1] > panel.state(60.0).contact_window[1]
 
 
+def test_grips_are_struck_off_the_middle():
+    """Also beside a crossover: the near end slips more, points on both sides are alike, and the energy balances."""
+    x, sides = 4.3 * 2 * make_panel().weave.w[0], {"symmetry": "whole", "edge": (Grip(5.0), "clamped")}
+    right, left = (PackSolver(make_panel(impact_point=(at, 0.0), **sides), 90.0, 60e-6).run() for at in (x, -x))
+    np.testing.assert_allclose(right.sample("v"), left.sample("v"), rtol=1e-9)
+    far, near = (np.abs(grid(right.const, right.state.u[0])[end]).max() for end in (0, -1))
+    assert near > 1.5 * far > 0
+    assert np.abs(right.sample("error")).max() < 1e-3 * right.strike_energy
+
+
 # oblique weaves, round openings, and impacts off the middle
 
 FRAMES = [

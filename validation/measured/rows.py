@@ -1,0 +1,197 @@
+"""The table of what was measured, and what its rows compute to.
+
+Columns of rows.csv. `measure` is one of `compute`, `input` a file of inputs/; a row without them is not
+computed, and `assumed` says why. `changes` are keys of the input file, and options of the measure (without a dot), of
+this row; `coarse` those of its cheap run as well, "-" where there is none. `value` and `sigma`, the standard
+uncertainty of the test, are in `unit`; `u_input` is that of the computed value by the uncertainty of the input,
+relative to it.
+"""
+
+from __future__ import annotations
+
+import csv
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pandas import to_numeric
+
+import weavecell as wc
+from fabrics.fabric import Fabric
+from fabrics.plate_curve import PlateCurve
+from meshing import crossover as mesher
+from shellfabric.impact import ballistic_limit
+from unitcell3d.cases.biaxial_and_platens import plate_compression
+from unitcell3d.identify.platen_misfit import closures
+from unitcell3d.solver.load_stepping import Steps
+from validation.models.bare_impact import Strike, strike
+from weavecell.scenes import honoured, target
+
+HERE = Path(__file__).parent
+PACKING = 1e6  # [Pa] between the parts of a compression
+STEPS = Steps(first=0.004, largest=0.02)  # of a compression, which resolve the lowest pressures
+MIN_PLATE_GAP = 0.2  # of the platens' first distance
+V50_INTERVAL = 2 * 1.96  # standard errors that the interval of a V50 is wide
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a row computes.
+
+    Parameters
+    ----------
+    measure : of `compute`
+    input : name of a file of inputs/
+    text : of that file and of the fabrics, since a kept result depends on them
+    changes : ((key, value), ...) of the input file, or without a dot options of the measure
+    """
+
+    measure: str
+    input: str
+    text: str
+    changes: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def options(self) -> dict[str, str]:
+        """Options of the measure."""
+        return {key: value for key, value in self.changes if "." not in key}
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """{dotted key: value} of the input file that this row changes."""
+        return {key: _value(text) for key, text in self.changes if "." in key}
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        """The tables of the input file with these changes."""
+        return target.changed(tomllib.loads(self.text.partition("\f")[0]), self.keys)
+
+    def setup(self, **more: Any) -> Any:
+        """The ImpactSetup of an impact, with `more` values of dotted keys."""
+        file, changes = HERE / "inputs" / f"{self.input}.toml", {"numerics.threads": 1} | self.keys | more
+        return target.read(str(file), HERE, honoured.IMPACT, changes=changes).setup
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of rows.csv, its columns as texts; `case` and `coarse_case` are None where there is no such run."""
+
+    id: str
+    level: str
+    quantity: str
+    value: str
+    unit: str
+    sigma: str
+    u_input: str
+    source: str
+    assumed: str
+    case: Case | None = None
+    coarse_case: Case | None = None
+
+
+def number(text: str) -> float:
+    """The number in a text; NaN of an outcome, or where there is none."""
+    return float(to_numeric(text, errors="coerce"))
+
+
+def read() -> list[Row]:
+    """All rows."""
+    with open(HERE / "rows.csv", encoding="utf-8", newline="") as file:
+        return [_row(**columns) for columns in csv.DictReader(file)]
+
+
+def _row(measure, input, changes, coarse, **columns):
+    if not measure:
+        return Row(**columns)
+    own, cheapest = (
+        tuple((key.strip(), value) for key, _, value in (part.partition("=") for part in texts.split(";")) if value)
+        for texts in (changes, coarse)
+    )
+    cheap = None if coarse == "-" else case_of(measure, input, (*own, *cheapest))
+    return Row(**columns, case=case_of(measure, input, own), coarse_case=cheap)
+
+
+def case_of(measure: str, name: str, changes: tuple[tuple[str, str], ...]) -> Case:
+    """The Case of a measure of an input file, with its changes."""
+    files = [HERE / "inputs" / f"{name}.toml", *sorted((HERE / "inputs" / "fabrics").iterdir())]
+    return Case(measure, name, "\f".join(file.read_text("utf-8") for file in files), changes)
+
+
+def _value(text):
+    """A value as TOML has it; what is none is a text."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+# {measure: value in the unit of the row} of a wc.ShotResult, of a Strike at a bare block, of a Fabric
+OF_SHOTS: dict[str, Callable[[Any], Any]] = {
+    "outcome": lambda shot: shot.outcome,
+    "slip": lambda shot: 1e3 * float(shot.plies["pull_in"].max()),  # largest way of a yarn's end out of its clamp
+    "torn_plies": lambda shot: float(np.count_nonzero(shot.plies["cut_yarns"][-1])),
+}
+OF_BLOCKS: dict[str, Callable[[Strike], float]] = {
+    "depth": lambda found: 1e3 * float(found.z.max()),
+    "dent": lambda found: 1e3 * found.block.back_face_signature,
+}
+OF_FABRICS: dict[str, Callable[[Fabric], float]] = {
+    "areal_density": lambda fabric: 1e3 * fabric.weave.areal_density,
+    "thickness": lambda fabric: 1e3 * fabric.weave.thickness,
+}
+
+
+def compute(case: Case) -> tuple[Any, float, float]:
+    """(value in the unit of the row, or an outcome; its standard error; error of the energy balance [-])."""
+    if case.measure in OF_SHOTS:
+        shot = wc.impact(case.setup())
+        return OF_SHOTS[case.measure](shot), 0.0, shot.energy_error_max
+    if case.measure in OF_BLOCKS:
+        found = _strike(case)
+        error = np.abs(found.energies["error"]).max() / found.energies["projectile"][0]
+        return OF_BLOCKS[case.measure](found), 0.0, float(error)
+    if case.measure in ("limit", "growth"):
+        return _limit(case) if case.measure == "limit" else _growth(case)
+    if case.measure == "v50":
+        found = wc.v50(case.setup(), shots=int(case.options["shots"])).summary()
+        wide = found["v50_high_m_s"] - found["v50_low_m_s"]
+        return found["v50_m_s"], wide / V50_INTERVAL, found["energy_error_max"]
+    table = case.scene["fabric"]
+    fabric = wc.fabric(table["name"], linear_density=table["linear_density"])
+    if case.measure in OF_FABRICS:
+        return OF_FABRICS[case.measure](fabric), 0.0, 0.0
+    return _closure(case, fabric)[("closure_below", "closure_above").index(case.measure)], 0.0, 0.0
+
+
+def _limit(case, **more):
+    """[m/s] velocity between a stop and a perforation, looked for from the measured V50; half of what lies between."""
+    setup, width = case.setup(**more), float(case.options.get("tolerance", 0.03))
+    guess = setup.strike_velocity
+    found = ballistic_limit.critical_velocity(setup.target(), tolerance=width * guess, guess=guess, step=1 + width)
+    return found.velocity, found.half_width, max(shot.balance for shot in found.shots)
+
+
+def _growth(case):
+    """[-] limit of the pack over that of two plies."""
+    many, few = _limit(case), _limit(case, **{"panel.plies": 2, "projectile.strike_velocity": "240 m/s"})
+    ratio = many[0] / few[0]
+    return ratio, ratio * float(np.hypot(many[1] / many[0], few[1] / few[0])), max(many[2], few[2])
+
+
+def _strike(case):
+    """What a projectile does to the bare block of a file with the tables [projectile] and [backing] alone."""
+    shot, backing = dict(case.scene["projectile"]), case.scene["backing"]
+    setup = wc.setup("S-728", shot.pop("strike_velocity"), opening="200 mm", projectile=shot, backing=backing)
+    return strike(setup.backing, setup.projectile, setup.strike_velocity, 0.03, after=setup.backing.after_stop)
+
+
+def _closure(case, fabric):
+    """[um] what the 3D crossover closes between platens up to PACKING, and from there to the highest pressure."""
+    law = PlateCurve.pressure_law(fabric.areal_density_measured)  # pressures of the test
+    ends = np.array([law.pressure[0], PACKING, law.pressure[-1]])
+    mesh = mesher.build(fabric, size=tuple(map(int, case.options.get("size", "6 4 2").split())))
+    history = plate_compression(mesh, fabric, min_plate_gap=MIN_PLATE_GAP, steps=STEPS)
+    return (1e6 * np.diff(closures(history, fabric.weave.cell_area, ends, law.at(ends)))).tolist()

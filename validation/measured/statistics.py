@@ -1,0 +1,48 @@
+"""Bias and scatter of a quantity, and the validation uncertainty of a row.
+
+Of n rows of a quantity with measured E_i and computed M_i, ln(M / E) is taken as normal (FDS Validation Guide, chapter
+on errors):
+
+    s^2 = 1 / (n - 1) sum (ln(M_i / E_i) - mean)^2,    sigma_M^2 = s^2 - sigma_E^2,
+    bias = exp(mean + sigma_M^2 / 2 - sigma_E^2 / 2)
+
+with relative sigmas of tests and model. sigma_E counts as s / 2^(1/2) at most: scatter cannot show that a model is more
+accurate than the tests. One row has a bias, M / E, and no sigma. A row has by ASME V&V 20
+
+    E = S - D,    u_val^2 = u_num^2 + u_input^2 + u_D^2
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp, nan, sqrt
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Of a quantity: bias [-], relative sigma of the model (NaN of one row) and of the tests."""
+
+    bias: float
+    sigma_model: float
+    sigma_test: float
+
+
+def of(measured: Sequence[float], computed: Sequence[float], sigma: Sequence[float]) -> Statistics:
+    """The Statistics of a quantity.
+
+    Parameters
+    ----------
+    measured, computed : (n,) above 0
+    sigma : (n,) standard uncertainties of the tests, in the unit of `measured`
+    """
+    test = float(np.sqrt(np.mean(np.divide(sigma, measured) ** 2)))
+    logs = np.log(np.divide(computed, measured))
+    if logs.size == 1:
+        return Statistics(float(computed[0] / measured[0]), nan, test)
+    scatter = float(logs.std(ddof=1))
+    counted = min(test, scatter / sqrt(2))
+    model = sqrt(scatter**2 - counted**2)
+    return Statistics(exp(logs.mean() + (model**2 - counted**2) / 2), model, test)
