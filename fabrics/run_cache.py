@@ -65,9 +65,7 @@ def files_of(*modules: str) -> list[Path]:
         else:
             files.add(Path(str(sys.modules[module].__file__)))
     files |= {file for folder in folders for file in folder.rglob("*") if file.suffix in SUFFIXES}
-    return sorted(
-        file for file in files if not (file.stem.startswith("pictures") or file.match("validation/studies/*"))
-    )
+    return sorted(f for f in files if not (f.stem.startswith("pictures") or f.match("validation/studies/*")))
 
 
 def version(*modules: str) -> str:

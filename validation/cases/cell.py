@@ -12,9 +12,9 @@ from fabrics.errors import UnstableError
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell.model import FORMS, CellModel, CellTable
 from shellfabric.panel import quality
-from validation.claims.checks import newton as thesis
 from validation.claims.checks.cell import printed
 from validation.models import cell_scaling
+from validation.models import newton as thesis
 from validation.models.cable import smith
 from validation.models.cable.model import CableNumerics
 from validation.models.variants import with_law_form

@@ -1,4 +1,4 @@
-"""What the expressions of the ledger read: runs, fabrics, cells. Docs/reports/claims.md lists the names.
+"""What the expressions of the ledger read: runs and fabrics; `checks` has what reads cells and coupons.
 
 Times are in s, places in m, velocities in m/s, forces in N; a `run` is what a function of `runs` returns.
 """

@@ -160,7 +160,7 @@ def _varied(run, changes):
     elif _at_one_ply(run):
         for name, value in changes.items():
             own = keywords.get(name)
-            keywords[name] = value | (own or {}) if isinstance(value, dict) else own or value
+            keywords[name] = value | (own or {}) if name == "change" else own or value
     return replace(run, keywords=json.dumps(keywords, sort_keys=True))
 
 

@@ -74,52 +74,40 @@ def stiffer_warp(fabric):
     return replace(fabric, weave=replace(fabric.weave, warp=stiffer))
 
 
+OFF = dict.fromkeys(OFF_THE_EQUATIONS, "off the equations")
+G1, G2 = (partial(other_shear, modulus=modulus) for modulus in ("G1", "G2"))
+# what is wrong: owner, attribute, how it is wrong, {claim: what the miss says}
 PLANTED = {
     "mass of the bar's nodes": (
-        Bar, "nodal_mass", lambda mass: property(scaled(mass.fget, 1.1)), {"geom-projectile": "solid"},
-    ),
+        Bar, "nodal_mass", lambda mass: property(scaled(mass.fget, 1.1)), {"geom-projectile": "solid"}),
     "masses of a panel": (
         Panel, "masses", lambda masses: scaled(masses, 1.05),
-        {"impact1-mass-of-cell": "density", "geom-areal-density-s726": "nominal"},
-    ),
+        {"impact1-mass-of-cell": "density", "geom-areal-density-s726": "nominal"}),
     "modulus from which the linear density is inferred": (
-        catalogue, "load", lambda load: changed_fabric(load, partial(other_shear, modulus="G2")),
-        {"geom-areal-density-s726": "denier of G2"},
-    ),
+        catalogue, "load", lambda load: changed_fabric(load, G2), {"geom-areal-density-s726": "denier of G2"}),
     "first shear modulus of one fabric": (
-        catalogue, "load", lambda load: changed_fabric(load, partial(other_shear, modulus="G1"), "S-731"),
-        {"shear-g1": "greatest"},
-    ),
+        catalogue, "load", lambda load: changed_fabric(load, G1, "S-731"), {"shear-g1": "greatest"}),
     "stiffness of the warp": (
         catalogue, "load", lambda load: changed_fabric(load, stiffer_warp),
-        {"cell-contact-region": "", "biaxial-single-balanced": ""},
-    ),
-    "states of the cell": (CellModel, "solve", stiffer_states, dict.fromkeys(OFF_THE_EQUATIONS, "off the equations")),
-    "laws of the cell": (CellModel, "used_laws", softer_laws, dict.fromkeys(OFF_THE_EQUATIONS, "off the equations")),
+        {"cell-contact-region": "", "biaxial-single-balanced": ""}),
+    "states of the cell": (CellModel, "solve", stiffer_states, OFF),
+    "laws of the cell": (CellModel, "used_laws", softer_laws, OFF),
     "power of the law that the cell evaluates": (
         KERNELS, "compression", another_power,
-        {"compr-a-asymptote": "off the law", "compr-derivative": "difference", "compr-vanwyk-equivalence": "exponent"},
-    ),
+        {"compr-a-asymptote": "off the law", "compr-derivative": "difference", "compr-vanwyk-equivalence": "exponent"}),
     "slope of the law that the cell evaluates": (
-        KERNELS, "compression", lambda compress: scaled(compress, 2.0, 1), {"compr-derivative": "difference"},
-    ),
+        KERNELS, "compression", lambda compress: scaled(compress, 2.0, 1), {"compr-derivative": "difference"}),
     "slope of the contact force": (
-        KERNELS, "contact_force", lambda force: scaled(force, 1.01, 1),
-        {"cell-slope-derivative": "relative difference"},
-    ),
+        KERNELS, "contact_force", lambda force: scaled(force, 1.01, 1), {"cell-slope-derivative": "difference"}),
     "forces of a coupon": (
-        Coupon, "forces", lambda forces: scaled(forces, 2.0, 0), {"cell-stress-resultant": "relative difference"},
-    ),
+        Coupon, "forces", lambda forces: scaled(forces, 2.0, 0), {"cell-stress-resultant": "relative difference"}),
     "trellis that stretches its yarns": (
-        shear, "trellis", lambda trellis: scaled(trellis, 1.001, 1), {"shear-thickness-constant": "relative change"},
-    ),
+        shear, "trellis", lambda made: scaled(made, 1.001, 1), {"shear-thickness-constant": "relative change"}),
     "gap between plies": (
-        checks, "compression_gap", lambda gap: lambda density, plies: 1e-4, {"compr-gap-formula": "difference"},
-    ),
+        checks, "compression_gap", lambda gap: lambda density, plies: 1e-4, {"compr-gap-formula": "difference"}),
     "pressure of records": (
         compression.PlateCurve, "at", lambda at: lambda self, pressure: at(self, 0.8 * np.asarray(pressure)),
-        {"compr-teflon-subtract": ""},
-    ),
+        {"compr-teflon-subtract": ""}),
 }  # fmt: skip
 
 

@@ -19,11 +19,12 @@ from shellfabric.coupon.quasistatic import inextensible_shear  # noqa: F401
 from shellfabric.plies.gap import compression_gap  # noqa: F401
 from shellfabric.projectile.bar import Bar  # noqa: F401
 from validation.claims import readers
-from validation.claims.checks import cell, compression, crossover, geometry, newton, shear, shots, unit_cell
+from validation.claims.checks import cell, compression, crossover, geometry, shear, shots
+from validation.models import cell_equations, newton
 from validation.published.biaxial_glass.curves import at_ratio, free_edge  # noqa: F401
 from validation.published.pencilling.study import Case, march  # noqa: F401
 
-MODULES = (readers, cell, compression, crossover, geometry, newton, shear, shots, unit_cell)
+MODULES = (readers, cell, compression, crossover, geometry, shear, shots, cell_equations, newton)
 
 
 def names() -> dict[str, Any]:

@@ -19,9 +19,9 @@ from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import mesh_coupon
-from validation.claims.checks.unit_cell import departure
 from validation.claims.judge import Found
 from validation.claims.readers import FAMILIES, KEVLAR
+from validation.models.cell_equations import departure
 from validation.published.biaxial_glass.curves import Curve
 
 if TYPE_CHECKING:
@@ -80,13 +80,6 @@ def alone(fabric: str, family: int) -> tuple[FloatArray, FloatArray]:
     stretch = np.linspace(1, stretch_at_failure(catalogue.load(fabric).weave.yarns[family]), 400)
     pair = (stretch, 1.0) if family == 0 else (1.0, stretch)
     return stretch - 1, cell(fabric, "decoupled").solve(*pair)[f"T{family + 1}"]
-
-
-def strength_without_contact(name: str, failure_strain: float) -> float:
-    """[N] of the warp in the coupled cell once its fibres are strained by so much and the weft has lost contact."""
-    model = cell(name)
-    crimp, slack = model.fabric.weave.warp.crimp, model.range()[1][0]
-    return float(model.solve((1 + crimp) * (1 + failure_strain), slack)["T1"])
 
 
 def failure_extensions() -> Found:

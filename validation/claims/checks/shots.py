@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,7 +14,6 @@ from validation.claims.readers import (
     FAMILIES,
     ZONE_I,
     end,
-    even,
     front,
     noise,
     rising,
@@ -26,7 +24,6 @@ from validation.claims.readers import (
 )  # fmt: skip
 
 NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
-SLIPPED = 50e-6  # [m] from which on a yarn counts as slipped
 
 
 def unevenness(run: Any, beside: float = 10e-3) -> float:
@@ -67,12 +64,6 @@ def noise_over_net(shell: Any, cables: Any) -> float:
     width = max(1, round(1e-6 / (clock[1] - clock[0])))
     of_cables = np.interp(t, clock, np.convolve(cables.reactions["warp"], np.ones(width) / width, "same"))
     return noise(t, np.interp(t, shell.t, shell.reactions["warp"])) / noise(t, of_cables)
-
-
-def least_inside(*runs: Any) -> float:
-    """Least of the differences of velocity from each of the runs to the next, from the strike to the first end."""
-    t = np.linspace(0, end(*runs), 300)
-    return min((v(faster, t) - v(slower, t)).min() for slower, faster in itertools.pairwise(runs))
 
 
 def cone_base(run: Any, reach: float = 50e-3, share: float = 0.05) -> float:
@@ -152,14 +143,3 @@ def slip_delay(run: Any, held: Any, start: float) -> float:
 def slip(run: Any) -> FloatArray:
     """[m] of each weft yarn out of its clamp at the end."""
     return run.panel.coordinates()[1][:, -1] - run.last[0].nodes[:, -1, 1]
-
-
-def slipped_width(run: Any) -> float:
-    """[m] whole width of the slipped zone of the weft."""
-    return 2 * float(run.panel.coordinates()[0][:, -1][slip(run) > SLIPPED].max(initial=0.0))
-
-
-def jumps(run: Any) -> float:
-    """RMS of the velocity of a rigid projectile, or of the tip of an elastic one, above QUIET; from 10 us on."""
-    velocity = run.step_history[:, 2] if run.bar is None else run.bar.tip_velocity
-    return noise(*even(run.step_history[:, 0], velocity, 2e-7), start=10e-6)
