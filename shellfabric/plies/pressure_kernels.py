@@ -392,36 +392,17 @@ def press_points8(contact, p, row, j, q, count):
     Y, Y_a, Y_b = surface_patch8(x[1], K, S, za, zb, da, db, tall)
     Z, Z_a, Z_b = surface_patch8(x[2], K, S, za, zb, da, db, tall)
     w = point_mean8(x[0], k, s, wa, wb) - X, point_mean8(x[1], k, s, wa, wb) - Y, point_mean8(x[2], k, s, wa, wb) - Z
-    y_a, y_b, weights = (X_a, Y_a, Z_a), (X_b, Y_b, Z_b), ((za, da, ca), (zb, db, cb))
-    aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
-    square = aa * bb - ab * ab
-    fit &= movemask(greater(square, 1e-12 * (aa * bb)))
-    # squared distance after a step of Gauss and Newton, times the squared area of the slopes
-    apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
-    near = fit & movemask(greater(thickness * thickness * square, apart))
-    none = broadcast(0.0)
-    second = (none, none, none), (none, none, none), (none, none, none)
-    if near:
-        second = second_of8(x, K, S, weights, tall)
-        c_aa, c_ab, c_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
-        curved = c_aa * c_bb - c_ab * c_ab
-        sure = mask_from_bits(near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0)))
-        aa, ab, bb, square = (
-            where(sure, c_aa, aa),
-            where(sure, c_ab, ab),
-            where(sure, c_bb, bb),
-            where(sure, curved, square),
-        )
-    go, turn = (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square
+    slopes, weights = ((X_a, Y_a, Z_a), (X_b, Y_b, Z_b)), ((za, da, ca), (zb, db, cb))
+    go, turn, second, near, fit = newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit)
     longest = maximum(fabs(go), fabs(turn))
     fit &= ~(movemask(greater(longest, _LAST_FAR)) | near & movemask(greater(longest, _LAST)))
     A, B = A + go, B + turn
     fit &= within8(contact, p + 1, A, B)
     masked_store(contact.closest_a, q, where(mask_from_bits(fit), A, load(contact.closest_a, q)), count)
     masked_store(contact.closest_b, q, where(mask_from_bits(fit), B, load(contact.closest_b, q)), count)
-    w = offset_after(w, (y_a, y_b), second, go, turn)
+    w = offset_after(w, slopes, second, go, turn)
     distance = sqrt(dot(w, w))
-    touching = fit & movemask(greater(thickness, distance)) & movemask(greater(distance, 1e-9 * thickness))
+    touching = fit & near & movemask(greater(thickness, distance)) & movemask(greater(distance, 1e-9 * thickness))
     clear = -reduce_max(where(mask_from_bits(fit & ~touching), 0.0 - distance, -_FAR)) - _BERTH * thickness
     if touching:
         n = w[0] / (0.0 - distance), w[1] / (0.0 - distance), w[2] / (0.0 - distance)
@@ -429,6 +410,27 @@ def press_points8(contact, p, row, j, q, count):
         push8(contact, p, (row // contact.points**2, j, i, j0), k, wa, wb, closest, n, thickness - distance, touching)
         clear = 0.0
     return all_of & ~fit, clear
+
+
+@kernel(_nrt=False, forceinline=True)
+def newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit):
+    """`newton_step` of those of eight points that are `fit`: the steps along a and b, second slopes of the surface,
+    which points are near, as bits, and which are fit still."""
+    y_a, y_b = slopes
+    aa, ab, bb, r_a, r_b = dot(y_a, y_a), dot(y_a, y_b), dot(y_b, y_b), dot(y_a, w), dot(y_b, w)
+    square, none = aa * bb - ab * ab, broadcast(0.0)
+    fit &= movemask(greater(square, 1e-12 * (aa * bb)))
+    apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
+    near = fit & movemask(greater(thickness * thickness * square, apart))
+    second = (none, none, none), (none, none, none), (none, none, none)
+    if near:
+        second = second_of8(x, K, S, weights, tall)
+        c_aa, c_ab, c_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+        curved = c_aa * c_bb - c_ab * c_ab
+        sure = mask_from_bits(near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0)))
+        aa, ab, bb = where(sure, c_aa, aa), where(sure, c_ab, ab), where(sure, c_bb, bb)
+        square = where(sure, curved, square)
+    return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, second, near, fit
 
 
 @kernel(_nrt=False, forceinline=True)
