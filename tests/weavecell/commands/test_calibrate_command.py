@@ -30,7 +30,6 @@ def small(monkeypatch):
 def fitted(monkeypatch):
     """Fits of the solid that give that of the file a tenth softer at once, whatever the fabric."""
     monkeypatch.setattr(solid_fit, "fit_solid", a_fit)
-    monkeypatch.setattr(chain, "fit_solid", a_fit)
     paths = solver.path_jobs
     monkeypatch.setattr(chain, "path_jobs", lambda *chosen: paths(*chosen, SHORT))
     monkeypatch.setattr(chain, "SIZE", (2, 2, 2))
