@@ -8,7 +8,8 @@ points may press on each other (`plies.pressure_kernels`).
 
     pairs of tiles   all whose boxes are within _TILE_REACH thicknesses; found anew when a tile has come that far
     pairs of facets  of tiles that no plane divides: all whose boxes are within _REACH thicknesses; found anew likewise
-    rows             those that are nearer than `near`, in each step, for the guard (`plies.guard_kernels`)
+    rows             those that are nearer than `near`, or could meet in the coming step, for the guard
+                     (`plies.guard_kernels`)
 
 An element is two triangles where it has yarns of both families and has not eroded, and, once torn, is not drawn out to
 more than twice its size. What has ceased to be one never is one again. Yarns beside no such element are bare.
@@ -27,6 +28,7 @@ PAIRS, ENTRIES, ROWS, NODES, STEP, REMAKE, PRESSED = range(7)  # of contact.coun
 WORK, IMPULSES, LEAST, FAILED = range(4)  # of contact.guard
 NOT_RESOLVED, NO_ROOM, CROSSED = 1, 2, 3  # of contact.guard[FAILED]
 _TILE_REACH, _REACH = 2.0, 0.4  # thicknesses
+_FASTER = 1.5  # than in the last step tiles may be in the coming one
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -95,6 +97,13 @@ def list_tiles(contact):
     contact.count[PAIRS], contact.count[ENTRIES] = found, 0
     for t in range(tiles):
         contact.travel_then[t] = contact.travel[t]
+
+
+@kernel(_nrt=False, forceinline=True)
+def guarded_distance(contact, a, b):
+    """[m] within which facets of two tiles have to stay on their sides: they could meet in the coming step."""
+    thickness = 0.5 * (contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]])
+    return max(NEAR * thickness, _FASTER * (contact.way[a] + contact.way[b]))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -186,7 +195,8 @@ def list_near_facets(contact, m, first, second):
     """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they can be near."""
     a, b = contact.pair_tiles[m]
     thickness = 0.5 * (contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]])
-    reach, near, found = (NEAR + _REACH) * thickness, NEAR * thickness, contact.count[ENTRIES]
+    limit, found = guarded_distance(contact, a, b), contact.count[ENTRIES]
+    reach = limit + _REACH * thickness
     contact.pair_due[m] = contact.travel[a] + contact.travel[b] + _REACH * thickness
     for i in range(first):
         if boxes_apart(contact.facet_box[0, i], contact.box[b]) > reach:
@@ -204,7 +214,7 @@ def list_near_facets(contact, m, first, second):
             if apart > reach:
                 continue
             contact.entry_pair[found], contact.entry_end[found] = m, contact.pair_due[m]
-            contact.entry_due[found] = contact.travel[a] + contact.travel[b] + apart - near
+            contact.entry_due[found] = contact.travel[a] + contact.travel[b] + apart - limit
             found += 1
     contact.count[ENTRIES] = found
 
@@ -230,17 +240,17 @@ def look_at_entry(contact, e):
     """A row of the guard of pair of facets e, where they are near; else when they can be."""
     a, b = contact.pair_tiles[contact.entry_pair[e]]
     thickness = 0.5 * (contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]])
-    nodes, near = contact.entry_nodes[e], NEAR * thickness
+    nodes, limit = contact.entry_nodes[e], guarded_distance(contact, a, b)
     apart = lower_bound(contact.x, nodes)
-    if apart <= near:
+    if apart <= limit:
         apart, n = separation(contact.x, nodes)
-        if apart <= near:
+        if apart <= limit:
             if apart <= 0.0:
                 contact.guard[FAILED] = CROSSED
                 return
             add_row(contact, nodes, n, apart, thickness)
             return
-    contact.entry_due[e] = contact.travel[a] + contact.travel[b] + apart - near
+    contact.entry_due[e] = contact.travel[a] + contact.travel[b] + apart - limit
 
 
 @kernel(_nrt=False)
@@ -248,6 +258,7 @@ def look_at_planes(contact, t):
     """Rows of the guard of the nodes of a tile that are near a plane of symmetry; when the next can be."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
     thickness, least = contact.thickness[p], 1e30
+    limit = max(NEAR * thickness, _FASTER * contact.way[t])
     for c in range(2):
         if not contact.shape[p, MIRROR_X + c]:
             continue
@@ -257,11 +268,11 @@ def look_at_planes(contact, t):
                 if contact.mirror[k] >> c & 1:
                     continue
                 x = contact.x[c, k]
-                if 0.0 < x <= NEAR * thickness:
+                if 0.0 < x <= limit:
                     n = (1.0, 0.0, 0.0) if c == 0 else (0.0, 1.0, 0.0)
                     plane = PLANE_X if c == 0 else PLANE_Y
                     add_row(contact, (plane, plane, plane, k, k, k), n, x, thickness)
-                least = min(least, max(x - NEAR * thickness, 0.0))
+                least = min(least, max(x - limit, 0.0))
     contact.plane_due[t] = contact.travel[t] + least
 
 

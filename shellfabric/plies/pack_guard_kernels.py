@@ -103,7 +103,7 @@ def look_at_tiles(states, contact):
         near.refresh_box(contact, a)
         near.refresh_box(contact, b)
         apart, p, q = near.tiles_apart(contact, a, b), contact.tile_ply[a], contact.tile_ply[b]
-        limit = 0.5 * near.NEAR * (contact.thickness[p] + contact.thickness[q])
+        limit = near.guarded_distance(contact, a, b)
         if apart > limit:
             contact.pair_due[m] = contact.travel[a] + contact.travel[b] + apart - limit
         else:
