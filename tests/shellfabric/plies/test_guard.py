@@ -263,10 +263,20 @@ def test_all_places_are_in_the_frame_of_the_first_ply(ply):
         np.testing.assert_allclose(rest[..., 2], pack.places[p])
 
 
-@pytest.mark.parametrize("step", [0.4, 0.65])
-def test_facets_on_wrong_courses_stay_on_their_sides(ply, step):
-    """An element that is driven at the next ply, by `step` of their distance a step; at the next but one where that is
-    a hole. From beyond what is near one of 0.65 took it through."""
+def test_a_node_that_makes_more_than_a_thickness_in_a_step_does_not_pass(ply):
+    """From beyond what counts as near, and before the spline has come to touch."""
+    thickness = ply.weave.thickness
+    march = solver(ply, 2, gap=thickness)
+    k = 6 * march.const.row_stride + 5
+    for _ in range(6):
+        march.states[0].v[2][k] = 1.2 * thickness / march.const.dt
+        march.advance(np.empty((1, 3)))
+        assert not plies_cross(march)
+    assert march.held_apart > 0
+
+
+def test_facets_on_wrong_courses_stay_on_their_sides(ply):
+    """An element that is driven at the next ply; at the next but one where that is a hole."""
     for hole in (False, True):
         march = solver(ply, 3)
         const, states, apart = march.const, march.states, march.places[1]
@@ -275,7 +285,7 @@ def test_facets_on_wrong_courses_stay_on_their_sides(ply, step):
         if hole:
             bore(march, 1)
         for _ in range(12):
-            states[0].v[2][corners] = (0.5 * step if hole else step) * apart / const.dt
+            states[0].v[2][corners] = (0.2 if hole else 0.4) * apart / const.dt
             march.advance(np.empty((1, 3)))
             assert not plies_cross(march)
         before, middle, behind = (z + state.u[2][corners].mean() for z, state in zip(march.places, states))
