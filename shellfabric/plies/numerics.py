@@ -26,8 +26,7 @@ class PlyContact:
         C^2 + 2 zeta C < 1,     C = dt sqrt(K / A)
 
     with K the steepest of the law. C is the Courant number of the contact: a compression wave passes C plies a step.
-    The defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet: plies do not
-    bounce.
+    The defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet.
 
     Parameters
     ----------

@@ -215,17 +215,6 @@ def offset_after(w, slopes, second, a, b):
     )
 
 
-@kernel(_nrt=False, forceinline=True)
-def first_order(w, slopes, a, b):
-    """`offset_after` to first order."""
-    y_a, y_b = slopes
-    return (
-        w[0] - y_a[0] * a - y_b[0] * b,
-        w[1] - y_a[1] * a - y_b[1] * b,
-        w[2] - y_a[2] * a - y_b[2] * b,
-    )
-
-
 @kernel(_nrt=False)
 def press_point(contact, p, q, row, j, a, b, tile):
     """Force of a point of ply p on ply q, whose closest point is looked for from the place (a, b) on: its place, and
@@ -285,7 +274,8 @@ def closest_point(contact, q, x, a, b, thickness):
         go, turn = min(max(go, -_LONGEST), _LONGEST), min(max(turn, -_LONGEST), _LONGEST)
         a, b = a + go, b + turn
         if ended or iteration == _ITERATIONS - 1:
-            w = offset_after(w, slopes, second, go, turn) if near else first_order(w, slopes, go, turn)
+            none = 0.0, 0.0, 0.0
+            w = offset_after(w, slopes, second if near else (none, none, none), go, turn)
             return (a, b), w, (I, J, K, za, zb), ended and not torn
     return (a, b), w, (I, J, K, za, zb), False
 

@@ -188,8 +188,8 @@ class PackSolver(ExplicitSolver):
         """(plies - 1,) [-] furthest that a ply and those behind it have closed, over the mean thickness of two."""
         if self.contact is None:
             return np.zeros(0)
-        thickness = self.contact.thickness
-        return self.contact.energy[:-1, pressure_kernels.DEEPEST] / (0.5 * (thickness[:-1] + thickness[1:]))
+        means = np.convolve(self.contact.thickness, (0.5, 0.5), "valid")
+        return self.contact.energy[:-1, pressure_kernels.DEEPEST] / means
 
     @property
     def held_apart(self) -> int:
