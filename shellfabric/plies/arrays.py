@@ -20,7 +20,7 @@ _PAIRS, _ENTRIES = 60, 20  # room for pairs of tiles, of a tile, and of facets, 
 PackContact = namedtuple(
     "PackContact",
     "x v rest f force window grid_window base shape slots turns dt kick mirror torn dropped failures "
-    "points first_point closest_a closest_b first_element area laws law_of law_step friction stick_damping "
+    "points first_point closest_a closest_b first_element area laws law_step friction stick_damping "
     "side_by_side lanes thickness thickest longest energy work "
     "y impulse guard_force guard_window has_planes tile_ply first_tile tiles_across travel way travel_then boxed "
     "plane_due box order block_speed pair_tiles pair_due pair_seen clearance looked_at holes covered open pressed "
@@ -49,7 +49,7 @@ def pack_contact(
     thicknesses : (plies,) [m]
     turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
     of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and `closest_b` of all
-        points, `first_element` (plies,) and `area` of all elements; `laws`, `law_of`, `law_step`
+        points, `first_element` (plies,) and `area` of all elements; `laws`, `law_step`
         (`numerics.law_tables`), `friction`, `stick_damping` and `side_by_side` (plies,)
     """
     plies, own = len(consts), max(state.mass.size for state in states)

@@ -37,7 +37,7 @@ from shellfabric.plies import friction
 from shellfabric.plies.arrays import PackContact, Stack, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
-from shellfabric.projectile import dynamics
+from shellfabric.projectile import dynamics, frames
 from shellfabric.projectile.contact import PREDICTED
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, Slip
 
@@ -268,10 +268,10 @@ class Pack:
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
         """The contact between the plies, at rest."""
         rest, points, knobs = [], self.contact.points, self.contact
-        for ply, z, turn in zip(self.plies, self.places, self.turns):
+        for ply, z in zip(self.plies, self.places):
             x, y = ply.coordinates()
-            x, y = turn[0] * x - turn[1] * y, turn[0] * y + turn[1] * x
-            rest.append(np.stack([x, y, np.full_like(x, z)], axis=-1))
+            nodes = np.stack([x, y, np.full_like(x, z)], axis=-1)
+            rest.append(frames.turned_back(nodes, frames.axes(ply.ply_angle - self.angles[0])))
         places = [self._first_places(p) for p in range(len(self.gaps))]
         areas = [self._areas(p, np.array(at)) for p, at in enumerate(places)]
         smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
@@ -284,7 +284,7 @@ class Pack:
             points=points, first_point=first([at[0].size for at in places]), closest_a=feet[0], closest_b=feet[1],
             first_element=first([area.size for area in areas]),
             area=np.concatenate([np.ravel(area) for area in areas] + [np.zeros(WIDTH)]),
-            laws=laws, law_of=np.arange(len(self.laws)), law_step=law_step, friction=float(self.friction),
+            laws=laws, law_step=law_step, friction=float(self.friction),
             stick_damping=np.array([self._stick_damping(d * a) for d, a in zip(densities, smallest)]),
             side_by_side=np.array([abs(a - b) < 1e-12 for a, b in pairwise(self.angles)]),
         )  # fmt: skip

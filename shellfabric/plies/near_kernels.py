@@ -221,7 +221,7 @@ def list_near_facets(contact, m, first, second):
 
 @kernel(_nrt=False, forceinline=True)
 def add_row(contact, nodes, n, distance, thickness):
-    """A row of the contact."""
+    """A row of the guard."""
     row = contact.count[ROWS]
     if row == contact.row_need.size:
         contact.guard[FAILED] = NO_ROOM

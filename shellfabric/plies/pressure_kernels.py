@@ -328,9 +328,9 @@ def push(contact, p, q, at, k, wa, wb, closest, n, closure):
     there; n : from the point to the closest one; closure [m]
     """
     (e_i, e_j, i, j), (I, J, K, za, zb) = at, closest
-    s, S, law = contact.shape[p, STRIDE], contact.shape[q, STRIDE], contact.law_of[p]
+    s, S = contact.shape[p, STRIDE], contact.shape[q, STRIDE]
     area = contact.area[contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j]
-    spring, damping, energy = law_at(contact.laws[law], contact.law_step[law], closure)
+    spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
     v_p, v_q = vector_at(contact.v, k, s, wa, wb), vector_at(contact.v, K, S, za, zb)
     v = v_p[0] - v_q[0], v_p[1] - v_q[1], v_p[2] - v_q[2]
     closing = dot(n, v)
@@ -457,14 +457,9 @@ def within8(contact, p, A, B):
 def push8(contact, p, at, k, wa, wb, closest, n, closure, touching):
     """`push` between those of eight points of ply p and the next whose bits are set; arguments of the first."""
     (e_i, e_j, i, j), (I, J, K, za, zb, tall) = at, closest
-    s, S, law, which = (
-        contact.shape[p, STRIDE],
-        contact.shape[p + 1, STRIDE],
-        contact.law_of[p],
-        mask_from_bits(touching),
-    )
+    s, S, which = contact.shape[p, STRIDE], contact.shape[p + 1, STRIDE], mask_from_bits(touching)
     area = load(contact.area, contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j)
-    spring, damping, energy = law_at8(contact.laws[law], contact.law_step[law], closure)
+    spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
     v = (
         point_mean8(contact.v[0], k, s, wa, wb) - interpolate8(contact.v[0], K, S, za, zb, tall),
         point_mean8(contact.v[1], k, s, wa, wb) - interpolate8(contact.v[1], K, S, za, zb, tall),

@@ -28,7 +28,7 @@ from shellfabric.plies import memory, near_kernels, pressure_kernels
 from shellfabric.plies.arrays import KEPT
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
-from shellfabric.projectile import dynamics
+from shellfabric.projectile import dynamics, frames
 from shellfabric.sliding.model import Slip, SlipSummary, slip_arrays
 from shellfabric.solver import compile_ahead, ply_audit
 from shellfabric.solver import step_kernels as kernels
@@ -293,8 +293,8 @@ class PackSolver(ExplicitSolver):
 
     def _of_first(self, ply, vector):
         """A vector (3,) of the frame of a ply in that of the first."""
-        c, s = self.stack.turns[ply]
-        return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2]])
+        angles = self.pack.angles
+        return frames.turned_back(vector, frames.axes(angles[ply] - angles[0]))
 
     def _observe_plies(self, energies, pushes):
         """(plies, 10) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
