@@ -70,12 +70,11 @@ def tension_map() -> Any:
 
 @contextmanager
 def plots() -> Iterator[Any]:
-    """Within the block matplotlib draws off screen and in this project's look; yields pyplot."""
-    import matplotlib
+    """Within the block figures get this project's look; yields what draws as pyplot does (`pictures_figure`)."""
+    from matplotlib import rc_context
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
+    from meshing import pictures_figure
 
-    with matplotlib.rc_context(_SETTINGS):
-        yield pyplot
-    pyplot.close("all")
+    pictures_figure.StyledFigure.look = _SETTINGS
+    with rc_context(_SETTINGS):
+        yield pictures_figure

@@ -111,7 +111,7 @@ class _Lines(logging.Handler):
         if record.levelno == logging.INFO and record.getMessage() in self.printed:
             return
         self.printed.add(record.getMessage())
-        print(self.format(record), file=sys.stderr if record.levelno > logging.INFO else sys.stdout, flush=True)
+        progress.write(self.format(record), sys.stderr if record.levelno > logging.INFO else sys.stdout)
 
 
 def main(arguments: Iterable[str] | None = None) -> NoReturn:

@@ -199,7 +199,6 @@ def frames(panel: Panel, dpi: int, cut: bool = False) -> Iterator[np.ndarray]:
             figure.set_dpi(dpi)
             figure.canvas.draw()
             yield np.array(figure.canvas.buffer_rgba())[..., :3]
-            pyplot.close(figure)
 
 
 def add(scene: Any, file: Path, panel: Panel | None) -> None:
