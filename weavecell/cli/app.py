@@ -44,12 +44,12 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "sweep": (api.sweep, "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
     "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
     "view": (api.view, "results/S-720-stops --screenshot panel.png"),
-    "fabrics list": (api.list_fabrics, ""),
+    "fabrics list": (api.fabrics, ""),
     "fabrics show": (api.show_fabric, "S-720 --out ."),
     "fabrics new": (api.new_fabric, "mine.toml --from mine.csv"),
-    "projectiles list": (api.list_projectiles, ""),
+    "projectiles list": (api.projectiles, ""),
     "projectiles show": (api.show_projectile, '"FSP 1.10 g"'),
-    "backings list": (api.list_backings, ""),
+    "backings list": (api.backings, ""),
     "backings show": (api.show_backing, '"gelatine 10 %"'),
 }
 GROUPS = {

@@ -23,9 +23,9 @@ from meshing.pictures_style import (
     STEEL,
     WARP,
     WEFT,
-    plots,
     tension_map,
 )
+from weavecell.report.pictures_figure import plots
 from weavecell.results.display import US
 
 UM = 1e6

@@ -1,6 +1,6 @@
 """Progress on stderr, by tqdm: a bar for each stage of work in a terminal and in a notebook.
 
-In a batch job only the command line (`shown`) tells its progress, in lines; the functions of the Python interface do not.
+In a batch job only the command line (`shown`) tells its progress, in lines; Python functions do not.
 """
 
 from __future__ import annotations

@@ -94,8 +94,7 @@ def results(records: Sequence[ImpactRecord]) -> Table:
     for key in tables:
         values = [summary.get(key.name) for summary in summaries]
         if key.unit and any(key.name in summary for summary in summaries):
-            label = display.heading(key.meaning.partition(";")[0].replace("`", ""), key.unit, key.name)
-            rows.append([label, *(display.number(value, key.unit, key.name) for value in values)])
+            rows.append([key.label, *(display.number(value, key.unit, key.name) for value in values)])
     return Table.of(DataFrame(rows, columns=["result", *names]), "Results", names)
 
 

@@ -20,8 +20,9 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from meshing.pictures_style import INK, STEEL, WARP, WEFT, plots, tension_map
+from meshing.pictures_style import INK, STEEL, WARP, WEFT, tension_map
 from weavecell.report import pictures3d
+from weavecell.report.pictures_figure import plots
 from weavecell.report.shot import chapters_shot, pictures_shot
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
