@@ -1,4 +1,4 @@
-"""A deformed panel and its projectile in space, seen from behind.
+"""A deformed panel and its projectile in space, seen from behind or from the front.
 
 Images are drawn by matplotlib, from the farthest element to the nearest: VTK ends a process in which it finds no OpenGL
 library, as on nodes of a cluster, and takes seconds for its first picture. A window has the same elements by pyvista.
@@ -16,9 +16,7 @@ from meshing.pictures_style import RED, STEEL, tension_map
 
 SIZE = (1120, 612)  # [pixels] width and height of an image
 _CLOTH_DEPTH = 1e-3  # [m] by which the projectile lies behind fabric that it touches
-_BACK = np.array([0.55, -1.4, 0.95]) / np.linalg.norm([0.55, -1.4, 0.95])  # towards the viewer
-_RIGHT = np.cross((0, 0, 1), _BACK) / np.linalg.norm(np.cross((0, 0, 1), _BACK))
-AXES = np.array([_RIGHT, np.cross(_BACK, _RIGHT), _BACK])  # of the view: to the right, up, towards the viewer
+_VIEWER = 0.55, -1.4, 0.95  # direction of the viewer behind the panel
 _LIGHTS, _INTENSITIES = np.array([(0.62, 0.58, 0.53), (-0.6, 0.1, 0.79)]), (0.475, 0.185)  # directions in these axes
 _AMBIENT = 0.48
 
@@ -33,6 +31,7 @@ def panel(
     *,
     top_share: float = 1.0,
     open_quarter: bool = False,
+    front: bool = False,
 ) -> np.ndarray:
     """The image (rows, columns, 3) of a panel in parallel projection.
 
@@ -42,6 +41,7 @@ def panel(
     body : (a, b, 3) [m] surface of the projectile
     half_height, centre : [m] of what is seen
     open_quarter : whether the quarter of the fabric in front of the projectile is left out
+    front : whether the panel is seen from the side that is struck
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import PolyCollection
@@ -56,10 +56,11 @@ def panel(
         quads, colours = quads[shown], colours[shown]
     steel = np.stack([body[:-1, :-1], body[1:, :-1], body[1:, 1:], body[:-1, 1:]], axis=2).reshape(-1, 4, 3)
     colours = np.vstack([colours, np.tile(to_rgb(STEEL), (len(steel), 1))])
-    seen = (np.concatenate([quads, steel - _CLOTH_DEPTH * _BACK]) - centre) @ AXES.T
+    side, axes_of_view = -1 if front else 1, _axes(front)
+    seen = (np.concatenate([quads, steel - side * _CLOTH_DEPTH * axes_of_view[2]]) - centre) @ axes_of_view.T
     normal = np.cross(seen[:, 2] - seen[:, 0], seen[:, 3] - seen[:, 1])
     normal *= np.where(normal[:, 2:] < 0, -1, 1) / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    light = _AMBIENT + np.maximum(normal @ _LIGHTS.T, 0) @ _INTENSITIES
+    light = _AMBIENT + np.maximum(normal @ (_LIGHTS * (1, side, 1)).T, 0) @ _INTENSITIES
     order = np.argsort(seen[..., 2].mean(axis=1), kind="stable")
     paint = np.clip(colours * light[:, None], 0, 1)[order]
     figure = Figure(figsize=(SIZE[0] / 100, SIZE[1] / 100), dpi=100, facecolor="white")
@@ -72,6 +73,14 @@ def panel(
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return np.array(canvas.buffer_rgba())[..., :3]
+
+
+def _axes(front):
+    """(3, 3) axes of the view: to the right, up, towards the viewer."""
+    x, y, z = _VIEWER
+    viewer = np.array([x, y, -z if front else z]) / np.linalg.norm(_VIEWER)
+    right = np.cross((0, 0, 1), viewer) / np.linalg.norm(np.cross((0, 0, 1), viewer))
+    return np.array([right, np.cross(viewer, right), viewer])
 
 
 def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool], top_share: float = 1.0) -> Any:

@@ -32,14 +32,15 @@ def outcome(record: ImpactRecord) -> str:
     if record.outcome == "unstable":
         return f"UNSTABLE at {strike}: the run was ended after {end} and has no result ({record.failure_message})."
     words = {
-        "stopped": f"Stopped: PARTIAL PENETRATION, {strike}",
-        "perforated": f"Perforated: COMPLETE PENETRATION, {strike}, {residual(record)}",
-        "in flight": f"Not decided: {strike}, still moving with {record.residual_velocity:.1f} m/s at the end, {end}",
+        "stopped": f"Stopped at {strike}",
+        "perforated": f"Perforated at {strike}",
+        "in flight": f"Not decided at {strike}, in flight at the end, {end}",
     }[record.outcome]
+    velocity = [] if record.outcome == "stopped" else [residual(record)]
     deflection = [] if record.outcome == "perforated" else [_deflection(record)]
     doubtful = [check.name for check in record.checks if not check.ok]
     end = f". DOUBTFUL: {', '.join(doubtful)}." if doubtful else "."
-    return ", ".join([words, *deflection, _load(record)]) + end
+    return f"{words}: {', '.join([*velocity, *_dent(record), *deflection, _load(record)])}{end}"
 
 
 def residual(record: ImpactRecord) -> str:
@@ -48,8 +49,20 @@ def residual(record: ImpactRecord) -> str:
     return f"{name} {record.residual_velocity:.1f} m/s".replace(" 0.0 m/s", " 0 m/s")
 
 
+def instant(record: ImpactRecord, t: float) -> str:
+    """Time and velocity of an instant [s]."""
+    velocity = np.interp(t, record.time, record.velocity)
+    return f"{1e6 * t:.0f} µs after the strike, projectile at {round(float(velocity))} m/s"
+
+
 def _deflection(record):
     return f"back-face deflection {text(record.max_deflection, 'm', form='.1f')}"
+
+
+def _dent(record):
+    """The depth of the dent in the block, where there is one."""
+    block = record.backing
+    return [f"back-face signature {text(block.back_face_signature, 'm', form='.1f')}"] if block is not None else []
 
 
 def _load(record):
@@ -64,7 +77,8 @@ def card(record: ImpactRecord) -> Card:
     """What one impact came to."""
     tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
     force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
-    lines = (residual(record), _deflection(record), force, _load(record))
+    dent = [f"{signature} (dent in the block)" for signature in _dent(record)]
+    lines = (residual(record), *dent, _deflection(record), force, _load(record))
     return Card(record.title, "still moving" if record.outcome == "in flight" else record.outcome, lines, tone)
 
 
@@ -72,6 +86,8 @@ def chapter(records: Sequence[ImpactRecord]) -> Section:
     """Histories, cuts, pictures, energies and results of one impact or of several to be compared."""
     one = len(records) == 1
     figures = [_histories(records), _cuts(records), _panels(records), _energies(records), _edges(records)]
+    if one:  # two narrow pictures beside the tall one
+        figures = [figures[k] for k in (0, 3, 4, 1, 2)]
     tables = [results(records)]
     if one and _several_plies(records):
         figures += _of_plies(records[0])
@@ -157,7 +173,8 @@ def _histories(records):
         f"Velocity of the projectile; back-face deflection, the largest displacement of the {ply} along the normal; "
         f"contact force on the projectile, mean over {interval}."
     )
-    return Figure(pictures.render(pictures_shot.histories, records), "svg", caption, "histories")
+    one, content = len(records) == 1, pictures.render(pictures_shot.histories, records)
+    return Figure(content, "svg", caption, "histories", wide=not one, tall=one)
 
 
 def _cuts(records):
