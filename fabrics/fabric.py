@@ -47,6 +47,7 @@ class Fabric:
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     strain_rate : RateLaw of its yarns, or None
     failure_length : [m] half width, across the fibres, of the mean tension that is held against the strength
+    family : name of the fibre family whose values are assumed; None takes that which modulus and fibre density decide
     """
 
     name: str
@@ -68,6 +69,7 @@ class Fabric:
     ply_contact: PlyLaw | None = None
     strain_rate: RateLaw | None = None
     failure_length: float = 0.75e-3
+    family: str | None = None
 
     def __post_init__(self):
         positive(self, "failure_length")

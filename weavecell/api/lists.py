@@ -13,6 +13,7 @@ from fabrics import assumed, backings, catalogue, data_sheet, files, projectiles
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.fabric_tables import FIBRES
 from weavecell.api import quantities
 
 __all__ = [
@@ -277,11 +278,13 @@ def new_fabric(
     yarn_curve: FilePath | None = None,
     picture_frame: FilePath | None = None,
     frame_side: float | str | None = None,
+    family: str | None = None,
 ) -> None:
     """Write a fabric file from data-sheet values, each with its source and status.
 
     What no data sheet states is assumed by fibre family when the file is used; the lines of the log, which the command
-    prints, say what that will be. A platen curve is fitted by `weavecell calibrate FILE --platen-curve CURVE.csv`.
+    prints, say what that will be, and end with what is still missing. A platen curve is fitted by `weavecell calibrate
+    FILE --platen-curve CURVE.csv`.
 
     Parameters
     ----------
@@ -290,6 +293,8 @@ def new_fabric(
     yarn_curve : fit modulus and failure strain to this CSV file: strain and force of a yarn
     picture_frame : fit the trellis law to this CSV file: shear angle, and shear stress or force
     frame_side : side of the picture frame [m], needed where the file gives its force
+    family : para-aramid, UHMWPE or E-glass, for yarns of another fibre (PBO, LCP, nylon): what is assumed is that of
+        this family, with wider ranges
 
     Raises
     ------
@@ -313,12 +318,14 @@ def new_fabric(
         raise InputError(key="file", value=str(path), allowed="a path that ends in .toml")
     if path.exists():
         raise InputError("exists already", file=path)
+    if family not in (None, *FIBRES):
+        raise InputError(key="family", value=family, allowed=f"one of {', '.join(FIBRES)}")
     side = None if frame_side is None else quantities.number(frame_side, "m", "frame_side")
     entered = _asked() if values is None else fabric_file.read_values(values)
-    draft = fabric_file.Draft(path.stem, entered, file=values)
+    draft = fabric_file.Draft(path.stem, entered, file=values, family=family)
     draft, fitted = fabric_file.with_curves(draft, yarn=yarn_curve, frame=picture_frame, side=side)
     fabric = draft.write(path)
-    for line in (*fitted, *fabric_file.left_open(fabric), f"written to {path}"):
+    for line in (*fitted, *fabric_file.left_open(fabric, path)):
         logging.getLogger("weavecell").info(line)
 
 
