@@ -29,18 +29,15 @@ def panel(
     half_height: float,
     centre: Sequence[float] | FloatArray = (0.0, 0.0, 0.0),
     *,
-    top_share: float = 1.0,
-    open_quarter: bool = False,
     front: bool = False,
 ) -> np.ndarray:
     """The image (rows, columns, 3) of a panel in parallel projection.
 
     Parameters
     ----------
-    grid, strength, mirrors, top_share : as of `coloured`
+    grid, strength, mirrors : as of `coloured`
     body : (a, b, 3) [m] surface of the projectile
     half_height, centre : [m] of what is seen
-    open_quarter : whether the quarter of the fabric in front of the projectile is left out
     front : whether the panel is seen from the side that is struck
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -48,12 +45,8 @@ def panel(
     from matplotlib.colors import to_rgb
     from matplotlib.figure import Figure
 
-    fabric = coloured(grid, strength, mirrors, top_share)
+    fabric = coloured(grid, strength, mirrors)
     quads, colours = fabric.points[fabric.cells.reshape(-1, 5)[:, 1:]], fabric["colour"] / 255
-    if open_quarter:
-        (x, y), middle = tip(body)[:2], quads.mean(axis=1)
-        shown = (middle[:, 0] < x) | (middle[:, 1] > y)
-        quads, colours = quads[shown], colours[shown]
     steel = np.stack([body[:-1, :-1], body[1:, :-1], body[1:, 1:], body[:-1, 1:]], axis=2).reshape(-1, 4, 3)
     colours = np.vstack([colours, np.tile(to_rgb(STEEL), (len(steel), 1))])
     side, axes_of_view = -1 if front else 1, _axes(front)
@@ -83,7 +76,7 @@ def _axes(front):
     return np.array([right, np.cross(viewer, right), viewer])
 
 
-def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool], top_share: float = 1.0) -> Any:
+def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:
     """The grid of the whole panel with its "colour" (m, 3) uint8: tension, broken yarns in vermilion.
 
     Elements without a yarn are left out.
@@ -93,13 +86,12 @@ def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool], top_share
     grid : of `results.vtk.panel`, or read from its file
     strength : [N] of warp and weft, (2,) or (m, 2)
     mirrors : whether the panel is to be mirrored in the planes x = 0 and y = 0
-    top_share : [-] tension over strength at which the colours end
     """
     from matplotlib.colors import to_rgb
 
     failed = np.asarray(grid["failed_yarns"])
     share = (np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]) / strength).max(axis=1)
-    paint = np.where((failed == 1)[:, None], to_rgb(RED), tension_map()(np.clip(share / top_share, 0, 1))[:, :3])
+    paint = np.where((failed == 1)[:, None], to_rgb(RED), tension_map()(np.clip(share, 0, 1))[:, :3])
     whole = grid.copy(deep=True)
     whole.clear_data()
     whole["colour"] = np.round(255 * paint).astype(np.uint8)
@@ -118,10 +110,3 @@ def width(nodes: FloatArray, mirrored: bool) -> float:
 def tip(body: FloatArray) -> FloatArray:
     """(3,) [m] middle of the foremost 0.1 mm of a projectile's surface (a, b, 3)."""
     return body[body[..., 2] > body[..., 2].max() - 1e-4].mean(axis=0)
-
-
-def cropped(image: np.ndarray) -> np.ndarray:
-    """What is drawn of an image on white."""
-    drawn = np.any(image < 250, axis=2)
-    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
-    return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1] if rows.size else image

@@ -131,10 +131,10 @@ def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, 
     for name in ("energies", "plies"):
         changes[name] = {key: scale * values for key, values in getattr(record, name).items()}
     shots = [replace(record, title=f"{168 + k} m/s, published law", **changes) for k in range(4)]
-    chapters_shot.chapter(shots)
+    chapters_shot.chapter(shots, ())
     fabric = catalogue.load("S-720")
     chapters.cell(fabric, {"fitted law": fabric.laws, "published law": fabric.laws})
-    assert names == ["histories", "cuts", "panels", "energies", "reactions", "cell"]
+    assert names == ["histories", "energies", "reactions", "cuts", "cell"]
 
 
 def test_another_file_is_refused_and_a_failing_record_leaves_nothing(record, tmp_path):

@@ -21,7 +21,7 @@ def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
     caption = "The same cut open along x through the impact point; left with heights stretched, right to scale."
     film = Figure(view.cut_in_motion(shot), "gif", caption, "cut")
     motion = moving.section(shot, moving.of_shapes(shot, shot.instants), [film])
-    found = [motion, chapters_shot.chapter([shot]), chapters_shot.mesh(shot, used)]
+    found = [motion, chapters_shot.chapter([shot], [view.still(shot)]), chapters_shot.mesh(shot, used)]
     if shot.pair is not None:
         found.append(chapters_discretisation.section(shot.pair))
     if shot.range is not None:

@@ -23,7 +23,7 @@ from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 from meshing.pictures_style import INK, STEEL, WARP, WEFT, plots, tension_map
-from weavecell.report import page, pictures3d
+from weavecell.report import page, pictures, pictures3d
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
@@ -87,13 +87,7 @@ class Panel:
         return chapters_shot.instant(self.record, t)
 
 
-def show(
-    path: Path,
-    screenshot: Path | None = None,
-    movie: Path | None = None,
-    html: Path | None = None,
-    cut: bool = False,
-) -> None:
+def show(path: Path, screenshot: Path | None, movie: Path | None, html: Path | None, cut: bool = False) -> None:
     """Open a window on `path`, or write a PNG to `screenshot`, a GIF or MP4 to `movie`, a page to `html`.
 
     Parameters
@@ -181,6 +175,12 @@ def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:
 def end(pyplot: Any, record: ImpactRecord) -> Any:
     """The figure of the last instant of a record, without the files of a run."""
     return compose(pyplot, Panel(record, []), vtk.panel(record.final, record.quads), record.final[-1].time)
+
+
+def still(record: ImpactRecord) -> page.Figure:
+    """The last instant of a record for a report."""
+    caption = "The panel at the end of the run, to scale, from the side where the projectile is."
+    return page.Figure(pictures.render(end, record, kind="png"), "png", caption, "panel")
 
 
 def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
@@ -281,13 +281,13 @@ def gif(images: Iterable[np.ndarray]) -> bytes:
     """A GIF of pictures (rows, columns, 3), which repeats and stays at the last."""
     from PIL import Image
 
-    pictures = [Image.fromarray(image) for image in images]
-    middle = pictures[len(pictures) // 2].quantize(COLOURS)  # one palette for all: colours do not flicker
+    found = [Image.fromarray(image) for image in images]
+    middle = found[len(found) // 2].quantize(COLOURS)  # one palette for all: colours do not flicker
     palette = np.array(middle.getpalette()).reshape(-1, 3)
     palette[palette.min(axis=1) > 245] = 255  # white stays white
     common = Image.new("P", (1, 1))
     common.putpalette(palette.ravel().tolist())
-    first, *others = [picture.quantize(palette=common, dither=Image.Dither.NONE) for picture in pictures]
+    first, *others = [picture.quantize(palette=common, dither=Image.Dither.NONE) for picture in found]
     times = [*[round(1e3 * FRAME_TIME)] * len(others), round(1e3 * LAST_FRAME_TIME)]
     content = BytesIO()
     first.save(content, format="GIF", save_all=True, append_images=others, duration=times, loop=0, optimize=True)
