@@ -380,9 +380,14 @@ def _asked():
 
 
 def view(
-    file: FilePath, *, screenshot: FilePath | None = None, movie: FilePath | None = None, cut: bool = False
+    file: FilePath,
+    *,
+    html: FilePath | None = None,
+    screenshot: FilePath | None = None,
+    movie: FilePath | None = None,
+    cut: bool = False,
 ) -> None:
-    """Look at a mesh or a result in a window, or write a picture or a movie of it.
+    """Look at a mesh or a result in a window, or write a picture, a movie or an interactive page of it.
 
     A picture or movie of a panel or pack shows all of it, its projectile, a scale of the tensions and the outcome; with
     cut its section along the warp through the impact point.
@@ -390,6 +395,7 @@ def view(
     Parameters
     ----------
     file : a folder of results, or a .vtu, .pvd or .msh file
+    html : write a page, FILE.html, in which a browser shows the panel or pack from all sides at all snapshots
     screenshot : write a picture, FILE.png, instead of opening a window
     movie : write the snapshots of a panel or pack as a movie, FILE.gif or FILE.mp4 (which needs imageio)
     cut : the section through the impact point in place of the whole panel or pack
@@ -404,8 +410,8 @@ def view(
     """
     from weavecell.report.shot.view import show
 
-    picture, film = (None if path is None else Path(path) for path in (screenshot, movie))
-    show(Path(file), picture, film, cut)
-    for path in (film, picture):
+    picture, film, page = (None if path is None else Path(path) for path in (screenshot, movie, html))
+    show(Path(file), picture, film, page, cut)
+    for path in (film, page, picture):
         if path is not None:
             logging.getLogger("weavecell").info(f"written to {path}")

@@ -23,7 +23,6 @@ from meshing.pictures_style import (
     STEEL,
     WARP,
     WEFT,
-    tension_map,
 )
 from weavecell.report.pictures_figure import plots
 from weavecell.results.display import US
@@ -91,39 +90,6 @@ def place(
     figure.subplots_adjust(
         left / width, bottom / height, 1 - right / width, 1 - top / height, across / wide, down / high
     )
-
-
-def panels(pyplot: Any, images: Any, top: float, scale_bar: float) -> Any:
-    """Deformed panels, each with a close-up of its impact point, under one scale of tension.
-
-    Parameters
-    ----------
-    images : {title: ((when, whole), (when, close-up))}, images (rows, columns, 3) of `pictures3d.panel`
-    top : [-] tension over strength at which the scale ends
-    scale_bar : [pixels] length of 5 mm across the close-up
-    """
-    count = len(images)
-    height = 0.9 + 3.0 * count
-    figure, grid = pyplot.subplots(
-        count, 2, figsize=(10.4, height), squeeze=False, width_ratios=(1.45, 1), layout="none"
-    )
-    place(figure, 0.1, 0.1, 0.75, 0.35, across=0.2, down=0.35)
-    for row, (title, pair) in zip(grid, images.items()):
-        for axes, (when, image) in zip(row, pair):
-            axes.imshow(image, interpolation="antialiased")
-            axes.axis("off")
-            axes.set_title(when, loc="right", y=1.0, fontweight="normal", color=FAINT)
-        row[0].set_title(title if count > 1 else "back face", y=1.0)
-        row[1].set_title("impact point, cut open", y=1.0)
-        rows, columns = pair[1][1].shape[:2]
-        ends = np.array([0.03 * columns, 0.03 * columns + scale_bar])
-        row[1].plot(ends, [0.95 * rows] * 2, color=INK, lw=2.5, solid_capstyle="butt")
-        row[1].text(ends.mean(), 0.92 * rows, "5 mm", ha="center", va="bottom", fontsize=10)
-    scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100 * top), tension_map())
-    place_of_bar = figure.add_axes((0.25, 0.52 / height, 0.5, 0.13 / height))
-    words = "yarn tension, % of the strength, the higher of warp and weft (orange: one yarn has failed)"
-    figure.colorbar(scale, cax=place_of_bar, location="bottom", label=words).outline.set_visible(False)
-    return figure
 
 
 def fit(pyplot: Any, samples: Any, laws: Any, platen: Any = None) -> Any:
