@@ -39,7 +39,7 @@ REFUSED = [
     (lambda: catalogue.load("none.toml"), "none.toml: cannot be read"),
     (lambda: height_from_length(1e-3, 1.9e-3), ".*at least the cell length"),
     (lambda: touching_angle(1.27e-3, 1.27e-3), ".*below the spacing"),
-    (lambda: variants.with_yarns(S720, crimp=1.5), "crimp"),
+    (lambda: S720.with_yarns(crimp=1.5), "crimp"),
     (lambda: GLASS.with_effective_density(), "fabric glass-balanced has no effective"),
     (
         lambda: assumed.with_strain_rate(GLASS),

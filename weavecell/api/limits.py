@@ -5,6 +5,7 @@ The folder of `weavecell critical-velocity`
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots, provenance
     shots.csv                one row a shot, by strike velocity
     residual-velocity.svg    residual against strike velocity
+    assumed-range.svg        what each assumed range changes, where such were run
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from weavecell.api import keywords, quantities, targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.study_result import StudyResult
 from weavecell.report import checks
+from weavecell.report.pictures_uncertainty import tornado
 from weavecell.results import progress
 from weavecell.scenes import honoured
 
@@ -80,8 +82,8 @@ def critical_velocity(
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
     run.outputs. [history] and [accuracy] are rejected.
 
-    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an unstable
-    shot only the scene and the shots before it.
+    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg, scene.toml and, of a range,
+    assumed-range.svg; after an unstable shot only the scene and the shots before it.
 
     Parameters
     ----------
@@ -92,8 +94,8 @@ def critical_velocity(
     scan_above : range above the highest stop that is scanned for further stops
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
-    assumed_range : repeat the search with both ends of the range of each assumed law, crimp and failure length, not of
-        a lay-up; without this option a command leaves out the failure length; in Python "laws" does
+    assumed_range : repeat the search with the ends of all that is assumed of fabric and set-up, not of a lay-up;
+        without this option a command does so where a law or the crimp is assumed; in Python "laws" does
     jobs : shots that run at the same time, as threads of this process
     executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
         Dask scheduler at DASK_SCHEDULER_ADDRESS
@@ -130,7 +132,7 @@ def critical_velocity(
     @contextmanager
     def stage(title):
         with progress.bar(title) as advance:
-            yield lambda share, shot: advance(share, shot and checks.of_shot(shot))
+            yield lambda share, shot: advance(share, checks.of_shot(shot) if shot else "")
 
     with targets.folder_of(out) as folder:
         try:
@@ -246,7 +248,6 @@ class CriticalVelocityResult(StudyResult):
             "mixed_zone_m_s": limit.mixed_zone,
             "scan": self.scan and asdict(self.scan),
             "lambert_jonas": self.fit and asdict(self.fit),
-            "limit_sensitivity": self.limit_sensitivity,
             "shots": len(limit.shots),
             "bracket_checks": self.bracket_checks,
             "wall_time_s": self.wall_time,
@@ -268,8 +269,11 @@ class CriticalVelocityResult(StudyResult):
             shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
         content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
         content |= checks.summary(self.checks)
-        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
-        return {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
+        found = {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
+        if self.range is None:
+            return found
+        content["assumed_range"] = self.range.summary()
+        return found | {"assumed-range.svg": lambda pyplot: tornado(pyplot, self.range, self.title)}
 
     def lines(self) -> list[str]:
         """What is printed."""
@@ -290,7 +294,7 @@ class CriticalVelocityResult(StudyResult):
             lines.append(f"Lambert-Jonas: {self.fit.words()}, rms {self.fit.residual_rms:.1f} m/s")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
-        return lines + [self.limit_sensitivity] * bool(self.limit_sensitivity)
+        return lines
 
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:

@@ -28,14 +28,6 @@ class StudyResult(Result):
         return self.target.title
 
     @property
-    def limit_sensitivity(self) -> str:
-        """How a limit changes over the range of an assumed failure length, in a sentence; "" where that is given."""
-        from weavecell.studies import assumed_range
-
-        targets = getattr(self, "targets", (self.target,))
-        return assumed_range.limit_sensitivity(fabric for one in targets for fabric in one.setup.fabrics)
-
-    @property
     def notes(self) -> list[str]:
         """What the set-up notes of itself."""
         return [f"Note: {note}." for note in self.target.setup.notes]
@@ -54,7 +46,7 @@ class StudyResult(Result):
 
     def files(self) -> dict[str, Any]:
         """{file: what it holds}: a dict for JSON, to which the provenance is added, a text for CSV; nothing for the
-        picture (.svg or .png) and the page (.html)."""
+        picture (.svg or .png) and the page (.html), as of `draw` for another picture."""
         raise NotImplementedError
 
     def plot(self) -> Figure:
@@ -81,7 +73,8 @@ class StudyResult(Result):
                 sections = result, chapters.making(stamp, {"study": self.wall_time})
                 page.write(page.Report(self.title, "", (), sections, footer), out / name)
             else:
-                files.write(out / name, content or pictures.render(self.draw, kind=kind))
+                drawn = pictures.render(content or self.draw, kind=kind) if kind in ("svg", "png") else content
+                files.write(out / name, drawn)
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
