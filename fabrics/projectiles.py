@@ -49,10 +49,11 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
     """
     if name.endswith(".toml"):
         path = Path(file or "").parent / name
-        own = read_toml(path, what="projectile")[1]
+        own: dict[str, Any] = {"shape": "flat"} | read_toml(path, what="projectile")[1]
         sole = {"source": path.name, "status": "user"}
-        data = {one: sole | (value if isinstance(value, dict) else {"value": value}) for one, value in own.items()}
-        return str(data.pop("shape", {"value": "flat"})["value"]), data
+        return own.pop("shape"), {
+            one: sole | (value if isinstance(value, dict) else {"value": value}) for one, value in own.items()
+        }
     known = list_names()
     if name not in known:
         raise unknown_name("projectile", name, known, file=file, key=key)
