@@ -78,4 +78,4 @@ def table(
     taken = [one for one in data if one != "mass_tolerance"]
     if chosen != shape:
         taken = [one for one in taken if one in _OF_SHAPE.get(chosen, _OF_ANY_NOSE)]
-    return {"name": name, "shape": shape} | {one: data[one]["value"] for one in taken} | dict(given)
+    return {"name": name, "shape": shape} | {one: data[one].get("value") for one in taken} | dict(given)
