@@ -5,6 +5,7 @@ The folder of `weavecell critical-velocity`
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots, provenance
     shots.csv                one row a shot, by strike velocity
     residual-velocity.svg    residual against strike velocity
+    report.html              all of it on one page
 """
 
 from __future__ import annotations
@@ -80,8 +81,8 @@ def critical_velocity(
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
     run.outputs. [history] and [accuracy] are rejected.
 
-    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an unstable
-    shot only the scene and the shots before it.
+    The folder then holds report.html, critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an
+    unstable shot only the scene and the shots before it.
 
     Parameters
     ----------
@@ -221,6 +222,11 @@ class CriticalVelocityResult(StudyResult):
     def bracket_checks(self) -> str:
         """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot, and why."""
         return checks.of_bracket(self.limit)
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        single, zone = f"{self.limit.velocity:.1f} m/s", self.limit.mixed_zone
+        return "Critical velocity", single if zone is None else f"mixed outcomes, {zone[0]:.1f} to {zone[1]:.1f} m/s"
 
     def _what(self):
         name = f"{self.target.title}, critical velocity"
