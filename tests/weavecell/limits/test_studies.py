@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 
 import pytest
@@ -87,7 +88,11 @@ def test_a_v50_study_says_what_it_found(results):
     assert "projectile: a cylinder of 3 g and 5.5 mm" in run.out
     for text in (run.out, (run.folder / "report.html").read_text()):
         assert "The failure length of 0.75 mm is assumed: " in text
-    assert "A series of tests up and down" in (run.folder / "report.html").read_text()
+    page = (run.folder / "report.html").read_text()
+    assert "A series of tests up and down" in page
+    assert re.findall(r'<section id="([^"]*)"', page) == ["result", "assumptions", "sources", "making"]
+    assert re.search(r'<p class="outcome [^>]*>V50 \d+\.\d m/s \(', page)
+    assert "One ply of S-720, 30.6 mm square and clamped, struck by a cylinder of 3 g and 5.5 mm." in page
 
 
 def test_sensitivities_of_an_input_file_are_those_of_its_pack(results):
