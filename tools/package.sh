@@ -45,6 +45,7 @@ image() {
         mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Component: main' | head -1)
         debootstrap --variant=minbase "$suite" "$root" "$mirror" >"$root.log" || { tail "$root.log"; return 1; }
         rm "$root.log"
+        echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/fast" # as in Debian's container images
         mount -t proc proc "$root/proc"
         cp /etc/resolv.conf /etc/hosts "$root/etc"
         cp /etc/ssl/certs/ca-certificates.crt "$root/tmp/certificates"

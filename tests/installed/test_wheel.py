@@ -115,8 +115,8 @@ def test_every_command_is_run_here():
 @pytest.mark.slow(300)
 @pytest.mark.parametrize("group", GROUPS)
 def test_commands_run_from_the_wheel(installed, tmp_path, group):
-    if group == "meshes":
-        pytest.importorskip("gmsh")
+    if group == "meshes" and installed.run("python", "-c", "import gmsh, meshio", at=tmp_path).returncode:
+        pytest.skip("the environment has no gmsh")
     for name, text in SCENES.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "commands.txt").write_text("\n".join(GROUPS[group]))

@@ -224,7 +224,7 @@ class SweepTable(StudyResult):
             words = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
             if row["outcome"] == MIXED:
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
-            doubt = ", doubtful" if row.get("checks") == "doubtful" else ""
+            doubt = f", {row['checks']}" if row.get("checks", "").startswith("doubtful") else ""
             lines.append(f"{', '.join(f'{key} = {row[key]}' for key in self.keys)}: {words}{doubt}")
         return lines + [self.limit_sensitivity] * (self.quantity != "shot" and bool(self.limit_sensitivity))
 
