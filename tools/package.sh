@@ -33,7 +33,7 @@ inside() {
 
 image() {
   local suite=${1:-} at=/ word rest line mirror entry
-  root=$(mktemp -d)
+  root=$(mktemp -d) && chmod 755 "$root"
   trap 'umount --quiet "$root"/proc; rm -rf --one-file-system "$root"' EXIT
   while read -r word rest; do
     echo "package: $word $rest"
