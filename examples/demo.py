@@ -16,7 +16,7 @@ from pathlib import Path
 
 import weavecell as wc
 from weavecell.report import chapters, page
-from weavecell.report.shot import chapters_shot
+from weavecell.report.shot import chapters_shot, view
 from weavecell.results import provenance
 
 TARGETS = {"92.5 m/s": ("stopped", "thesis Figure 5-4"), "155 m/s": ("perforated", "thesis Figure 5-5")}
@@ -49,7 +49,7 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
     times = {"calibration": solved.calibration.seconds["all"], "all of it": time.perf_counter() - began}
     fit, cell = solved.sections()
     sections = (
-        chapters_shot.chapter(records),
+        chapters_shot.chapter(records, list(map(view.still, records))),
         chapters.comparison(rows),
         chapters.mesh(solved.mesh.summary(), (out / "calibration" / "crossover.png").read_bytes()),
         fit,

@@ -15,6 +15,7 @@ from dataclasses import replace
 from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, crimps, entries
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.fabric_tables import FIBRES
 from fabrics.families import Family, list_families
 
 TABLES = {
@@ -133,16 +134,22 @@ def given(fabric: Fabric, table: str) -> Fabric:
 
 
 def family_of(fabric: Fabric) -> Family | None:
-    """The family that both yarns belong to, by modulus and fibre density; None where there is none."""
-    return next((family for family in list_families() if all(map(family.holds, fabric.weave.yarns))), None)
+    """The family that the file names, with wider ranges where the yarns do not belong to it; else the one that both
+    yarns belong to, by modulus and fibre density; None where there is none."""
+    yarns = fabric.weave.yarns
+    if fabric.family is None:
+        return next((family for family in list_families() if all(map(family.holds, yarns))), None)
+    named = next(family for family in list_families() if family.name == fabric.family)
+    return named if all(map(named.holds, yarns)) else named.for_other_yarns()
 
 
 def lines(fabric: Fabric) -> list[str]:
     """One line for each table that was assumed, for crimp computed from the thickness, and for the failure length."""
     family = family_of(fabric)
     name = family.name if family is not None else "unknown"
+    wider = ", with wider ranges for another fibre" if family is not None and family.of_others else ""
     more = {"shear": ", its angles from width and spacing of the yarns"}
-    words = {table: f"[{table}] of {name} yarns{more.get(table, '')}" for table in TABLES}
+    words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
     words["failure_length"] = f"failure length {entries()['failure_length'].written}"
     return [
         _crimp_line(fabric) if key == "crimp" else f"assumed: {words[key]}, because {fabric.name} gives none"
@@ -170,12 +177,19 @@ def _family(fabric, table):
     family = family_of(fabric)
     if family is not None:
         return family
-    known = "; ".join(
+    raise _missing(fabric, table, of_no_family())
+
+
+def of_no_family() -> str:
+    """What to do about yarns of no family, in words."""
+    known = ", ".join(
         f"{each.name} ({_range(each.limits['modulus'], 1e-9)} GPa, {_range(each.limits['fibre_density'], 1)} kg/m^3)"
         for each in list_families()
     )
-    raise _missing(
-        fabric, table, f"it is assumed only where modulus and fibre_density of both yarns are in the range of {known}"
+    names = " or ".join(f'"{name}"' for name in FIBRES)
+    return (
+        f"the yarns are none of {known}; or give family = {names} above [warp], whose values are then assumed with "
+        "wider ranges"
     )
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SECTIONS = ("sine", "ellipse", "conforming")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fabric:
     """One fabric of the catalogue, or of a user's file.
 
@@ -47,6 +47,7 @@ class Fabric:
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     strain_rate : RateLaw of its yarns, or None
     failure_length : [m] half width, across the fibres, of the mean tension that is held against the strength
+    family : name of the fibre family whose values are assumed; None takes that which modulus and fibre density decide
     """
 
     name: str
@@ -68,6 +69,7 @@ class Fabric:
     ply_contact: PlyLaw | None = None
     strain_rate: RateLaw | None = None
     failure_length: float = 0.75e-3
+    family: str | None = None
 
     def __post_init__(self):
         positive(self, "failure_length")
@@ -78,6 +80,16 @@ class Fabric:
         for family, width in zip(("warp", "weft"), self.yarn_width):
             if width is not None and not width > 0:
                 raise InputError(key=f"{family}.width", value=width, allowed="a positive number")
+
+    def __repr__(self) -> str:
+        weave, (warp, weft) = self.weave, self.weave.yarns
+        known = "with compression law" if self.laws else "no compression law"
+        known += f", assumed: {', '.join(self.assumed)}" if self.assumed else ""
+        return (
+            f"Fabric({self.name}: {1e3 * weave.areal_density:.0f} g/m², {weave.warp_count / 100:.3g} x "
+            f"{weave.weft_count / 100:.3g} yarns per cm of {warp.strength:.0f}/{weft.strength:.0f} N, crimp "
+            f"{100 * warp.crimp:.3g}/{100 * weft.crimp:.3g} %, {known})"
+        )
 
     def with_yarns(self, **values: float | Iterable[float]) -> Fabric:
         """This fabric with other values of its yarns; further changes are in `fabrics.variants`.

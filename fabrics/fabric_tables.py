@@ -13,11 +13,12 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from fabrics.errors import InputError, nearest, together
-from fabrics.schema import Table, described, string
+from fabrics.schema import Table, described, one_of, string
 from fabrics.units import example, in_one_of, si
 
 STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")  # of the data of a fabric
 FAMILIES = ("warp", "weft")
+FIBRES = ("para-aramid", "UHMWPE", "E-glass")  # names of `fabrics.families`
 
 
 @dataclass(frozen=True)
@@ -278,6 +279,10 @@ class FabricFile(DataTable):
     ) = None
     failure_length: _data(
         "half width, across the fibres, of the mean of the tension that fails a yarn", "0.75 mm", {"m": "0.01 to 10 mm"}
+    ) = None
+    family: one_of(
+        "fibre family whose laws are assumed; with wider ranges where modulus and fibre density are of another fibre",
+        *FIBRES,
     ) = None
     warp: _yarn("warp")
     weft: _yarn("weft")

@@ -120,7 +120,7 @@ class PlyLaw:
         InputError : other than para-aramid yarns, no measured areal density, or one too low for the law
         """
         family = family_of(fabric)
-        if family is None or family.name != "para-aramid":
+        if family is None or family.of_others or family.name != "para-aramid":
             raise InputError(key="ply_contact", value="pressure_law", allowed="of para-aramid yarns, which were tested")
         if fabric.areal_density_measured is None:
             raise InputError(f"fabric {fabric.name} has no areal_density_measured, which the pressure law needs")

@@ -124,6 +124,7 @@ def _fabric(file, sources, path):
         yarn_area=(_area("warp", file.warp, warp), _area("weft", file.weft, weft)),
         thickness=thickness,
         strain_rate=rate_law,
+        family=file.family,
         notes=tuple(notes),
     )
     if file.ply_contact is None:

@@ -5,6 +5,9 @@ fibres. A family's file gives these, with the status "assumed", a source, and th
 value is taken to lie; where numbers are known also strength and modulus at strain rates (`families.strain_rate`).
 Angles and moduli of the trellis follow from the weave (`families.trellis`).
 
+A fabric file may name the family of yarns that are of none (PBO, LCP, nylon): the values are then those of the family,
+the ranges wider, to the power `other_yarns` of its file (`Family.for_other_yarns`).
+
 Every range has a soft and a stiff end. `Family.shear` and `Family.solid_laws` give the nominal law, or the law of one
 of these ends.
 """
@@ -12,8 +15,9 @@ of these ends.
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +48,7 @@ class Entry:
     value, low, high : [SI] and the range in which it is taken to lie
     written : value and range as in the file
     source, status : where it comes from
+    most : [SI] above which no range goes
     """
 
     value: float
@@ -52,12 +57,23 @@ class Entry:
     written: str
     source: str
     status: str
+    most: float = inf
 
     def at(self, end: str, soft_at_high: bool) -> float:
         """The value [SI] at an end, "soft", "nominal" or "stiff"."""
         if end == "nominal":
             return self.value
         return self.high if (end == "soft") == soft_at_high else self.low
+
+    def widened(self, power: float) -> Entry:
+        """This entry with low / value and high / value to a power; as it is where it has no range."""
+        if self.low == self.high:
+            return self
+        low, high = (min(self.value * (end / self.value) ** power, self.most) for end in (self.low, self.high))
+        value = self.written.partition(" (")[0]
+        number, _, unit = value.partition(" ")
+        ends = " .. ".join(f"{float(number) * end / self.value:.3g} {unit}".rstrip() for end in (low, high))
+        return replace(self, low=low, high=high, written=f"{value} ({ends})")
 
 
 @dataclass(frozen=True)
@@ -70,12 +86,21 @@ class Family:
     limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that belong to it
     entries : {dotted key: Entry} of [shear] and [solid]
     strain_rate : RateLaw, or None where no numbers are known
+    power : [-] of the ranges for yarns that do not belong to it, see `Entry.widened`
+    of_others : whether it stands for such yarns, with these ranges
     """
 
     name: str
     limits: dict[str, tuple[float, float]]
     entries: dict[str, Entry]
     strain_rate: RateLaw | None = None
+    power: float = 1.0
+    of_others: bool = False
+
+    def for_other_yarns(self) -> Family:
+        """This family with the wider ranges of yarns that do not belong to it."""
+        entries = {key: entry.widened(self.power) for key, entry in self.entries.items()}
+        return replace(self, entries=entries, of_others=True)
 
     def holds(self, yarn: Yarn) -> bool:
         """Whether a yarn belongs to the family, by modulus and fibre density."""
@@ -111,8 +136,9 @@ class Family:
 
     def sources(self, table: str) -> dict[str, dict[str, str]]:
         """{dotted key: {"value", "source", "status"}} of "shear" or "solid", as `Fabric.sources` has them."""
+        of = f"{self.name}, its range to the power {self.power:g} for another fibre" if self.of_others else self.name
         return {
-            key: {"value": entry.written, "source": f"{entry.source} ({self.name})", "status": entry.status}
+            key: {"value": entry.written, "source": f"{entry.source} ({of})", "status": entry.status}
             for key, entry in self.entries.items()
             if key == table or key.startswith(f"{table}.")
         }
@@ -136,7 +162,8 @@ def _read(path: FilePath) -> Family:
     entries |= {f"solid.{key}": entry(content["solid"][key], unit) for key, unit in _SOLID.items()}
     entries |= {f"solid.Vf0.{family}": entry(Vf0[family], "") for family in ("warp", "weft")}
     rates = content.get("strain_rate")
-    return Family(content["name"], limits, entries, rates and RateLaw.from_table(rates, path))
+    law, power = rates and RateLaw.from_table(rates, path), content["other_yarns"]["power"]["value"]
+    return Family(content["name"], limits, entries, law, power)
 
 
 def entry(table: dict[str, Any], unit: str) -> Entry:
@@ -145,4 +172,4 @@ def entry(table: dict[str, Any], unit: str) -> Entry:
     if "low" in table:
         written += f" ({table['low']} .. {table['high']})"
     value, low, high = (si(table.get(key, table["value"]), unit) for key in ("value", "low", "high"))
-    return Entry(value, low, high, written, table["source"], table["status"])
+    return Entry(value, low, high, written, table["source"], table["status"], table.get("most", inf))

@@ -34,7 +34,7 @@ from weavecell.api import targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
-from weavecell.results import progress, run_folder
+from weavecell.results import keys, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.scenes import honoured
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.simulation import ImpactResult, ImpactSetup
+    from weavecell.report.page import Embedded
     from weavecell.scenes.build import Case
     from weavecell.scenes.target import Target
     from weavecell.studies.assumed_range import AssumedRange
@@ -245,6 +246,7 @@ class ShotResult(ImpactRecord, Result):
     target: Target | None = None
     pair: Discretisation | None = None
     key: str = ""
+    _tables = "run", "impact", *keys.OF_SOME.values(), "failure", "stacking"
 
     @property
     def window(self) -> Window | None:
@@ -297,13 +299,26 @@ class ShotResult(ImpactRecord, Result):
         return figure(pictures.velocity, {label: (self.time, self.velocity)})
 
     def plot_panel(self) -> Figure:
-        """A matplotlib figure: the whole panel or pack and the projectile at the end, seen from behind.
+        """A matplotlib figure: the whole panel or pack and the projectile at the end, from the side where this is.
 
         Colours are the higher of warp and weft tension over the strength [%].
         """
         from weavecell.report.shot import view
 
         return figure(view.end, self)
+
+    def view(self) -> Embedded:
+        """The whole panel or pack and the projectile in motion, as a notebook shows it: instant, colours and the side
+        that is seen are chosen there."""
+        from weavecell.report.page import Embedded
+        from weavecell.report.shot import moving
+
+        return Embedded(moving.page(self, moving.of_shapes(self, self.instants)))
+
+    @property
+    def instants(self) -> list[tuple[Shape, ...]]:
+        """The shapes of the plies at each snapshot and at the end."""
+        return [*(plies for plies in self.shapes if plies[0].time < self.final[0].time), self.final]
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``, all plies in each.
@@ -318,10 +333,8 @@ class ShotResult(ImpactRecord, Result):
         """
         from weavecell.results import vtk
 
-        folder, final = Path(folder), self.final
-        before = [plies for plies in self.shapes if plies[0].time < final[0].time]
-        vtk.write_panel(folder, [*before, final], self.quads)
-        return folder / "panel.pvd"
+        vtk.write_panel(Path(folder), self.instants, self.quads)
+        return Path(folder) / "panel.pvd"
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but the checkpoint.

@@ -52,6 +52,9 @@ class StudyResult(Result):
         """The table of the page, columns with their units; of a result without a page that of `to_dataframe`."""
         return self.to_dataframe()
 
+    def _shown(self):
+        return self._columns_shown()
+
     def files(self) -> dict[str, Any]:
         """{file: what it holds}: a dict for JSON, to which the provenance is added, a text for CSV; nothing for the
         picture (.svg or .png) and the page (.html)."""

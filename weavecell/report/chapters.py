@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,11 @@ from fabrics.units import FACTORS
 from weavecell.report import pictures
 from weavecell.report.derived import density_kind, derived
 from weavecell.report.page import Card, Figure, Report, Section, Table
+from weavecell.scenes import words
+
+if TYPE_CHECKING:
+    from shellfabric.impact.simulation import ImpactSetup
+    from weavecell.scenes.impact import Scene
 
 STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
 
@@ -23,7 +28,8 @@ def fabric_card(fabric: Fabric) -> Card:
     written = fabric.sources.get("warp.linear_density", {}).get("value", "")
     unit = next((unit for unit in ("denier", "dtex", "tex") if unit in written), "dtex")
     density = " / ".join(f"{yarn.linear_density / FACTORS['kg/m'][unit]:.0f}" for yarn in weave.yarns)
-    kind = "" if fabric.effective_linear_density is None else ", " + density_kind(fabric)
+    kinds = {"effective": ", as in the published runs", "nominal": ", of the data sheet"}
+    kind = "" if fabric.effective_linear_density is None else kinds[density_kind(fabric)]
     return Card(
         "Fabric",
         fabric.name,
@@ -37,16 +43,17 @@ def fabric_card(fabric: Fabric) -> Card:
 
 
 def law_card(law: CompressionLaw, published: CompressionLaw | None = None, source: str = "") -> Card:
-    """Which compression law, beside the published one."""
+    """Which compression law, beside the published one; its constants where it was fitted."""
+    title, headline = "Compression of the yarns", source.partition(" (")[0]
     if law.a == law.b == 0:  # of a cell whose yarns are not compressed
-        return Card("Compression law", source or "none", ("none: the yarns keep their thickness",))
-    shift = " + F0" if law.form == "regularised" else ""
-    lines = [f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)", f"d_c = a - b / (F{shift})^(1/3)"]
+        return Card(title, headline or "none", ("none: the yarns keep their thickness",))
+    lines = [f"at a crossover by {1e6 * float(law.d(F)):.1f} µm under {F} N" for F in (10, 100)]
     if published is not None:
+        lines.append(f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)")
         lines.append(f"published: {1e3 * published.a:.4f} mm, {1e3 * published.b:.4f} mm N^(1/3)")
     if law.residual_rms is not None:
         lines.append(f"residual of the fit {1e6 * law.residual_rms:.2f} µm rms")
-    return Card("Compression law", source or "given", tuple(lines))
+    return Card(title, headline or "given", tuple(lines))
 
 
 def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
@@ -98,7 +105,18 @@ def cell(
     lead = "Tension of one yarn against the strain of the cell: lines are the shell's cell"
     lead += ", circles the 3D crossover." if any(case["points"] for case in cases.values()) else "."
     caption = "Crimp exchange: each yarn bears on the other and carries load before it is straight."
-    return Section("cell", "Biaxial response of the cell", lead, (Figure(content, "svg", caption, "cell"),))
+    figure = Figure(content, "svg", caption, "cell")
+    rows = tuple(
+        (label, f"{1e3 * law.a:.4f}", f"{1e3 * law.b:.4f}", f"{1e3 * law.F0:.4g}" if law.form == "regularised" else "0")
+        for label, (law, _) in laws.items()
+        if law.a
+    )
+    columns = ("compression law", "a [mm]", "b [mm N^(1/3)]", "F0 [mN]")
+    caption = (
+        "Compression d_c of the two yarns of a crossover by the force F between them: d_c = a - b / (F + F0)^(1/3)"
+    )
+    table = (Table(columns, rows, caption, numeric=columns[1:]),) if rows else ()
+    return Section("cell", "Biaxial response of the cell", lead, (figure,), table)
 
 
 def options(table: Any) -> dict[str, Any]:
@@ -131,8 +149,8 @@ def sources(*fabrics: Fabric) -> Section:
     return Section(
         "sources",
         "Where each number comes from",
-        "Every input of the fabric as it stands in its data file. The thesis is the PhD thesis whose "
-        "model is implemented; E-nn are its errata.",
+        "Every input of the fabric as it stands in its data file. The thesis is the PhD thesis whose model is "
+        "implemented; tables and equations have its numbers, and E-nn are its errata (docs/reports/errata.md).",
         tables=tuple(tables),
     )
 
@@ -142,10 +160,24 @@ def making(stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[T
     rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
     times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
     stages = Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",))
-    tables = stages, *more, Table(("what", "version or value"), rows)
+    tables = *([stages] if times else []), *more, Table(("what", "version or value"), rows)
     scene = (("Scene", stamp["scene"]),) if stamp["scene"] else ()
     title = "How this was computed: times, settings, versions, input"
     return Section("making", title, tables=tables, details=scene, folded=True)
+
+
+def struck(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = False) -> str:
+    """What is shot at, how it is held, what is behind it, and the projectile, in a sentence."""
+    plies = f"One ply of {setup.name}"
+    if setup.plies > 1:
+        plies = f"{setup.plies} plies: {setup.name}" if setup.lay_up else f"{setup.plies} plies of {setup.name}"
+        plies += "" if setup.lay_up else f", {setup.stacking}"
+    if scene is None:
+        return f"{plies}."
+    behind = "" if scene.backing is None else f", before {words.backing_in_words(scene.backing)}"
+    at = f" at {scene.projectile.strike_velocity:g} m/s" if velocity else ""
+    panel, projectile = words.panel_in_words(scene.panel), words.shot_in_words(scene.projectile)
+    return f"{plies}, {panel}{behind}, struck{at} by {projectile}."
 
 
 def of_cell(

@@ -12,8 +12,8 @@ def derived(fabric: Fabric) -> list[tuple[str, str]]:
     pair = " / ".join
     rows = [
         ("cell, warp x weft direction", f"{2e3 * weave.w1:.4f} x {2e3 * weave.w2:.4f} mm"),
-        ("yarn heights h01, h02 (eq. 4-5)", pair(f"{1e3 * h:.4f}" for h in weave.h0) + " mm"),
-        ("thickness 2 (h01 + h02)", f"{1e3 * weave.thickness:.4f} mm"),
+        ("height of the centreline, warp / weft", pair(f"{1e3 * h:.4f}" for h in weave.h0) + " mm"),
+        ("thickness, twice the sum of these heights", f"{1e3 * weave.thickness:.4f} mm"),
         ("areal density", f"{1e3 * weave.areal_density:.1f} g/m²"),
         ("fibre area", pair(f"{1e6 * yarn.A_s:.4f}" for yarn in weave.yarns) + " mm²"),
         ("axial stiffness EA", pair(f"{yarn.EA:.0f}" for yarn in weave.yarns) + " N"),
@@ -41,7 +41,10 @@ def _densities(fabric):
     kind = density_kind(fabric)
     other = "nominal" if kind == "effective" else "effective"
     weave = fabric.with_yarns(linear_density=both[other]).weave
-    names = {"effective": "effective, of the published runs (erratum E-07)", "nominal": "nominal, of the data sheet"}
+    names = {
+        "effective": "effective, of the published runs (erratum E-07 of the thesis)",
+        "nominal": "nominal, of the data sheet",
+    }
     denier = {name: " / ".join(f"{9e6 * value:.0f}" for value in pair) for name, pair in both.items()}
     return (
         f"{denier[kind]} denier: {names[kind]}; with {denier[other]} denier ({names[other]}) a yarn has "

@@ -6,8 +6,9 @@ This file knows how a report is built and nothing of mechanics; `chapters.py` tu
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,7 +19,7 @@ from fabrics.checks import FilePath
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_MIME = {"svg": "image/svg+xml", "png": "image/png"}
+_MIME = {"svg": "image/svg+xml", "png": "image/png", "gif": "image/gif"}
 
 
 @dataclass(frozen=True)
@@ -36,10 +37,11 @@ class Figure:
     """A picture held in the page."""
 
     content: bytes
-    kind: str  # "svg" or "png"
+    kind: str  # "svg", "png" or "gif"
     caption: str
     name: str  # of its file, where it is written as one; also the text for readers who cannot see it
     wide: bool = True
+    tall: bool = False  # as two others that stand beside it
 
     @property
     def uri(self) -> str:
@@ -64,6 +66,16 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Moving:
+    """Arrays that templates/view3d.js draws: JSON, number of instants, {key: words} of its fields, colours."""
+
+    arrays: str
+    instants: int
+    fields: Mapping[str, str]
+    colours: Sequence[str]
+
+
+@dataclass(frozen=True)
 class Section:
     """A chapter of the page: a lead sentence, then figures and tables."""
 
@@ -75,6 +87,7 @@ class Section:
     details: tuple[tuple[str, str], ...] = ()  # (title, verbatim text), folded
     beside: bool = False  # the tables stand beside the figures
     folded: bool = False  # opened by a click
+    moving: Moving | None = None
 
 
 @dataclass(frozen=True)
@@ -105,6 +118,16 @@ def render(report: Report) -> str:
 def write(report: Report, path: FilePath) -> None:
     """Write the page, whole or not at all."""
     files.write(path, render(report))
+
+
+class Embedded:
+    """A page as a notebook shows it, in a frame of its own."""
+
+    def __init__(self, report: Report) -> None:
+        self.html = render(report)
+
+    def _repr_html_(self) -> str:
+        return f'<iframe srcdoc="{escape(self.html)}" style="width: 100%; height: 46rem; border: 0"></iframe>'
 
 
 def write_pictures(sections: Iterable[Section], folder: Path) -> None:

@@ -23,9 +23,8 @@ from meshing.pictures_style import (
     STEEL,
     WARP,
     WEFT,
-    plots,
-    tension_map,
 )
+from weavecell.report.pictures_figure import plots
 from weavecell.results.display import US
 
 UM = 1e6
@@ -65,10 +64,11 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
     The canvas is asked for it directly: `savefig` draws a figure that has a layout engine twice.
     """
     with plots() as pyplot:
+        from matplotlib import rcParams
         from matplotlib.backends.backend_svg import FigureCanvasSVG
 
         figure, content = draw(pyplot, *arguments), io.BytesIO()
-        figure.set_dpi(pyplot.rcParams["savefig.dpi"])
+        figure.set_dpi(rcParams["savefig.dpi"])
         if kind == "svg":
             FigureCanvasSVG(figure).print_svg(content, metadata={"Date": None})
         else:
@@ -90,39 +90,6 @@ def place(
     figure.subplots_adjust(
         left / width, bottom / height, 1 - right / width, 1 - top / height, across / wide, down / high
     )
-
-
-def panels(pyplot: Any, images: Any, top: float, scale_bar: float) -> Any:
-    """Deformed panels, each with a close-up of its impact point, under one scale of tension.
-
-    Parameters
-    ----------
-    images : {title: ((when, whole), (when, close-up))}, images (rows, columns, 3) of `pictures3d.panel`
-    top : [-] tension over strength at which the scale ends
-    scale_bar : [pixels] length of 5 mm across the close-up
-    """
-    count = len(images)
-    height = 0.9 + 3.0 * count
-    figure, grid = pyplot.subplots(
-        count, 2, figsize=(10.4, height), squeeze=False, width_ratios=(1.45, 1), layout="none"
-    )
-    place(figure, 0.1, 0.1, 0.75, 0.35, across=0.2, down=0.35)
-    for row, (title, pair) in zip(grid, images.items()):
-        for axes, (when, image) in zip(row, pair):
-            axes.imshow(image, interpolation="antialiased")
-            axes.axis("off")
-            axes.set_title(when, loc="right", y=1.0, fontweight="normal", color=FAINT)
-        row[0].set_title(title if count > 1 else "back face", y=1.0)
-        row[1].set_title("impact point, cut open", y=1.0)
-        rows, columns = pair[1][1].shape[:2]
-        ends = np.array([0.03 * columns, 0.03 * columns + scale_bar])
-        row[1].plot(ends, [0.95 * rows] * 2, color=INK, lw=2.5, solid_capstyle="butt")
-        row[1].text(ends.mean(), 0.92 * rows, "5 mm", ha="center", va="bottom", fontsize=10)
-    scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100 * top), tension_map())
-    place_of_bar = figure.add_axes((0.25, 0.52 / height, 0.5, 0.13 / height))
-    words = "yarn tension, % of the strength, the higher of warp and weft (orange: one yarn has failed)"
-    figure.colorbar(scale, cax=place_of_bar, location="bottom", label=words).outline.set_visible(False)
-    return figure
 
 
 def fit(pyplot: Any, samples: Any, laws: Any, platen: Any = None) -> Any:

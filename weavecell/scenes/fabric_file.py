@@ -54,12 +54,14 @@ class Draft:
     values : {key of ALL: Value}
     shear : {key: (value, source, status)} of [shear], or empty
     file : of the values, named in errors in place of the fabric file
+    family : of `fabrics.families` that the file names, or None
     """
 
     name: str
     values: dict[str, Value]
     shear: dict[str, tuple[str, str, str]] = field(default_factory=dict)
     file: FilePath | None = None
+    family: str | None = None
 
     def fabric(self) -> Fabric:
         """The Fabric of these values.
@@ -77,6 +79,7 @@ class Draft:
             "# family, with a range; [compression] comes from `weavecell calibrate`.",
             f"name = {_quoted(self.name)}",
         ]
+        lines += [] if self.family is None else [f"family = {_quoted(self.family)}"]
         lines += [
             f"{key} = {_entry(value.warp, value.source, value.status)}"
             for key, value in self.values.items()
@@ -222,12 +225,19 @@ def with_curves(
     return draft, fitted
 
 
-def left_open(fabric: Fabric) -> list[str]:
-    """A line about each number that disagrees with another, and each table that will be assumed or has to be given."""
+def left_open(fabric: Fabric, path: FilePath) -> list[str]:
+    """A line about each number that disagrees with another, each table that will be assumed, and at the end what is
+    missing in the file at `path`."""
+    law = f"missing: the compression law; `weavecell calibrate {path}` computes it"
     try:
-        return [*fabric.notes, *assumed.lines(assumed.with_solid_laws(assumed.with_shear(fabric)))]
+        whole = assumed.with_solid_laws(assumed.with_shear(fabric))
+        missing = [law]
     except InputError as problem:
-        return [*fabric.notes, *assumed.lines(fabric), str(problem)]
+        whole, missing = fabric, [f"missing: {problem}", f"{law} then"]
+        if assumed.family_of(fabric) is None:
+            tables = " and ".join(f"[{t}] ({assumed.TABLES[t]})" for t in ("shear", "solid")[bool(fabric.shear) :])
+            missing[0] = f"missing: {tables}: on no data sheet, and {assumed.of_no_family()} (--family of this command)"
+    return [*fabric.notes, *assumed.lines(whole), f"written to {path}", *missing]
 
 
 def _entry(value, source, status):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees
 
-from weavecell.scenes.impact import SHAPES, ProjectileTable
+from weavecell.scenes.impact import SHAPES, BackingTable, ProjectileTable
 from weavecell.scenes.panel import PanelTable
 
 
@@ -19,6 +19,12 @@ def shot_in_words(shot: ProjectileTable) -> str:
     if shot.friction:
         words += f", with friction {shot.friction:g}"
     return words
+
+
+def backing_in_words(block: BackingTable) -> str:
+    """The block behind the last ply, for the reader."""
+    size = "" if block.size is None else f", {' x '.join(f'{1e3 * side:g}' for side in block.size)} mm"
+    return f"a block{f' of {block.material}' if block.material else ''}{size}"
 
 
 def panel_in_words(panel: PanelTable) -> str:

@@ -170,13 +170,15 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
 
 def test_a_view_is_written_as_a_picture_or_a_movie(command, copied, tmp_path, monkeypatch):
     assert command("view", "results", "--screenshot", "panel.png")[:2] == (0, "written to panel.png\n")
-    assert command("view", "results", "--movie", "shot.gif")[:2] == (0, "written to shot.gif\n")
+    written = "written to shot.gif\nwritten to shot.html\n"
+    assert command("view", "results", "--movie", "shot.gif", "--html", "shot.html")[:2] == (0, written)
+    assert "20 \\u00b5s after the strike" in (tmp_path / "shot.html").read_text("utf-8")
     with Image.open(tmp_path / "panel.png") as picture, Image.open(tmp_path / "shot.gif") as movie:
         assert np.ptp(np.asarray(picture.convert("L"))) > 100
         assert movie.n_frames == len(vtk.read_series(copied / "panel.pvd"))
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    line = "error: there is no display for a window: give --screenshot FILE.png or --movie FILE.gif\n"
+    line = "error: there is no display for a window: give --html FILE.html, --screenshot FILE.png or --movie FILE.gif\n"
     assert command("view", "results") == (2, "", line)
     monkeypatch.setitem(sys.modules, "imageio.v2", None)
     assert "imageio" in command("view", "results", "--movie", "shot.mp4")[2]

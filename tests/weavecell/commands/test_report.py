@@ -1,6 +1,9 @@
 """The report of an impact: every chapter is there, nothing is fetched, no text lies on another, and what is said."""
 
+import base64
+import json
 import re
+import zlib
 from dataclasses import replace
 from itertools import combinations
 
@@ -10,12 +13,12 @@ import pytest
 import weavecell
 from fabrics import catalogue
 from fabrics.errors import InputError
-from meshing.pictures_style import plots
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures
-from weavecell.report.shot import chapters_shot, pictures_shot
-from weavecell.results import provenance
+from weavecell.report.pictures_figure import plots
+from weavecell.report.shot import chapters_shot, moving, pictures_shot, view
+from weavecell.results import provenance, vtk
 from weavecell.results.impact import ImpactRecord
 
 
@@ -32,11 +35,11 @@ def page(results):
 def test_all_chapters_are_there_and_nothing_is_fetched(page):
     ids, tags = re.findall(r'<[^>]* id="([^"]*)"', page), re.findall(r"<([a-z]+)", page)
     links = re.findall(r'<[^>]* (?:src|href|srcset|data|action|poster)="([^"]*)"', page)
-    assert ids == ["impact", "panel-mesh", "measures", "cell", "assumptions", "checks", "sources", "making"]
+    assert ids == ["motion", "impact", "panel-mesh", "measures", "cell", "assumptions", "checks", "sources", "making"]
     assert [link for link in links if link.startswith("#")] == [f"#{key}" for key in ids]
     assert all(link.startswith(("data:image/", "#")) for link in links)
-    assert tags.count("img") == 10
-    assert not {"script", "link"} & set(tags)
+    assert tags.count("img") == 11
+    assert "link" not in tags
     text = re.sub(r"data:image/[a-z+]+;base64,[A-Za-z0-9+/=]+", "", page)
     for word in ("http", "@import", "url("):
         assert word not in text
@@ -54,18 +57,39 @@ def test_text_is_escaped_and_every_source_reported(page):
 def test_the_outcome_is_one_line(record):
     said = chapters_shot.outcome
     through = replace(record, outcome="perforated", residual_velocity=50.0)
-    assert said(through).startswith("Perforated: COMPLETE PENETRATION, 155 m/s, residual velocity 50.0 m/s")
+    assert said(through).startswith("Perforated at 155 m/s: residual velocity 50.0 m/s")
     held = replace(
         record, outcome="stopped", residual_velocity=0.0, cut_yarns=np.zeros(len(record.time)),
         max_deflection=7.5e-3, peak_tension=np.array([[0.3, 0.98]]) * record.strength,
         checks=(Indicator("energy error", 0.1, 0.01),),
     )  # fmt: skip
     assert said(held) == (
-        "Stopped: PARTIAL PENETRATION, 155 m/s, back-face deflection 7.5 mm, peak tension 98 % of the strength (weft). "
+        "Stopped at 155 m/s: back-face deflection 7.5 mm, peak tension 98 % of the strength (weft). "
         "DOUBTFUL: energy error."
     )
     assert said(replace(record, outcome="unstable", failure_message="a node flies")).startswith("UNSTABLE at 155 m/s")
     assert chapters_shot.residual(held) == "residual velocity 0 m/s"
+
+
+def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
+    """What the script of the page reads: places to a 65,535th of the box, tensions to a 200th of the strength."""
+    instants = view.Panel(record, vtk.read_series(results("impact").folder / "panel.pvd")).instants()
+    made = moving.moving(record, instants)
+    head = json.loads(made.arrays)
+    data = zlib.decompress(base64.b64decode(head["data"]))
+    n, m, count = head["nodes"], head["elements"], head["instants"]
+    sizes = np.cumsum([12 * head["bodyVertices"], 16 * m, 6 * n * count, 2 * m * count, m * count, m])
+    _, quads, places, tension, failed, _ = np.split(np.frombuffer(data, np.uint8), sizes[:-1])
+    assert len(data) == sizes[-1]
+    assert count == len(instants) == made.instants
+    places = np.cumsum(places.view("<u2").reshape(count, n, 3), axis=0, dtype=np.uint16)
+    for k, (grid, _) in enumerate(instants):
+        at = np.array(head["origin"]) + places[k] * np.array(head["step"])
+        np.testing.assert_allclose(at, grid.points, atol=0.51 * max(head["step"]))
+        share = tension.reshape(count, m, 2)[k, :, 0] / head["perUnit"]
+        np.testing.assert_allclose(share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3)
+        assert np.array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
+    assert np.array_equal(quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:])
 
 
 def texts(figure):
@@ -107,10 +131,10 @@ def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, 
     for name in ("energies", "plies"):
         changes[name] = {key: scale * values for key, values in getattr(record, name).items()}
     shots = [replace(record, title=f"{168 + k} m/s, published law", **changes) for k in range(4)]
-    chapters_shot.chapter(shots)
+    chapters_shot.chapter(shots, ())
     fabric = catalogue.load("S-720")
     chapters.cell(fabric, {"fitted law": fabric.laws, "published law": fabric.laws})
-    assert names == ["histories", "cuts", "panels", "energies", "reactions", "cell"]
+    assert names == ["histories", "energies", "reactions", "cuts", "cell"]
 
 
 def test_another_file_is_refused_and_a_failing_record_leaves_nothing(record, tmp_path):

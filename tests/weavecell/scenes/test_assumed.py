@@ -101,6 +101,25 @@ def test_the_family_follows_from_modulus_and_density(modulus, density, family):
     fabric = catalogue.load(MINE).with_yarns(E=modulus, fibre_density=density)
     found = assumed.family_of(fabric)
     assert (found and found.name) == family
+    other = assumed.family_of(replace(fabric, family="para-aramid"))
+    assert (other.name, other.of_others) == ("para-aramid", family != "para-aramid")
+
+
+def test_a_family_that_the_file_names_has_wider_ranges_for_other_yarns():
+    """PBO: the values of para-aramid, and ratios of the ends to them squared, of moduli at most that of the fibre."""
+    fabric = replace(catalogue.load(MINE).with_yarns(E=180e9, fibre_density=1560.0), family="para-aramid")
+    found = assumed.with_solid_laws(assumed.with_shear(fabric))
+    nominal, _ = found.solid_laws
+    assert nominal == catalogue.load("S-720").solid_laws[0]
+    soft, stiff = (fabric.solid_laws[0] for fabric in assumed.solid_ends(found).values())
+    assert (soft.E_c, stiff.E_c) == pytest.approx((2e9 * 0.1**2, 2e9 * 1.25**2))
+    assert (soft.V_c, stiff.V_c) == pytest.approx((1.4**2, 0.9**2))
+    ends = [end.shear.G2 / found.shear.G2 for end in assumed.shear_ends(found).values()]
+    assert ends == pytest.approx([0.5**2, 2.0])
+    assert found.sources["solid.E_c"]["value"] == "2.0 GPa (0.02 GPa .. 3.12 GPa)"
+    assert assumed.lines(found)[-1] == (
+        "assumed: [solid] of para-aramid yarns, with wider ranges for another fibre, because mine gives none"
+    )
 
 
 def test_solid_values_are_those_of_the_catalogue():

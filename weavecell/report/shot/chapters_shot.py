@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report import pictures, pictures3d, pictures_body, pictures_histories
+from weavecell.report import pictures, pictures_body, pictures_histories
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.report.shot import pictures_shot
-from weavecell.results import display, keys, vtk
+from weavecell.results import display, keys
 from weavecell.results.display import text
 
 if TYPE_CHECKING:
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from weavecell.studies.assumed_range import AssumedRange
 
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
-_HALF_HEIGHT = 0.6 * CLOSE_UP  # [m] of its picture
-_SCALE_BAR = 5e-3  # [m]
-_STEP = 0.1  # [-] of the strength: the scale of tensions ends at a multiple of it
 
 
 def outcome(record: ImpactRecord) -> str:
@@ -32,14 +29,15 @@ def outcome(record: ImpactRecord) -> str:
     if record.outcome == "unstable":
         return f"UNSTABLE at {strike}: the run was ended after {end} and has no result ({record.failure_message})."
     words = {
-        "stopped": f"Stopped: PARTIAL PENETRATION, {strike}",
-        "perforated": f"Perforated: COMPLETE PENETRATION, {strike}, {residual(record)}",
-        "in flight": f"Not decided: {strike}, still moving with {record.residual_velocity:.1f} m/s at the end, {end}",
+        "stopped": f"Stopped at {strike}",
+        "perforated": f"Perforated at {strike}",
+        "in flight": f"Not decided at {strike}, in flight at the end, {end}",
     }[record.outcome]
+    velocity = [] if record.outcome == "stopped" else [residual(record)]
     deflection = [] if record.outcome == "perforated" else [_deflection(record)]
     doubtful = [check.name for check in record.checks if not check.ok]
     end = f". DOUBTFUL: {', '.join(doubtful)}." if doubtful else "."
-    return ", ".join([words, *deflection, _load(record)]) + end
+    return f"{words}: {', '.join([*velocity, *_dent(record), *deflection, _load(record)])}{end}"
 
 
 def residual(record: ImpactRecord) -> str:
@@ -48,8 +46,20 @@ def residual(record: ImpactRecord) -> str:
     return f"{name} {record.residual_velocity:.1f} m/s".replace(" 0.0 m/s", " 0 m/s")
 
 
+def instant(record: ImpactRecord, t: float) -> str:
+    """Time and velocity of an instant [s]."""
+    velocity = np.interp(t, record.time, record.velocity)
+    return f"{1e6 * t:.0f} µs after the strike, projectile at {round(float(velocity))} m/s"
+
+
 def _deflection(record):
     return f"back-face deflection {text(record.max_deflection, 'm', form='.1f')}"
+
+
+def _dent(record):
+    """The depth of the dent in the block, where there is one."""
+    block = record.backing
+    return [f"back-face signature {text(block.back_face_signature, 'm', form='.1f')}"] if block is not None else []
 
 
 def _load(record):
@@ -64,14 +74,15 @@ def card(record: ImpactRecord) -> Card:
     """What one impact came to."""
     tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
     force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
-    lines = (residual(record), _deflection(record), force, _load(record))
+    dent = [f"{signature} (dent in the block)" for signature in _dent(record)]
+    lines = (residual(record), *dent, _deflection(record), force, _load(record))
     return Card(record.title, "still moving" if record.outcome == "in flight" else record.outcome, lines, tone)
 
 
-def chapter(records: Sequence[ImpactRecord]) -> Section:
-    """Histories, cuts, pictures, energies and results of one impact or of several to be compared."""
+def chapter(records: Sequence[ImpactRecord], panels: Sequence[Figure]) -> Section:
+    """Histories, energies, cuts, pictures of the panels and results of one impact or of several to be compared."""
     one = len(records) == 1
-    figures = [_histories(records), _cuts(records), _panels(records), _energies(records), _edges(records)]
+    figures = [_histories(records), _energies(records), _edges(records), _cuts(records), *panels]
     tables = [results(records)]
     if one and _several_plies(records):
         figures += _of_plies(records[0])
@@ -94,8 +105,7 @@ def results(records: Sequence[ImpactRecord]) -> Table:
     for key in tables:
         values = [summary.get(key.name) for summary in summaries]
         if key.unit and any(key.name in summary for summary in summaries):
-            label = display.heading(key.meaning.partition(";")[0].replace("`", ""), key.unit, key.name)
-            rows.append([label, *(display.number(value, key.unit, key.name) for value in values)])
+            rows.append([key.label, *(display.number(value, key.unit, key.name) for value in values)])
     return Table.of(DataFrame(rows, columns=["result", *names]), "Results", names)
 
 
@@ -157,7 +167,8 @@ def _histories(records):
         f"Velocity of the projectile; back-face deflection, the largest displacement of the {ply} along the normal; "
         f"contact force on the projectile, mean over {interval}."
     )
-    return Figure(pictures.render(pictures_shot.histories, records), "svg", caption, "histories")
+    one, content = len(records) == 1, pictures.render(pictures_shot.histories, records)
+    return Figure(content, "svg", caption, "histories", wide=not one, tall=one)
 
 
 def _cuts(records):
@@ -203,34 +214,6 @@ def _cut_views(records):
             title = name + text(times[number], "s", form=".0f")
             views.append(cut_view(record, record.cuts[number], title))
     return views
-
-
-def _panels(records):
-    """The back face of the last ply and the impact point, all under one scale of tension that ends at the highest."""
-    top = max(float(np.max(shape.tension / record.strength[-1])) for record in records for shape in record.rear)
-    top = min(1.0, max(_STEP, _STEP * np.ceil(top / _STEP)))
-    images = {}
-    for record in records:
-        views = []
-        for shape, close in zip(record.rear, (False, True)):
-            body, grid = shape.projectile_position + record.projectile, vtk.panel([shape], record.quads[-1:])
-            what = grid, record.strength[-1], body, (record.mirror_x, record.mirror_y)
-            if close:
-                centre = (*pictures3d.tip(body)[:2], grid.bounds.z_max)
-                image = pictures3d.panel(*what, _HALF_HEIGHT, centre, top_share=top, open_quarter=True)
-            else:
-                half_height = 0.48 * pictures3d.width(shape.nodes, record.mirror_x)
-                image = pictures3d.cropped(pictures3d.panel(*what, half_height, top_share=top))
-            views.append((f"at {text(shape.time, 's', form='.0f')}", image))
-        images[record.title] = tuple(views)
-    bar = _SCALE_BAR * pictures3d.SIZE[1] / (2 * _HALF_HEIGHT)
-    several = _several_plies(records)
-    caption = (
-        f"The {'last ply' if several else 'ply'} seen from behind, to scale; the colours end at the highest tension of "
-        "the pictures, rounded up. Left: the whole panel, at the snapshot at which half of the absorbed energy was "
-        "absorbed. Right: the impact point at the end of the run, the quarter in front left out to show the projectile."
-    )
-    return Figure(pictures.render(pictures.panels, images, top, bar, kind="png"), "png", caption, "panel")
 
 
 def _of_plies(record):

@@ -20,10 +20,11 @@ _STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")  # plies from t
 
 
 def histories(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
-    """Velocity of the projectile, deflection of the back face and contact force over time, one below the other; of
-    shots of one strike velocity the next are dashed."""
+    """Velocity of the projectile, deflection of the back face and contact force over time, one below the other, in a
+    narrow picture of one shot; of shots of one strike velocity the next are dashed."""
+    size = (5.6, 12.4) if len(records) == 1 else (10.4, 8.6)
     figure, (top, middle, low) = pyplot.subplots(
-        3, 1, figsize=(10.4, 8.6), sharex=True, height_ratios=(1.2, 1, 1), layout="none"
+        3, 1, figsize=size, sharex=True, height_ratios=(1.2, 1, 1), layout="none"
     )
     place(figure, 1.05, 0.2, 0.65, 0.15, down=0.2)
     strikes = list(dict.fromkeys(round(float(record.velocity[0]), 6) for record in records))

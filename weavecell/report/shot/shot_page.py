@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from weavecell.report import chapters, chapters_discretisation, checks
-from weavecell.report.page import Report, Section
-from weavecell.report.shot import chapters_shot
-from weavecell.scenes import words
+from weavecell.report.page import Figure, Report, Section
+from weavecell.report.shot import chapters_shot, moving, view
 
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
@@ -19,7 +18,10 @@ def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
     """The chapters that have pictures or follow from options; `setup` is what was run."""
     case, used = shot.case, setup.meshed
     places = case.scene.history.report_positions if case.scene.history else ()
-    found = [chapters_shot.chapter([shot]), chapters_shot.mesh(shot, used)]
+    caption = "The same cut open along x through the impact point; left with heights stretched, right to scale."
+    film = Figure(view.cut_in_motion(shot), "gif", caption, "cut")
+    motion = moving.section(shot, moving.of_shapes(shot, shot.instants), [film])
+    found = [motion, chapters_shot.chapter([shot], [view.still(shot)]), chapters_shot.mesh(shot, used)]
     if shot.pair is not None:
         found.append(chapters_discretisation.section(shot.pair))
     if shot.range is not None:
@@ -30,23 +32,17 @@ def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
     if case.surface is None:
         model, options = case.scene.fabric.cell_model, chapters.options(case.scene.fabric)
         found.append(chapters.cell(case.fabric, {case.law_name: case.laws}, model, **options))
-    return [*found, chapters_shot.assumptions(used, shot.assumed, body=shot.rigid_check)]
+    lines = [*shot.assumed, *((shot.gap_words, shot.contact_words) if shot.pack else ())]
+    return [*found, chapters_shot.assumptions(used, lines, body=shot.rigid_check)]
 
 
 def page(shot: ShotResult, setup: ImpactSetup, found: Sequence[Section], stamp: Mapping[str, str]) -> Report:
     """The report of one impact; `found` are the chapters of `sections`."""
     case = shot.case
-    projectile, panel, model = case.scene.projectile, case.scene.panel, case.scene.fabric.cell_model
+    model = case.scene.fabric.cell_model
     source = case.law_name if model == "compressible" else model
     laws = (chapters.law_card(case.laws[0], source=source),) if case.surface is None else ()
-    plies, more = f"One ply of {shot.fabric_name}", ""
-    if shot.pack:
-        plies = f"{shot.count} plies: {shot.fabric_name}"
-        if not setup.lay_up:
-            plies = f"{shot.count} plies of {shot.fabric_name}, {shot.pack['stacking']}"
-        more = f" At rest: {shot.gap_words}; {shot.contact_words}."
-    struck = f"struck at {projectile.strike_velocity:g} m/s by {words.shot_in_words(projectile)}"
-    lead = f"{plies}, {words.panel_in_words(panel)}, {struck}.{more}"
+    lead = chapters.struck(setup, case.scene, velocity=True)
     cards = chapters_shot.card(shot), *map(chapters.fabric_card, setup.fabrics), *laws
     cost = chapters_shot.cost([shot], setup.meshed)
     making = chapters.making(stamp, {"time integration": shot.wall_time}, cost)

@@ -1,4 +1,4 @@
-"""Look at a mesh, a panel or a pack: in a window, as a picture, or as a movie of a panel or pack.
+"""Look at a mesh, a panel or a pack: in a window, as a picture, or a panel or pack as a movie or an interactive page.
 
 A picture or movie of a panel or pack shows all of it, with the parts that symmetry leaves out, the projectile, a scale
 of the tensions and the outcome. These need histories.h5 beside panel.pvd; without it the elements of the
@@ -10,19 +10,22 @@ from __future__ import annotations
 import os
 import sys
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from fabrics import files
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from meshing.pictures_style import INK, STEEL, WARP, WEFT, plots, tension_map
-from weavecell.report import pictures3d
-from weavecell.report.shot import chapters_shot, pictures_shot
+from meshing.pictures_style import INK, STEEL, WARP, WEFT, tension_map
+from weavecell.report import page, pictures, pictures3d
+from weavecell.report.pictures_figure import plots
+from weavecell.report.shot import chapters_shot, moving, pictures_shot
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 
@@ -31,6 +34,7 @@ MOVIES = (".gif", ".mp4")
 FRAME_TIME = 0.1  # [s] of a movie for each snapshot
 LAST_FRAME_TIME = 1.5  # [s]
 COLOURS = 96  # of a GIF
+_INSTANTS = 16  # of that of a report
 _TITLE = 70  # letters of a title that fit in one line, with the outcome
 _WINDOW = (1400, 900)  # [pixels]
 
@@ -58,15 +62,22 @@ class Panel:
         surface, (z,) = self.record.projectile, grid.field_data["projectile_z_m"]
         return surface + np.append(self.record.nose_place(t), z - surface[..., 2].max())
 
+    def instants(self) -> list[tuple[Any, float]]:
+        """(grid, time [s]) of each snapshot."""
+        import pyvista
+
+        return [(pyvista.read(file), t) for file, t in self.series]
+
     def time_of(self, file: Path) -> float:
         """[s] of a snapshot."""
         return dict(self.series).get(file, self.record.rear[-1].time)
 
     def image(self, grid: Any, t: float) -> np.ndarray:
-        """(rows, columns, 3) the whole panel or pack and its projectile in one snapshot, seen from behind."""
+        """(rows, columns, 3) the whole panel or pack and its projectile in a snapshot, from the side where this is."""
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
         strength, centre = self.record.strength[grid["ply"] - 1], (0.0, 0.0, 0.02 * width)
-        return pictures3d.panel(grid, strength, self.body(grid, t), self.mirrors, 0.37 * width, centre)
+        front = self.record.outcome != "perforated"
+        return pictures3d.panel(grid, strength, self.body(grid, t), self.mirrors, 0.37 * width, centre, front=front)
 
     def headline(self) -> str:
         """Title and outcome in one line."""
@@ -74,12 +85,11 @@ class Panel:
 
     def caption(self, t: float) -> str:
         """Time and velocity of an instant."""
-        velocity = np.interp(t, self.record.time, self.record.velocity)
-        return f"{1e6 * t:.0f} µs after the strike, projectile at {round(float(velocity))} m/s"
+        return chapters_shot.instant(self.record, t)
 
 
-def show(path: Path, screenshot: Path | None = None, movie: Path | None = None, cut: bool = False) -> None:
-    """Open a window on `path`, or write a PNG to `screenshot`, or a GIF or MP4 to `movie`.
+def show(path: Path, screenshot: Path | None, movie: Path | None, html: Path | None, cut: bool = False) -> None:
+    """Open a window on `path`, or write a PNG to `screenshot`, a GIF or MP4 to `movie`, a page to `html`.
 
     Parameters
     ----------
@@ -87,25 +97,30 @@ def show(path: Path, screenshot: Path | None = None, movie: Path | None = None, 
 
     Raises
     ------
-    InputError : there is nothing at `path` that can be shown or no series for a movie, a file is not named .png, .gif
-        or .mp4, an MP4 is to be written without imageio, or there is no display for a window
+    InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a file is not named
+        .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or there is no display for a window
     """
     if screenshot is not None and screenshot.suffix != ".png":
         raise InputError(key="--screenshot", value=str(screenshot), allowed="a file named *.png")
     if movie is not None and movie.suffix not in MOVIES:
         raise InputError(key="--movie", value=str(movie), allowed="a file named *.gif or *.mp4")
+    if html is not None and html.suffix != ".html":
+        raise InputError(key="--html", value=str(html), allowed="a file named *.html")
     file = find(path)
     panel = panel_of(path, file)
     if cut and (panel is None or (screenshot is None and movie is None)):
         allowed = "given with --screenshot or --movie, of a folder with panel.pvd and histories.h5"
         raise InputError(key="--cut", allowed=allowed)
-    if movie is not None:
+    if movie is not None or html is not None:
         if panel is None:
-            allowed = "a folder with panel.pvd and histories.h5, for --movie"
+            allowed = "a folder with panel.pvd and histories.h5, for --movie and --html"
             raise InputError(key="PATH", value=str(path), allowed=allowed)
-        _write_movie(panel, movie, cut)
-    if screenshot is None and movie is not None:
-        return
+        if movie is not None:
+            _write_movie(panel, movie, cut)
+        if html is not None:
+            page.write(moving.page(panel.record, panel.instants()), html)
+        if screenshot is None:
+            return
     if screenshot is not None and panel is not None:
         with plots() as pyplot, replace_whole(screenshot) as beside:
             last = cut_figure(pyplot, panel, -1) if cut else snapshot(pyplot, panel, file)
@@ -113,7 +128,9 @@ def show(path: Path, screenshot: Path | None = None, movie: Path | None = None, 
         return
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if screenshot is None and sys.platform == "linux" and not display:
-        raise InputError("there is no display for a window: give --screenshot FILE.png or --movie FILE.gif")
+        raise InputError(
+            "there is no display for a window: give --html FILE.html, --screenshot FILE.png or --movie FILE.gif"
+        )
     from meshing.pictures import plotter, save
 
     scene = plotter(_WINDOW, "three lights", off_screen=screenshot is not None)
@@ -161,6 +178,12 @@ def end(pyplot: Any, record: ImpactRecord) -> Any:
     return compose(pyplot, Panel(record, []), vtk.panel(record.final, record.quads), record.final[-1].time)
 
 
+def still(record: ImpactRecord) -> page.Figure:
+    """The last instant of a record for a report."""
+    caption = "The panel at the end of the run, to scale, from the side where the projectile is."
+    return page.Figure(pictures.render(end, record, kind="png"), "png", caption, "panel")
+
+
 def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
     """The figure of the grid of one instant: outcome, instant, panel, scale of tensions."""
     figure = pyplot.figure(figsize=(8.4, 5.4), layout="none")
@@ -187,11 +210,12 @@ def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
     return figure
 
 
-def frames(panel: Panel, dpi: int, cut: bool = False) -> Iterator[np.ndarray]:
-    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; of their cuts, if wanted."""
+def frames(panel: Panel, dpi: int, cut: bool = False, numbers: Iterable[int] | None = None) -> Iterator[np.ndarray]:
+    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; of their cuts, or those of some
+    `numbers`, if wanted."""
     with plots() as pyplot:
         figures = (
-            (cut_figure(pyplot, panel, number) for number in range(len(panel.record.cuts)))
+            (cut_figure(pyplot, panel, number) for number in numbers or range(len(panel.record.cuts)))
             if cut
             else (snapshot(pyplot, panel, file) for file, _ in panel.series)
         )
@@ -199,7 +223,6 @@ def frames(panel: Panel, dpi: int, cut: bool = False) -> Iterator[np.ndarray]:
             figure.set_dpi(dpi)
             figure.canvas.draw()
             yield np.array(figure.canvas.buffer_rgba())[..., :3]
-            pyplot.close(figure)
 
 
 def add(scene: Any, file: Path, panel: Panel | None) -> None:
@@ -244,11 +267,28 @@ def _write_movie(panel, movie, cut):
             for image in frames(panel, 120, cut):
                 writer.append_data(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         return
+    files.write(movie, gif(frames(panel, 76, cut)))
+
+
+def cut_in_motion(record: ImpactRecord) -> bytes:
+    """The section through the impact point as a GIF, of so few instants that a report is written soon."""
+    count = len(record.cuts)
+    numbers = np.linspace(0, count - 1, min(count, _INSTANTS)).round().astype(int).tolist()
+    return gif(frames(Panel(record, []), 90, True, numbers))
+
+
+def gif(images: Iterable[np.ndarray]) -> bytes:
+    """A GIF of pictures (rows, columns, 3), which repeats and stays at the last."""
     from PIL import Image
 
-    pictures = [Image.fromarray(image) for image in frames(panel, 76, cut)]
-    middle = pictures[len(pictures) // 2].quantize(COLOURS)  # one palette for all: colours do not flicker
-    first, *others = [picture.quantize(palette=middle, dither=Image.Dither.NONE) for picture in pictures]
+    found = [Image.fromarray(image) for image in images]
+    middle = found[len(found) // 2].quantize(COLOURS)  # one palette for all: colours do not flicker
+    palette = np.array(middle.getpalette()).reshape(-1, 3)
+    palette[palette.min(axis=1) > 245] = 255  # white stays white
+    common = Image.new("P", (1, 1))
+    common.putpalette(palette.ravel().tolist())
+    first, *others = [picture.quantize(palette=common, dither=Image.Dither.NONE) for picture in found]
     times = [*[round(1e3 * FRAME_TIME)] * len(others), round(1e3 * LAST_FRAME_TIME)]
-    with replace_whole(movie) as beside:
-        first.save(beside, format="GIF", save_all=True, append_images=others, duration=times, loop=0, optimize=True)
+    content = BytesIO()
+    first.save(content, format="GIF", save_all=True, append_images=others, duration=times, loop=0, optimize=True)
+    return content.getvalue()

@@ -1,0 +1,115 @@
+"""The interactive view of a shot: its snapshots as compact arrays in a page, drawn there by templates/view3d.js.
+
+Places are 16-bit integers over the box of all snapshots, as differences from the snapshot before; tensions are 8-bit
+shares of the strength. All arrays are compressed (zlib) in one text.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from meshing.pictures_style import RED, STEEL, TENSIONS, tension_map
+from weavecell.report import pictures3d
+from weavecell.report.page import Figure, Moving, Report, Section
+from weavecell.report.shot import chapters_shot
+from weavecell.results import vtk
+from weavecell.results.display import text
+
+if TYPE_CHECKING:
+    from weavecell.results.impact import ImpactRecord
+
+FIELDS = {
+    "tension": "tension, the higher of warp and weft",
+    "warp": "tension of warp",
+    "weft": "tension of weft",
+    "deflection": "deflection",
+}
+_MOST_BYTES = 16_000_000  # of all snapshots, before they are compressed to about a third
+_PER_UNIT = 200  # 8-bit tension of a yarn at its strength
+_CAPTION = (
+    "The whole panel and the projectile. Drag to turn; + and − or Ctrl and the wheel come nearer. Front is the side "
+    "that is struck. Tension in % of the strength; orange: one yarn failed; elements that have lost both are left out."
+)
+
+
+def section(record: ImpactRecord, instants: Sequence[tuple[Any, float]], figures: Sequence[Figure] = ()) -> Section:
+    """The chapter with the view, and with pictures below it.
+
+    Parameters
+    ----------
+    instants : (grid of `results.vtk.panel`, time [s]) of each snapshot
+    """
+    return Section("motion", "The panel in motion", _CAPTION, tuple(figures), moving=moving(record, instants))
+
+
+def of_shapes(record: ImpactRecord, shapes: Sequence[Sequence[Any]]) -> list[tuple[Any, float]]:
+    """The instants of `section` from the shapes of the plies at each."""
+    return [(vtk.panel(plies, record.quads), plies[0].time) for plies in shapes]
+
+
+def page(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Report:
+    """A page of the view alone, in the form of a report."""
+    outcome = chapters_shot.outcome(record)
+    return Report(record.title, "", (), (section(record, instants),), outcome=outcome, tone=record.outcome)
+
+
+def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Moving:
+    """The arrays of the view; so many snapshots, evenly chosen, that they stay small."""
+    from matplotlib.colors import to_rgb
+
+    first = instants[0][0]
+    each = 6 * first.n_points + 3 * first.n_cells
+    count = min(len(instants), max(2, _MOST_BYTES // each))
+    chosen = [instants[k] for k in np.linspace(0, len(instants) - 1, count).round().astype(int)]
+    places = np.array([grid.points for grid, _ in chosen])
+    low, high = places.min(axis=(0, 1)), places.max(axis=(0, 1))
+    step = np.maximum(high - low, 1e-9) / 65535
+    whole = np.round((places - low) / step).astype(np.int64)
+    differences = np.diff(whole, axis=0, prepend=0).astype("<u2")  # modulo 2^16
+    ply = np.asarray(first["ply"]) - 1
+    tension = [np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]) for grid, _ in chosen]
+    shares = np.array(tension) / record.strength[ply]
+    body = record.projectile - np.append(np.zeros(2), record.projectile[..., 2].max())
+    rings = [body[:-1, :-1], body[1:, :-1], body[1:, 1:], body[:-1, :-1], body[1:, 1:], body[:-1, 1:]]
+    triangles = np.stack(rings, axis=2).reshape(-1, 3)
+    parts = (
+        triangles.astype("<f4"),
+        first.cells.reshape(-1, 5)[:, 1:].astype("<u4"),
+        differences,
+        np.clip(np.round(_PER_UNIT * shares), 0, 255).astype(np.uint8),
+        np.array([grid["failed_yarns"] for grid, _ in chosen]).astype(np.uint8),
+        ply.astype(np.uint8),
+    )
+    packed = zlib.compress(b"".join(part.tobytes() for part in parts), 6)
+    noses = [[*record.nose_place(t), float(grid.field_data["projectile_z_m"][0])] for grid, t in chosen]
+    top, deepest = max(0.1, np.ceil(10 * shares.max()) / 10), max(float(np.ptp(places[..., 2])), 1e-6)
+    of_tension = {"value": top, "text": f"{100 * top:.0f} % of the strength"}
+    ends = dict.fromkeys(("tension", "warp", "weft"), of_tension)
+    head = {
+        "nodes": first.n_points,
+        "elements": first.n_cells,
+        "instants": count,
+        "bodyVertices": len(triangles),
+        "perUnit": _PER_UNIT,
+        "origin": low.tolist(),
+        "step": step.tolist(),
+        "rest": record.z_rest.tolist(),
+        "mirrors": [bool(record.mirror_x), bool(record.mirror_y)],
+        "width": pictures3d.width(places[0], record.mirror_x),
+        "depth": deepest,
+        "elevation": 0.6 if record.outcome == "perforated" else -0.6,  # from the side where the projectile is
+        "projectile": noses,
+        "captions": [chapters_shot.instant(record, t) for _, t in chosen],
+        "ends": ends | {"deflection": {"value": deepest, "text": text(deepest, "m", form=".1f")}},
+        "palette": np.round(255 * tension_map()(np.linspace(0, 1, 256))[:, :3]).astype(int).tolist(),
+        "failed": [round(255 * part) for part in to_rgb(RED)],
+        "steel": [round(255 * part) for part in to_rgb(STEEL)],
+        "data": base64.b64encode(packed).decode("ascii"),
+    }
+    return Moving(json.dumps(head), count, FIELDS, TENSIONS)
