@@ -8,6 +8,7 @@ elastic-plastic bar is stopped at 155 m/s (examples/S-720-bar.toml). It takes a 
 ``python examples/demo.py [FOLDER [MESH]]``.
 """
 
+import logging
 import sys
 import time
 from dataclasses import replace
@@ -23,6 +24,7 @@ MOST = {"error of the energy balance, of the strike energy": 0.01, "viscous ener
 
 
 def main(folder: str = "results/demo", size: str = "medium") -> None:
+    logging.getLogger("weavecell").propagate = False  # plain lines: ffcx sets up logging for every library
     out, began = Path(folder), time.perf_counter()
     solved = wc.calibrate("S-720", mesh=size, jobs=2, out=out / "calibration")
     laws = {"fitted law": solved.law, "published law": solved.mesh.fabric.laws[0]}

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SECTIONS = ("sine", "ellipse", "conforming")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fabric:
     """One fabric of the catalogue, or of a user's file.
 
@@ -80,6 +80,16 @@ class Fabric:
         for family, width in zip(("warp", "weft"), self.yarn_width):
             if width is not None and not width > 0:
                 raise InputError(key=f"{family}.width", value=width, allowed="a positive number")
+
+    def __repr__(self) -> str:
+        weave, (warp, weft) = self.weave, self.weave.yarns
+        known = "with compression law" if self.laws else "no compression law"
+        known += f", assumed: {', '.join(self.assumed)}" if self.assumed else ""
+        return (
+            f"Fabric({self.name}: {1e3 * weave.areal_density:.0f} g/m², {weave.warp_count / 100:.3g} x "
+            f"{weave.weft_count / 100:.3g} yarns per cm of {warp.strength:.0f}/{weft.strength:.0f} N, crimp "
+            f"{100 * warp.crimp:.3g}/{100 * weft.crimp:.3g} %, {known})"
+        )
 
     def with_yarns(self, **values: float | Iterable[float]) -> Fabric:
         """This fabric with other values of its yarns; further changes are in `fabrics.variants`.

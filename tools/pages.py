@@ -22,8 +22,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 import architecture  # noqa: E402
 import file_formats  # noqa: E402
-import glossary  # noqa: E402
 import keys_page  # noqa: E402
+import python_page  # noqa: E402
 
 from validation.claims import page as claims  # noqa: E402
 from validation.claims.judge import MISSED, REPRODUCED  # noqa: E402
@@ -185,6 +185,7 @@ MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
     "docs/validation.md": {
         "tested ply": tested_ply, "critical velocities": critical_velocities, "claims": all_claims,
     },
+    "docs/reference/python.md": {"functions": python_page.text},
     "docs/reference/files.md": {
         "outputs": of_files(file_formats.outputs), "fabric": of_files(file_formats.fabric_file),
         "surface": of_files(file_formats.surface_file), "case": case_columns,
@@ -193,7 +194,6 @@ MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
 WHOLE: dict[str, Callable[[], str]] = {
     "docs/reference/input.md": keys_page.page,
     "docs/developers/architecture.md": architecture.text,
-    "docs/developers/kernel-arrays.md": lambda: glossary.page(glossary.table(), glossary.tuples()),
 }
 
 

@@ -11,10 +11,10 @@ from weavecell.api.exports import DeckResult, export
 from weavecell.api.limits import CriticalVelocityResult, critical_velocity
 from weavecell.api.lists import (
     Listing,
-    list_backings,
-    list_fabrics,
-    list_projectiles,
+    backings,
+    fabrics,
     new_fabric,
+    projectiles,
     show_backing,
     show_fabric,
     show_projectile,
@@ -23,7 +23,7 @@ from weavecell.api.lists import (
 from weavecell.api.meshes import MeshResult, mesh
 from weavecell.api.result import Result
 from weavecell.api.run_size import RunSize
-from weavecell.api.runs import backings, fabric, fabrics, projectile, projectiles, setup
+from weavecell.api.runs import fabric, projectile, setup
 from weavecell.api.scatter import DrawsResult, SensitivityResult, V50Result, draws, sensitivity, v50
 from weavecell.api.shots import ShotResult, impact
 from weavecell.api.surfaces import SurfaceResult, surface
@@ -67,9 +67,6 @@ __all__ = [
     "fabrics",
     "fit",
     "impact",
-    "list_backings",
-    "list_fabrics",
-    "list_projectiles",
     "mesh",
     "new_fabric",
     "projectile",

@@ -291,6 +291,11 @@ class CalibrationResult(Result):
             rows.append(("alternative", "-", "-", f"{1e6 * ratio.residual_rms:.2f}"))
         return rows
 
+    def _shown(self):
+        from pandas import DataFrame
+
+        return DataFrame(self._laws(), columns=("law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]"))
+
     def __str__(self) -> str:
         done, law, lines = self.calibration, self.law, []
         if done.friction:
@@ -388,7 +393,7 @@ class CalibrationResult(Result):
         heads = ("path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]")
         ab = ("a [mm]", "b [mm N^(1/3)]")
         tables = {
-            laws: DataFrame(self._laws(), columns=("law", *ab, rms)),
+            laws: self._shown(),
             "Each path": DataFrame(paths, columns=("path", *ab, f"{rms} from the fitted law", "ended", "time [s]")),
             "Where the fibre strain first reaches the failure strain": DataFrame(failures, columns=heads),
         }

@@ -287,6 +287,9 @@ class CouponResult(Result):
             residual=[f"{state.residual:.1e}" for state in states], iterations=[state.iterations for state in states]
         )
 
+    def _shown(self):
+        return self.table()
+
     def _measured(self):
         """{column: (SI unit, values)}."""
         return {name: (self.record.unit(name), values) for name, values in self.record.columns.items()}

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import logging
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Any
 
-from fabrics import assumed, backings, catalogue, data_sheet, files, projectiles
+from fabrics import assumed, catalogue, data_sheet, files
+from fabrics import backings as backing_data
+from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
@@ -18,10 +21,10 @@ from weavecell.api import quantities
 
 __all__ = [
     "Listing",
-    "list_backings",
-    "list_fabrics",
-    "list_projectiles",
+    "backings",
+    "fabrics",
     "new_fabric",
+    "projectiles",
     "show_backing",
     "show_fabric",
     "show_projectile",
@@ -44,9 +47,9 @@ PROJECTILE = ("mass", "diameter", "length")
 BACKING = ("density", "modulus", "yield_stress", "rate_exponent", "erosion_strain")
 
 
-@dataclass(frozen=True)
-class Listing:
-    """Tables of texts, which a terminal shows.
+@dataclass(frozen=True, repr=False)
+class Listing(Sequence):
+    """Tables of texts, which a terminal and a notebook show; as a sequence the names in the first column.
 
     Parameters
     ----------
@@ -63,6 +66,18 @@ class Listing:
     tables: dict[str, tuple[tuple[str, ...], list[tuple[str, ...]]]]
     notes: tuple[str, ...] = ()
     numeric: bool = False
+
+    def __len__(self) -> int:
+        return len(next(iter(self.tables.values()))[1])
+
+    def __getitem__(self, index: Any) -> Any:
+        return [name for name, *_ in next(iter(self.tables.values()))[1]][index]
+
+    def _repr_html_(self) -> str:
+        from pandas import DataFrame
+
+        tables = {title: DataFrame(rows, columns=list(heads)) for title, (heads, rows) in self.tables.items()}
+        return "".join(f"<b>{escape(title)}</b>{of.to_html(index=False, border=0)}" for title, of in tables.items())
 
     def save(self, out: FilePath) -> None:
         """Write the first table as CSV."""
@@ -92,6 +107,8 @@ class Listing:
                     console.print(note, markup=False)
         return shown.get().rstrip("\n")
 
+    __repr__ = __str__
+
 
 def _saved(listing, out):
     """A Listing, written as CSV where that is wanted."""
@@ -100,7 +117,7 @@ def _saved(listing, out):
     return listing
 
 
-def list_fabrics(*, out: FilePath | None = None) -> Listing:
+def fabrics(*, out: FilePath | None = None) -> Listing:
     """The catalogue, one line a fabric.
 
     Parameters
@@ -109,7 +126,9 @@ def list_fabrics(*, out: FilePath | None = None) -> Listing:
 
     Examples
     --------
-    >>> heads, rows = wc.list_fabrics().tables["Fabrics of the catalogue (warp / weft)"]
+    >>> wc.fabrics()[:2]
+    ['S-720', 'S-726']
+    >>> heads, rows = wc.fabrics().tables["Fabrics of the catalogue (warp / weft)"]
     >>> dict(zip(heads, rows[0]))["mass [g/m²]"]
     '252.9'
     """
@@ -117,7 +136,7 @@ def list_fabrics(*, out: FilePath | None = None) -> Listing:
     return _saved(Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}, numeric=True), out)
 
 
-def list_projectiles(*, out: FilePath | None = None) -> Listing:
+def projectiles(*, out: FilePath | None = None) -> Listing:
     """Fragment simulators, cylinders and spheres that an input file may name, one line each.
 
     Parameters
@@ -126,19 +145,19 @@ def list_projectiles(*, out: FilePath | None = None) -> Listing:
 
     Examples
     --------
-    >>> wc.list_projectiles().tables["Projectiles"][0][:2]
-    ('projectile', 'nose')
+    >>> wc.projectiles()[3]
+    'FSP 1.10 g'
     """
     rows = []
-    for name in projectiles.list_names():
-        shape, data = projectiles.entry(name)
+    for name in projectile_data.list_names():
+        shape, data = projectile_data.entry(name)
         values = [data[key]["value"] if key in data else "" for key in PROJECTILE]
         rows.append((name, shape, *values, f"{data['diameter']['status']}: {data['diameter']['source']}"))
     heads = ("projectile", "nose", *PROJECTILE, "source of the diameter")
     return _saved(Listing({"Projectiles": (heads, rows)}), out)
 
 
-def list_backings(*, out: FilePath | None = None) -> Listing:
+def backings(*, out: FilePath | None = None) -> Listing:
     """Clay and gelatine that an input file may name behind a panel, one line each.
 
     Parameters
@@ -147,12 +166,12 @@ def list_backings(*, out: FilePath | None = None) -> Listing:
 
     Examples
     --------
-    >>> len(wc.list_backings().tables["Backings"][1])
-    3
+    >>> wc.backings()[0]
+    'Roma Plastilina No. 1'
     """
     rows = []
-    for name in backings.list_names():
-        data, speed = backings.entry(name), f"{backings.load(name).wave_speed:.0f}"
+    for name in backing_data.list_names():
+        data, speed = backing_data.entry(name), f"{backing_data.load(name).wave_speed:.0f}"
         rows.append((name, *(data[key]["value"] for key in BACKING), speed, data["yield_stress"]["status"]))
     heads = ("backing", *BACKING, "wave speed [m/s]", "status of the yield stress")
     return _saved(Listing({"Backings": (heads, rows)}), out)
@@ -172,8 +191,8 @@ def show_projectile(name: str) -> Listing:
     """
     from weavecell.scenes.impact import SHAPES
 
-    shape, data = projectiles.entry(name, key="PROJECTILE")
-    title = f"{name}, {SHAPES[shape]} of steel of {1e-3 * projectiles.density():g} g/cm³"
+    shape, data = projectile_data.entry(name, key="PROJECTILE")
+    title = f"{name}, {SHAPES[shape]} of steel of {1e-3 * projectile_data.density():g} g/cm³"
     return Listing({title: _sources(data)})
 
 
@@ -189,7 +208,7 @@ def show_backing(name: str) -> Listing:
     >>> print(wc.show_backing("gelatine 10 %"))  # doctest: +ELLIPSIS
     gelatine 10 %...
     """
-    return Listing({name: _sources(backings.entry(name, key="BACKING"))})
+    return Listing({name: _sources(backing_data.entry(name, key="BACKING"))})
 
 
 def _sources(data):

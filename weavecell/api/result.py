@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import warnings
+from base64 import b64encode
 from collections.abc import Callable, Mapping
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from fabrics.errors import DoubtfulResult
+from weavecell.results import display, keys
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,6 +29,8 @@ class Result:
     >>> isinstance(shot, wc.Result), shot.doubtful, shot.checks_text
     (True, False, 'ok')
     """
+
+    _tables: ClassVar[tuple[str, ...]] = ()  # of results/keys.toml, with the meaning of what the summary has
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
@@ -79,13 +83,35 @@ class Result:
         shown = ", ".join(f"{key}={_text(value)}" for key, value in self.summary().items() if plain(value))
         return f"{type(self).__name__}({shown})"
 
+    def _shown(self) -> DataFrame:
+        """The table that a notebook shows: what the summary has, with labels and units."""
+        from pandas import DataFrame
+
+        known = {key.name: key for key in keys.table(*self._tables)}
+        rows = []
+        for name, value in self.summary().items():
+            key = known.get(name) or keys.of_name(name)
+            if isinstance(value, (int, float)) and not isinstance(value, bool):
+                rows.append((key.label, display.number(value, key.unit, name)))
+            elif plain(value) and value not in (None, ""):
+                rows.append((key.label, value))
+        return DataFrame(rows, columns=["quantity", "value"])
+
+    def _columns_shown(self, *names: str) -> DataFrame:
+        """The columns of `to_dataframe` with these names, or all, with labels and units."""
+        table = self.to_dataframe()
+        columns = [(keys.of_name(str(name)), table[name]) for name in names or table]
+        return display.frame({key.meaning: (key.unit, values) for key, values in columns})
+
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><th style='text-align:left'>{escape(key)}</th><td>{escape(_text(value))}</td></tr>"
-            for key, value in self.summary().items()
-            if plain(value)
-        )
-        return f"<table><caption>{escape(type(self).__name__)}</caption>{rows}</table>"
+        (first, *others), table, parts = str(self).splitlines(), self._shown(), []
+        parts.append(f"<p style='white-space: pre-wrap'><b>{escape(first)}</b>\n{escape(chr(10).join(others))}</p>")
+        if hasattr(self, "plot"):
+            picture = b64encode(self.plot()._repr_png_()).decode()
+            parts.append(f"<img style='max-width: 100%' src='data:image/png;base64,{picture}'>")
+        rows = table.to_html(index=False, border=0, max_rows=60, na_rep="–", float_format="{:.4g}".format)
+        opened = " open" if len(table) <= 24 else ""
+        return "".join((*parts, f"<details{opened}><summary>all values, {len(table)} rows</summary>{rows}</details>"))
 
 
 def plain(value: object) -> bool:
@@ -99,7 +125,7 @@ def _text(value):
 
 def figure(draw: Callable, *arguments: Any) -> Figure:
     """What draw(pyplot, *arguments) returns, in the style of the reports."""
-    from meshing.pictures_style import plots
+    from weavecell.report.pictures_figure import plots
 
     with plots() as pyplot:
         return draw(pyplot, *arguments)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, Unpack
 
-from fabrics import backings as backing_data
 from fabrics import catalogue
 from fabrics import projectiles as projectile_data
 from fabrics.checks import FilePath
@@ -17,18 +16,7 @@ from weavecell.api.keywords import Keywords
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactSetup
 
-__all__ = ["backings", "fabric", "fabrics", "projectile", "projectiles", "setup"]
-
-
-def fabrics() -> tuple[str, ...]:
-    """Names of the fabrics of the catalogue, sorted.
-
-    Examples
-    --------
-    >>> wc.fabrics()[:2]
-    ('S-720', 'S-726')
-    """
-    return catalogue.list_names()
+__all__ = ["fabric", "projectile", "setup"]
 
 
 def fabric(name: FilePath, *, linear_density: Literal["effective", "nominal"] = "effective") -> Fabric:
@@ -54,28 +42,6 @@ def fabric(name: FilePath, *, linear_density: Literal["effective", "nominal"] = 
     if linear_density not in ("effective", "nominal"):
         raise InputError(key="linear_density", value=linear_density, allowed="effective or nominal")
     return with_linear_density(catalogue.load(name), linear_density)
-
-
-def backings() -> tuple[str, ...]:
-    """Names of the backings: modelling clay and ballistic gelatine, for `backing` of `setup`.
-
-    Examples
-    --------
-    >>> wc.backings()[0]
-    'Roma Plastilina No. 1'
-    """
-    return backing_data.list_names()
-
-
-def projectiles() -> tuple[str, ...]:
-    """Names of the projectiles: fragment simulators, right circular cylinders, spheres.
-
-    Examples
-    --------
-    >>> wc.projectiles()[3]
-    'FSP 1.10 g'
-    """
-    return projectile_data.list_names()
 
 
 def projectile(name: str, **changes: float | str) -> dict[str, float | str]:

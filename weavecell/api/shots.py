@@ -34,7 +34,7 @@ from weavecell.api import targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
-from weavecell.results import progress, run_folder
+from weavecell.results import keys, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.scenes import honoured
@@ -246,6 +246,7 @@ class ShotResult(ImpactRecord, Result):
     target: Target | None = None
     pair: Discretisation | None = None
     key: str = ""
+    _tables = "run", "impact", *keys.OF_SOME.values(), "failure", "stacking"
 
     @property
     def window(self) -> Window | None:

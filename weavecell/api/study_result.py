@@ -9,8 +9,6 @@ from fabrics import files
 from fabrics.checks import FilePath
 from weavecell.api.result import Result, figure
 
-_UNITS = {"m_s": "m/s", "kg_m2": "kg/m²", "J": "J", "N": "N", "m": "m", "s": "s"}  # end of a column's name: unit
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
@@ -56,7 +54,10 @@ class StudyResult(Result):
 
     def table(self) -> DataFrame:
         """The table of the page, columns with their units."""
-        return self.to_dataframe().rename(columns=_heading)
+        return self._columns_shown()
+
+    def _shown(self):
+        return self._columns_shown()
 
     def files(self) -> dict[str, Any]:
         """{file beside the page: what it holds}: a dict for JSON, to which the provenance is added, a text for CSV;
@@ -85,11 +86,3 @@ class StudyResult(Result):
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
-
-
-def _heading(name):
-    """A column's name with its unit in brackets, for readers."""
-    for end, unit in _UNITS.items():
-        if name.endswith(f"_{end}"):
-            return f"{name.removesuffix(f'_{end}').replace('_', ' ')} [{unit}]"
-    return name if "." in name else name.replace("_", " ")

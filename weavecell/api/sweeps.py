@@ -29,6 +29,7 @@ from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
+from weavecell.results import progress
 from weavecell.scenes import honoured
 from weavecell.scenes import impact as scenes
 from weavecell.scenes.target import Target, read
@@ -40,6 +41,9 @@ if TYPE_CHECKING:
     from shellfabric.panel.quality import Indicator
 
 __all__ = ["SweepResult", "SweepTable", "sweep"]
+
+# what a notebook shows of each shot
+_SHOWN = "fabric", "strike_velocity_m_s", "outcome", "residual_velocity_m_s", "max_deflection_m", "cut_yarns", "checks"
 
 
 def sweep(
@@ -238,15 +242,19 @@ class SweepTable(StudyResult):
             words = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
             if row["outcome"] == MIXED:
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
-            doubt = ", doubtful" if row.get("checks") == "doubtful" else ""
+            doubt = f", {row['checks']}" if row.get("checks", "").startswith("doubtful") else ""
             lines.append(f"{', '.join(f'{key} = {row[key]}' for key in self.keys)}: {words}{doubt}")
         return lines + [self.limit_sensitivity] * (self.quantity != "shot" and bool(self.limit_sensitivity))
 
 
 def _of_setups(setups, jobs, executor):
     """The SweepResult of set-ups."""
-    with open_executor(executor, jobs) as pool:
-        shots = dict(as_done(pool, _fire, [(setup,) for setup in setups]))
+    arguments = [(setup,) for setup in setups]
+    with open_executor(executor, jobs) as pool, progress.bar(f"{len(arguments)} shots") as advance:
+        shots = {}
+        for number, shot in as_done(pool, _fire, arguments):
+            shots[number] = shot
+            advance(len(shots) / len(arguments))
     result = SweepResult(tuple(shot for _, shot in sorted(shots.items())))
     result.warn()
     return result
@@ -311,17 +319,14 @@ class SweepResult(Result, Sequence):
 
         return DataFrame({key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots)
 
+    def _shown(self):
+        return self._columns_shown(*_SHOWN)
+
     def plot(self) -> Figure:
-        """A matplotlib figure: residual against strike velocity [m/s]."""
+        """A matplotlib figure: residual against strike velocity [m/s], a line an outcome."""
+        from weavecell.report import pictures_uncertainty
+        from weavecell.studies.sweep import QUANTITIES
 
-        def draw(pyplot):
-            figure, axes = pyplot.subplots(figsize=(7.2, 4.4))
-            for outcome in dict.fromkeys(shot.outcome for shot in self.shots):
-                shots = [shot for shot in self.shots if shot.outcome == outcome]
-                velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in shots))
-                axes.plot(*velocities, "o", label=outcome)
-            axes.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
-            axes.legend()
-            return figure
-
-        return figure(draw)
+        strikes, label = [shot.strike_velocity for shot in self.shots], "strike velocity [m/s]"
+        drawn = strikes, label, self.to_dataframe(), ["outcome"], QUANTITIES["shot"]
+        return figure(pictures_uncertainty.sweep, *drawn)

@@ -44,12 +44,12 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "sweep": (api.sweep, "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
     "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
     "view": (api.view, "results/S-720-stops --screenshot panel.png"),
-    "fabrics list": (api.list_fabrics, ""),
+    "fabrics list": (api.fabrics, ""),
     "fabrics show": (api.show_fabric, "S-720 --out ."),
     "fabrics new": (api.new_fabric, "mine.toml --from mine.csv"),
-    "projectiles list": (api.list_projectiles, ""),
+    "projectiles list": (api.projectiles, ""),
     "projectiles show": (api.show_projectile, '"FSP 1.10 g"'),
-    "backings list": (api.list_backings, ""),
+    "backings list": (api.backings, ""),
     "backings show": (api.show_backing, '"gelatine 10 %"'),
 }
 GROUPS = {
@@ -111,7 +111,7 @@ class _Lines(logging.Handler):
         if record.levelno == logging.INFO and record.getMessage() in self.printed:
             return
         self.printed.add(record.getMessage())
-        print(self.format(record), file=sys.stderr if record.levelno > logging.INFO else sys.stdout, flush=True)
+        progress.write(self.format(record), sys.stderr if record.levelno > logging.INFO else sys.stdout)
 
 
 def main(arguments: Iterable[str] | None = None) -> NoReturn:

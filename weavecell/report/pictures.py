@@ -23,8 +23,8 @@ from meshing.pictures_style import (
     STEEL,
     WARP,
     WEFT,
-    plots,
 )
+from weavecell.report.pictures_figure import plots
 from weavecell.results.display import US
 
 UM = 1e6
@@ -64,10 +64,11 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
     The canvas is asked for it directly: `savefig` draws a figure that has a layout engine twice.
     """
     with plots() as pyplot:
+        from matplotlib import rcParams
         from matplotlib.backends.backend_svg import FigureCanvasSVG
 
         figure, content = draw(pyplot, *arguments), io.BytesIO()
-        figure.set_dpi(pyplot.rcParams["savefig.dpi"])
+        figure.set_dpi(rcParams["savefig.dpi"])
         if kind == "svg":
             FigureCanvasSVG(figure).print_svg(content, metadata={"Date": None})
         else:

@@ -26,6 +26,8 @@ def shown(unit: str, name: str = "") -> tuple[str, float]:
     >>> shown("m"), shown("1", "energy_error_max"), shown("1", "plies")
     (('mm', 1000.0), ('%', 100.0), ('', 1.0))
     """
+    if name.startswith("wall"):
+        return unit, 1.0  # of the computer
     if unit in ("1", "-"):
         return ("%", 100.0) if _SHARE.search(name) else ("", 1.0)
     return SHOWN.get(unit, (unit, 1.0))

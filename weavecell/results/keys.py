@@ -7,12 +7,16 @@ summary.json, histories.h5, the tables of pandas and xarray and the report take 
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from weavecell.results import display
+
 SUMMARY_FORMAT = "weavecell summary 2"
+_UNIT = re.compile(r"_(m_s|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")  # that ends a name
 
 
 class Key(NamedTuple):
@@ -32,6 +36,11 @@ class Key(NamedTuple):
     def field(self) -> str:
         """Attribute of the object, where that holds the value itself."""
         return self.path or self.name
+
+    @property
+    def label(self) -> str:
+        """The beginning of its meaning, with the unit in which it is shown."""
+        return display.heading(self.meaning.partition(";")[0].replace("`", ""), self.unit, self.name)
 
     def value(self, source: Any) -> Any:
         """Of an object, such as a record."""
@@ -87,3 +96,15 @@ def table(*names: str) -> tuple[Key, ...]:
 
 SHARED = table("run", "folder")
 IMPACT = table("impact", *OF_SOME.values(), "failure", "stacking", "impact_folder")
+
+
+def of_name(name: str) -> Key:
+    """The key of a name that no table has: its words, and the unit that it ends in.
+
+    Examples
+    --------
+    >>> of_name("strike_velocity_m_s").label
+    'strike velocity [m/s]'
+    """
+    words, *unit = _UNIT.split(name)
+    return Key(name, unit[0].replace("_", "/") if unit else "", words.replace("_", " "))

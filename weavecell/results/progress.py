@@ -1,59 +1,61 @@
-"""Progress on stderr: one bar per stage of work on a terminal; elsewhere, as in a batch job, plain lines.
+"""Progress on stderr, by tqdm: a bar for each stage of work in a terminal and in a notebook.
 
-Only the command line shows it (`shown`), not the functions of the Python interface.
+In a batch job only the command line (`shown`) tells its progress, in lines; Python functions do not.
 """
 
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from fabrics.errors import UnstableError
 
-_EVERY = 30.0  # [s] between plain lines
+DELAY = 1.0  # [s] a stage that is done before has no bar
+_EVERY = 30.0  # [s] between the lines of a batch job
 shown = False
+
+
+class _Log:
+    """stderr of a batch job, to which each state of a bar is a line."""
+
+    def write(self, text: str) -> None:
+        if line := text.strip():
+            print(line, file=sys.stderr)
+
+    def flush(self) -> None:
+        sys.stderr.flush()
 
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage; yields `advance(fraction, text="")`, to be called with the fraction done, 0 to 1."""
-    if not shown:
+    live = sys.stderr.isatty() or "ipykernel" in sys.modules
+    if not (live or shown):
         yield lambda *_: None
         return
-    if not sys.stderr.isatty():
-        started = last = time.perf_counter()
+    from tqdm.auto import tqdm
 
-        def line(fraction, text=""):
-            nonlocal last
-            if time.perf_counter() - last >= _EVERY:
-                last = time.perf_counter()
-                print(f"{title}: {100 * fraction:.0f} %{text and ', '}{text}", file=sys.stderr, flush=True)
-
-        yield line
-        print(f"{title}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
-
-    columns = (
-        SpinnerColumn(finished_text="[green]\u2713[/]"),
-        TextColumn("{task.description}", justify="left"),
-        BarColumn(bar_width=28),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        TextColumn("[dim]{task.fields[note]}[/]"),
-    )
-    with Progress(*columns, console=Console(file=sys.stderr)) as progress:
-        task = progress.add_task(f"{title:<34}", total=1.0, note="")
+    drawn = "|{bar}|" if live else ","
+    form = f"{{desc}}: {{percentage:.0f}} %{drawn} {{elapsed}}<{{remaining}}{{postfix}}"
+    look: dict[str, Any] = {"leave": shown, "delay": DELAY, "miniters": 0, "bar_format": form}
+    look |= {} if live else {"file": _Log(), "mininterval": _EVERY}
+    with tqdm(desc=title, total=1.0, **look) as meter:
 
         def advance(fraction, text=""):
-            progress.update(task, completed=min(max(fraction, 0.0), 1.0), note=text)
+            meter.set_postfix_str(text, refresh=False)
+            meter.update(min(max(fraction, 0.0), 1.0) - meter.n)
 
         yield advance
-        progress.update(task, completed=1.0, note="")
+        advance(1.0)
+
+
+def write(line: str, file: Any) -> None:
+    """Print a line above the bars."""
+    tqdm = sys.modules.get("tqdm.std")
+    with nullcontext() if tqdm is None else tqdm.tqdm.external_write_mode(file):
+        print(line, file=file, flush=True)
 
 
 def watched(run: Callable[[tuple], Any], title: str, hooks: Sequence = ()) -> tuple[Any, UnstableError | None]:

@@ -272,12 +272,12 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     ------
     InputError : values that fit each on its own but not together, named with the scene's file
     """
-    from shellfabric.impact.simulation import ImpactSetup
     from shellfabric.output.histories import HistoryRequest
     from shellfabric.panel.model import Numerics
+    from weavecell.scenes.short_setup import ShortSetup
 
     scene, panel = case.scene, case.scene.panel
-    of_setup = {field.name for field in fields(ImpactSetup)}
+    of_setup = {field.name for field in fields(ShortSetup)}
     given: dict[str, Any] = {}
     for name in ("fabric", "panel", "run"):
         given |= {key: value for key, value in _given(getattr(scene, name), name).items() if key in of_setup}
@@ -288,7 +288,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         given |= {"strike_velocity": scene.projectile.strike_velocity, "projectile": _projectile(scene.projectile)}
         given |= {"edge": _edge(panel.boundary), "round": panel.opening_shape == "round", "history": history}
         given |= {"crossovers": _crossovers(panel), "backing": _backing(scene.backing)}
-        made = ImpactSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
+        made = ShortSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
     except InputError as problem:
         raise in_file(problem, file) from None
     for note in made.notes if file is not None else ():

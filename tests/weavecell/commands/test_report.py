@@ -13,10 +13,10 @@ import pytest
 import weavecell
 from fabrics import catalogue
 from fabrics.errors import InputError
-from meshing.pictures_style import plots
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures
+from weavecell.report.pictures_figure import plots
 from weavecell.report.shot import chapters_shot, moving, pictures_shot, view
 from weavecell.results import provenance, vtk
 from weavecell.results.impact import ImpactRecord

@@ -34,15 +34,17 @@ def test_a_row_of_mixed_outcomes_has_the_middle_of_the_zone(monkeypatch):
 
 
 def test_progress_without_a_terminal(monkeypatch, capsys):
-    """A batch job sees a line every half minute, and one at the end."""
-    clock = iter((0.0, 10.0, 31.0, 31.0, 40.0, 50.0))
-    monkeypatch.setattr(progress.time, "perf_counter", lambda: next(clock))
-    monkeypatch.setattr(progress, "shown", True)
-    monkeypatch.setattr(progress, "shown", True)
-    with progress.bar("3 x shot") as advance:
-        for share in (0.1, 0.5, 0.9):
-            advance(share, f"{share:g}")
-    assert capsys.readouterr().err.splitlines() == ["3 x shot: 50 %, 0.5", "3 x shot: 50.0 s"]
+    """A batch job sees a line every half minute, and one at the end; a Python script nothing."""
+    clock = [0.0]
+    monkeypatch.setattr("tqdm.std.time", lambda: clock[0])
+    for shown in (True, False):
+        monkeypatch.setattr(progress, "shown", shown)
+        with progress.bar("3 x shot") as advance:
+            for share in (0.1, 0.5, 0.9):
+                clock[0] += 16.0
+                advance(share, f"{share:g}")
+    lines = ["3 x shot: 50 %, 00:32<00:32, 0.5", "3 x shot: 100 %, 00:48<00:00"]
+    assert capsys.readouterr().err.splitlines() == lines
 
 
 def test_values_are_numbers_truth_values_or_texts():

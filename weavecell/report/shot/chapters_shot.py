@@ -94,8 +94,7 @@ def results(record: ImpactRecord) -> Table:
     facts, rows = record.facts(), [("outcome", record.outcome)]
     for key in keys.table("impact", *keys.OF_SOME.values(), "failure"):
         if key.unit and key.name in facts:
-            label = display.heading(key.meaning.partition(";")[0].replace("`", ""), key.unit, key.name)
-            rows.append((label, display.number(facts[key.name], key.unit, key.name)))
+            rows.append((key.label, display.number(facts[key.name], key.unit, key.name)))
     return Table(("result", "value"), tuple(rows), "Results", ("value",))
 
 

@@ -22,8 +22,9 @@ from fabrics import files
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from meshing.pictures_style import INK, STEEL, WARP, WEFT, plots, tension_map
+from meshing.pictures_style import INK, STEEL, WARP, WEFT, tension_map
 from weavecell.report import page, pictures, pictures3d
+from weavecell.report.pictures_figure import plots
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
@@ -223,7 +224,6 @@ def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator
             figure.set_dpi(dpi)
             figure.canvas.draw()
             yield np.array(figure.canvas.buffer_rgba())[..., :3]
-            pyplot.close(figure)
 
 
 def add(scene: Any, file: Path, panel: Panel | None) -> None:

@@ -1,0 +1,36 @@
+"""A set-up of an impact that prints in a few lines."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, fields, is_dataclass
+
+from fabrics.fabric import Fabric
+from shellfabric.impact.simulation import ImpactSetup
+
+
+class ShortSetup(ImpactSetup):
+    """An `ImpactSetup` of which what differs from the defaults is printed."""
+
+    def __repr__(self) -> str:
+        lines = ",\n    ".join(_changed(self))
+        return f"ImpactSetup(\n    {lines})"
+
+
+def _changed(value):
+    """NAME=VALUE of each field of a dataclass that has not its default."""
+    shown = [(entry, getattr(value, entry.name)) for entry in fields(value) if entry.repr]
+    return [f"{entry.name}={_text(own)}" for entry, own in shown if repr(own) != repr(_default(entry))]
+
+
+def _text(value):
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_text, value))})"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if is_dataclass(value) and not isinstance(value, Fabric):
+        return f"{type(value).__name__}({', '.join(_changed(value))})"
+    return repr(value)
+
+
+def _default(entry):
+    return entry.default if entry.default_factory is MISSING else entry.default_factory()
