@@ -354,7 +354,7 @@ class CalibrationResult(Result):
             card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
             title, picture = f"{fabric.name}: compression law from the 3D crossover", folder / "crossover.png"
             sections = *self.sections(), chapters.mesh(self.mesh.summary(), picture.read_bytes())
-            report = chapters.of_cell(title, lead, fabric, (card,), sections, stamp, done.seconds)
+            report = chapters.report(title, lead, (fabric,), (card,), sections, stamp, done.seconds)
             page.write(report, folder / "report.html")
 
     def sections(self) -> tuple[Section, ...]:

@@ -5,7 +5,7 @@ The folder of `weavecell critical-velocity`
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots, provenance
     shots.csv                one row a shot, by strike velocity
     residual-velocity.svg    residual against strike velocity
-    assumed-range.svg        what each assumed range changes, where such were run
+    report.html              all of it on one page
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from weavecell.api import keywords, quantities, targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.study_result import StudyResult
 from weavecell.report import checks
-from weavecell.report.pictures_uncertainty import tornado
 from weavecell.results import progress
 from weavecell.scenes import honoured
 
@@ -82,8 +81,8 @@ def critical_velocity(
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
     run.outputs. [history] and [accuracy] are rejected.
 
-    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg, scene.toml and, of a range,
-    assumed-range.svg; after an unstable shot only the scene and the shots before it.
+    The folder then holds report.html, critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an
+    unstable shot only the scene and the shots before it.
 
     Parameters
     ----------
@@ -224,6 +223,11 @@ class CriticalVelocityResult(StudyResult):
         """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot, and why."""
         return checks.of_bracket(self.limit)
 
+    @property
+    def headline(self) -> tuple[str, str]:
+        single, zone = f"{self.limit.velocity:.1f} m/s", self.limit.mixed_zone
+        return "Critical velocity", single if zone is None else f"mixed outcomes, {zone[0]:.1f} to {zone[1]:.1f} m/s"
+
     def _what(self):
         name = f"{self.target.title}, critical velocity"
         return name if self.bracket_checks == checks.OK else f"{name}: the limit rests on a {self.bracket_checks}"
@@ -269,11 +273,8 @@ class CriticalVelocityResult(StudyResult):
             shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
         content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
         content |= checks.summary(self.checks)
-        found = {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
-        if self.range is None:
-            return found
-        content["assumed_range"] = self.range.summary()
-        return found | {"assumed-range.svg": lambda pyplot: tornado(pyplot, self.range, self.title)}
+        content |= {} if self.range is None else {"assumed_range": self.range.summary()}
+        return {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
 
     def lines(self) -> list[str]:
         """What is printed."""

@@ -12,7 +12,7 @@ from shellfabric.impact import ballistic_limit
 from tests.scene_text import every, impact_scene
 from weavecell.scenes import honoured, target
 
-FILES = ["critical-velocity.json", "residual-velocity.svg", "scene.toml", "shots.csv"]
+FILES = ["critical-velocity.json", "report.html", "residual-velocity.svg", "scene.toml", "shots.csv"]
 
 
 @pytest.fixture
