@@ -111,7 +111,7 @@ def calibrate(
             watch = progress.by_path(advance, solver.CASES)
             done = solver.calibrate(fabric, size=size, out=folder, resume=resume, on_progress=watch, **choices)
         failed: dict[str, str] = {}
-        if assumed_range and "solid" in fabric.assumed:
+        if assumed_range and assumed.solid_ends(fabric):
             with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
                 watch = progress.by_path(advance, 2 * solver.CASES)
                 done, failed = ends.with_assumed_range(fabric, done, size=size, on_progress=watch, **choices)

@@ -130,7 +130,7 @@ class ComparisonResult(StudyResult):
     def summary(self) -> dict[str, Any]:
         """V50 of the tests, computed critical velocity, residual velocities, with intervals."""
         named = {"fabric": self.target.title, "projectile": self.target.projectile}
-        return named | self.comparison.summary() | {"limit_sensitivity": self.limit_sensitivity}
+        return named | self.comparison.summary()
 
     @property
     def headline(self) -> tuple[str, str]:
@@ -176,6 +176,5 @@ class ComparisonResult(StudyResult):
                 "residual velocity, computed less tested, {shots} shots: mean {mean:+.1f} m/s ({low:+.1f} to "
                 "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
             )
-        lines += [self.limit_sensitivity] * bool(self.limit_sensitivity)
         doubtful = int((comparison.table["checks"] == "doubtful").sum())
         return lines + [f"doubtful: {doubtful} of {count} computed shots (shots.csv)"] * bool(doubtful)

@@ -93,8 +93,8 @@ def critical_velocity(
     scan_above : range above the highest stop that is scanned for further stops
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
-    assumed_range : repeat the search with both ends of the range of each assumed law, crimp and failure length, not of
-        a lay-up; without this option a command leaves out the failure length; in Python "laws" does
+    assumed_range : repeat the search with the ends of all that is assumed of fabric and set-up, not of a lay-up;
+        without this option a command does so where a law or the crimp is assumed; in Python "laws" does
     jobs : shots that run at the same time, as threads of this process
     executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
         Dask scheduler at DASK_SCHEDULER_ADDRESS
@@ -131,7 +131,7 @@ def critical_velocity(
     @contextmanager
     def stage(title):
         with progress.bar(title) as advance:
-            yield lambda share, shot: advance(share, shot and checks.of_shot(shot))
+            yield lambda share, shot: advance(share, checks.of_shot(shot) if shot else "")
 
     with targets.folder_of(out) as folder:
         try:
@@ -252,7 +252,6 @@ class CriticalVelocityResult(StudyResult):
             "mixed_zone_m_s": limit.mixed_zone,
             "scan": self.scan and asdict(self.scan),
             "lambert_jonas": self.fit and asdict(self.fit),
-            "limit_sensitivity": self.limit_sensitivity,
             "shots": len(limit.shots),
             "bracket_checks": self.bracket_checks,
             "wall_time_s": self.wall_time,
@@ -296,7 +295,7 @@ class CriticalVelocityResult(StudyResult):
             lines.append(f"Lambert-Jonas: {self.fit.words()}, rms {self.fit.residual_rms:.1f} m/s")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
-        return lines + [self.limit_sensitivity] * bool(self.limit_sensitivity)
+        return lines
 
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:

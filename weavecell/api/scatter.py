@@ -286,7 +286,6 @@ class V50Result(StudyResult):
                 for link, curve in study.curves.items()
             ),
             f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
-            *[self.limit_sensitivity] * bool(self.limit_sensitivity),
             f"{len(shots)} shots in rounds of {self.batch}, {len(perforations)} perforated, seed {self.seed}; slowest "
             f"perforation {min(perforations):.1f} m/s, fastest stop {max(stops):.1f} m/s; worst energy balance "
             f"{100 * max(shot.balance for shot in shots):.2g} %.",
@@ -338,7 +337,6 @@ class V50Result(StudyResult):
             "plies": self.target.setup.plies,
             "projectile": self.target.projectile,
             "deterministic": study.deterministic,
-            "limit_sensitivity": self.limit_sensitivity,
             "series": asdict(study.series),
             "lambert_jonas": study.fit and asdict(study.fit),
             "scatter": asdict(study.scatter),

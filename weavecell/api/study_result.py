@@ -27,14 +27,6 @@ class StudyResult(Result):
         return self.target.title
 
     @property
-    def limit_sensitivity(self) -> str:
-        """How a limit changes over the range of an assumed failure length, in a sentence; "" where that is given."""
-        from weavecell.studies import assumed_range
-
-        targets = getattr(self, "targets", (self.target,))
-        return assumed_range.limit_sensitivity(fabric for one in targets for fabric in one.setup.fabrics)
-
-    @property
     def notes(self) -> list[str]:
         """What the set-up notes of itself."""
         return [f"Note: {note}." for note in self.target.setup.notes]

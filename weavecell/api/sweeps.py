@@ -229,7 +229,7 @@ class SweepTable(StudyResult):
 
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
-        content = {"quantity": self.quantity, "rows": self.rows, "limit_sensitivity": self.limit_sensitivity}
+        content = {"quantity": self.quantity, "rows": self.rows}
         return {"sweep.json": content, "sweep.csv": self.to_dataframe().to_csv(index=False), "sweep.png": None}
 
     def lines(self) -> list[str]:
@@ -244,7 +244,7 @@ class SweepTable(StudyResult):
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
             doubt = f", {row['checks']}" if row.get("checks", "").startswith("doubtful") else ""
             lines.append(f"{', '.join(f'{key} = {row[key]}' for key in self.keys)}: {words}{doubt}")
-        return lines + [self.limit_sensitivity] * (self.quantity != "shot" and bool(self.limit_sensitivity))
+        return lines
 
 
 def _of_setups(setups, jobs, executor):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report import pictures, pictures_body, pictures_histories
+from weavecell.report import pictures, pictures_body, pictures_histories, pictures_uncertainty
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.report.shot import pictures_shot
 from weavecell.results import display, keys
@@ -268,15 +268,19 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
 def assumed(around: AssumedRange) -> Section:
     """The range of a velocity over assumed laws, and the runs that it consists of."""
     lead = (
-        f"{around.words().capitalize()}. The file of the fabric does not give it; laws are those of its fibre family, "
-        "with the range that the sources of the fabric state. The run was repeated with the soft and the stiff end of "
-        "each law, and with each end of a crimp computed from the thickness. The range is that of these runs and no "
-        "bound."
+        f"{around.words().capitalize()}. The run was repeated with each end of each assumed range, one at a time, and "
+        "with those together that lower the velocity, or raise it. The range is that of these runs and no bound. A "
+        "share is the width of one assumption alone over the sum of these widths."
     )
+    figures: tuple[Figure, ...] = ()
+    if around.high > around.low:
+        caption = "What each assumption changes alone, and all runs together."
+        picture = pictures.render(pictures_uncertainty.tornado, around, "")
+        figures = (Figure(picture, "svg", caption, "assumed-range"),)
     runs = [(run.laws, run.outcome or "-", display.number(run.velocity, "m/s")) for run in around.rows]
     columns = ("laws", "outcome", f"{around.quantity} [m/s]")
     table = Table(columns, tuple(runs), numeric=columns[2:])
-    return Section("assumed", "What the assumed laws leave open", lead, (), (table,))
+    return Section("assumed", "What the assumed laws leave open", lead, figures, (table,))
 
 
 def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:
