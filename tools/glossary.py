@@ -1,24 +1,19 @@
-"""Make docs/developers/kernel-arrays.md, the arguments of kernels, from the glossaries of the solver and the models.
-
-python tools/glossary.py
+"""The glossary of what kernels take: its entries held against the code, and the page of the site that shows them.
 
 The table has one entry for each field of each named tuple that kernels are called with; `problems` says where it and
 the code do not agree.
 """
 
 import ast
-import sys
 import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 TABLES = (Path("shellfabric/jit/glossary.toml"), Path("validation/models/glossary.toml"))
-PAGE = Path("docs/developers/kernel-arrays.md")
 NOT_PASSED = ("output",)  # folders whose named tuples no kernel takes
 HEAD = """# Glossary of the compiled code
 
-Made by `python tools/glossary.py` from `shellfabric/jit/glossary.toml` and `validation/models/glossary.toml`; edit
-these files. SI units throughout.
+From `shellfabric/jit/glossary.toml` and `validation/models/glossary.toml`. SI units throughout.
 
 ## Terms
 
@@ -71,13 +66,7 @@ def page(entries, fields):
     return text
 
 
-def main():
-    entries, fields = table(), tuples()
-    wrong = problems(entries, fields)
-    if wrong:
-        sys.exit("\n".join(wrong))
-    (ROOT / PAGE).write_text(page(entries, fields), "utf-8")
-
-
-if __name__ == "__main__":
-    main()
+def write(folder):
+    """Write the page kernel-arrays.md into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "kernel-arrays.md").write_text(page(table(), tuples()), "utf-8")

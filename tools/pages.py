@@ -22,7 +22,6 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 import architecture  # noqa: E402
 import file_formats  # noqa: E402
-import glossary  # noqa: E402
 import keys_page  # noqa: E402
 import python_page  # noqa: E402
 
@@ -195,7 +194,6 @@ MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
 WHOLE: dict[str, Callable[[], str]] = {
     "docs/reference/input.md": keys_page.page,
     "docs/developers/architecture.md": architecture.text,
-    "docs/developers/kernel-arrays.md": lambda: glossary.page(glossary.table(), glossary.tuples()),
 }
 
 

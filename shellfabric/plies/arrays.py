@@ -1,4 +1,4 @@
-"""Named tuples that the kernels of a pack take; fields, shapes and units: docs/developers/kernel-arrays.md."""
+"""Named tuples that the kernels of a pack take; fields, shapes and units: shellfabric/jit/glossary.toml."""
 
 from __future__ import annotations
 

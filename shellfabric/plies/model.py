@@ -216,14 +216,14 @@ class Pack:
         """(plies,) what the kernels need to know of each ply, all at one time step."""
         if len(self.plies) == 1:
             return (self.plies[0].constants(),)
-        found, out_of_plane = {}, any(has_out_of_plane(ply) for ply in self.plies)
-        for ply in self.plies:
-            if id(ply) not in found:
-                mine = self._in_step(ply)
-                const = mine.constants(out_of_plane)
-                law = const.point_law._replace(implicit_factor=self._firmer(mine))
-                found[id(ply)] = const._replace(dt=self.time_step, point_law=law)
-        return tuple(found[id(ply)] for ply in self.plies)
+        out_of_plane = any(has_out_of_plane(ply) for ply in self.plies)
+
+        def of(ply):
+            const = self._in_step(ply).constants(out_of_plane)
+            law = const.point_law._replace(implicit_factor=self._firmer(self._in_step(ply)))
+            return const._replace(dt=self.time_step, point_law=law)
+
+        return self._each(of)
 
     def states(self, strike_velocity: float) -> tuple[tuple[State, ...], Stack]:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
@@ -255,11 +255,12 @@ class Pack:
 
     def works(self) -> tuple[Work, ...]:
         """(plies,) scratch of one thread; plies of one grid share theirs."""
-        found = {}
-        for ply in self.plies:
-            if id(ply) not in found:
-                found[id(ply)] = ply.work()
-        return tuple(found[id(ply)] for ply in self.plies)
+        return self._each(Panel.work)
+
+    def _each(self, function):
+        """(plies,) what a function makes of each ply, once of plies that are one object."""
+        made = {key: function(ply) for key, ply in {id(ply): ply for ply in self.plies}.items()}
+        return tuple(made[id(ply)] for ply in self.plies)
 
     def slips(self, states: Sequence[State]) -> tuple[Slip, ...]:
         """(plies,) slip of sliding crossovers, at rest; empty of pinned ones."""

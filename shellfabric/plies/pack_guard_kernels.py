@@ -53,21 +53,17 @@ def hold_apart(states, consts, contact):
         contact.guard[near.FAILED] = near.NOT_RESOLVED
     if given > 0:
         give_forces(contact)
-        for p in range(len(states)):
-            if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
-                state, const = borrowed_item(states, p), borrowed_item(consts, p)
-                force, window = contact.guard_force[p], contact.guard_window[p]
-                contact.guard[near.WORK] -= half_step_work(state, const, force, window, False)
+        count_work(states, consts, contact, False)
 
 
 @kernel(_nrt=False)
-def let_go(states, consts, contact):
-    """Take the forces away after their step, and count the other half of their work."""
+def count_work(states, consts, contact, let_go):
+    """Count half of the work of the guard's forces: before their step, or after it, when they are taken away."""
     for p in range(len(states)):
         if contact.guard_window[p, 0] < contact.guard_window[p, 1]:
             state, const = borrowed_item(states, p), borrowed_item(consts, p)
             force, window = contact.guard_force[p], contact.guard_window[p]
-            contact.guard[near.WORK] -= half_step_work(state, const, force, window, True)
+            contact.guard[near.WORK] -= half_step_work(state, const, force, window, let_go)
 
 
 @kernel(_nrt=False)

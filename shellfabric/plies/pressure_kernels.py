@@ -8,7 +8,9 @@ a ply behind it that is closest to x, d their distance, t the mean thickness of 
 with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields at c_t below the
 limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their weights in x, f n + g on those of the
 rear ply by their weights in y: the sum vanishes to the last digits. The distance has no sign. So no point has a side,
-or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`).
+or a past: what keeps plies from passing through each other is the guard (`plies.guard_kernels`). A is the area at rest;
+in torn plies at most twice the area now: a loose patch, which has no stiffness in compression, can contract to a point,
+and would press there with all of its area on one node.
 
 Closest points. The search begins at the place of the last step, or of the nearest node, and takes Newton's steps. With
 the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at its end is, to second order,
@@ -330,6 +332,9 @@ def push(contact, p, q, at, k, wa, wb, closest, n, closure):
     (e_i, e_j, i, j), (I, J, K, za, zb) = at, closest
     s, S = contact.shape[p, STRIDE], contact.shape[q, STRIDE]
     area = contact.area[contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j]
+    if contact.failures[p] > 0:
+        k_e = contact.base[p] + e_i * s + e_j
+        area *= min(1.0, 2.0 * diagonals(contact.x, k_e, s) / diagonals(contact.rest, k_e, s))
     spring, damping, energy = law_at(contact.laws[p], contact.law_step[p], closure)
     v_p, v_q = vector_at(contact.v, k, s, wa, wb), vector_at(contact.v, K, S, za, zb)
     v = v_p[0] - v_q[0], v_p[1] - v_q[1], v_p[2] - v_q[2]
@@ -349,6 +354,26 @@ def push(contact, p, q, at, k, wa, wb, closest, n, closure):
     extend_window(contact.grid_window[q, BEFORE], I, I + 3, J, J + 3)
     scatter(contact.f[p, BEHIND], k - p * contact.slots, s, (-force[0], -force[1], -force[2]), wa, wb)
     scatter(contact.f[q, BEFORE], K - q * contact.slots, S, force, za, zb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def diagonals(x, k, s):
+    """Size [m^2] of the product of the diagonals of the element at slot k, twice its area."""
+    n = cross(difference(x, k, k + s + 1), difference(x, k + s, k + 1))
+    return math.sqrt(dot(n, n))
+
+
+@kernel(_nrt=False, forceinline=True)
+def diagonals8(x, k, s):
+    """`diagonals` of the eight elements from slot k on."""
+    n = cross(difference8(x, k, k + s + 1), difference8(x, k + s, k + 1))
+    return sqrt(dot(n, n))
+
+
+@kernel(_nrt=False, forceinline=True)
+def difference8(x, a, b):
+    """The vectors from the eight nodes from slot a on to those from b on."""
+    return load(x[0], b) - load(x[0], a), load(x[1], b) - load(x[1], a), load(x[2], b) - load(x[2], a)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -459,6 +484,9 @@ def push8(contact, p, at, k, wa, wb, closest, n, closure, touching):
     (e_i, e_j, i, j), (I, J, K, za, zb, tall) = at, closest
     s, S, which = contact.shape[p, STRIDE], contact.shape[p + 1, STRIDE], mask_from_bits(touching)
     area = load(contact.area, contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j)
+    if contact.failures[p] > 0:
+        k_e = contact.base[p] + e_i * s + e_j
+        area = area * minimum(2.0 * diagonals8(contact.x, k_e, s) / diagonals8(contact.rest, k_e, s), 1.0)
     spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
     v = (
         point_mean8(contact.v[0], k, s, wa, wb) - interpolate8(contact.v[0], K, S, za, zb, tall),

@@ -30,7 +30,7 @@ from shellfabric.panel.motion_kernels import FAILURES, IDLE, STEP, TURNED, threa
 from shellfabric.plies import near_kernels
 from shellfabric.plies.frame_kernels import apply_impulses, hand_over, place, turned, turned_back
 from shellfabric.plies.near_kernels import list_pressed
-from shellfabric.plies.pack_guard_kernels import follow, hold_apart, let_go
+from shellfabric.plies.pack_guard_kernels import count_work, follow, hold_apart
 from shellfabric.plies.pressure_kernels import press, press_others
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 from shellfabric.sliding import slip_kernels
@@ -357,7 +357,7 @@ def run_thread(states, consts, contact, slips, stack, works, history, shared, me
             barrier_wait(shared, count)
         if me == 0:
             if contact is not None:
-                let_go(states, consts, contact)
+                count_work(states, consts, contact, True)
             reason = post_step(states, consts, stack, history[made])
             made += 1
             now = internal_work(states, contact)

@@ -278,6 +278,21 @@ def test_torn_fabric_presses_as_whole_does(ply, torn):
     assert left == pytest.approx(1 - 16 / elements, abs=0.05 * 16 / elements if torn == 0 else 8 / elements)
 
 
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_torn_ply_that_contracts_presses_with_twice_its_area_at_most(ply, alone):
+    """Its points lie on one another there: with the area at rest they would all press on one node."""
+    two = Flat(ply).alone() if alone else Flat(ply)
+    const, state, X = two.consts[0], two.states[0], two.pack.plies[0].coordinates()
+    whole = two.place(0.2)
+    for factor in (0.8, 0.5, 0.1):
+        for u, rest in zip(state.u, X):
+            grid(const, u)[:] = (factor - 1) * rest
+        assert two.place(0.2) == pytest.approx(whole, rel=1e-6)
+        state.counter[FAILURES] += 1
+        assert two.place(0.2) == pytest.approx(min(1.0, 2 * factor**2) * whole, rel=1e-6)
+        state.counter[FAILURES] -= 1
+
+
 @pytest.mark.parametrize("hole", [True, False])
 def test_plies_meet_through_a_hole(ply, hole):
     """The first of three plies on the third: by the law where the second has a hole, else not at all."""
