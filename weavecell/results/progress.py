@@ -44,7 +44,7 @@ def bar(title: str) -> Iterator[Callable[..., None]]:
     with tqdm(desc=title, total=1.0, **look) as meter:
 
         def advance(fraction, text=""):
-            meter.set_postfix_str(text, refresh=False)
+            meter.set_postfix_str(text or "", refresh=False)
             meter.update(min(max(fraction, 0.0), 1.0) - meter.n)
 
         yield advance
