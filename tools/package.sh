@@ -47,6 +47,7 @@ image() {
         rm "$root.log"
         echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/fast" # as in Debian's container images
         mount -t proc proc "$root/proc"
+        install -d -m 1777 "$root/dev/shm"
         cp /etc/resolv.conf /etc/hosts "$root/etc"
         cp /etc/ssl/certs/ca-certificates.crt "$root/tmp/certificates"
         ;;
