@@ -27,12 +27,12 @@ wheel() {
 
 # A command line in the root of the image, in the folder `at`, with the network settings of this machine for pip.
 inside() {
-  chroot "$@" /usr/bin/env -i HOME=/ PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
-    PIP_CERT=/tmp/certificates PIP_NO_CACHE_DIR=1 /bin/sh -ec "cd $at; $line"
+  chroot "$@" /usr/bin/env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
+    PIP_CERT=/tmp/certificates PIP_NO_CACHE_DIR=1 "${settings[@]}" /bin/sh -ec "cd $at; $line"
 }
 
 image() {
-  local suite=${1:-} at=/ word rest line mirror entry
+  local suite=${1:-} at=/ settings=() word rest line mirror entry
   root=$(mktemp -d) && chmod 755 "$root"
   trap 'umount --quiet "$root"/proc; rm -rf --one-file-system "$root"' EXIT
   while read -r word rest; do
@@ -47,11 +47,13 @@ image() {
         rm "$root.log"
         echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/fast" # as in Debian's container images
         mount -t proc proc "$root/proc"
+        install -d -m 1777 "$root/dev/shm"
         cp /etc/resolv.conf /etc/hosts "$root/etc"
         cp /etc/ssl/certs/ca-certificates.crt "$root/tmp/certificates"
         ;;
       COPY) [ "${rest% *}" = . ] && mkdir -p "$root/${rest#. }" && git archive HEAD | tar -x -C "$root/${rest#. }" ;;
       WORKDIR) at=$rest && mkdir -p "$root/$at" ;;
+      ENV) settings+=("$rest") ;;
       RUN) inside "$root" ;;
       ENTRYPOINT) entry=$(tr -d '[]",' <<<"$rest") ;;
       *) echo "package: $word: unknown instruction" >&2 && return 1 ;;

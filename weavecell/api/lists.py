@@ -89,7 +89,7 @@ class Listing(Sequence):
         from rich.console import Console
         from rich.table import Table
 
-        console = Console()
+        console = Console(force_jupyter=False)
         with console.capture() as shown:
             for number, (title, (heads, rows)) in enumerate(self.tables.items()):
                 right = self.numeric and number == 0

@@ -314,6 +314,12 @@ class SweepResult(Result, Sequence):
             "checks": self.checks_text,
         }
 
+    def __str__(self) -> str:
+        counts = ", ".join(
+            f"{value} {name}" for name, value in self.summary().items() if name not in ("shots", "checks")
+        )
+        return f"{len(self.shots)} shots: {counts}; checks: {self.checks_text}"
+
     def _columns(self):
         from pandas import DataFrame
 

@@ -118,7 +118,7 @@ class Embedded:
         self.html = render(report)
 
     def _repr_html_(self) -> str:
-        return f'<iframe srcdoc="{escape(self.html)}" style="width: 100%; height: 46rem; border: 0"></iframe>'
+        return f'<iframe srcdoc="{escape(self.html)}" style="width: 100%; height: 52rem; border: 0"></iframe>'
 
 
 def write_pictures(sections: Iterable[Section], folder: Path) -> None:

@@ -16,6 +16,7 @@ from fabrics.errors import InputError
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures
+from weavecell.report.page import Embedded
 from weavecell.report.pictures_figure import plots
 from weavecell.report.shot import chapters_shot, moving, pictures_shot, view
 from weavecell.results import provenance, vtk
@@ -89,6 +90,9 @@ def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
         np.testing.assert_allclose(share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3)
         assert np.array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
     assert np.array_equal(quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:])
+    in_notebook = Embedded(moving.page(record, instants))._repr_html_()
+    assert in_notebook.startswith('<iframe srcdoc="&lt;!doctype html&gt;')
+    assert in_notebook.count('"') == 4  # those of the page within are escaped
 
 
 def texts(figure):

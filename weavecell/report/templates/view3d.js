@@ -4,7 +4,8 @@ async function view3d(root) {
   const canvas = root.querySelector("canvas");
   const gl = canvas.getContext("webgl2", { antialias: true });
   if (!gl || !window.DecompressionStream) return root.classList.add("unavailable");
-  const packed = Uint8Array.from(atob(head.data), (letter) => letter.charCodeAt(0));
+  const letters = atob(head.data), packed = new Uint8Array(letters.length);
+  for (let k = 0; k < packed.length; k++) packed[k] = letters.charCodeAt(k);
   const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const buffer = await new Response(unpacked).arrayBuffer();
   const { nodes, elements, instants } = head, corners = [0, 1, 2, 0, 2, 3];
@@ -144,7 +145,6 @@ async function view3d(root) {
     event.preventDefault();
     zoom(Math.exp(-event.deltaY / 300));
   }, { passive: false });
-  window.addEventListener("resize", draw);
-  load();
+  window.addEventListener("resize", draw), load();
 }
 for (const root of document.querySelectorAll(".view3d")) view3d(root);
