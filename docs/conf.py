@@ -13,14 +13,14 @@ from fabrics import __version__  # noqa: E402
 project, author, copyright = "weavecell", "The weavecell developers", "The weavecell developers"
 version = release = __version__
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
     "numpydoc",
     "sphinx_gallery.gen_gallery",
     "study_directives",
 ]
-exclude_patterns = ["_build", "conf.py", "generated/examples"]
+exclude_patterns = ["_build", "conf.py", "generated/examples", "generated/gallery/*.ipynb"]
 highlight_language = "none"  # blocks without a language are commands and their output
 smartquotes = False  # options such as --out keep their hyphens
 html_theme = "furo"
@@ -41,6 +41,13 @@ numpydoc_validation_checks = {"GL08", "SS01", "PR01", "PR02"}  # a docstring, it
 # methods say their parameters in words; a class with the parameters of its base documents its own
 numpydoc_validation_exclude = {r"\.[A-Z]\w*\.\w+$", r"^meshing\.(Crossover|Patch)$"}
 numpydoc_validation_exclude |= {r"^unitcell3d\.History$", r"^weavecell\.ShotResult$"}
+
+# the notebooks are kept without outputs; a changed one is run again
+nb_execution_mode = "auto"
+nb_execution_in_temp = True
+nb_execution_timeout = 1200  # [s] of a cell
+nb_execution_raise_on_error = True
+nb_mime_priority_overrides = [("html", "application/vnd.jupyter.widget-view+json", None)]  # progress bars
 
 gallery.copy(HERE / "generated" / "examples")
 sphinx_gallery_conf = gallery.settings("generated/examples", "generated/gallery")

@@ -8,6 +8,7 @@ elastic-plastic bar is stopped at 155 m/s (examples/S-720-bar.toml). It takes a 
 ``python examples/demo.py [FOLDER [MESH]]``.
 """
 
+import logging
 import sys
 import time
 from dataclasses import replace
@@ -15,7 +16,7 @@ from pathlib import Path
 
 import weavecell as wc
 from weavecell.report import chapters, page
-from weavecell.report.shot import chapters_shot, view
+from weavecell.report.shot import chapters_shot, moving, view
 from weavecell.results import provenance
 
 TARGETS = {"92.5 m/s": ("stopped", "thesis Figure 5-4"), "155 m/s": ("perforated", "thesis Figure 5-5")}
@@ -23,6 +24,7 @@ MOST = {"error of the energy balance, of the strike energy": 0.01, "viscous ener
 
 
 def main(folder: str = "results/demo", size: str = "medium") -> None:
+    logging.getLogger("weavecell").propagate = False  # plain lines: ffcx sets up logging for every library
     out, began = Path(folder), time.perf_counter()
     solved = wc.calibrate("S-720", mesh=size, jobs=2, out=out / "calibration")
     laws = {"fitted law": solved.law, "published law": solved.mesh.fabric.laws[0]}
@@ -46,23 +48,23 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
     stamp = provenance.stamp(Path(__file__).read_text("utf-8"), used)
     times = {"calibration": solved.calibration.seconds["all"], "all of it": time.perf_counter() - began}
     fit, cell = solved.sections()
+    first = records[0]
     sections = (
-        chapters_shot.chapter(records, list(map(view.still, records))),
+        moving.section(first, moving.of_shapes(first, first.instants)),
+        chapters_shot.chapter(first, view.still(first)),
         chapters.comparison(rows),
         chapters.mesh(solved.mesh.summary(), (out / "calibration" / "crossover.png").read_bytes()),
         fit,
         cell,
-        chapters_shot.mesh(records[0], setups[0]),
-        chapters_shot.assumptions(setups[0], shots[0].assumed, body=records[0].rigid_check),
-        chapters.sources(used),
-        chapters.making(stamp, times, chapters_shot.cost(records, setups[0])),
+        chapters_shot.mesh(first, setups[0]),
+        chapters_shot.assumptions(setups[0], shots[0].assumed, body=first.rigid_check),
     )
-    fitted = chapters.law_card(solved.law, laws["published law"], "fitted to the 3D crossover")
-    cards = (chapters.fabric_card(used), fitted), tuple(map(chapters_shot.card, records))
+    cards = *map(chapters_shot.card, records), chapters.law_card(solved.law, laws["published law"], "fitted")
     title, lead = "S-720: 3D crossover, calibration, impact", __doc__.split("\n\n")[1].partition(" It takes")[0]
-    footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
     outcome = " ".join(f"{record.title}: {record.outcome}." for record in records)
-    page.write(page.Report(title, lead, cards, sections, footer, outcome), out / "report.html")
+    cost = chapters_shot.cost(first, setups[0])
+    report = chapters.report(title, lead, (used,), cards, sections, stamp, times, outcome, more=cost)
+    page.write(report, out / "report.html")
     page.write_pictures(sections, out / "pictures")
     print(solved.law, *map(repr, shots), f"report: {out / 'report.html'}", sep="\n")
 

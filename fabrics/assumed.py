@@ -4,20 +4,26 @@ The laws are the defaults of the yarns' fibre family (`fabrics.families`); the a
 from the weave. Crimp follows from the thickness (`fabrics.data_sheet`), with a thickness and a share of the warp that
 have a range. The failure length is one for all families (`data_sheet.toml`). A fabric says what has been assumed:
 `Fabric.assumed` names it, its `sources` hold the values with the status "assumed" or "derived", and `lines` is what a
-command prints and records. `shear_ends`, `solid_ends`, `crimp_ends` and `failure_length_ends` are the fabric with
-either end of the assumed ranges.
+command prints and records. `shear_ends`, `solid_ends`, `crimp_ends`, `failure_length_ends` and
+`ends` are the fabric with either end of the assumed ranges.
+
+A number of the file with `low` and `high` has that range. A guess without them, which has the status "assumed" or, in
+[shear] or [solid], no source, has the range of its fibre family about it.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from math import prod
 
 from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, crimps, entries
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.fabric_tables import FIBRES
+from fabrics.fabric_tables import FIBRES, OF_YARNS
 from fabrics.families import Family, list_families
+from fabrics.families.trellis import LARGEST
 
+_SOFT_AT_HIGH = ("gamma1", "gamma2", "V_c")
 TABLES = {
     "shear": "G1, G2, gamma1 and gamma2",
     "solid": "E_a, E_c, K_r, K_G, V_c and Vf0 of warp and weft",
@@ -54,28 +60,56 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
     InputError : it has none, and its yarns belong to no family of which numbers are known
     """
 
-    def known(family):
-        if family.strain_rate is None:
-            raise _missing(fabric, "strain_rate", f"of {family.name} yarns no numbers are at hand")
-        return family.strain_rate
-
-    return _completed(fabric, "strain_rate", known)
+    return _completed(fabric, "strain_rate", lambda family: family.strain_rate)
 
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{"soft", "stiff": the fabric with this end of its assumed trellis law}; empty where that is not assumed."""
-    if "shear" not in fabric.assumed:
-        return {}
-    family = _family(fabric, "shear")
-    return {end: replace(fabric, shear=family.shear(fabric.weave, fabric.yarn_width, end)) for end in ("soft", "stiff")}
+    """{"soft", "stiff": the fabric with this end of its trellis law}; empty where none of its numbers has a range."""
+    return {end: replace(fabric, shear=law) for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items()}
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """{"soft", "stiff": the fabric with this end of its assumed solid laws}; empty where these are not assumed."""
-    if "solid" not in fabric.assumed:
+    """{"soft", "stiff": the fabric with this end of its solid laws}; empty where none of their numbers has a range."""
+    return {end: replace(fabric, solid_laws=laws) for end, laws in _ends(fabric, "solid", fabric.solid_laws).items()}
+
+
+def _ends(fabric, table, laws):
+    """{"soft", "stiff": laws} of a table, each number at this end of its range."""
+    if not any(key.startswith(f"{table}.") for key in fabric.ranges):
         return {}
-    family = _family(fabric, "solid")
-    return {end: replace(fabric, solid_laws=_solid_laws(fabric, family, end)) for end in ("soft", "stiff")}
+
+    def at(family, law, soft):
+        numbers = {}
+        for name, value in vars(law).items():
+            ratios = [fabric.ranges.get(key, (1.0, 1.0)) for key in (f"{table}.{name}", f"{table}.{family}.{name}")]
+            numbers[name] = value * prod(pair[soft == (name in _SOFT_AT_HIGH)] for pair in ratios)
+        if table == "solid":  # a yarn is not packed at rest, and softer when it is loose
+            numbers |= {"V_c": max(numbers["V_c"], 1.01 * numbers["Vf0"]), "K_r": min(numbers["K_r"], 0.99)}
+        else:
+            gamma2 = min(numbers["gamma2"], LARGEST)
+            numbers |= {"gamma1": min(numbers["gamma1"], 0.99 * gamma2), "gamma2": gamma2}
+        return replace(law, **numbers)
+
+    return {end: tuple(at(*of, end == "soft") for of in zip(FAMILIES, laws)) for end in ("soft", "stiff")}
+
+
+def _usual_ranges(fabric, table):
+    """{number of [shear] or [solid]: (low, high) over the value}, of the fibre family; empty where there is none."""
+    family = family_of(fabric)
+    if family is None or table not in ("shear", "solid"):
+        return {}
+    laws = [
+        family.shear(fabric.weave, fabric.yarn_width, end) if table == "shear" else family.solid_laws(end)[0]
+        for end in ("soft", "nominal", "stiff")
+    ]
+    soft, usual, stiff = map(vars, laws)
+    return {name: tuple(sorted((soft[name] / usual[name], stiff[name] / usual[name]))) for name in usual}
+
+
+def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
+    """The fabric whose guessed numbers of [shear] and [solid] have the ranges of its fibre family."""
+    usual = {key: _usual_ranges(fabric, key.partition(".")[0]).get(key.rpartition(".")[2]) for key in fabric.guessed}
+    return replace(fabric, ranges={**fabric.ranges, **{key: pair for key, pair in usual.items() if pair}})
 
 
 def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None) -> Fabric:
@@ -122,15 +156,38 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
-    if "failure_length" not in fabric.assumed:
-        return {}
     one = entries()["failure_length"]
-    return {f"failure length {1e3 * end:g} mm": replace(fabric, failure_length=end) for end in (one.low, one.high)}
+    usual = (one.low / one.value, one.high / one.value) if "failure_length" in fabric.assumed else ()
+    ends = [ratio * fabric.failure_length for ratio in fabric.ranges.get("failure_length", usual)]
+    return {f"failure length {1e3 * end:.4g} mm": replace(fabric, failure_length=end) for end in ends}
+
+
+def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
+    """{what is assumed of a fabric: {words: the fabric with this end}}, without the solid laws."""
+    found = {"crimp": crimp_ends(fabric)}
+    for name in OF_YARNS:
+        pairs = [fabric.ranges.get(f"{family}.{name}", (1.0, 1.0)) for family in FAMILIES]
+        if any(low < high for low, high in pairs):
+            ratios = zip(("low", "high"), zip(*pairs))
+            found[name] = {f"{name} {end}": _scaled(fabric, name, both) for end, both in ratios}
+    found["trellis law"] = {f"trellis {end}": changed for end, changed in shear_ends(fabric).items()}
+    found["failure length"] = failure_length_ends(fabric)
+    return {name: of_one for name, of_one in found.items() if of_one}
+
+
+def _scaled(fabric, name, ratios):
+    """The fabric with a number of warp and weft times these ratios; the strength stays where the modulus changes."""
+    field = {"modulus": "E", "crimp": "crimp"}.get(name, "failure_strain")
+    pairs = list(zip(fabric.weave.yarns, ratios))
+    values = {field: [getattr(yarn, field) * ratio for yarn, ratio in pairs]}
+    values |= {"failure_strain": [yarn.failure_strain / ratio for yarn, ratio in pairs]} if field == "E" else {}
+    return fabric.with_yarns(**values)
 
 
 def given(fabric: Fabric, table: str) -> Fabric:
     """The fabric of whose `assumed` one is no longer assumed, such as "solid" after a fit; its value stays."""
-    return replace(fabric, assumed=tuple(name for name in fabric.assumed if name != table))
+    ranges = {key: ratios for key, ratios in fabric.ranges.items() if key.partition(".")[0] != table}
+    return replace(fabric, assumed=tuple(name for name in fabric.assumed if name != table), ranges=ranges)
 
 
 def family_of(fabric: Fabric) -> Family | None:
@@ -154,7 +211,19 @@ def lines(fabric: Fabric) -> list[str]:
     return [
         _crimp_line(fabric) if key == "crimp" else f"assumed: {words[key]}, because {fabric.name} gives none"
         for key in fabric.assumed
+    ] + _own_lines(fabric)
+
+
+def _own_lines(fabric):
+    """Lines about the numbers with a range of their own, and about guesses without one."""
+    ranged = [
+        f"{key} {fabric.sources[key]['value'].partition(' (')[0]} (times {low:.3g} .. {high:.3g})"
+        for key, (low, high) in fabric.ranges.items()
+        if low < high and key.partition(".")[0] not in fabric.assumed
     ]
+    guessed = ", ".join(key for key in fabric.guessed if key not in fabric.ranges)
+    lines = [f"assumed: {', '.join(ranged)}"] if ranged else []
+    return [*lines, f"guessed, without a range: {guessed}; give low and high"] if guessed else lines
 
 
 def _crimp_line(fabric):
@@ -177,25 +246,20 @@ def _family(fabric, table):
     family = family_of(fabric)
     if family is not None:
         return family
-    raise _missing(fabric, table, of_no_family())
-
-
-def of_no_family() -> str:
-    """What to do about yarns of no family, in words."""
     known = ", ".join(
         f"{each.name} ({_range(each.limits['modulus'], 1e-9)} GPa, {_range(each.limits['fibre_density'], 1)} kg/m^3)"
         for each in list_families()
     )
     names = " or ".join(f'"{name}"' for name in FIBRES)
-    return (
-        f"the yarns are none of {known}; or give family = {names} above [warp], whose values are then assumed with "
-        "wider ranges"
-    )
+    named = f"give family = {names} above [warp] (--family of `fabrics new`)"
+    why = f"the yarns are none of {known}; or {named}, whose values are then assumed with wider ranges"
+    raise _missing(fabric, table, why)
 
 
 def _missing(fabric, table, why):
-    what, given = (f"[{table}] table", f"given, with {TABLES[table]}") if table in TABLES else (table, "given")
-    return InputError(f"fabric {fabric.name} has no {what}", allowed=f"{given}: {why}")
+    lacking = {"shear": fabric.shear, "solid": fabric.solid_laws} if table in ("shear", "solid") else {table: None}
+    tables = " and ".join(f"[{name}] ({TABLES[name]})" for name, laws in lacking.items() if laws is None)
+    return InputError(f"fabric {fabric.name} has no {tables}", allowed=f"given, which no data sheet does: {why}")
 
 
 def _range(pair, factor):
@@ -217,6 +281,8 @@ def _completed(fabric, table, law_of):
         return fabric
     family = _family(fabric, table)
     law = law_of(family)
+    if law is None:
+        raise _missing(fabric, table, f"of {family.name} yarns no numbers are at hand")
     sources = {**fabric.sources, **family.sources(table)}
     if table == "solid":
         sources |= {
@@ -229,7 +295,8 @@ def _completed(fabric, table, law_of):
     if table == "strain_rate":
         sources |= law.sources()
     names = (*(name for name in fabric.assumed if name != table), table)
-    return replace(fabric, **{field: law}, sources=sources, assumed=names)
+    ranges = {f"{table}.{name}": pair for name, pair in _usual_ranges(fabric, table).items()}
+    return replace(fabric, **{field: law}, sources=sources, assumed=names, ranges={**fabric.ranges, **ranges})
 
 
 def _derived(shear, family):

@@ -47,6 +47,8 @@ class Fabric:
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     strain_rate : RateLaw of its yarns, or None
     failure_length : [m] half width, across the fibres, of the mean tension that is held against the strength
+    ranges : {dotted key: (low, high) over the value} of numbers with a range of their own
+    guessed : dotted keys of numbers that are assumed without a range
     family : name of the fibre family whose values are assumed; None takes that which modulus and fibre density decide
     """
 
@@ -69,6 +71,8 @@ class Fabric:
     ply_contact: PlyLaw | None = None
     strain_rate: RateLaw | None = None
     failure_length: float = 0.75e-3
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    guessed: tuple[str, ...] = ()
     family: str | None = None
 
     def __post_init__(self):

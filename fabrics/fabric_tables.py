@@ -1,13 +1,13 @@
 """Tables of a fabric file: every key with its units and bounds, an example and its meaning.
 
 A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"`; it is
-read as a `Datum`. The bounds hold for any yarn or fabric: what lies outside is an error of the unit.
+read as a `Datum`; with `low` and `high` it has a range. What lies outside the bounds is an error of the unit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
@@ -17,19 +17,25 @@ from fabrics.schema import Table, described, one_of, string
 from fabrics.units import example, in_one_of, si
 
 STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")  # of the data of a fabric
+OF_YARNS = ("modulus", "failure_strain", "strength", "tenacity", "crimp")
+# numbers that may have a range
+RANGED = (*OF_YARNS, "failure_length", "G1", "G2", "gamma1", "gamma2", "E_a", "E_c", "K_r", "K_G", "V_c", "Vf0")
+ENTRY = ("value", "low", "high", "source", "status")  # keys of a number
 FAMILIES = ("warp", "weft")
 FIBRES = ("para-aramid", "UHMWPE", "E-glass")  # names of `fabrics.families`
 
 
 @dataclass(frozen=True)
 class Datum:
-    """A number of a fabric file: its value in the SI `unit`, as it is `written`, and where it comes from."""
+    """A number of a fabric file: value in the SI `unit`, text, where it comes from, ends of its range over it."""
 
     value: float
     unit: str
     written: str
     source: str
     status: str
+    sourced: bool = True
+    ratios: tuple[float, float] | None = None
 
     @property
     def entry(self) -> dict[str, str]:
@@ -73,16 +79,29 @@ class Quantity:
 
     def datum(self, entry: Any, info: Any) -> Datum:
         """The Datum of an entry of a file, whose name is the source of one that gives none."""
+        sourced = isinstance(entry, dict) and bool(entry.get("source"))
         if not isinstance(entry, dict):
             entry = {"value": entry, "source": info.context["source"]}
-        for key in set(entry) - {"value", "source", "status"}:
-            message, allowed = _unknown(nearest(key, ("value", "source", "status")), ("value", "source", "status"))
+        for key in set(entry) - set(ENTRY):
+            message, allowed = _unknown(nearest(key, ENTRY), ENTRY)
             raise InputError(message, key=key, allowed=allowed)
         status = entry.get("status", "user")
         if status not in STATUSES:
             raise InputError(key="status", value=status, allowed=f"one of {', '.join(STATUSES)}")
         number, unit = self.read(entry.get("value"))
-        return Datum(number, unit, str(entry["value"]), entry.get("source", ""), status)
+        written, ratios = str(entry["value"]), None
+        if "low" in entry or "high" in entry:
+            if info.field_name not in RANGED:
+                raise InputError(key="low", value=entry.get("low"), allowed=f"left out but of {', '.join(RANGED)}")
+            same = replace(self, bounds={unit: self.bounds[unit]})
+            low, high = (same.read(entry.get(key), key=key)[0] for key in ("low", "high"))
+            for key, fits in (("low", 0 < low <= number), ("high", high >= number)):
+                if not fits:
+                    allowed = "above 0 and at most value" if key == "low" else "at least value"
+                    raise InputError(key=key, value=entry[key], allowed=f"{allowed}, {entry['value']}")
+            ratios = low / number, high / number
+            written += f" ({entry['low']} .. {entry['high']})"
+        return Datum(number, unit, written, entry.get("source", ""), status, sourced, ratios)
 
 
 def _data(meaning, sample, bounds):

@@ -1,7 +1,7 @@
 """Projectiles by name: fragment simulators, right circular cylinders and spheres of steel (`projectiles.toml`).
 
 An entry holds keys of the table [projectile] of an input file as they would be written there ("1.10 g"), each with its
-source and status, and the tolerance of the mass where one is known.
+source and status, and the tolerance of the mass where one is known. A file of a user (*.toml) is such an entry too.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 
 from fabrics.checks import FilePath
 from fabrics.errors import unknown_name
+from fabrics.schema import read_toml
 from fabrics.units import si
 
 _FILE = Path(__file__).with_name("projectiles.toml")
@@ -40,12 +41,19 @@ def density() -> float:
 
 
 def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tuple[str, Entry]:
-    """(shape, data) of a projectile.
+    """(shape, data) of a projectile by name, or by the path of its file from the folder of `file`.
 
     Raises
     ------
     InputError : an unknown name; one line with the `file` and `key` that it is read from, and the names there are
     """
+    if name.endswith(".toml"):
+        path = Path(file or "").parent / name
+        own: dict[str, Any] = {"shape": "flat"} | read_toml(path, what="projectile")[1]
+        sole = {"source": path.name, "status": "user"}
+        return own.pop("shape"), {
+            one: sole | (value if isinstance(value, dict) else {"value": value}) for one, value in own.items()
+        }
     known = list_names()
     if name not in known:
         raise unknown_name("projectile", name, known, file=file, key=key)
@@ -70,4 +78,4 @@ def table(
     taken = [one for one in data if one != "mass_tolerance"]
     if chosen != shape:
         taken = [one for one in taken if one in _OF_SHAPE.get(chosen, _OF_ANY_NOSE)]
-    return {"name": name, "shape": shape} | {one: data[one]["value"] for one in taken} | dict(given)
+    return {"name": name, "shape": shape} | {one: data[one].get("value") for one in taken} | dict(given)

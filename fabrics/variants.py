@@ -6,7 +6,7 @@ number for both families or a pair (warp, weft), and so is a factor. Sources sta
 | change | function |
 | --- | --- |
 | linear density, of the data sheet or of the runs of the thesis | `with_linear_density` |
-| values of the yarns (crimp, modulus, ...) | `with_yarns`, `scale_yarns` |
+| values of the yarns (crimp, modulus, ...) | `Fabric.with_yarns`, `scale_yarns` |
 | areal density at constant stiffness of the yarns | `scale_areal_density` |
 | compression laws | `scale_laws` |
 | trellis shear | `with_shear`, `scale_shear` |
@@ -39,20 +39,6 @@ def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
     if choice == "nominal" or fabric.effective_linear_density is None:
         return fabric
     return fabric.with_effective_density()
-
-
-def with_yarns(fabric: Fabric, **values: Value) -> Fabric:
-    """Other values of the yarns.
-
-    Parameters
-    ----------
-    values : fields of `Yarn`: linear_density [kg/m], fibre_density [kg/m3], E [Pa], failure_strain [-], crimp [-]
-
-    Raises
-    ------
-    InputError : a value that `Yarn` does not allow
-    """
-    return fabric.with_yarns(**values)
 
 
 def scale_yarns(fabric: Fabric, **factors: Value) -> Fabric:

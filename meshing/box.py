@@ -11,7 +11,6 @@ from functools import lru_cache
 import numpy as np
 
 from fabrics.checks import IntArray
-from meshing.session import gmsh_session
 
 HEXAHEDRON = 5  # gmsh's number of the 8-node brick
 
@@ -29,6 +28,8 @@ def transfinite_box(nx: int, ny: int, nz: int) -> IntArray:
     ------
     RuntimeError : gmsh did not mesh the box as a grid
     """
+    from meshing.session import gmsh_session  # decks of panels need no gmsh
+
     with gmsh_session("box") as gmsh:
         _box(gmsh, nx, ny, nz)
         gmsh.model.mesh.generate(3)

@@ -9,7 +9,6 @@ from typing import Any, TypeAlias, TypedDict
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.variants import with_yarns
 from meshing.section import YarnSection
 
 YARNS = ("warp", "weft")
@@ -124,7 +123,7 @@ def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
     InputError : another word, the fabric has no micrographs, or a crimp that is no fraction from 0 to below 1
     """
     if not isinstance(crimp, str):
-        return with_yarns(fabric, crimp=_two("crimp", crimp, "two fractions, of warp and weft"))
+        return fabric.with_yarns(crimp=_two("crimp", crimp, "two fractions, of warp and weft"))
     one_of("crimp", crimp, ("hand", "micrograph"))
     if crimp == "hand":
         return fabric
@@ -132,7 +131,7 @@ def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
         raise InputError(
             f"fabric {fabric.name} has no micrographs of warp and weft: its crimp is that measured by hand"
         )
-    return with_yarns(fabric, crimp=[fabric.micrograph[name]["crimp"] for name in YARNS])
+    return fabric.with_yarns(crimp=[fabric.micrograph[name]["crimp"] for name in YARNS])
 
 
 def _two(key, value, allowed):

@@ -1,11 +1,12 @@
 """Make the figures of README and docs from the code: python tools/figures.py [results/demo]  (make figures).
 
 Takes the pictures of a demonstration that has been run into the given folder, and computes the others: coupons and the
-picture at the head of README. `--only` makes some of them. They go to docs/figures/. Figures of reports are drawn by
-`make docs` from the CSVs of their studies.
+pictures of README, of which chromium draws the report. `--only` makes some of them. They go to docs/figures/. Figures
+of reports are drawn by `make docs` from the CSVs of their studies.
 """
 
 import argparse
+import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -40,6 +41,17 @@ def impact(_):
     hero.main(hero.HERO)
 
 
+def report(_):
+    """The head of the report of a shot in a browser, and the movie of the shot."""
+    with TemporaryDirectory() as folder:
+        wc.impact(COUPONS.parent / "S-720-perforates.toml", out=folder)
+        wc.view(folder, movie=FIGURES / "perforation.gif")
+        words = ("--headless", "--no-sandbox", "--enable-unsafe-swiftshader", "--hide-scrollbars")
+        shot = "--window-size=1280,1130", "--virtual-time-budget=9000", f"--screenshot={folder}/report.png"
+        subprocess.run(["chromium", *words, *shot, f"file://{folder}/report.html"], check=True, capture_output=True)
+        keep(Path(folder) / "report.png", "report.png")
+
+
 def coupons(_):
     """Run examples of coupons, and keep some of their pictures."""
     with TemporaryDirectory() as folder:
@@ -68,7 +80,7 @@ def shrink(path, width=1000, most=4e5):
             small.quantize(256).save(beside, format="PNG", optimize=True)
 
 
-MAKERS = {"demo": from_demo, "coupons": coupons, "impact": impact}
+MAKERS = {"demo": from_demo, "coupons": coupons, "impact": impact, "report": report}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(prog="python tools/figures.py", description=__doc__.splitlines()[0])

@@ -13,15 +13,15 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from fabrics import data_sheet
+from fabrics import assumed, data_sheet
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.fabric_tables import FAMILIES, OF_YARN, STATUSES, Datum, FabricFile, Laws, Solids
+from fabrics.fabric_tables import FAMILIES, OF_YARN, RANGED, STATUSES, Datum, FabricFile, Laws, Solids
 from fabrics.families.strain_rate import RateLaw
 from fabrics.ply_law import PlyLaw
-from fabrics.schema import validated
+from fabrics.schema import read_toml, validated
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
@@ -67,12 +67,7 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     InputError : as `load`; all values that are wrong, one line each
     """
     path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
-    except OSError as problem:
-        raise InputError(f"cannot be read ({problem.strerror})", file=path) from problem
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
-        raise InputError(f"is not TOML: {problem}", file=path) from problem
+    content = read_toml(path, what="fabric")[1] if text is None else tomllib.loads(text)
     file = validated(FabricFile, content, path, {"source": path.name})
     sources = {key: datum.entry for key, datum in file.data()}
     try:
@@ -124,14 +119,23 @@ def _fabric(file, sources, path):
         yarn_area=(_area("warp", file.warp, warp), _area("weft", file.weft, weft)),
         thickness=thickness,
         strain_rate=rate_law,
+        ranges={key: datum.ratios for key, datum in file.data() if datum.ratios is not None},
+        guessed=() if path.parent == _FOLDER else tuple(key for key, datum in file.data() if _guessed(key, datum)),
         family=file.family,
         notes=tuple(notes),
     )
+    fabric = assumed.with_ranges_of_guesses(fabric)
     if file.ply_contact is None:
         return fabric
     law = PlyLaw.from_table(file.ply_contact, fabric, path)
     entry = {"value": law.words(), "source": law.source, "status": law.status}
     return replace(fabric, ply_contact=law, sources=fabric.sources | {"ply_contact": entry})
+
+
+def _guessed(key, datum):
+    """Whether a number without a range is a guess: assumed, or in [shear] or [solid] without a source."""
+    sourced = datum.sourced or not key.startswith(("shear.", "solid."))
+    return datum.ratios is None and key.rpartition(".")[2] in RANGED and (datum.status == "assumed" or not sourced)
 
 
 def _value(datum):

@@ -5,11 +5,8 @@ fibres. A family's file gives these, with the status "assumed", a source, and th
 value is taken to lie; where numbers are known also strength and modulus at strain rates (`families.strain_rate`).
 Angles and moduli of the trellis follow from the weave (`families.trellis`).
 
-A fabric file may name the family of yarns that are of none (PBO, LCP, nylon): the values are then those of the family,
-the ranges wider, to the power `other_yarns` of its file (`Family.for_other_yarns`).
-
 Every range has a soft and a stiff end. `Family.shear` and `Family.solid_laws` give the nominal law, or the law of one
-of these ends.
+of these ends. Yarns of no family (PBO, LCP, nylon) may name one: ranges are then wider (`Family.for_other_yarns`).
 """
 
 from __future__ import annotations
@@ -86,8 +83,7 @@ class Family:
     limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that belong to it
     entries : {dotted key: Entry} of [shear] and [solid]
     strain_rate : RateLaw, or None where no numbers are known
-    power : [-] of the ranges for yarns that do not belong to it, see `Entry.widened`
-    of_others : whether it stands for such yarns, with these ranges
+    power, of_others : [-] of the ranges (`Entry.widened`) of other yarns, and whether it stands for these
     """
 
     name: str

@@ -37,11 +37,11 @@ def test_weaving_damage_scales_stiffness_and_strength(fabric):
 
 
 def test_yarns_one_value_or_two(fabric):
-    both = variants.with_yarns(fabric, crimp=0.01, E=(70e9, 80e9))
+    both = fabric.with_yarns(crimp=0.01, E=(70e9, 80e9))
     assert [(yarn.crimp, yarn.E) for yarn in both.weave.yarns] == [(0.01, 70e9), (0.01, 80e9)]
     scaled = variants.scale_yarns(fabric, crimp=(2.0, 0.5))
     assert [new.crimp / old.crimp for new, old in zip(scaled.weave.yarns, fabric.weave.yarns)] == [2.0, 0.5]
-    assert variants.scale_yarns(fabric, E=1.0) == variants.with_yarns(fabric) == fabric
+    assert variants.scale_yarns(fabric, E=1.0) == fabric.with_yarns() == fabric
 
 
 def test_linear_density(fabric):

@@ -55,10 +55,17 @@ def installed(built, shared):
     """run(program, *arguments, at=folder) of a new environment without the checkout, whose `packages` are a folder.
 
     What weavecell needs is seen by a .pth file that names the folders of this environment. Python does not read the
-    .pth files in there, so that an editable installation of the checkout is not seen.
+    .pth files in there, so that an editable installation of the checkout is not seen. Where `WHEEL_PYTHON` names a
+    Python, the environment is one of that Python and of packages of PyPI alone.
     """
 
     def make(folder):
+        if python := os.environ.get("WHEEL_PYTHON"):
+            subprocess.run([python, "-m", "venv", str(folder)], check=True)
+            [wheel] = built.glob("*.whl")
+            done = run_in(folder, str(folder / "bin" / "pip"), "install", "--quiet", f"{wheel}[app,hdf5]")
+            assert done.returncode == 0, done.stderr
+            return
         subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", str(folder)], check=True)
         pip = [str(folder / "bin" / "python"), "-m", "pip", "install", "--quiet", "--no-deps", "--no-index"]
         done = run_in(folder, *pip, *map(str, built.glob("*.whl")))

@@ -2,6 +2,8 @@
 
 import re
 
+import yaml
+
 import fabrics
 from tests.installed.packages import ROOT, SETTINGS
 
@@ -13,14 +15,15 @@ def found(pattern, name):
 def test_all_files_have_the_version_of_the_code():
     version = fabrics.__version__
     assert SETTINGS["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "fabrics.__version__"}
-    assert found(r'version = "(.*)"', "packaging/conda/meta.yaml")[0] == version
     (released, date), *_ = found(r"^## \[(\d[^\]]*)\] - (\d{4}-\d\d-\d\d)$", "CHANGELOG.md")
     assert released == found(r"^version: (.*)$", "CITATION.cff")[0] == version
     assert date == found(r"^date-released: (.*)$", "CITATION.cff")[0]
 
 
-def test_the_recipe_needs_what_the_package_needs():
-    project, recipe = SETTINGS["project"], (ROOT / "packaging/conda/meta.yaml").read_text("utf-8").lower()
+def test_the_conda_environment_has_what_the_package_needs():
+    """And its entries for pip are lines of a requirements file, which takes no option such as --no-deps."""
+    *names, by_pip = yaml.safe_load((ROOT / "environment.yml").read_text("utf-8"))["dependencies"]
+    project = SETTINGS["project"]
     needed = [*project["dependencies"], *project["optional-dependencies"]["app"]]
-    names = [re.match(r"[\w-]+", each)[0].lower() for each in needed]
-    assert [name for name in names if f"- {name}" not in recipe] == []
+    assert {re.match(r"[\w-]+", each)[0].lower() for each in needed} <= {re.match(r"[\w-]+", each)[0] for each in names}
+    assert by_pip == {"pip": ["--editable ."]}

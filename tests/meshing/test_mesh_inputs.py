@@ -6,7 +6,6 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from fabrics.variants import with_yarns
 from meshing import crossover, patch
 from meshing.conforming import conform
 from meshing.section import Section
@@ -14,9 +13,9 @@ from meshing.section_fit import fit_sections
 
 S720 = catalogue.load("S-720")
 NEGATIVE = S720.micrograph | {"weft": S720.micrograph["weft"] | {"crimp": -0.01}}
-FLAT = with_yarns(S720, crimp=0.0).weave
-HALF_FLAT = with_yarns(S720, crimp=(0.0, S720.weave.weft.crimp)).weave
-THIN = with_yarns(S720, crimp=1e-3).weave
+FLAT = S720.with_yarns(crimp=0.0).weave
+HALF_FLAT = S720.with_yarns(crimp=(0.0, S720.weave.weft.crimp)).weave
+THIN = S720.with_yarns(crimp=1e-3).weave
 SPACINGS = [1.27e-3, 1.27e-3]
 HALF = "from 0 to below half a spacing, 0.000635 m"
 WIDE = "above 0 and at most the spacing, 0.00127 m"

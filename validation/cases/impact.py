@@ -16,7 +16,7 @@ import weavecell as wc
 from fabrics.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.ply_law import PlyLaw
-from fabrics.variants import with_failure_length, with_yarns
+from fabrics.variants import with_failure_length
 from shellfabric.impact import ballistic_limit, lambert_jonas, simulation
 from shellfabric.output.wave_fronts import fronts
 from shellfabric.panel.model import Numerics
@@ -88,7 +88,7 @@ def changed(
     if law != "regularised":
         fabric = variants.with_law_form(fabric, law)
     if straight:
-        fabric = with_yarns(fabric, crimp=variants.NEARLY_STRAIGHT)
+        fabric = fabric.with_yarns(crimp=variants.NEARLY_STRAIGHT)
     if failure_length is not None:
         fabric = with_failure_length(fabric, failure_length)
     return variants.homogenised(fabric, crossovers) if crossovers > 1 else fabric

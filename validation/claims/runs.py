@@ -62,7 +62,7 @@ def cloth(
     if straight:
         fabric = comparison.with_straight_yarns(fabric)
     elif crimps:
-        fabric = variants.with_yarns(fabric, crimp=crimps)
+        fabric = fabric.with_yarns(crimp=crimps)
     return variants.with_shear(fabric, **shear) if shear else fabric
 
 

@@ -219,7 +219,7 @@ class BiaxialResult(Result):
         page.write_pictures([section], out / "pictures")
         title, card = f"{fabric.name}: biaxial response", chapters.law_card(self.model.used_laws[0], source=self.source)
         lead = "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first "
-        report = chapters.of_cell(title, lead + "yarn.", fabric, (card,), (section,), stamp, {"all": self.seconds})
+        report = chapters.report(title, lead + "yarn.", (fabric,), (card,), (section,), stamp, {"all": self.seconds})
         page.write(report, out / "report.html")
 
     def _section(self):

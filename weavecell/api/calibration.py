@@ -111,7 +111,7 @@ def calibrate(
             watch = progress.by_path(advance, solver.CASES)
             done = solver.calibrate(fabric, size=size, out=folder, resume=resume, on_progress=watch, **choices)
         failed: dict[str, str] = {}
-        if assumed_range and "solid" in fabric.assumed:
+        if assumed_range and assumed.solid_ends(fabric):
             with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
                 watch = progress.by_path(advance, 2 * solver.CASES)
                 done, failed = ends.with_assumed_range(fabric, done, size=size, on_progress=watch, **choices)
@@ -354,7 +354,7 @@ class CalibrationResult(Result):
             card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
             title, picture = f"{fabric.name}: compression law from the 3D crossover", folder / "crossover.png"
             sections = *self.sections(), chapters.mesh(self.mesh.summary(), picture.read_bytes())
-            report = chapters.of_cell(title, lead, fabric, (card,), sections, stamp, done.seconds)
+            report = chapters.report(title, lead, (fabric,), (card,), sections, stamp, done.seconds)
             page.write(report, folder / "report.html")
 
     def sections(self) -> tuple[Section, ...]:

@@ -4,6 +4,7 @@ The folder of `weavecell compare`
     comparison.json      V50 of the tests, computed critical velocity, residual velocities, with intervals, provenance
     shots.csv            every test with the computed outcome and residual velocity
     comparison.svg       residual against strike velocity, tested and computed
+    report.html          all of it on one page
     scene.toml           the input file
 """
 
@@ -51,7 +52,7 @@ def compare(
     Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time, backing.after_stop,
     run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and [accuracy] are rejected.
 
-    The folder then holds comparison.json, shots.csv, comparison.svg and scene.toml.
+    The folder then holds report.html, comparison.json, shots.csv, comparison.svg and scene.toml.
 
     Parameters
     ----------
@@ -129,7 +130,13 @@ class ComparisonResult(StudyResult):
     def summary(self) -> dict[str, Any]:
         """V50 of the tests, computed critical velocity, residual velocities, with intervals."""
         named = {"fabric": self.target.title, "projectile": self.target.projectile}
-        return named | self.comparison.summary() | {"limit_sensitivity": self.limit_sensitivity}
+        return named | self.comparison.summary()
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        computed, curve = self.comparison.limit.velocity, self.comparison.curve
+        off = "" if curve is None else f", {100 * (computed / curve.V50 - 1):+.1f} % off the V50 of the tests"
+        return "Computed critical velocity", f"{computed:.1f} m/s{off}"
 
     def _columns(self):
         return self.comparison.table
@@ -169,6 +176,5 @@ class ComparisonResult(StudyResult):
                 "residual velocity, computed less tested, {shots} shots: mean {mean:+.1f} m/s ({low:+.1f} to "
                 "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
             )
-        lines += [self.limit_sensitivity] * bool(self.limit_sensitivity)
         doubtful = int((comparison.table["checks"] == "doubtful").sum())
         return lines + [f"doubtful: {doubtful} of {count} computed shots (shots.csv)"] * bool(doubtful)

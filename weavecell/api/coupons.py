@@ -367,20 +367,17 @@ class CouponResult(Result):
         if "report" not in outputs:
             return
         model, tone = case.scene.fabric.cell_model, "unstable" if self.outcome == "unstable" else "stopped"
-        cards = (
-            chapters.fabric_card(case.fabric),
-            chapters.law_card(case.laws[0], source=case.law_name if model == "compressible" else model),
-            page.Card(test, self.outcome, tuple(" ".join(line.split()) for line in self.lines()), tone),
-        )
+        lines = [" ".join(line.split()) for line in self.lines()]
+        cards = page.Card(test, self.outcome, tuple(lines), tone), *chapters.law_cards(case)
         sections = (
             section,
             chapters.cell(case.fabric, {case.law_name: case.laws}, model, **chapters.options(case.scene.fabric)),
             checks.section(self.checks),
-            chapters.sources(case.fabric),
-            chapters.making(stamp, {"test": facts["wall_time_s"]}),
         )
-        footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
-        page.write(page.Report(facts["title"], self._lead(), (cards,), sections, footer), out / "report.html")
+        seconds = {"test": facts["wall_time_s"]}
+        title, fabrics, outcome = facts["title"], (case.fabric,), f"{section.title}: {self.outcome}, {lines[0]}."
+        report = chapters.report(title, self._lead(), fabrics, cards, sections, stamp, seconds, outcome, tone)
+        page.write(report, out / "report.html")
 
     def __str__(self) -> str:
         return "\n".join((f"{self.record.facts['title']}: {self.outcome}", *self.lines()))

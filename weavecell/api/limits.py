@@ -5,6 +5,7 @@ The folder of `weavecell critical-velocity`
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots, provenance
     shots.csv                one row a shot, by strike velocity
     residual-velocity.svg    residual against strike velocity
+    report.html              all of it on one page
 """
 
 from __future__ import annotations
@@ -80,8 +81,8 @@ def critical_velocity(
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
     run.outputs. [history] and [accuracy] are rejected.
 
-    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an unstable
-    shot only the scene and the shots before it.
+    The folder then holds report.html, critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml; after an
+    unstable shot only the scene and the shots before it.
 
     Parameters
     ----------
@@ -92,8 +93,8 @@ def critical_velocity(
     scan_above : range above the highest stop that is scanned for further stops
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
-    assumed_range : repeat the search with both ends of the range of each assumed law, crimp and failure length, not of
-        a lay-up; without this option a command leaves out the failure length; in Python "laws" does
+    assumed_range : repeat the search with the ends of all that is assumed of fabric and set-up, not of a lay-up;
+        without this option a command does so where a law or the crimp is assumed; in Python "laws" does
     jobs : shots that run at the same time, as threads of this process
     executor : local; the ranks of mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...; or the workers of the
         Dask scheduler at DASK_SCHEDULER_ADDRESS
@@ -130,7 +131,7 @@ def critical_velocity(
     @contextmanager
     def stage(title):
         with progress.bar(title) as advance:
-            yield lambda share, shot: advance(share, shot and checks.of_shot(shot))
+            yield lambda share, shot: advance(share, checks.of_shot(shot) if shot else "")
 
     with targets.folder_of(out) as folder:
         try:
@@ -222,6 +223,11 @@ class CriticalVelocityResult(StudyResult):
         """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot, and why."""
         return checks.of_bracket(self.limit)
 
+    @property
+    def headline(self) -> tuple[str, str]:
+        single, zone = f"{self.limit.velocity:.1f} m/s", self.limit.mixed_zone
+        return "Critical velocity", single if zone is None else f"mixed outcomes, {zone[0]:.1f} to {zone[1]:.1f} m/s"
+
     def _what(self):
         name = f"{self.target.title}, critical velocity"
         return name if self.bracket_checks == checks.OK else f"{name}: the limit rests on a {self.bracket_checks}"
@@ -246,7 +252,6 @@ class CriticalVelocityResult(StudyResult):
             "mixed_zone_m_s": limit.mixed_zone,
             "scan": self.scan and asdict(self.scan),
             "lambert_jonas": self.fit and asdict(self.fit),
-            "limit_sensitivity": self.limit_sensitivity,
             "shots": len(limit.shots),
             "bracket_checks": self.bracket_checks,
             "wall_time_s": self.wall_time,
@@ -290,7 +295,7 @@ class CriticalVelocityResult(StudyResult):
             lines.append(f"Lambert-Jonas: {self.fit.words()}, rms {self.fit.residual_rms:.1f} m/s")
         if self.range is not None:
             lines.append(f"assumed laws: {self.range.words()}")
-        return lines + [self.limit_sensitivity] * bool(self.limit_sensitivity)
+        return lines
 
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:

@@ -89,7 +89,7 @@ class Listing(Sequence):
         from rich.console import Console
         from rich.table import Table
 
-        console = Console()
+        console = Console(force_jupyter=False)
         with console.capture() as shown:
             for number, (title, (heads, rows)) in enumerate(self.tables.items()):
                 right = self.numeric and number == 0
@@ -192,8 +192,8 @@ def show_projectile(name: str) -> Listing:
     from weavecell.scenes.impact import SHAPES
 
     shape, data = projectile_data.entry(name, key="PROJECTILE")
-    title = f"{name}, {SHAPES[shape]} of steel of {1e-3 * projectile_data.density():g} g/cm³"
-    return Listing({title: _sources(data)})
+    steel = "" if name.endswith(".toml") else f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
+    return Listing({f"{name}, {SHAPES[shape]}{steel}": _sources(data)})
 
 
 def show_backing(name: str) -> Listing:
@@ -302,8 +302,7 @@ def new_fabric(
     """Write a fabric file from data-sheet values, each with its source and status.
 
     What no data sheet states is assumed by fibre family when the file is used; the lines of the log, which the command
-    prints, say what that will be, and end with what is still missing. A platen curve is fitted by `weavecell calibrate
-    FILE --platen-curve CURVE.csv`.
+    prints, say what and what is missing. A platen curve is fitted by `weavecell calibrate FILE --platen-curve CURVE`.
 
     Parameters
     ----------
@@ -312,8 +311,7 @@ def new_fabric(
     yarn_curve : fit modulus and failure strain to this CSV file: strain and force of a yarn
     picture_frame : fit the trellis law to this CSV file: shear angle, and shear stress or force
     frame_side : side of the picture frame [m], needed where the file gives its force
-    family : para-aramid, UHMWPE or E-glass, for yarns of another fibre (PBO, LCP, nylon): what is assumed is that of
-        this family, with wider ranges
+    family : para-aramid, UHMWPE or E-glass: family of which other yarns (PBO, LCP, nylon) take what is assumed
 
     Raises
     ------

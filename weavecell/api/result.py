@@ -104,8 +104,9 @@ class Result:
         return display.frame({key.meaning: (key.unit, values) for key, values in columns})
 
     def _repr_html_(self) -> str:
-        (first, *others), table, parts = str(self).splitlines(), self._shown(), []
-        parts.append(f"<p style='white-space: pre-wrap'><b>{escape(first)}</b>\n{escape(chr(10).join(others))}</p>")
+        (first, *others), table = str(self).splitlines(), self._shown()
+        lines = "\n".join((f"<b>{escape(first)}</b>", *map(escape, others)))
+        parts = [f"<pre style='white-space: pre-wrap'>{lines}</pre>"]
         if hasattr(self, "plot"):
             picture = b64encode(self.plot()._repr_png_()).decode()
             parts.append(f"<img style='max-width: 100%' src='data:image/png;base64,{picture}'>")

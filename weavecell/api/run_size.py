@@ -79,11 +79,11 @@ class RunSize(Result):
         return {name: [value] for name, value in self.summary().items()}
 
     def __str__(self) -> str:
-        low, high = self.cpu_time
+        low, high = (f"{float(f'{seconds:.2g}'):g}" for seconds in self.cpu_time)
         block = f" and {self.bricks:,} bricks" if self.bricks else ""
         lines = [
             f"{self.title}: nothing is run",
             f"{self.elements:,} elements{block}, at most {self.steps:,} steps of {1e9 * self.time_step:.3g} ns",
-            f"memory {1e-6 * self.memory:.0f} MB; {low:.2g} to {high:.2g} s of CPU time if it goes on to its end time",
+            f"memory {1e-6 * self.memory:.0f} MB; {low} to {high} s of CPU time if it goes on to its end time",
         ]
         return "\n".join([*lines, *self.assumed])

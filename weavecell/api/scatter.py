@@ -1,9 +1,9 @@
 """Results of studies of scatter: V50, drawn panels, Sobol indices.
 
 The folders that `save` writes, beside runs/ with a file for each run
-    of a V50        v50.csv (curves), shots.csv, v50.json, v50.png, v50.html, scene.toml
-    of draws        draws.csv, summary.csv (means), summary.json, summary.png, summary.html, scene.toml
-    of Sobol indices    sobol.csv, sobol.json, sobol.png, sobol.html, scene.toml
+    of a V50        report.html, v50.csv (curves), shots.csv, v50.json, v50.png, scene.toml
+    of draws        report.html, draws.csv, summary.csv (means), summary.json, summary.png, scene.toml
+    of Sobol indices    report.html, sobol.csv, sobol.json, sobol.png, scene.toml
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def v50(
     title, projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval, run.checkpoint_interval,
     run.outputs; [history] and [accuracy] are rejected.
 
-    The folder then holds v50.html, .csv, .json, .png, shots.csv, scene.toml, and runs/, a file for each shot.
+    The folder then holds report.html, v50.csv, .json, .png, shots.csv, scene.toml, and runs/, a file for each shot.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def sensitivity(
     these keys are ignored: title, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
     [accuracy] are rejected.
 
-    The folder then holds sobol.html, .csv, .json, .png, scene.toml, and runs/, a file for each row.
+    The folder then holds report.html, sobol.csv, .json, .png, scene.toml, and runs/, a file for each row.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def draws(
 
     The symmetry of the input file is not used, since the whole panel is computed, nor are [history] and what a run
     records. The folder then holds mean, scatter and probability of perforation: summary.json, summary.csv,
-    summary.html, draws.csv, scene.toml, and runs/, from which --resume goes on, also to more draws.
+    report.html, draws.csv, scene.toml, and runs/, from which --resume goes on, also to more draws.
 
     Parameters
     ----------
@@ -266,6 +266,11 @@ class V50Result(StudyResult):
         return columns | dict(weakest)
 
     @property
+    def headline(self) -> tuple[str, str]:
+        low, high = self.interval
+        return "V50", f"{self.v50:.1f} m/s ({low:.1f} to {high:.1f} m/s)"
+
+    @property
     def title(self) -> str:
         return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
 
@@ -281,7 +286,6 @@ class V50Result(StudyResult):
                 for link, curve in study.curves.items()
             ),
             f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
-            *[self.limit_sensitivity] * bool(self.limit_sensitivity),
             f"{len(shots)} shots in rounds of {self.batch}, {len(perforations)} perforated, seed {self.seed}; slowest "
             f"perforation {min(perforations):.1f} m/s, fastest stop {max(stops):.1f} m/s; worst energy balance "
             f"{100 * max(shot.balance for shot in shots):.2g} %.",
@@ -333,7 +337,6 @@ class V50Result(StudyResult):
             "plies": self.target.setup.plies,
             "projectile": self.target.projectile,
             "deterministic": study.deterministic,
-            "limit_sensitivity": self.limit_sensitivity,
             "series": asdict(study.series),
             "lambert_jonas": study.fit and asdict(study.fit),
             "scatter": asdict(study.scatter),
@@ -347,7 +350,6 @@ class V50Result(StudyResult):
             "v50.csv": self.table().to_csv(index=False, float_format="%.6g"),
             "shots.csv": shots.to_csv(index=False, float_format="%.8g"),
             "v50.png": None,
-            "v50.html": None,
         }
 
     def draw(self, pyplot: Any) -> Figure:
@@ -388,6 +390,10 @@ class DrawsResult(StudyResult):
         units = {name: unit.replace("/", "_") for name, (unit, _) in QUANTITIES.items()} | {"time": "s"}
         draws = [vars(draw) for draw in self.study.draws]
         return {f"{name}_{units.get(name, '')}".rstrip("_"): [d[name] for d in draws] for name in draws[0]}
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        return "Probability of perforation", "{:.2f} ({:.2f} to {:.2f})".format(*self.study.probability())
 
     @property
     def title(self) -> str:
@@ -435,7 +441,6 @@ class DrawsResult(StudyResult):
             "summary.csv": self.table().to_csv(index=False, float_format="%.6g"),
             "draws.csv": self.to_dataframe().to_csv(index=False, float_format="%.9g"),
             "summary.png": None,
-            "summary.html": None,
         }
 
 
@@ -531,7 +536,7 @@ class SensitivityResult(StudyResult):
             "wall_time": self.wall_time,
         }
         table = self.table().to_csv(index=False, float_format="%.6g")
-        return {"sobol.json": content, "sobol.csv": table, "sobol.png": None, "sobol.html": None}
+        return {"sobol.json": content, "sobol.csv": table, "sobol.png": None}
 
     def draw(self, pyplot: Any) -> Figure:
         """First and total order index of each input."""

@@ -79,8 +79,8 @@ def impact(
     ----------
     target : input file of a ply or pack; in Python also a fabric as of `setup`, or a set-up of it
     velocity : of a fabric, [m/s] of the strike
-    assumed_range : of one ply, repeat the shot with both ends of the range of each assumed law, crimp and failure
-        length; without this option a command leaves out the failure length; in Python "laws" does
+    assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and set-up; without this
+        option a command does so where a law or the crimp is assumed; in Python "laws" does
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of a shot that
         perforates, on both meshes, the mean over a window of +-8 % of the velocity with its standard error
     check : run nothing and write nothing: tell elements, steps, memory, CPU time, and what is assumed

@@ -201,7 +201,7 @@ class SurfaceResult(Result):
         lead = "Tensions, contact force and heights of one crossing over the end displacements of its two yarns."
         if friction:
             lead += f" Coulomb friction {friction:g}; the weft is stretched first, then the warp."
-        report = chapters.of_cell(title, lead, self.fabric, (), (section,), stamp, self.sampled.seconds)
+        report = chapters.report(title, lead, (self.fabric,), (), (section,), stamp, self.sampled.seconds)
         page.write(report, out / "report.html")
 
     def _section(self):

@@ -5,6 +5,7 @@ The folder of `weavecell sweep`
     sweep.csv       a row for each combination
     sweep.json      the same, and provenance
     sweep.png       the quantity against the first key
+    report.html     all of it on one page
     runs/           a file for each finished run, from which `--resume` goes on
 """
 
@@ -64,8 +65,8 @@ def sweep(
     run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50 projectile.strike_velocity,
     run.end_time and backing.after_stop; [history] and [accuracy] are rejected.
 
-    The folder then holds sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies), scene.toml, and
-    runs/, a file for each finished run.
+    The folder then holds report.html, sweep.csv, sweep.json, sweep.png (against areal density, of numbers of plies),
+    scene.toml, and runs/, a file for each finished run.
 
     Parameters
     ----------
@@ -189,6 +190,19 @@ class SweepTable(StudyResult):
 
         return DataFrame(self.rows)
 
+    @property
+    def headline(self) -> tuple[str, str]:
+        from weavecell.studies.sweep import QUANTITIES
+
+        quantity = QUANTITIES[self.quantity]
+        values = [row[quantity.column] for row in self.rows if row.get(quantity.column) is not None]
+        span = f"{min(values):.1f} to {max(values):.1f} m/s" if values else "not found"
+        return quantity.label.partition(" [")[0].capitalize(), f"{span} over {', '.join(self.keys)}"
+
+    @property
+    def title(self) -> str:
+        return f"{self.target.setup.name}: {self.quantity.replace('-', ' ')} over {', '.join(self.keys)}"
+
     def draw(self, pyplot: Any) -> Figure:
         """The quantity against the first key."""
         from weavecell.report import pictures_uncertainty
@@ -215,7 +229,7 @@ class SweepTable(StudyResult):
 
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
-        content = {"quantity": self.quantity, "rows": self.rows, "limit_sensitivity": self.limit_sensitivity}
+        content = {"quantity": self.quantity, "rows": self.rows}
         return {"sweep.json": content, "sweep.csv": self.to_dataframe().to_csv(index=False), "sweep.png": None}
 
     def lines(self) -> list[str]:
@@ -228,9 +242,9 @@ class SweepTable(StudyResult):
             words = row["outcome"] if value is None else f"{value:.1f} m/s, {row['outcome']}"
             if row["outcome"] == MIXED:
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
-            doubt = ", doubtful" if row.get("checks") == "doubtful" else ""
+            doubt = f", {row['checks']}" if row.get("checks", "").startswith("doubtful") else ""
             lines.append(f"{', '.join(f'{key} = {row[key]}' for key in self.keys)}: {words}{doubt}")
-        return lines + [self.limit_sensitivity] * (self.quantity != "shot" and bool(self.limit_sensitivity))
+        return lines
 
 
 def _of_setups(setups, jobs, executor):
@@ -299,6 +313,12 @@ class SweepResult(Result, Sequence):
             "doubtful": sum(shot.doubtful for shot in self.shots),
             "checks": self.checks_text,
         }
+
+    def __str__(self) -> str:
+        counts = ", ".join(
+            f"{value} {name}" for name, value in self.summary().items() if name not in ("shots", "checks")
+        )
+        return f"{len(self.shots)} shots: {counts}; checks: {self.checks_text}"
 
     def _columns(self):
         from pandas import DataFrame

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,6 +56,14 @@ def law_card(law: CompressionLaw, published: CompressionLaw | None = None, sourc
     return Card(title, headline or "given", tuple(lines))
 
 
+def law_cards(case: Any) -> tuple[Card, ...]:
+    """The card of the law of what was built from an input file; none of a response surface, or without a file."""
+    if case is None or getattr(case, "surface", None) is not None:
+        return ()
+    model = case.scene.fabric.cell_model
+    return (law_card(case.laws[0], source=case.law_name if model == "compressible" else model),)
+
+
 def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
     """The meshed crossover."""
     return Section(
@@ -105,18 +113,13 @@ def cell(
     lead = "Tension of one yarn against the strain of the cell: lines are the shell's cell"
     lead += ", circles the 3D crossover." if any(case["points"] for case in cases.values()) else "."
     caption = "Crimp exchange: each yarn bears on the other and carries load before it is straight."
-    figure = Figure(content, "svg", caption, "cell")
-    rows = tuple(
-        (label, f"{1e3 * law.a:.4f}", f"{1e3 * law.b:.4f}", f"{1e3 * law.F0:.4g}" if law.form == "regularised" else "0")
+    points = [
+        f"Compression of the yarns, {label}: d_c = a - b / (F + F0)^(1/3), a = {1e3 * law.a:.4f} mm, "
+        f"b = {1e3 * law.b:.4f} mm N^(1/3), {'F0 = (b / a)^3' if law.form == 'regularised' else 'F0 = 0'}."
         for label, (law, _) in laws.items()
-        if law.a
-    )
-    columns = ("compression law", "a [mm]", "b [mm N^(1/3)]", "F0 [mN]")
-    caption = (
-        "Compression d_c of the two yarns of a crossover by the force F between them: d_c = a - b / (F + F0)^(1/3)"
-    )
-    table = (Table(columns, rows, caption, numeric=columns[1:]),) if rows else ()
-    return Section("cell", "Biaxial response of the cell", lead, (figure,), table)
+    ]
+    figure = Figure(content, "svg", caption, "cell")
+    return Section("cell", "Biaxial response of the cell", lead, (figure,), points=tuple(points))
 
 
 def options(table: Any) -> dict[str, Any]:
@@ -180,22 +183,27 @@ def struck(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = False) -
     return f"{plies}, {panel}{behind}, struck{at} by {projectile}."
 
 
-def of_cell(
+def report(
     title: str,
     lead: str,
-    fabric: Fabric,
-    cards: Iterable[Card],
+    fabrics: Sequence[Fabric],
+    cards: Sequence[Card],
     sections: Iterable[Section],
     stamp: Mapping[str, str],
     seconds: Mapping[str, float],
+    outcome: str = "",
+    tone: str = "plain",
+    more: tuple[Table, ...] = (),
 ) -> Report:
-    """The page of a crossover's results: the fabric's card before others, its sources and the making at the end.
+    """The page of any result: the first card, those of its fabrics, the others; sources and the making at the end.
 
     Parameters
     ----------
     stamp : of `results.provenance.stamp`
     seconds : {stage: wall time [s]}
+    outcome, tone : of the Report
+    more : tables of the making
     """
-    sections = (*sections, sources(fabric), making(stamp, seconds))
-    footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
-    return Report(title, lead, ((fabric_card(fabric), *cards),), sections, footer)
+    cards = (*cards[:1], *map(fabric_card, fabrics), *cards[1:])
+    sections = (*sections, sources(*fabrics), making(stamp, seconds, more))
+    return Report(title, lead, (cards,), sections, f"weavecell {stamp['weavecell']}, {stamp['date']}", outcome, tone)

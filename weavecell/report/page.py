@@ -6,7 +6,7 @@ This file knows how a report is built and nothing of mechanics; `chapters.py` tu
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 from importlib import resources
@@ -66,16 +66,6 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Moving:
-    """Arrays that templates/view3d.js draws: JSON, number of instants, {key: words} of its fields, colours."""
-
-    arrays: str
-    instants: int
-    fields: Mapping[str, str]
-    colours: Sequence[str]
-
-
-@dataclass(frozen=True)
 class Section:
     """A chapter of the page: a lead sentence, then figures and tables."""
 
@@ -84,10 +74,11 @@ class Section:
     lead: str = ""
     figures: tuple[Figure, ...] = ()
     tables: tuple[Table, ...] = ()
+    points: tuple[str, ...] = ()  # sentences below the pictures
     details: tuple[tuple[str, str], ...] = ()  # (title, verbatim text), folded
     beside: bool = False  # the tables stand beside the figures
     folded: bool = False  # opened by a click
-    moving: Moving | None = None
+    moving: str = ""  # JSON of the arrays that templates/view3d.js draws
 
 
 @dataclass(frozen=True)
@@ -127,7 +118,7 @@ class Embedded:
         self.html = render(report)
 
     def _repr_html_(self) -> str:
-        return f'<iframe srcdoc="{escape(self.html)}" style="width: 100%; height: 46rem; border: 0"></iframe>'
+        return f'<iframe srcdoc="{escape(self.html)}" style="width: 100%; height: 52rem; border: 0"></iframe>'
 
 
 def write_pictures(sections: Iterable[Section], folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""Pictures of scatter: Sobol indices as bars, and the probability of perforation with its shots."""
+"""Pictures of scatter and of assumptions: Sobol indices, tornado plot, probability of perforation with its shots."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from weavecell.studies import probit
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.draws import Draws
     from weavecell.studies.sobol import Indices
     from weavecell.studies.sweep import Quantity
@@ -43,6 +44,23 @@ def indices(pyplot: Any, indices: Sequence[Indices], title: str) -> Any:
     for axis in axes.flat[len(indices) :]:
         axis.set_visible(False)
     figure.suptitle(title)
+    return figure
+
+
+def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
+    """Lowest and highest velocity over each assumed range alone, the widest on top, with its share; all together."""
+    nominal, y = around.rows[0].velocity or 0.0, np.arange(len(around.widths))
+    low, high = np.array(list(around.widths.values())).T
+    figure, axis = pyplot.subplots(figsize=(9, 1.8 + 0.42 * y.size))
+    axis.axvspan(around.low, around.high, color=FAINT, alpha=0.25, lw=0, label="all runs")
+    for ends, colour, label in ((low, BLUE, "below nominal"), (high, ORANGE, "above nominal")):
+        axis.barh(y, ends - nominal, 0.62, left=nominal, color=colour, label=label)
+    axis.axvline(nominal, color=INK, lw=1.2, label=f"nominal, {nominal:.1f} m/s")
+    axis.set_yticks(y, [f"{name}, {100 * share:.0f} %" for name, share in around.shares.items()])
+    axis.invert_yaxis()
+    axis.grid(axis="y", visible=False)
+    axis.set(xlabel=f"{around.quantity} [m/s]", title=title)
+    axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 

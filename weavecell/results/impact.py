@@ -297,6 +297,10 @@ class ImpactRecord:
                 file.attrs[name] = json.dumps(content)
             for name, (source, table) in groups.items():
                 write_group(file.create_group(name), source, TABLES[table])
+            time, *others = (file["histories"][key.name] for key in TABLES["histories"])
+            time.make_scale("time")  # by which xarray and netCDF name the axis
+            for history in others:
+                history.dims[0].attach_scale(time)
             for name, values in self.energies.items():
                 put(file, f"energies/{name}", values, "J")
             for name, values in self.plies.items():

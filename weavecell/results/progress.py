@@ -31,7 +31,8 @@ class _Log:
 @contextmanager
 def bar(title: str) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage; yields `advance(fraction, text="")`, to be called with the fraction done, 0 to 1."""
-    live = sys.stderr.isatty() or "ipykernel" in sys.modules
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    live = sys.stderr.isatty() or hasattr(shell, "kernel")  # of a notebook
     if not (live or shown):
         yield lambda *_: None
         return
@@ -44,7 +45,7 @@ def bar(title: str) -> Iterator[Callable[..., None]]:
     with tqdm(desc=title, total=1.0, **look) as meter:
 
         def advance(fraction, text=""):
-            meter.set_postfix_str(text, refresh=False)
+            meter.set_postfix_str(text or "", refresh=False)
             meter.update(min(max(fraction, 0.0), 1.0) - meter.n)
 
         yield advance

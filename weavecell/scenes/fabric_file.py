@@ -228,16 +228,12 @@ def with_curves(
 def left_open(fabric: Fabric, path: FilePath) -> list[str]:
     """A line about each number that disagrees with another, each table that will be assumed, and at the end what is
     missing in the file at `path`."""
-    law = f"missing: the compression law; `weavecell calibrate {path}` computes it"
+    missing = [f"missing: the compression law, which `weavecell calibrate {path}` computes"]
     try:
-        whole = assumed.with_solid_laws(assumed.with_shear(fabric))
-        missing = [law]
+        fabric = assumed.with_solid_laws(assumed.with_shear(fabric))
     except InputError as problem:
-        whole, missing = fabric, [f"missing: {problem}", f"{law} then"]
-        if assumed.family_of(fabric) is None:
-            tables = " and ".join(f"[{t}] ({assumed.TABLES[t]})" for t in ("shear", "solid")[bool(fabric.shear) :])
-            missing[0] = f"missing: {tables}: on no data sheet, and {assumed.of_no_family()} (--family of this command)"
-    return [*fabric.notes, *assumed.lines(whole), f"written to {path}", *missing]
+        missing.insert(0, f"missing: {problem}")
+    return [*fabric.notes, *assumed.lines(fabric), f"written to {path}", *missing]
 
 
 def _entry(value, source, status):

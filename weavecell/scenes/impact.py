@@ -57,8 +57,9 @@ class ProjectileTable(Table):
     model_config = ConfigDict(json_schema_extra=_name_or_size)
 
     name: string(
-        "projectile of `weavecell projectiles list`; its data stand for keys that are not given, required ones too",
-        "the name of a projectile",
+        "projectile of `weavecell projectiles list`, or the path of a file of these keys, from the folder of the input "
+        "file; its data stand for keys that are not given, required ones too",
+        "the name of a projectile, or the path of a projectile file (*.toml)",
     ) = None
     mass: quantity(
         "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.1 to 30 diameters",
@@ -390,4 +391,8 @@ def _with_named(table, file, name, key, data):
     given = table.get(name)
     if not isinstance(given, dict) or not isinstance(given.get(key), str):
         return table
-    return table | {name: data.table(given[key], given, file=file, key=f"{name}.{key}")}
+    found = data.table(given[key], given, file=file, key=f"{name}.{key}")
+    if given[key].endswith(".toml"):  # what is wrong in it names this file
+        own = data.table(given[key], file=file) | {"strike_velocity": "1 m/s"}
+        validated(ProjectileTable, own, Path(file or "").parent / given[key])
+    return table | {name: found}

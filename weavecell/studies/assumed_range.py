@@ -1,28 +1,31 @@
-"""Ranges of residual and critical velocity that follow from assumed laws.
+"""Ranges of residual and critical velocity that follow from what is assumed.
 
-A law that no data sheet states is assumed with a range (`fabrics.families`). The shot, or the search of the critical
-velocity, is repeated with the soft and the stiff end of each assumed law, in all combinations: two runs for one assumed
-law, four for two. Where the crimp was computed from the thickness, the shot is repeated with each end of the thickness
-and of the warp's share too, and with each end of an assumed failure length, one at a time and with the nominal laws.
-The range is the envelope of these and the nominal run. It is a statement about these runs and no bound, since the
-outcome need not be monotonic in a law. How a limit changes with the failure length is said in a sentence too, without
-a run (`limit_sensitivity`).
+Laws, crimp, failure length and numbers of a fabric are assumed with a range (`fabrics.assumed`), and what a set-up
+assumes besides (`inputs.ranges`). The shot, or the search of the critical velocity, is repeated with each end of each,
+one at a time, and with all ends together that lower the velocity, or raise it. The range is the envelope of these runs
+and the nominal one, and no bound, since the outcome need not be monotonic. The share of an assumption is the width of
+its own runs over the sum of these widths.
+
+What is assumed besides the fabric follows from the set-up: strength after weaving, unless `weaving_damage` gives it,
+since yarns are tested before; friction of the projectile, of plies where there are several, of crossovers where yarns
+slide through them, and the force of clamps in which yarns slip. Pinned crossovers and rigid clamps stay: sliding and
+slip are other models, not ends of a range.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
-from itertools import product
+from collections.abc import Callable
+from dataclasses import astuple, dataclass, replace
+from functools import partial, reduce
 from typing import Any
 
-from fabrics import assumed, data_sheet
-from fabrics.compression import CompressionLaw
+from fabrics import assumed
 from fabrics.errors import InputError, UnstableError, WeavecellError
-from fabrics.fabric import Fabric
+from fabrics.yarn import WeavingDamage
 from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel import quality
+from shellfabric.panel.boundary import Grip
 from weavecell.studies import inputs
 
 NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
@@ -30,11 +33,12 @@ NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical
 
 @dataclass(frozen=True)
 class Row:
-    """One run: its laws and outcome in words, and the velocity [m/s], None where there is none."""
+    """One run: laws and outcome in words, velocity [m/s] or None, and what was varied, "" of several or nothing."""
 
     laws: str
     outcome: str
     velocity: float | None
+    varied: str = ""
 
 
 @dataclass(frozen=True)
@@ -44,13 +48,27 @@ class AssumedRange:
     Parameters
     ----------
     quantity : "residual velocity" or "critical velocity"
-    tables : names of what was varied
     rows : tuple of Row, the nominal run first
     """
 
     quantity: str
-    tables: tuple[str, ...]
     rows: tuple[Row, ...]
+
+    @property
+    def widths(self) -> dict[str, tuple[float, float]]:
+        """{what is assumed: (lowest, highest) [m/s] of the nominal run and its own}, the widest first."""
+        nominal, found = self.rows[0].velocity, dict[str, tuple[float, float]]()
+        for row in self.rows:
+            if row.varied and row.velocity is not None and nominal is not None:
+                low, high = found.get(row.varied, (nominal, nominal))
+                found[row.varied] = min(low, row.velocity), max(high, row.velocity)
+        return dict(sorted(found.items(), key=lambda item: item[1][0] - item[1][1]))
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """{what is assumed: [-] its width over the sum of all widths}, the largest first."""
+        widths = {name: high - low for name, (low, high) in self.widths.items()}
+        return {name: width / (sum(widths.values()) or 1.0) for name, width in widths.items()}
 
     @property
     def low(self) -> float:
@@ -65,89 +83,86 @@ class AssumedRange:
     def words(self) -> str:
         """The range in one line."""
         outcomes = sorted({row.outcome for row in self.rows if row.outcome})
-        tables = ", ".join(self.tables[:-1]) + (" and " if self.tables[1:] else "") + self.tables[-1]
-        over = f"over the assumed range of {tables}"
+        shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in self.shares.items())
+        over = f"over the assumed ranges (shares: {shares})"
         if outcomes == ["stopped"]:
-            return f"stopped in all {len(self.rows)} runs {over}"
+            return f"stopped in all {len(self.rows)} runs over the assumed ranges ({', '.join(self.shares)})"
         more = f"; {' or '.join(outcomes)}" if outcomes else ""
         ordered = sorted((row.velocity, row.laws) for row in self.rows if row.velocity is not None)
         return (
-            f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over} "
-            f"(lowest: {ordered[0][1]}; highest: {ordered[-1][1]}){more}"
+            f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}; lowest: {ordered[0][1]}; "
+            f"highest: {ordered[-1][1]}{more}"
         )
 
     def summary(self) -> dict:
         """As plain types."""
         return {
             "quantity": self.quantity,
-            "assumed": list(self.tables),
+            "shares": self.shares,
             "low_m_s": self.low,
             "high_m_s": self.high,
-            "runs": [{"laws": r.laws, "outcome": r.outcome, "velocity_m_s": r.velocity} for r in self.rows],
+            "runs": [dict(zip(("laws", "outcome", "velocity_m_s", "varied"), astuple(row))) for row in self.rows],
         }
 
 
-def limit_sensitivity(fabrics: Iterable[Fabric]) -> str:
-    """How a limit changes over the range of the failure length, in a sentence; "" where no fabric assumes it."""
-    if not any("failure_length" in fabric.assumed for fabric in fabrics):
-        return ""
-    length = data_sheet.entries()["failure_length"]
-    changes = [
-        f"{100 * ((length.low / length.value) ** one.value - 1):+.0f} to "
-        f"{100 * ((length.high / length.value) ** one.value - 1):+.0f} % (power {one.value:g}, {name})"
-        for name, one in inputs.table("limit_exponent").items()
-    ]
-    return (
-        f"The failure length of {1e3 * length.value:g} mm is assumed: over its range of {1e3 * length.low:g} to "
-        f"{1e3 * length.high:g} mm the limit changes by about {' or '.join(changes)}."
-    )
-
-
 def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
-    """The set-up whose range is computed, None where it has no ends, by a choice of True, False and "laws", all but the
-    ends of the failure length; InputError: another choice."""
+    """The set-up whose range is computed, None where none is, by a choice of True, False and "laws": where more is
+    assumed of the fabric than its failure length; InputError: another choice."""
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
-    if choice == "laws":
-        setup = replace(setup, fabric=assumed.given(setup.fabric, "failure_length"))
-    return setup if choice and corners(setup.fabric, setup.laws) else None
+    found = set(changes(setup)) if choice else set()
+    return setup if (found - {"failure length", *inputs.ranges()} if choice == "laws" else found) else None
 
 
-def corners(
-    fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None
-) -> dict[str, tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]]:
-    """{words: (fabric, laws)} of all combinations of the ends of assumed laws, and of each end of an assumed crimp and
-    failure length.
-
-    Empty where nothing is assumed.
+def changes(setup: ImpactSetup) -> dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]:
+    """{what is assumed: {words: change of a set-up to this end}}, in the order in which ends may be combined.
 
     Parameters
     ----------
-    fabric : Fabric, completed by `fabrics.assumed`
-    laws : (warp, weft) that it is run with; they carry the range of an assumed solid law
+    setup : ImpactSetup, its fabric completed by `fabrics.assumed`; its laws carry the range of an assumed solid law
     """
-    shears = {f"trellis {end}": changed for end, changed in assumed.shear_ends(fabric).items()} or {"": fabric}
-    pairs: dict = {"": laws}
-    if laws is not None and laws[0].assumed_range is not None:
-        ends = [law.ends() or dict.fromkeys(("soft", "stiff"), law) for law in laws]
-        pairs = {f"yarns {end}": (ends[0][end], ends[1][end]) for end in ("soft", "stiff")}
-    ends_of_laws = {
-        ", ".join(filter(None, names)): (shears[names[0]], pairs[names[1]]) for names in product(shears, pairs)
+    found: dict[str, dict[str, Any]] = {
+        name: {words: partial(_of_fabric, name=name, words=words) for words in ends}
+        for name, ends in assumed.ends(setup.fabric).items()
     }
-    ends_of_laws.pop("", None)
-    others = assumed.crimp_ends(fabric) | assumed.failure_length_ends(fabric)
-    return ends_of_laws | {name: (changed, laws) for name, changed in others.items()}
+    if setup.laws is not None and setup.laws[0].assumed_range is not None:
+        ends = [law.ends() or dict.fromkeys(("soft", "stiff"), law) for law in setup.laws]
+        pairs = {end: (ends[0][end], ends[1][end]) for end in ("soft", "stiff")}
+        found["solid law"] = {f"yarns {end}": partial(replace, laws=pair) for end, pair in pairs.items()}
+    for name, one in inputs.ranges().items():
+        values = [end for end in (one.low, one.high) if end != one.value and _of_setup(setup, name, end) != setup]
+        if values:
+            found[name] = {f"{name} {end:g}": partial(_of_setup, name=name, value=end) for end in values}
+    return found
 
 
-def varied(fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None) -> tuple[str, ...]:
-    """What `corners` varies, in words."""
-    solid = laws is not None and laws[0].assumed_range is not None
-    return (
-        *(("the trellis law",) if "shear" in fabric.assumed else ()),
-        *(("the solid law",) if solid else ()),
-        *(("the crimp",) if "crimp" in fabric.assumed else ()),
-        *(("the failure length",) if "failure_length" in fabric.assumed else ()),
-    )
+def _of_fabric(setup, name, words):
+    return replace(setup, fabric=assumed.ends(setup.fabric)[name][words])
+
+
+def _of_setup(setup, name, value):
+    """The set-up with a value of one of `inputs.ranges`; as it is where it does not assume it."""
+    match name:
+        case "strength after weaving" if setup.failure and not setup.surface:
+            if "weaving_damage.strength" not in setup.fabric.sources:
+                damage = WeavingDamage(1.0, value, "range of a limit")
+                return replace(setup, fabric=setup.fabric.with_weaving_damage(damage))
+        case "friction of the projectile":
+            return replace(setup, projectile=replace(setup.projectile, friction=value))
+        case "friction between plies" if setup.plies > 1:
+            return replace(setup, ply_friction=value)
+        case "friction of crossovers" if setup.crossovers is not None:
+            return replace(setup, crossovers=replace(setup.crossovers, mu=value))
+        case "clamp force":
+            return replace(setup, edge=_gripped(setup.edge, value))
+    return setup
+
+
+def _gripped(edge, factor):
+    """An edge, in any of its forms, with the force of its friction clamps times a factor."""
+    if isinstance(edge, tuple):
+        return tuple(_gripped(part, factor) for part in edge)
+    return replace(edge, force=factor * edge.force) if isinstance(edge, Grip) else edge
 
 
 def residual_velocity(
@@ -169,7 +184,7 @@ def residual_velocity(
             return "unstable", None
         return result.outcome + " (doubtful)" * doubtful(result), float(result.residual_velocity)
 
-    return _over_corners("residual velocity", setup, outcome, velocity, shot, on_progress)
+    return _over_ends("residual velocity", setup, outcome, velocity, shot, on_progress)
 
 
 def critical_velocity(
@@ -200,7 +215,7 @@ def critical_velocity(
             return str(problem), None
         return "bracket on a doubtful shot" * any(map(doubtful, limit.ends)), float(limit.velocity)
 
-    return _over_corners("critical velocity", setup, "", velocity, search, on_progress)
+    return _over_ends("critical velocity", setup, "", velocity, search, on_progress)
 
 
 def doubtful(shot: Any) -> bool:
@@ -208,11 +223,23 @@ def doubtful(shot: Any) -> bool:
     return quality.status(shot.checks) == quality.DOUBTFUL
 
 
-def _over_corners(quantity, setup, outcome, velocity, run, on_progress):
+def _over_ends(quantity, setup, outcome, velocity, run, on_progress):
     """The AssumedRange of run(set-up) -> (outcome, velocity); None where nothing is assumed."""
-    rows, changes = [Row("nominal", outcome, velocity)], corners(setup.fabric, setup.laws)
-    for number, (words, (fabric, laws)) in enumerate(changes.items(), 1):
-        rows.append(Row(words, *run(replace(setup, fabric=fabric, laws=laws))))
+    rows, ends = [Row("nominal", outcome, velocity)], changes(setup)
+    count = sum(map(len, ends.values())) + 2
+
+    def add(words, changed, varied=""):
+        rows.append(Row(words, *run(changed), varied))
         if on_progress is not None:
-            on_progress(number / len(changes))
-    return AssumedRange(quantity, varied(setup.fabric, setup.laws), tuple(rows)) if changes else None
+            on_progress(min((len(rows) - 1) / count, 1.0))
+
+    for name, of_one in ends.items():
+        for words, change in of_one.items():
+            add(words, change(setup), name)
+    alone = {row.laws: row.velocity - velocity for row in rows if row.velocity is not None}
+    for words, sign in (("all that lower it", -1.0), ("all that raise it", 1.0)):
+        found = [max(of_one, key=lambda end: sign * alone.get(end, 0.0)) for of_one in ends.values()]
+        chosen = [ends[name][end] for name, end in zip(ends, found) if sign * alone.get(end, 0.0) > 0]
+        if len(chosen) > 1:
+            add(words, reduce(lambda changed, change: change(changed), chosen, setup))
+    return AssumedRange(quantity, tuple(rows)) if ends else None

@@ -12,7 +12,7 @@ from importlib import resources
 from math import inf
 from typing import Any
 
-from fabrics import variants
+from fabrics import families, variants
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.units import si
@@ -70,6 +70,16 @@ def table(section: str) -> dict[str, Entry]:
         up = si(row["up"], "", file=FILE, key=name) if "up" in row else value
         entries[name] = Entry(name, value, row["source"], row["status"], up)
     return entries
+
+
+@cache
+def ranges() -> dict[str, families.Entry]:
+    """Entries of [assumed], and of the friction of sliding crossovers, by name."""
+    from shellfabric.sliding.model import DATA
+
+    text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
+    of_crossovers = {"friction of crossovers": DATA["crossover_friction"]}
+    return {name: families.entry(row, "") for name, row in (tomllib.loads(text)["assumed"] | of_crossovers).items()}
 
 
 def published() -> Scatter:

@@ -44,7 +44,8 @@ def row(setup: ImpactSetup, quantity: str, tolerance: float = 1.0, **options: An
     try:
         if quantity == "v50":
             study = v50.study(setup, inputs.published(), **options)
-            return {"outcome": "fitted", **study.summary(), "checks": "doubtful" if study.doubtful else "ok"}
+            names = ", ".join(dict.fromkeys(name for shot in study.shots for name in shot.doubtful))
+            return {"outcome": "fitted", **study.summary(), "checks": f"doubtful: {names}" if names else quality.OK}
         return shot(setup) if quantity == "shot" else critical_velocity(setup, tolerance)
     except (UnstableError, UndecidedError) as problem:
         return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
@@ -67,7 +68,7 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
         "peak_tension_weft_N": float(weft),
         "cut_yarns": float(result.cut_yarns[-1]),
         "energy_error_max": float(result.energy_error_max),
-        "checks": quality.status(result.checks),
+        "checks": _with_reasons(result.checks),
     }
 
 
@@ -81,5 +82,12 @@ def critical_velocity(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
         "lower_m_s": float(low),
         "upper_m_s": float(high),
         "shots": len(limit.shots),
-        "checks": quality.status(quality.worst(shot.checks for shot in limit.ends)),
+        "checks": _with_reasons(quality.worst(shot.checks for shot in limit.ends)),
     }
+
+
+def _with_reasons(indicators):
+    """ "ok", or "doubtful: ..." or "noted: ..." with every indicator of that status, its value and its limit."""
+    status = quality.status(indicators)
+    reasons = "; ".join(str(one) for one in indicators if one.status == status)
+    return status if status == quality.OK else f"{status}: {reasons}"

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.variants import with_yarns
 from shellfabric.impact import simulation
 from validation.models.cable import step_kernels as kernels
 from validation.models.cable.model import CableNet, CableNumerics
 from validation.models.cable.solver import run
 
 S720 = catalogue.load("S-720").with_effective_density()
-FLAT = with_yarns(S720, crimp=0.0)
+FLAT = S720.with_yarns(crimp=0.0)
 SMALL = CableNet(S720, (0.05, 0.05))
 
 
@@ -85,7 +84,7 @@ def test_energy_error_falls_with_the_square_of_the_step():
 
 def beside_shell(crimps):
     """S-720 at 100 m/s over 240 us: the decoupled shell without trellis, and the net, with points as stiff as its."""
-    fabric = replace(with_yarns(S720, crimp=crimps), shear=None)
+    fabric = replace(S720.with_yarns(crimp=crimps), shear=None)
     mesh = {"elements_per_crossover": 1, "cell_model": "decoupled"}
     setup = simulation.ImpactSetup(fabric, 100.0, end_time=240e-6, audit_interval=2e-7, **mesh)
     net = CableNet.of(setup)

@@ -15,26 +15,18 @@ SCRIPTS = sorted({*(ROOT / "examples").glob("*.py")} - {ROOT / "examples" / "dem
 NUMBERS = {
     "areal_density": (r"4 x S-728, 925 g/m2: limit", 238),
     "clay_backing": (r"back-face signature", 9.9),
-    "coupon": (r"shear stress", 1218.98),
-    "crossover_calibration": (r"a = 0.0447 mm, b =", 0.0571),
     "export_deck": (r"LAW58 {'rms': '", 3.4),
-    "first_shot": (r"150 m/s: perforated, residual velocity", 84.9),
     "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 226),
     "oblique_fragment": (r"45 degrees: perforated,", 100),
-    "own_fabric": (r"mine: critical velocity", 120.5),
-    "pack_v50": (r"2 plies of S-728: V50", 131),
     "punch_test": (r"failure length 0.75 mm: limit", 39.0),
     "uncertainty": (r"3 x 3 elements per crossover:", 128.4),
 }
-WRITES = {"first_shot": "first-shot/panel.pvd", "export_deck": "deck/S-728.k"}
 
 
 @pytest.mark.slow(15)
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_the_script_prints_its_number(script, tmp_path):
     """As a user runs it, beside the folders of examples/, without a path to the packages."""
-    if script.stem == "crossover_calibration":
-        pytest.importorskip("dolfinx")
     shutil.copytree(script.parent, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
@@ -47,5 +39,4 @@ def test_the_script_prints_its_number(script, tmp_path):
     assert found, done.stdout
     last_digit = 10.0 ** -len(found[1].partition(".")[2])
     assert float(found[1]) == pytest.approx(number, rel=0.01, abs=last_digit)
-    assert (tmp_path / WRITES.get(script.stem, "")).exists()
     assert (tmp_path / f"{script.stem.replace('_', '-')}.png").exists()

@@ -16,6 +16,7 @@ from fabrics.errors import InputError
 from shellfabric.panel.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures
+from weavecell.report.page import Embedded
 from weavecell.report.pictures_figure import plots
 from weavecell.report.shot import chapters_shot, moving, pictures_shot, view
 from weavecell.results import provenance, vtk
@@ -74,14 +75,13 @@ def test_the_outcome_is_one_line(record):
 def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
     """What the script of the page reads: places to a 65,535th of the box, tensions to a 200th of the strength."""
     instants = view.Panel(record, vtk.read_series(results("impact").folder / "panel.pvd")).instants()
-    made = moving.moving(record, instants)
-    head = json.loads(made.arrays)
+    head = json.loads(moving.moving(record, instants))
     data = zlib.decompress(base64.b64decode(head["data"]))
     n, m, count = head["nodes"], head["elements"], head["instants"]
     sizes = np.cumsum([12 * head["bodyVertices"], 16 * m, 6 * n * count, 2 * m * count, m * count, m])
     _, quads, places, tension, failed, _ = np.split(np.frombuffer(data, np.uint8), sizes[:-1])
     assert len(data) == sizes[-1]
-    assert count == len(instants) == made.instants
+    assert count == len(instants)
     places = np.cumsum(places.view("<u2").reshape(count, n, 3), axis=0, dtype=np.uint16)
     for k, (grid, _) in enumerate(instants):
         at = np.array(head["origin"]) + places[k] * np.array(head["step"])
@@ -90,6 +90,9 @@ def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
         np.testing.assert_allclose(share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3)
         assert np.array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
     assert np.array_equal(quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:])
+    in_notebook = Embedded(moving.page(record, instants))._repr_html_()
+    assert in_notebook.startswith('<iframe srcdoc="&lt;!doctype html&gt;')
+    assert in_notebook.count('"') == 4  # those of the page within are escaped
 
 
 def texts(figure):
@@ -111,7 +114,7 @@ def texts(figure):
 
 @pytest.mark.parametrize("scale", [1e-3, 20.0])
 def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, scale):
-    """Pictures of four shots, and of the cell, with the narrowest and the widest numbers."""
+    """Pictures of a shot, and of the cell, with the narrowest and the widest numbers."""
     names = []
 
     def render(draw, *arguments, kind="svg"):
@@ -130,8 +133,7 @@ def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, 
     changes = {name: scale * getattr(record, name) for name in ("velocity", "deflection", "contact_force")}
     for name in ("energies", "plies"):
         changes[name] = {key: scale * values for key, values in getattr(record, name).items()}
-    shots = [replace(record, title=f"{168 + k} m/s, published law", **changes) for k in range(4)]
-    chapters_shot.chapter(shots, ())
+    chapters_shot.chapter(replace(record, **changes), None)
     fabric = catalogue.load("S-720")
     chapters.cell(fabric, {"fitted law": fabric.laws, "published law": fabric.laws})
     assert names == ["histories", "energies", "reactions", "cuts", "cell"]

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 
 import pytest
@@ -87,15 +88,19 @@ def test_a_v50_study_says_what_it_found(results):
     run = results("v50")
     assert run.out.count(" with 95 % confidence") == 2
     assert "projectile: a cylinder of 3 g and 5.5 mm" in run.out
-    for text in (run.out, (run.folder / "v50.html").read_text()):
-        assert "The failure length of 0.75 mm is assumed: " in text
-    assert "A series of tests up and down" in (run.folder / "v50.html").read_text()
+    for text in (run.out, (run.folder / "report.html").read_text()):
+        assert "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm)" in text
+    page = (run.folder / "report.html").read_text()
+    assert "A series of tests up and down" in page
+    assert re.findall(r'<section id="([^"]*)"', page) == ["result", "assumptions", "sources", "making"]
+    assert re.search(r'<p class="outcome [^>]*>V50 \d+\.\d m/s \(', page)
+    assert "One ply of S-720, 30.6 mm square and clamped, struck by a cylinder of 3 g and 5.5 mm." in page
 
 
 def test_sensitivities_of_an_input_file_are_those_of_its_pack(results):
     folder = results("sensitivity").folder
     assert {one["velocity"] for one in json.loads((folder / "sobol.json").read_text())["indices"]} == {90.0}
-    assert "2 x S-720: Sobol indices" in (folder / "sobol.html").read_text()
+    assert "2 x S-720: Sobol indices" in (folder / "report.html").read_text()
 
 
 def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
@@ -114,6 +119,5 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
     off = [float(row["computed residual velocity [m/s]"]) - v for row, v in zip(shots[1:], (100, 120))]
     assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
     assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
-    assert told["limit_sensitivity"] in out
-    files = ["comparison.json", "comparison.svg", "scene.toml", "shots.csv"]
+    files = ["comparison.json", "comparison.svg", "report.html", "scene.toml", "shots.csv"]
     assert sorted(path.name for path in (tmp_path / "r").iterdir()) == files

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from scipy.optimize import brentq
 
-from fabrics import assumed, catalogue, variants
+import weavecell as wc
+from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.families import trellis
@@ -26,6 +27,8 @@ SHEAR = "assumed: [shear] of para-aramid yarns, its angles from width and spacin
 CRIMP = "assumed: crimp 1.57 / 0.55 % of warp / weft (1.00 / 0.16 .. 2.52 / 1.00 %), from the thickness 0.3 mm "
 CRIMP += "(times 0.9 .. 1.1) and a warp share of the yarn heights of 0.63 (0.5 .. 0.8)"
 LENGTH = "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm), because mine gives none"
+LENGTH_ENDS = ["failure length 0.375 mm", "failure length 1.5 mm"]
+SET_UP_ENDS = ["strength after weaving 0.88", "friction of the projectile 0.2"]
 CRIMP_ENDS = ["thickness times 0.9", "thickness times 1.1", "warp share 0.5", "warp share 0.8"]
 
 
@@ -51,25 +54,28 @@ def test_what_is_assumed_is_printed_recorded_and_in_force(own, tmp_path):
     assert out[:3] == [CRIMP, LENGTH, SHEAR]
     assert told["provenance"]["assumed"] == f"{CRIMP}; {LENGTH}; {SHEAR}"
     around = told["assumed_range"]
-    assert around["assumed"] == ["the trellis law", "the crimp"]
-    assert [run["laws"] for run in around["runs"]] == ["nominal", "trellis soft", "trellis stiff", *CRIMP_ENDS]
+    named = ["nominal", *CRIMP_ENDS, "trellis soft", "trellis stiff", *LENGTH_ENDS, *SET_UP_ENDS]
+    assert [run["laws"] for run in around["runs"]][: len(named)] == named
+    assert set(around["shares"]) == {run["varied"] for run in around["runs"]} - {""}
     assert around["low_m_s"] <= told["residual_velocity_m_s"] <= around["high_m_s"]
     assert out[-2].startswith("assumed laws: residual velocity ")
     assert told["energies_at_end_J"]["shear"] > 0
     page = (tmp_path / "r" / "report.html").read_text()
     assert "What the assumed laws leave open" in page
+    assert "What each assumption changes alone" in page
     row = page[page.index("shear.G2") :].partition("</tr>")[0]
     assert all(word in row for word in ("9.74 GPa", "assumed", "thesis eq. 4-49"))
 
 
-SHEAR_LAW = "G1 = '10 MPa'\nG2 = '10 GPa'\ngamma1 = 0.2\ngamma2 = 0.5\n"
-GIVEN = ("count =", 'crimp = "1 %"\ncount ='), ("\n[warp]", f"\n[shear]\n{SHEAR_LAW}\n[warp]")
+SHEAR_LAW = {"G1": "10 MPa", "G2": "10 GPa", "gamma1": 0.2, "gamma2": 0.5}
+SOURCED = toml({"shear": {key: {"value": value, "source": "own test"} for key, value in SHEAR_LAW.items()}})
+GIVEN = ("count =", 'crimp = "1 %"\ncount ='), ("\n[warp]", f"\n{SOURCED}\n[warp]")
 
 
 def test_nothing_is_assumed_of_what_is_given(own):
     out, told = own(*GIVEN, ("\nthickness =", "\nfailure_length = '1 mm'\nthickness ="), options=["--assumed-range"])
-    assert "assumed" not in "".join(out)
-    assert "assumed_range" not in told
+    assert not [line for line in out if line.startswith("assumed: ")]
+    assert set(told["assumed_range"]["shares"]) == {"strength after weaving", "friction of the projectile"}
     assert "assumed" not in told["provenance"]
 
 
@@ -78,19 +84,44 @@ def test_the_ends_of_the_failure_length_are_run_where_they_are_asked_for(own, as
     out, told = own(*GIVEN, options=["--assumed-range"] * asked)
     assert out[0] == LENGTH
     runs = told["assumed_range"]["runs"] if asked else []
-    assert [run["laws"] for run in runs] == ["nominal", "failure length 0.375 mm", "failure length 1.5 mm"][: 3 * asked]
+    assert [run["laws"] for run in runs][:5] == ["nominal", *LENGTH_ENDS, *SET_UP_ENDS][: 5 * asked]
 
 
-def test_the_sensitivity_of_a_limit_is_a_sentence():
-    """Powers of one half and two; nothing of a fabric that gives its failure length."""
-    fabric = catalogue.load("S-720")
-    assert assumed_range.limit_sensitivity([fabric]) == (
-        "The failure length of 0.75 mm is assumed: over its range of 0.375 to 1.5 mm the limit changes by about "
-        "-9 to +9 % (power 0.13, fragment simulator) or -13 to +15 % (power 0.2, flat cylinder)."
-    )
-    assert assumed_range.limit_sensitivity([variants.with_failure_length(fabric, 1e-3)]) == ""
+def test_a_number_with_a_range_keeps_it_and_a_guess_has_that_of_its_family():
+    """The modulus of the warp alone, its strength kept; E_c as stated, K_r without a source a quarter to 1.5 times."""
+    fabric = assumed.with_shear(catalogue.load(Path(__file__).with_name("ranged.toml")))
+    soft, stiff = (end.solid_laws[0] for end in assumed.solid_ends(fabric).values())
+    assert (soft.E_c, stiff.E_c) == pytest.approx((0.5e9, 3e9))
+    assert (soft.K_r, stiff.K_r) == pytest.approx((0.01, 0.06))
+    assert soft.V_c == stiff.V_c == 1.0
+    late = replace(fabric, shear=replace(fabric.shear, gamma2=1.5), ranges={"shear.gamma2": (0.1, 1.2)})
+    assert [end.shear.gamma2 for end in assumed.shear_ends(late).values()] == pytest.approx([trellis.LARGEST, 0.15])
+    low = assumed.ends(fabric)["modulus"]["modulus low"].weave
+    assert (low.warp.E, low.weft.E) == pytest.approx((81e9, 90e9))
+    assert low.warp.strength == pytest.approx(fabric.weave.warp.strength)
+    own = "warp.modulus 90 GPa (times 0.9 .. 1.1), solid.E_c 1.5 GPa (times 0.333 .. 2), "
+    own += "solid.K_r 0.04 (times 0.25 .. 1.5)"
+    guess = "guessed, without a range: warp.tenacity; give low and high"
+    assert assumed.lines(fabric)[-2:] == [f"assumed: {own}", guess]
+    assert not assumed.solid_ends(assumed.given(fabric, "solid"))
+
+
+def test_what_a_set_up_assumes_follows_from_it():
+    setup = wc.setup("S-720", "90 m/s", plies=2, opening="40 mm", boundary={"clamp_force": "20 N"})
+    found = assumed_range.changes(setup)
+    usual = ["failure length", "strength after weaving", "friction of the projectile"]
+    assert list(found) == [*usual, "friction between plies", "clamp force"]
+    assert found["friction between plies"]["friction between plies 0.25"](setup).ply_friction == 0.25
+    assert [end(setup).edge[0].force for end in found["clamp force"].values()] == [10.0, 40.0]
+    weak = found["strength after weaving"]["strength after weaving 0.88"](setup).fabric.weave.warp
+    assert weak.strength == pytest.approx(0.88 * setup.fabric.weave.warp.strength)
+    woven = {"modulus": 0.9, "strength": 0.9, "source": "tests of drawn yarns"}
+    plain = wc.setup("S-720", "90 m/s", opening="40 mm", weaving_damage=woven)
+    assert list(assumed_range.changes(plain)) == ["failure length", "friction of the projectile"]
     with pytest.raises(InputError, match="assumed_range = 'all': must be True, False or \"laws\""):
-        assumed_range.with_ends(None, "all")
+        assumed_range.with_ends(setup, "all")
+    assert assumed_range.with_ends(setup, "laws") is None is assumed_range.with_ends(setup, False)
+    assert assumed_range.with_ends(setup, True) is setup
 
 
 @pytest.mark.parametrize(
@@ -109,17 +140,12 @@ def test_a_family_that_the_file_names_has_wider_ranges_for_other_yarns():
     """PBO: the values of para-aramid, and ratios of the ends to them squared, of moduli at most that of the fibre."""
     fabric = replace(catalogue.load(MINE).with_yarns(E=180e9, fibre_density=1560.0), family="para-aramid")
     found = assumed.with_solid_laws(assumed.with_shear(fabric))
-    nominal, _ = found.solid_laws
-    assert nominal == catalogue.load("S-720").solid_laws[0]
+    assert found.solid_laws == catalogue.load("S-720").solid_laws
     soft, stiff = (fabric.solid_laws[0] for fabric in assumed.solid_ends(found).values())
-    assert (soft.E_c, stiff.E_c) == pytest.approx((2e9 * 0.1**2, 2e9 * 1.25**2))
-    assert (soft.V_c, stiff.V_c) == pytest.approx((1.4**2, 0.9**2))
+    assert (soft.E_c, stiff.E_c, soft.V_c) == pytest.approx((2e9 * 0.1**2, 2e9 * 1.25**2, 1.4**2))
     ends = [end.shear.G2 / found.shear.G2 for end in assumed.shear_ends(found).values()]
     assert ends == pytest.approx([0.5**2, 2.0])
     assert found.sources["solid.E_c"]["value"] == "2.0 GPa (0.02 GPa .. 3.12 GPa)"
-    assert assumed.lines(found)[-1] == (
-        "assumed: [solid] of para-aramid yarns, with wider ranges for another fibre, because mine gives none"
-    )
 
 
 def test_solid_values_are_those_of_the_catalogue():
@@ -194,11 +220,17 @@ def test_yarns_that_are_not_compressed_need_no_law(model):
 
 
 def test_a_range_names_what_its_ends_rest_on():
-    rows = Row("nominal", "", 130.0), Row("trellis soft", "", 120.0), Row("trellis stiff", "unstable", None)
-    words = AssumedRange("critical velocity", ("the trellis law", "the crimp"), rows).words()
-    assert words == (
-        "critical velocity 120.0 to 130.0 m/s over the assumed range of the trellis law and the crimp "
-        "(lowest: trellis soft; highest: nominal); unstable"
+    """A share is the width of one alone over all widths, without the runs of several."""
+    rows = (
+        Row("nominal", "", 130.0), Row("trellis soft", "", 120.0, "trellis law"),
+        Row("trellis stiff", "unstable", None), Row("warp share 0.5", "", 135.0, "crimp"),
+        Row("all that lower it", "", 110.0),
+    )  # fmt: skip
+    around = AssumedRange("critical velocity", rows)
+    assert around.widths == {"trellis law": (120.0, 130.0), "crimp": (130.0, 135.0)}
+    assert around.words() == (
+        "critical velocity 110.0 to 135.0 m/s over the assumed ranges (shares: trellis law 67 %, crimp 33 %); "
+        "lowest: all that lower it; highest: warp share 0.5; unstable"
     )
 
 

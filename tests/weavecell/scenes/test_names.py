@@ -54,6 +54,15 @@ def test_a_projectile_is_what_its_name_says(name):
         assert body.mass == pytest.approx(projectiles.density() * pi / 6 * si(size, "m") ** 3, rel=1e-3)
 
 
+def test_a_file_beside_the_input_file_is_a_projectile_by_name(tmp_path):
+    """Its numbers with or without a source; keys of the input file go first."""
+    mass = '{ value = "3.2 g", source = "scale", status = "measured" }'
+    (tmp_path / "mine.toml").write_text(f"mass = {mass}\ndiameter = '6 mm'\nedge_radius = '0.3 mm'\n")
+    table = {"name": "mine.toml", "strike_velocity": "90 m/s", "diameter": "5 mm"}
+    shot = impact.check(SHOT | {"projectile": table}, tmp_path / "s.toml").projectile
+    assert (shot.mass, shot.diameter, shot.edge_radius) == pytest.approx((3.2e-3, 5e-3, 0.3e-3))
+
+
 def test_what_is_given_goes_before_the_data_of_the_name():
     """Another nose keeps what both have."""
     plain, other = made(name="FSP 1.10 g"), made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2)

@@ -62,7 +62,7 @@ def cloth(name: str) -> tuple[Fabric, str, bool]:
     """(fabric, cell model's name, whether the trellis acts) of one of CLOTHS."""
     fabric = catalogue.load("S-728").with_effective_density()
     crimp = 0.5 * sum(yarn.crimp for yarn in fabric.weave.yarns)
-    fabric = variants.with_yarns(fabric, crimp=crimp)
+    fabric = fabric.with_yarns(crimp=crimp)
     soft = variants.with_shear(fabric, G2=fabric.shear.G1)
     if name == "straight":
         return comparison.with_straight_yarns(soft), "decoupled", True

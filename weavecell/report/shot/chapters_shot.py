@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report import pictures, pictures_body, pictures_histories
+from weavecell.report import pictures, pictures_body, pictures_histories, pictures_uncertainty
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.report.shot import pictures_shot
 from weavecell.results import display, keys
@@ -79,34 +79,23 @@ def card(record: ImpactRecord) -> Card:
     return Card(record.title, "still moving" if record.outcome == "in flight" else record.outcome, lines, tone)
 
 
-def chapter(records: Sequence[ImpactRecord], panels: Sequence[Figure]) -> Section:
-    """Histories, energies, cuts, pictures of the panels and results of one impact or of several to be compared."""
-    one = len(records) == 1
-    figures = [_histories(records), _energies(records), _edges(records), _cuts(records), *panels]
-    tables = [results(records)]
-    if one and _several_plies(records):
-        figures += _of_plies(records[0])
-        tables.append(ply_table(records[0]))
-    return Section("impact", "Impact" if one else "Impacts", "", tuple(figures), tuple(tables))
+def chapter(record: ImpactRecord, panel: Figure) -> Section:
+    """Histories, energies, cuts, the picture of the panel and results of one impact."""
+    figures = [_histories(record), _energies(record), _edges(record), _cuts(record), panel]
+    tables = [results(record)]
+    if record.count > 1:
+        figures += _of_plies(record)
+        tables.append(ply_table(record))
+    return Section("impact", "Impact", "", tuple(figures), tuple(tables))
 
 
-def _several_plies(records):
-    return records[0].count > 1
-
-
-def results(records: Sequence[ImpactRecord]) -> Table:
-    """Every number of the summary but the energies, one column a run."""
-    from pandas import DataFrame
-
-    tables = keys.table("impact", *keys.OF_SOME.values(), "failure")
-    summaries = [record.facts() for record in records]
-    names = ["value"] if len(records) == 1 else [record.title for record in records]
-    rows = [["outcome", *(record.outcome for record in records)]]
-    for key in tables:
-        values = [summary.get(key.name) for summary in summaries]
-        if key.unit and any(key.name in summary for summary in summaries):
-            rows.append([key.label, *(display.number(value, key.unit, key.name) for value in values)])
-    return Table.of(DataFrame(rows, columns=["result", *names]), "Results", names)
+def results(record: ImpactRecord) -> Table:
+    """Every number of the summary but the energies."""
+    facts, rows = record.facts(), [("outcome", record.outcome)]
+    for key in keys.table("impact", *keys.OF_SOME.values(), "failure"):
+        if key.unit and key.name in facts:
+            rows.append((key.label, display.number(facts[key.name], key.unit, key.name)))
+    return Table(("result", "value"), tuple(rows), "Results", ("value",))
 
 
 def ply_table(record: ImpactRecord) -> Table:
@@ -128,24 +117,17 @@ def ply_table(record: ImpactRecord) -> Table:
     return Table.of(table, caption)
 
 
-def cost(records: Sequence[ImpactRecord], setup: ImpactSetup | None = None) -> tuple[Table, ...]:
+def cost(record: ImpactRecord, setup: ImpactSetup) -> tuple[Table, ...]:
     """Tables for those who develop the code: cost of the time integration, and settings of the model."""
-    from pandas import DataFrame
-
-    unstored = [np.atleast_1d(record.energies.get("formulation_residual", 0.0))[-1] for record in records]
-    table = DataFrame(
-        {
-            "run": [record.title for record in records],
-            "elements": [record.elements for record in records],
-            "steps": [record.steps for record in records],
-            "time integration [s]": [record.wall_time for record in records],
-            "ns per element and step": [record.ns_per_element_step for record in records],
-            "formulation residual [%]": [100 * J / record.strike_energy for J, record in zip(unstored, records)],
-        }
+    unstored = np.atleast_1d(record.energies.get("formulation_residual", 0.0))[-1]
+    rows = (
+        ("elements", f"{record.elements}"),
+        ("steps", f"{record.steps}"),
+        ("time integration [s]", f"{record.wall_time:.4g}"),
+        ("ns per element and step", f"{record.ns_per_element_step:.4g}"),
+        ("formulation residual [%]", f"{100 * unstored / record.strike_energy:.4g}"),
     )
     caption = "Cost. Formulation residual: work of the cell's forces that the yarns do not store, of the strike energy."
-    if setup is None:
-        return (Table.of(table, caption),)
     settings = {
         "cell model": setup.cell_model,
         "cell formulation": setup.form,
@@ -154,48 +136,47 @@ def cost(records: Sequence[ImpactRecord], setup: ImpactSetup | None = None) -> t
         **{name.replace("_", " "): value for name, value in vars(setup.numerics).items()},
     }
     return (
-        Table.of(table, caption),
+        Table(("quantity", "value"), rows, caption, ("value",)),
         Table(("setting", "value"), tuple((k, f"{v}") for k, v in settings.items()), "Settings of the solver"),
     )
 
 
-def _histories(records):
+def _histories(record):
     """Velocity, deflection and contact force."""
-    ply = "last ply" if _several_plies(records) else "ply"
-    interval = text(float(np.median(np.diff(records[0].time))), "s", form=".2g")
+    interval = text(float(np.median(np.diff(record.time))), "s", form=".2g")
     caption = (
-        f"Velocity of the projectile; back-face deflection, the largest displacement of the {ply} along the normal; "
+        "Velocity of the projectile; back-face deflection, the largest displacement of the last ply along the normal; "
         f"contact force on the projectile, mean over {interval}."
     )
-    one, content = len(records) == 1, pictures.render(pictures_shot.histories, records)
-    return Figure(content, "svg", caption, "histories", wide=not one, tall=one)
+    content = pictures.render(pictures_shot.histories, record)
+    return Figure(content, "svg", caption, "histories", wide=False, tall=True)
 
 
-def _cuts(records):
+def _cuts(record):
     """Cuts through the fabric."""
     caption = (
         "The fabric cut open along x through the impact point, with the projectile (grey). Left: the whole width, "
         "heights stretched. Right: to scale, the fabric as thick as it is; gaps are failed yarns."
     )
-    if _several_plies(records):
+    if record.count > 1:
         caption += " Plies are dark at the front and light at the rear."
-    return Figure(pictures.render(pictures_shot.cuts, _cut_views(records), CLOSE_UP), "svg", caption, "cuts")
+    return Figure(pictures.render(pictures_shot.cuts, _cut_views(record), CLOSE_UP), "svg", caption, "cuts")
 
 
-def _energies(records):
+def _energies(record):
     """Energies over time, and the energy error."""
     caption = (
         "Energy of projectile and fabric; dotted: the strike energy. Below, the error of the energy balance in % of "
         "the strike energy (green band: 1 %)."
     )
-    return Figure(pictures.render(pictures_shot.energies, records), "svg", caption, "energies", wide=len(records) > 1)
+    return Figure(pictures.render(pictures_shot.energies, record), "svg", caption, "energies", wide=False)
 
 
-def _edges(records):
+def _edges(record):
     """Tensions at the edges."""
     caption = "Tension at the edge of the panel, of the warp and the weft yarn through the impact point"
-    caption += ", summed over the plies." if _several_plies(records) else "."
-    return Figure(pictures.render(pictures_shot.reactions, records), "svg", caption, "reactions", wide=len(records) > 1)
+    caption += ", summed over the plies." if record.count > 1 else "."
+    return Figure(pictures.render(pictures_shot.reactions, record), "svg", caption, "reactions", wide=False)
 
 
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
@@ -205,15 +186,11 @@ def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutVie
     return pictures_shot.CutView(title, cut, record.thickness, record.mirror_x, outline)
 
 
-def _cut_views(records):
-    """Three instants of one record, the end of each of several."""
-    shares, views = (0.2, 0.5, 1.0) if len(records) == 1 else (1.0,), []
-    for record in records:
-        times, name = np.array([cut.time for cut in record.cuts]), f"{record.title}, " if len(records) > 1 else ""
-        for number in dict.fromkeys(int(np.argmin(np.abs(times - share * times[-1]))) for share in shares):
-            title = name + text(times[number], "s", form=".0f")
-            views.append(cut_view(record, record.cuts[number], title))
-    return views
+def _cut_views(record):
+    """Three instants."""
+    times = np.array([cut.time for cut in record.cuts])
+    numbers = dict.fromkeys(int(np.argmin(np.abs(times - share * times[-1]))) for share in (0.2, 0.5, 1.0))
+    return [cut_view(record, record.cuts[n], text(times[n], "s", form=".0f")) for n in numbers]
 
 
 def _of_plies(record):
@@ -291,15 +268,19 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
 def assumed(around: AssumedRange) -> Section:
     """The range of a velocity over assumed laws, and the runs that it consists of."""
     lead = (
-        f"{around.words().capitalize()}. The file of the fabric does not give it; laws are those of its fibre family, "
-        "with the range that the sources of the fabric state. The run was repeated with the soft and the stiff end of "
-        "each law, and with each end of a crimp computed from the thickness. The range is that of these runs and no "
-        "bound."
+        f"{around.words().capitalize()}. The run was repeated with each end of each assumed range, one at a time, and "
+        "with those together that lower the velocity, or raise it. The range is that of these runs and no bound. A "
+        "share is the width of one assumption alone over the sum of these widths."
     )
+    figures: tuple[Figure, ...] = ()
+    if around.high > around.low:
+        caption = "What each assumption changes alone, and all runs together."
+        picture = pictures.render(pictures_uncertainty.tornado, around, "")
+        figures = (Figure(picture, "svg", caption, "assumed-range"),)
     runs = [(run.laws, run.outcome or "-", display.number(run.velocity, "m/s")) for run in around.rows]
     columns = ("laws", "outcome", f"{around.quantity} [m/s]")
     table = Table(columns, tuple(runs), numeric=columns[2:])
-    return Section("assumed", "What the assumed laws leave open", lead, (), (table,))
+    return Section("assumed", "What the assumed laws leave open", lead, figures, (table,))
 
 
 def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:

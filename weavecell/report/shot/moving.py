@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshing.pictures_style import RED, STEEL, TENSIONS, tension_map
+from meshing.pictures_style import RED, STEEL, tension_map
 from weavecell.report import pictures3d
-from weavecell.report.page import Figure, Moving, Report, Section
+from weavecell.report.page import Figure, Report, Section
 from weavecell.report.shot import chapters_shot
 from weavecell.results import vtk
 from weavecell.results.display import text
@@ -24,12 +24,6 @@ from weavecell.results.display import text
 if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
 
-FIELDS = {
-    "tension": "tension, the higher of warp and weft",
-    "warp": "tension of warp",
-    "weft": "tension of weft",
-    "deflection": "deflection",
-}
 _MOST_BYTES = 16_000_000  # of all snapshots, before they are compressed to about a third
 _PER_UNIT = 200  # 8-bit tension of a yarn at its strength
 _CAPTION = (
@@ -59,8 +53,8 @@ def page(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Report:
     return Report(record.title, "", (), (section(record, instants),), outcome=outcome, tone=record.outcome)
 
 
-def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Moving:
-    """The arrays of the view; so many snapshots, evenly chosen, that they stay small."""
+def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
+    """The arrays of the view as JSON; so many snapshots, evenly chosen, that they stay small."""
     from matplotlib.colors import to_rgb
 
     first = instants[0][0]
@@ -112,4 +106,4 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Movin
         "steel": [round(255 * part) for part in to_rgb(STEEL)],
         "data": base64.b64encode(packed).decode("ascii"),
     }
-    return Moving(json.dumps(head), count, FIELDS, TENSIONS)
+    return json.dumps(head)

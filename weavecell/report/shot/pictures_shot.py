@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshing.pictures_style import BLUE, COLOURS, DASHES, FAINT, INK, ORANGE, RED, STEEL, WARP, WEFT
+from meshing.pictures_style import BLUE, FAINT, INK, ORANGE, RED, STEEL, WARP, WEFT
 from weavecell.report.pictures import ENERGIES, place
 from weavecell.results.display import MM, US
 
@@ -19,36 +19,24 @@ if TYPE_CHECKING:
 _STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")  # plies from the front to the rear
 
 
-def histories(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
-    """Velocity of the projectile, deflection of the back face and contact force over time, one below the other, in a
-    narrow picture of one shot; of shots of one strike velocity the next are dashed."""
-    size = (5.6, 12.4) if len(records) == 1 else (10.4, 8.6)
+def histories(pyplot: Any, record: ImpactRecord) -> Any:
+    """Velocity of the projectile, deflection of the back face and contact force over time, one below the other."""
     figure, (top, middle, low) = pyplot.subplots(
-        3, 1, figsize=size, sharex=True, height_ratios=(1.2, 1, 1), layout="none"
+        3, 1, figsize=(5.6, 12.4), sharex=True, height_ratios=(1.2, 1, 1), layout="none"
     )
     place(figure, 1.05, 0.2, 0.65, 0.15, down=0.2)
-    strikes = list(dict.fromkeys(round(float(record.velocity[0]), 6) for record in records))
-    seen = dict.fromkeys(strikes, 0)
-    for record in records:
-        t, strike = US * record.time, round(float(record.velocity[0]), 6)
-        style: dict[str, Any] = {"ls": DASHES[seen[strike] % 4], "color": COLOURS[strikes.index(strike) % 6]}
-        seen[strike] += 1
-        top.plot(t, record.velocity, label=record.title, **style)
-        middle.plot(t, MM * record.deflection, **style)
-        if len(records) == 1:
-            middle.plot(t, MM * record.nose_position, color=STEEL, ls=":", label="nose of the projectile")
-        low.plot(t, 1e-3 * record.contact_force, **{**style, "lw": 1.4})
+    t = US * record.time
+    top.plot(t, record.velocity)
     top.axhline(0.0, color=FAINT, lw=1)
     top.set_ylabel("velocity [m/s]")
+    middle.plot(t, MM * record.deflection)
+    middle.plot(t, MM * record.nose_position, color=STEEL, ls=":", label="nose of the projectile")
     middle.set_ylabel("deflection of the\nback face [mm]")
-    middle.set_ylim(0, 1.35 * MM * max(float(np.nanmax(record.deflection)) for record in records) + 0.1)
-    low.set(xlabel="time after strike [µs]", ylabel="contact force [kN]")
+    middle.set_ylim(0, 1.35 * MM * float(np.nanmax(record.deflection)) + 0.1)
+    middle.legend(loc="upper left", fontsize=10)
+    low.plot(t, 1e-3 * record.contact_force, lw=1.4)
+    low.set(xlabel="time after strike [µs]", ylabel="contact force [kN]", xlim=(0, float(t[-1])))
     low.set_ylim(bottom=min(0.0, low.get_ylim()[0]))
-    low.set_xlim(0, US * max(float(record.time[-1]) for record in records))
-    if len(records) > 1:
-        top.legend(loc="best", fontsize=10)
-    else:
-        middle.legend(loc="upper left", fontsize=10)
     return figure
 
 
@@ -162,58 +150,36 @@ def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
     return drawn
 
 
-def energies(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
-    """Where the strike energy is at every instant, stacked, and below it the energy error, for each shot; parts
-    that are absent or zero throughout are left out."""
-    one, across = len(records) == 1, min(2, len(records))
-    down = -(-len(records) // across)
-    figure, grid = pyplot.subplots(
-        2 * down, across, figsize=(5.6, 5.8) if one else (10.4, 0.9 + 4.1 * down), squeeze=False,
-        height_ratios=(3.2, 1) * down, sharex="col" if down == 1 else False, layout="none" if one else "constrained",
-    )  # fmt: skip
-    drawn = [parts(record.energies, record.recoil_of_cut_yarns) for record in records]
-    known = [row for row in ENERGIES if any(np.any(energies.get(row[0], 0.0)) for energies in drawn)]
-    handles: Any = []
-    for number, (record, energies) in enumerate(zip(records, drawn)):
-        t, error = US * record.time, 100 * record.energies["error"] / record.strike_energy
-        top, low = grid[2 * (number // across), number % across], grid[2 * (number // across) + 1, number % across]
-        values = [np.maximum(energies.get(name, np.zeros_like(t)), 0.0) for name, _, _ in known]
-        handles = top.stackplot(t, values, colors=[colour for *_, colour in known], lw=0.4, ec="white")
-        top.axhline(record.strike_energy, color=INK, lw=1, ls=":")
-        top.set(ylabel="energy [J]", title="" if one else record.title, ylim=(0, 1.04 * record.strike_energy))
-        low.axhspan(-1, 1, color="#e8f5f0", lw=0)
-        low.plot(t, error, color=INK, lw=1.6)
-        reach = max(1.25, 1.15 * float(np.max(np.abs(error))))
-        low.set(xlabel="time after strike [µs]", ylabel="error [%]", ylim=(-reach, reach))
-        for axes in (top, low):
-            axes.set_xlim(0, float(t[-1]))
-    for number in range(len(records), down * across):
-        for row in range(2):
-            grid[2 * (number // across) + row, number % across].set_visible(False)
-    labels, columns = [label for _, label, _ in known], 2 * across
-    if one:
-        place(figure, 0.9, 0.2, 0.75 + 0.215 * -(-len(labels) // columns), 0.15, down=0.2)
-    side = "lower center" if one else "outside lower center"
-    figure.legend(handles, labels, loc=side, ncols=columns, fontsize=10)
+def energies(pyplot: Any, record: ImpactRecord) -> Any:
+    """Where the strike energy is at every instant, stacked, and below it the energy error; parts that are absent or
+    zero throughout are left out."""
+    figure, (top, low) = pyplot.subplots(2, 1, figsize=(5.6, 5.8), height_ratios=(3.2, 1), sharex=True, layout="none")
+    t, error = US * record.time, 100 * record.energies["error"] / record.strike_energy
+    drawn = parts(record.energies, record.recoil_of_cut_yarns)
+    known = [row for row in ENERGIES if np.any(drawn.get(row[0], 0.0))]
+    values = [np.maximum(drawn[name], 0.0) for name, _, _ in known]
+    handles = top.stackplot(t, values, colors=[colour for *_, colour in known], lw=0.4, ec="white")
+    top.axhline(record.strike_energy, color=INK, lw=1, ls=":")
+    top.set(ylabel="energy [J]", ylim=(0, 1.04 * record.strike_energy))
+    low.axhspan(-1, 1, color="#e8f5f0", lw=0)
+    low.plot(t, error, color=INK, lw=1.6)
+    reach = max(1.25, 1.15 * float(np.max(np.abs(error))))
+    low.set(xlabel="time after strike [µs]", ylabel="error [%]", ylim=(-reach, reach), xlim=(0, float(t[-1])))
+    place(figure, 0.9, 0.2, 0.75 + 0.215 * -(-len(known) // 2), 0.15, down=0.2)
+    figure.legend(handles, [label for _, label, _ in known], loc="lower center", ncols=2, fontsize=10)
     return figure
 
 
-def reactions(pyplot: Any, records: Sequence[ImpactRecord]) -> Any:
-    """Tension at the clamped ends of the two yarns through the impact point, of all plies, one panel a shot."""
-    across = min(2, len(records))
-    down = -(-len(records) // across)
-    size = (5.6, 5.6) if len(records) == 1 else (10.4, 0.7 + 2.6 * down)
-    figure, grid = pyplot.subplots(down, across, figsize=size, sharey=True, sharex=True, squeeze=False, layout="none")
-    place(figure, 1.1, 0.2, 0.7, 0.4 if len(records) > 1 else 0.15, across=0.3, down=0.45)
-    for axes, record in zip(grid.flat, records):
-        for name, colour, dash in (("warp", WARP, "-"), ("weft", WEFT, "--")):
-            tension = record.plies[f"reaction_{name}"].sum(axis=1)
-            axes.plot(US * record.time, tension, dash, color=colour, label=f"{name} yarn")
-        axes.set_title(record.title if len(records) > 1 else "")
-        axes.set_xlim(left=0)
-    figure.supxlabel("time after strike [µs]", fontsize=12)
-    figure.supylabel("tension at the clamped edge [N]", fontsize=12)
-    grid[0, 0].legend(loc="upper left")
+def reactions(pyplot: Any, record: ImpactRecord) -> Any:
+    """Tension at the clamped ends of the two yarns through the impact point, of all plies."""
+    figure, axes = pyplot.subplots(figsize=(5.6, 5.6), layout="none")
+    place(figure, 1.1, 0.2, 0.7, 0.15)
+    for name, colour, dash in (("warp", WARP, "-"), ("weft", WEFT, "--")):
+        tension = record.plies[f"reaction_{name}"].sum(axis=1)
+        axes.plot(US * record.time, tension, dash, color=colour, label=f"{name} yarn")
+    axes.set(xlabel="time after strike [µs]", ylabel="tension at the clamped edge [N]")
+    axes.set_xlim(left=0)
+    axes.legend(loc="upper left")
     return figure
 
 

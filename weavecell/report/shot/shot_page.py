@@ -21,7 +21,7 @@ def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
     caption = "The same cut open along x through the impact point; left with heights stretched, right to scale."
     film = Figure(view.cut_in_motion(shot), "gif", caption, "cut")
     motion = moving.section(shot, moving.of_shapes(shot, shot.instants), [film])
-    found = [motion, chapters_shot.chapter([shot], [view.still(shot)]), chapters_shot.mesh(shot, used)]
+    found = [motion, chapters_shot.chapter(shot, view.still(shot)), chapters_shot.mesh(shot, used)]
     if shot.pair is not None:
         found.append(chapters_discretisation.section(shot.pair))
     if shot.range is not None:
@@ -38,14 +38,8 @@ def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
 
 def page(shot: ShotResult, setup: ImpactSetup, found: Sequence[Section], stamp: Mapping[str, str]) -> Report:
     """The report of one impact; `found` are the chapters of `sections`."""
-    case = shot.case
-    model = case.scene.fabric.cell_model
-    source = case.law_name if model == "compressible" else model
-    laws = (chapters.law_card(case.laws[0], source=source),) if case.surface is None else ()
-    lead = chapters.struck(setup, case.scene, velocity=True)
-    cards = chapters_shot.card(shot), *map(chapters.fabric_card, setup.fabrics), *laws
-    cost = chapters_shot.cost([shot], setup.meshed)
-    making = chapters.making(stamp, {"time integration": shot.wall_time}, cost)
-    chapters_of_all = *found, checks.section(shot.checks), chapters.sources(*setup.fabrics), making
-    footer, outcome = f"weavecell {stamp['weavecell']}, {stamp['date']}", chapters_shot.outcome(shot)
-    return Report(shot.title, lead, (cards,), chapters_of_all, footer, outcome=outcome, tone=shot.outcome)
+    lead = chapters.struck(setup, shot.case.scene, velocity=True)
+    cards, cost = (chapters_shot.card(shot), *chapters.law_cards(shot.case)), chapters_shot.cost(shot, setup.meshed)
+    all_of_them, seconds = (*found, checks.section(shot.checks)), {"time integration": shot.wall_time}
+    banner = chapters_shot.outcome(shot), shot.outcome
+    return chapters.report(shot.title, lead, setup.fabrics, cards, all_of_them, stamp, seconds, *banner, cost)

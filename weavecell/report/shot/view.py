@@ -100,12 +100,11 @@ def show(path: Path, screenshot: Path | None, movie: Path | None, html: Path | N
     InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a file is not named
         .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or there is no display for a window
     """
-    if screenshot is not None and screenshot.suffix != ".png":
-        raise InputError(key="--screenshot", value=str(screenshot), allowed="a file named *.png")
-    if movie is not None and movie.suffix not in MOVIES:
-        raise InputError(key="--movie", value=str(movie), allowed="a file named *.gif or *.mp4")
-    if html is not None and html.suffix != ".html":
-        raise InputError(key="--html", value=str(html), allowed="a file named *.html")
+    endings = {"screenshot": (screenshot, (".png",)), "movie": (movie, MOVIES), "html": (html, (".html",))}
+    for option, (written, kinds) in endings.items():
+        if written is not None and written.suffix not in kinds:
+            names = " or ".join(f"*{kind}" for kind in kinds)
+            raise InputError(key=f"--{option}", value=str(written), allowed=f"a file named {names}")
     file = find(path)
     panel = panel_of(path, file)
     if cut and (panel is None or (screenshot is None and movie is None)):
@@ -210,12 +209,14 @@ def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
     return figure
 
 
-def frames(panel: Panel, dpi: int, cut: bool = False, numbers: Iterable[int] | None = None) -> Iterator[np.ndarray]:
-    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; of their cuts, or those of some
-    `numbers`, if wanted."""
+def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator[np.ndarray]:
+    """(rows, columns, 3) composed pictures of all snapshots, in the order of time; if wanted of every step-th cut."""
     with plots() as pyplot:
         figures = (
-            (cut_figure(pyplot, panel, number) for number in numbers or range(len(panel.record.cuts)))
+            (
+                cut_figure(pyplot, panel, number)
+                for number in range((len(panel.record.cuts) - 1) % step, len(panel.record.cuts), step)
+            )
             if cut
             else (snapshot(pyplot, panel, file) for file, _ in panel.series)
         )
@@ -272,9 +273,7 @@ def _write_movie(panel, movie, cut):
 
 def cut_in_motion(record: ImpactRecord) -> bytes:
     """The section through the impact point as a GIF, of so few instants that a report is written soon."""
-    count = len(record.cuts)
-    numbers = np.linspace(0, count - 1, min(count, _INSTANTS)).round().astype(int).tolist()
-    return gif(frames(Panel(record, []), 90, True, numbers))
+    return gif(frames(Panel(record, []), 90, True, -(-len(record.cuts) // _INSTANTS)))
 
 
 def gif(images: Iterable[np.ndarray]) -> bytes:

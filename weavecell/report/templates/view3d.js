@@ -4,10 +4,10 @@ async function view3d(root) {
   const canvas = root.querySelector("canvas");
   const gl = canvas.getContext("webgl2", { antialias: true });
   if (!gl || !window.DecompressionStream) return root.classList.add("unavailable");
-  const packed = Uint8Array.from(atob(head.data), (letter) => letter.charCodeAt(0));
+  const letters = atob(head.data), packed = new Uint8Array(letters.length);
+  for (let k = 0; k < packed.length; k++) packed[k] = letters.charCodeAt(k);
   const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const buffer = await new Response(unpacked).arrayBuffer();
-
   const { nodes, elements, instants } = head, corners = [0, 1, 2, 0, 2, 3];
   let offset = 0;
   const take = (Kind, count) => {
@@ -22,7 +22,6 @@ async function view3d(root) {
   const failed = take(Uint8Array, instants * elements);
   const ply = take(Uint8Array, elements);
   for (let k = nodes * 3; k < places.length; k++) places[k] += places[k - nodes * 3];
-
   const coordinate = (k) => head.origin[k % 3] + head.step[k % 3] * places[k]; // [m]
   const fields = {
     tension: (instant, e) => Math.max(fields.warp(instant, e), fields.weft(instant, e)),
@@ -79,6 +78,8 @@ async function view3d(root) {
   };
 
   const slider = root.querySelector("input"), choice = root.querySelector("select");
+  slider.max = slider.value = instants - 1;
+  root.querySelector("i").style.background = `linear-gradient(to right, ${head.palette.map((c) => `rgb(${c})`)})`;
   const position = new Float32Array(elements * 18), colour = new Uint8Array(elements * 18);
   const load = () => {
     const instant = +slider.value, field = fields[choice.value], end = head.ends[choice.value];
@@ -144,7 +145,6 @@ async function view3d(root) {
     event.preventDefault();
     zoom(Math.exp(-event.deltaY / 300));
   }, { passive: false });
-  window.addEventListener("resize", draw);
-  load();
+  window.addEventListener("resize", draw), load();
 }
 for (const root of document.querySelectorAll(".view3d")) view3d(root);
