@@ -21,6 +21,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FIBRES, OF_YARNS
 from fabrics.families import Family, list_families
+from fabrics.families.trellis import LARGEST
 
 _SOFT_AT_HIGH = ("gamma1", "gamma2", "V_c")
 TABLES = {
@@ -82,8 +83,11 @@ def _ends(fabric, table, laws):
         for name, value in vars(law).items():
             ratios = [fabric.ranges.get(key, (1.0, 1.0)) for key in (f"{table}.{name}", f"{table}.{family}.{name}")]
             numbers[name] = value * prod(pair[soft == (name in _SOFT_AT_HIGH)] for pair in ratios)
-        if "V_c" in numbers:  # a yarn is not packed at rest
-            numbers["V_c"] = max(numbers["V_c"], 1.01 * numbers["Vf0"])
+        if table == "solid":  # a yarn is not packed at rest, and softer when it is loose
+            numbers |= {"V_c": max(numbers["V_c"], 1.01 * numbers["Vf0"]), "K_r": min(numbers["K_r"], 0.99)}
+        else:
+            gamma2 = min(numbers["gamma2"], LARGEST)
+            numbers |= {"gamma1": min(numbers["gamma1"], 0.99 * gamma2), "gamma2": gamma2}
         return replace(law, **numbers)
 
     return {end: tuple(at(*of, end == "soft") for of in zip(FAMILIES, laws)) for end in ("soft", "stiff")}

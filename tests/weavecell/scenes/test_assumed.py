@@ -87,28 +87,15 @@ def test_the_ends_of_the_failure_length_are_run_where_they_are_asked_for(own, as
     assert [run["laws"] for run in runs][:5] == ["nominal", *LENGTH_ENDS, *SET_UP_ENDS][: 5 * asked]
 
 
-RANGED = """
-[solid]
-E_a = { value = "1 MPa", source = "own test" }
-E_c = { value = "1.5 GPa", low = "0.5 GPa", high = "3 GPa", source = "a paper" }
-K_r = 0.04
-K_G = { value = 0.001, source = "own test" }
-V_c = { value = 1.0, source = "own test" }
-Vf0 = { value = 0.65, source = "own test" }
-"""
-
-
-def test_a_number_with_a_range_keeps_it_and_a_guess_has_that_of_its_family(tmp_path):
+def test_a_number_with_a_range_keeps_it_and_a_guess_has_that_of_its_family():
     """The modulus of the warp alone, its strength kept; E_c as stated, K_r without a source a quarter to 1.5 times."""
-    modulus = '{ value = "90 GPa", low = "81 GPa", high = "99 GPa", source = "two sheets", status = "assumed" }'
-    text = MINE.read_text().replace('modulus = "90 GPa"', f"modulus = {modulus}", 1)
-    text = text.replace('"2060 mN/tex"', '{ value = "2060 mN/tex", status = "assumed" }', 1)
-    (tmp_path / "own.toml").write_text(text + RANGED)
-    fabric = assumed.with_shear(catalogue.load(tmp_path / "own.toml"))
+    fabric = assumed.with_shear(catalogue.load(Path(__file__).with_name("ranged.toml")))
     soft, stiff = (end.solid_laws[0] for end in assumed.solid_ends(fabric).values())
     assert (soft.E_c, stiff.E_c) == pytest.approx((0.5e9, 3e9))
     assert (soft.K_r, stiff.K_r) == pytest.approx((0.01, 0.06))
     assert soft.V_c == stiff.V_c == 1.0
+    late = replace(fabric, shear=replace(fabric.shear, gamma2=1.5), ranges={"shear.gamma2": (0.1, 1.2)})
+    assert [end.shear.gamma2 for end in assumed.shear_ends(late).values()] == pytest.approx([trellis.LARGEST, 0.15])
     low = assumed.ends(fabric)["modulus"]["modulus low"].weave
     assert (low.warp.E, low.weft.E) == pytest.approx((81e9, 90e9))
     assert low.warp.strength == pytest.approx(fabric.weave.warp.strength)
