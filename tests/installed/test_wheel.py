@@ -124,7 +124,7 @@ def test_commands_run_from_the_wheel(installed, tmp_path, group):
     done = installed.run("python", "driver.py", at=tmp_path)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-3000:]
     assert "Traceback" not in done.stderr
-    pages = ("ply/report.html", "pack/report.html", "v50/v50.html") if group == "panels" else ()
+    pages = ("ply/report.html", "pack/report.html", "v50/report.html") if group == "panels" else ()
     assert [page for page in pages if not (tmp_path / page).is_file()] == []
 
 
