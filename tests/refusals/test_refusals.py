@@ -75,5 +75,5 @@ def test_refused(row, command, tmp_path):
     for text, line in zip(said, expected):
         assert text.startswith(line[:-4]) if line.endswith(" ...") else text == line
     assert code == 2
-    assert all(line.startswith(("projectile: ", "assumed: ")) for line in out.splitlines())
+    assert all(line.startswith(("projectile: ", "assumed: ", "guessed, ")) for line in out.splitlines())
     assert {path: path.read_bytes() for path in tmp_path.rglob("*")} == before

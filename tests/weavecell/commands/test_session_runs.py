@@ -208,7 +208,7 @@ def test_files_of_the_3d_crossover_are_read_back(results):
 
 
 def of_shot(s):
-    yield f"still moving with {s['residual_velocity_m_s']:.1f} m/s"
+    yield f"velocity at the end {s['residual_velocity_m_s']:.1f} m/s"
     yield f"kinetic energy that the projectile has lost [J] {s['absorbed_energy_J']:.4g} "
     yield f"of the history deflection [mm] {1e3 * s['max_deflection_m']:.4g} "
     yield f"peak tension of a warp yarn over its strength [%] {100 * s['peak_tension_warp_over_strength']:.4g} "
