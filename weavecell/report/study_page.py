@@ -26,7 +26,7 @@ def page(study: StudyResult, stamp: Mapping[str, str]) -> Report:
         sections.append(chapters_shot.assumed(around))
         span = [f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"]
     laws = [line for fabric in setup.fabrics for line in assumed.lines(fabric)]
-    sections.append(chapters_shot.assumptions(setup, laws))
+    sections.append(chapters_shot.assumptions(setup, laws, drawn=hasattr(getattr(study, "study", None), "scatter")))
     if study.checks:
         sections.append(checks.section(study.checks))
     doubtful = [check.name for check in study.checks if check.doubtful]

@@ -187,6 +187,16 @@ def test_a_view_is_written_as_a_picture_or_a_movie(command, copied, tmp_path, mo
     assert view.panel_of(copied, view.find(copied)) is None
 
 
+def test_failed_yarns_keep_their_colour_in_a_movie(tmp_path):
+    """Five pixels of a picture that has far more colours than a GIF."""
+    image = np.random.default_rng(1).integers(90, 255, (60, 80, 1)) * np.array([0.7, 0.9, 1.0])
+    image[30, 40:45] = 213, 94, 0
+    (tmp_path / "a.gif").write_bytes(view.gif([image.astype(np.uint8)] * 3))
+    with Image.open(tmp_path / "a.gif") as movie:
+        seen = np.asarray(movie.convert("RGB"))[30, 40:45].astype(int)
+    assert np.abs(seen - (213, 94, 0)).max() < 6
+
+
 def test_a_projectile_at_rest_has_no_sign():
     record = SimpleNamespace(time=np.array([0.0, 1e-4]), velocity=np.array([90.0, -0.2]))
     caption = view.Panel.caption(SimpleNamespace(record=record), 1e-4)

@@ -209,7 +209,7 @@ def _of_plies(record):
     return [Figure(shares, "svg", bears, "plies"), Figure(histories, "svg", pushes, "pushes")]
 
 
-def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> Section:
+def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "", drawn: bool = False) -> Section:
     """What the model assumes in this run.
 
     Parameters
@@ -217,16 +217,19 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "") -> 
     setup : as it was run
     lines : that name the laws that are assumed (`fabrics.assumed.lines`)
     body : whether a rigid projectile is justified, in words
+    drawn : whether each yarn has a strength of its own
     """
     strengths = [(fabric.name, [f"{yarn.strength:.0f}" for yarn in fabric.weave.yarns]) for fabric in setup.fabrics]
     strength = ", ".join(f"{' / '.join(words)} N ({name}, warp / weft)" for name, words in strengths)
     if setup.crossovers is None:
         pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
         pinned += " In the one pair of tests at hand (S-726) the computed limit is too high."
+        pinned += " A nose may push slippery yarns aside and pass far below this limit." if setup.plies == 1 else ""
     else:
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
         pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
-    fails = f"A yarn fails at its strength, {strength}, the same for all yarns and at any strain rate."
+    fails = f"A yarn fails at its strength, {strength}, at any strain rate; "
+    fails += "each yarn's is drawn about that." if drawn else "it is the same for all yarns."
     shot, between = setup.projectile, setup.ply_friction
     projectile = "Rigid." if shot.body == "rigid" else "Elastic-plastic along its axis."
     projectile += f" {body[0].upper()}{body[1:]}." if body else ""

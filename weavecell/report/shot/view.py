@@ -22,7 +22,7 @@ from fabrics import files
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from meshing.pictures_style import INK, STEEL, WARP, WEFT, tension_map
+from meshing.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report import page, pictures, pictures3d
 from weavecell.report.pictures_figure import plots
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
@@ -278,12 +278,15 @@ def cut_in_motion(record: ImpactRecord) -> bytes:
 
 def gif(images: Iterable[np.ndarray]) -> bytes:
     """A GIF of pictures (rows, columns, 3), which repeats and stays at the last."""
+    from matplotlib.colors import to_rgb
     from PIL import Image
 
     found = [Image.fromarray(image) for image in images]
     middle = found[len(found) // 2].quantize(COLOURS)  # one palette for all: colours do not flicker
     palette = np.array(middle.getpalette()).reshape(-1, 3)
     palette[palette.min(axis=1) > 245] = 255  # white stays white
+    torn = np.outer((255, 215, 175), to_rgb(RED))  # in light and shade; too few pixels for a palette by frequency
+    palette = np.concatenate([palette[: 256 - len(torn)], torn.astype(palette.dtype)])
     common = Image.new("P", (1, 1))
     common.putpalette(palette.ravel().tolist())
     first, *others = [picture.quantize(palette=common, dither=Image.Dither.NONE) for picture in found]
