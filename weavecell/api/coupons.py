@@ -36,7 +36,7 @@ from weavecell.api import keywords, targets
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_coupon
 from weavecell.results import coupon as coupon_results
-from weavecell.results import display, progress, run_folder
+from weavecell.results import display, out_folder, progress, run_folder
 from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
@@ -105,7 +105,7 @@ def coupon(
         return before  # type: ignore[return-value]
     checkpoint = None if out is None else Path(out) / "checkpoint.h5"
     goes_on = resume and checkpoint is not None and checkpoint.exists()
-    with targets.folder_of(out, goes_on) as folder:
+    with out_folder.held(out, goes_on) as folder:
         try:
             run = _pull_out if case.scene.test == "pull_out" else _relaxed
             result, failure = run(case, text, key, checkpoint, goes_on)

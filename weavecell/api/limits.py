@@ -23,9 +23,10 @@ from fabrics.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
 from weavecell.api.keywords import Keywords
+from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
 from weavecell.report import checks
-from weavecell.results import progress
+from weavecell.results import out_folder, progress
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def critical_velocity(
         with progress.bar(title) as advance:
             yield lambda share, shot: advance(share, checks.of_shot(shot) if shot else "")
 
-    with targets.folder_of(out) as folder:
+    with out_folder.held(out) as folder:
         try:
             with panel.named():
                 study = limits.search(panel.setup, **search, stage=stage)
@@ -146,8 +147,7 @@ def critical_velocity(
             raise
         wall_time = time.perf_counter() - began
         result = CriticalVelocityResult(panel, study.limit, study.fit, study.range, search["scan"], wall_time)
-        if folder is not None:
-            result.save(folder)
+        saved(result, folder)
     result.warn()
     return result
 

@@ -18,6 +18,7 @@ from fabrics.errors import UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.keywords import Keywords
+from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
 from weavecell.scenes import honoured
 
@@ -101,7 +102,7 @@ def v50(
     with targets.study(panel, f"{panel.title}, repeated shots", out, resume, jobs, executor) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
-        return run.saved(V50Result(study, panel, seed, batch, run.wall_time))
+        return saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
 
 
 def sensitivity(
@@ -157,7 +158,7 @@ def sensitivity(
     with targets.study(panel, f"{panel.title}, sensitivities", out, resume, jobs, executor) as run:
         sizes = {"samples": samples, "seed": seed}
         indices = sobol.study(panel.setup, velocities or own, **sizes, report=run.report(), **run.runs)
-        return run.saved(SensitivityResult(indices, panel, samples, seed, run.wall_time))
+        return saved(SensitivityResult(indices, panel, samples, seed, run.wall_time), run.folder)
 
 
 def draws(
@@ -208,12 +209,10 @@ def draws(
     panel = targets.of(target, {}, honoured.DRAWS, one_shot=True)
     with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor) as run:
         study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
-        result = run.saved(DrawsResult(study, panel, run.wall_time))
+        result = saved(DrawsResult(study, panel, run.wall_time), run.folder)
     unstable = len(study.draws) - len(study.counted)
     if unstable:
-        problem = UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate")
-        problem.result = result
-        raise problem
+        raise UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate", result=result)
     return result
 
 

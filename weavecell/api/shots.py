@@ -34,7 +34,7 @@ from weavecell.api import targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
-from weavecell.results import keys, progress, run_folder
+from weavecell.results import keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.scenes import honoured
@@ -118,7 +118,7 @@ def impact(
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
     goes_on = out is not None and resume and bool(run_folder.checkpoints(Path(out)))
-    with targets.folder_of(out, goes_on) as folder:
+    with out_folder.held(out, goes_on) as folder:
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty)
             if failure is None and not climbs and panel.setup.plies == 1:
@@ -170,9 +170,8 @@ def _answer(panel, key, folder, resume, uncertainty):
             fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
             shot, pair = mesh_uncertainty.climb(setup, scene.accuracy.targets, shoot_window, fixed=fixed)
     except KeyboardInterrupt:
-        kept = folder is not None and run_folder.checkpoints(folder)
-        hint = "; --resume goes on from its last checkpoint" if kept else ""
-        raise run_folder.Interrupted(f"interrupted{hint}") from None
+        kept = folder is not None and bool(run_folder.checkpoints(folder))
+        raise run_folder.Interrupted("interrupted" + "; --resume goes on from its last checkpoint" * kept) from None
     return shot_of(panel, shot.result, str(shot.failure or ""), target=panel, pair=pair, key=key), shot.failure
 
 

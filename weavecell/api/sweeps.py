@@ -26,7 +26,7 @@ from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
 from fabrics.schema import entries, unit_of
 from weavecell.api import quantities, targets
-from weavecell.api.result import Result, figure, plain
+from weavecell.api.result import Result, figure, plain, saved
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.results import progress
@@ -124,7 +124,7 @@ def sweep(
             changes | {"areal_density_kg_m2": panel.setup.areal_density} | row
             for changes, panel, row in zip(combinations, panels, rows)
         )
-        return run.saved(SweepTable(quantity, tuple(keys), table, tuple(panels)))
+        return saved(SweepTable(quantity, tuple(keys), table, tuple(panels)), run.folder)
 
 
 OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'

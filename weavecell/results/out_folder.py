@@ -13,6 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 
 LOCK = ".lock"
@@ -53,8 +54,12 @@ def claim(folder: Path, resume: bool = False) -> None:
 
 
 @contextmanager
-def held(folder: Path, resume: bool = False) -> Iterator[Path]:
-    """The folder, which is claimed in this block; an outer claim goes on."""
+def held(out: FilePath | None, resume: bool = False) -> Iterator[Path | None]:
+    """The folder, which is claimed in this block, while an outer claim goes on; None where nothing is written."""
+    if out is None:
+        yield None
+        return
+    folder = Path(out)
     mine = folder.resolve() not in _held
     claim(folder, resume)
     try:
