@@ -102,7 +102,7 @@ def calibrate(
     curve = curve_of(fabric, platen_curve) if platen_curve is not None or fit_solid else None
     choices: dict[str, Any] = {"friction": friction, "jobs": jobs}
     choices["executor"] = InProcess() if executor == "local" and jobs == 1 else executor
-    place = out_folder.held(out, resume)
+    place = out_folder.held(out, resume, [(fabric, size, friction, curve)])
     with place as folder, targets.kept_runs(folder, resume, SOLID_RUNS) as runs:
         if curve is not None:
             solid = _solid(fabric, curve, runs)

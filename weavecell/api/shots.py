@@ -105,6 +105,8 @@ def impact(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
+    from weavecell.studies import inputs
+
     panel = targets.of(target, options, honoured.IMPACT, velocity, one_shot=True)
     climbs = panel.case is not None and panel.case.scene.accuracy is not None
     if climbs and uncertainty:
@@ -117,8 +119,7 @@ def impact(
     key = run_cache.key((panel.text, panel.setup, assumed_range, uncertainty), "shellfabric.impact.simulation")
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
-    goes_on = out is not None and resume and bool(run_folder.checkpoints(Path(out)))
-    with out_folder.held(out, goes_on) as folder:
+    with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty)
             if failure is None and not climbs and panel.setup.plies == 1:

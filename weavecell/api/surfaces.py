@@ -86,7 +86,7 @@ def surface(
     fabric, stamp = meshes.of_3d(fabric), provenance.stamp("")
     spans = [_span(value, key) for value, key in ((d1, "d1"), (d2, "d2"))]
     size = meshes.size(mesh)
-    with out_folder.held(out, resume) as folder:
+    with out_folder.held(out, resume, [(fabric, spans, points, tolerance, size, friction)]) as folder:
         with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
                 fabric,

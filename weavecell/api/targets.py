@@ -149,15 +149,15 @@ class Study:
 
 @contextmanager
 def study(
-    panel: Target, title: str, out: FilePath | None, resume: bool, jobs: int, executor: str | Executor
+    panel: Target, title: str, out: FilePath | None, resume: bool, jobs: int, executor: str | Executor, *inputs: Any
 ) -> Iterator[Study]:
-    """A study at a target with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
+    """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
 
     Raises
     ------
     InputError : as `out_folder.claim`; any other names the target's file
     """
-    place = out_folder.held(out, resume)
+    place = out_folder.held(out, resume, inputs)
     with place as folder, kept_runs(folder, resume) as runs, panel.named(), progress.bar(title) as bar:
         yield Study(folder, {"folder": runs, "executor": executor, "jobs": jobs}, bar)
 

@@ -206,11 +206,11 @@ def _laws(table, key, fabric, file, given):
         return 2 * (CompressionLaw.incompressible(),), f"none, {table.cell_model} yarns"
     if isinstance(law, InlineLaw):
         try:
-            own = CompressionLaw(law.a, law.b, law.form, provenance=f"scene {file}")
+            own = CompressionLaw(law.a, law.b, law.form, provenance="given in the scene")
         except InputError as problem:
             key = f"{key}.law.{problem.key}"
             raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
-        return (own, own), "given in the scene"
+        return (own, own), own.provenance
     if law == "published" and fabric.laws is None and file is not None:
         raise InputError(
             f"fabric {fabric.name} has no compression law: run `weavecell calibrate {table.file or table.name}` and "
