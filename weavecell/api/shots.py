@@ -388,8 +388,7 @@ class ShotResult(ImpactRecord, Result):
         if self.rigid_check:
             lines.append(self.rigid_check)
         if self.backing is not None:
-            said = f"back-face signature {text(self.backing.back_face_signature, 'm', form='.3g')}"
-            lines.append(f"{said}; the block still moves with {chapters_shot.block_moves(self)} of the strike energy")
+            lines.append(chapters_shot.dent(self))
         share, lost = text(self.viscous_energy_fraction, "1", "share", ".1f"), self.energies["failure_dissipation"][-1]
         if self.cut_yarns[-1]:
             lines.append(f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")

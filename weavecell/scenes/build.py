@@ -328,7 +328,8 @@ def _backing(table):
         return None
     from shellfabric.backing.block import Backing
 
-    given = _given(table, "backing", but=("material",))
+    given = _given(table, "backing")
+    given["name"] = given.pop("material", "")
     of_material = {field.name for field in fields(Isotropic)}
     material = replace(load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material})
     return Backing(material=material, **given)

@@ -144,7 +144,7 @@ ROWS = {
     "panel.ply.angle": (PLIES, "90 deg", {"lay_up.0.angle": pi / 2}),
     "panel.ply.gap": (PLIES, "0.2 mm", {"lay_up.0.gap": 2e-4}),
     "panel.ply.count": (PLIES, 3, {"plies": 4, "lay_up.": ...}),
-    "backing.material": ({}, "gelatine 10 %", {"backing.material.density": 1030.0, "backing.material.": ...}),
+    "backing.material": ({}, "gelatine 10 %", {"backing.name": "gelatine 10 %", "backing.material.": ...}),
 }  # fmt: skip
 # values of keys whose example is their default
 OTHERS = {
