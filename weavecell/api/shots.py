@@ -393,6 +393,7 @@ class ShotResult(ImpactRecord, Result):
         if self.cut_yarns[-1]:
             lines.append(f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")
             lines.append(f"viscous energy {share} of what was absorbed until the first failure")
+            lines += [self.viscous_note] if self.viscous_note else []
         else:
             lines.append(f"viscous energy {share} of the {self.absorbed_energy:.2f} J absorbed")
         if self.range is not None:

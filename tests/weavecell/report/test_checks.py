@@ -14,6 +14,7 @@ from tests.scene_text import impact_scene
 from validation.models.cable.smith import smith
 from weavecell.report import checks
 from weavecell.report.shot import chapters_shot
+from weavecell.results.impact import ImpactRecord
 
 GOOD, BAD, WORSE = Indicator("a", 0.5, 1.0), Indicator("b", 2.0, 1.0), Indicator("c", 9.0, 1.0, "m")
 NOTED = Indicator("d", 0.5, 1.0, note=0.1)
@@ -52,6 +53,11 @@ def test_a_viscous_share_is_noted_from_10_and_doubtful_from_15_per_cent():
     found = [quality.indicator("viscous energy", share) for share in (0.09, 0.11, 0.14, 0.16)]
     assert [one.status for one in found] == ["ok", "noted", "noted", "doubtful"]
     assert checks.status(found) == "doubtful"
+    run = SimpleNamespace(cut_yarns=[0, 2], absorbed_energy=100.0, strike_energy=300.0, energies={"viscous": [0, 36]})
+    told = "viscosity took 36 % of what the whole run absorbed; its check ends at the first failure"
+    assert ImpactRecord.viscous_note.fget(run) == told
+    run.energies["viscous"] = [0, 14]
+    assert ImpactRecord.viscous_note.fget(run) == ""
 
 
 def test_a_doubtful_result_is_an_error_where_that_is_wanted(capsys):

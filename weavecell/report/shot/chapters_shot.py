@@ -169,6 +169,7 @@ def _energies(record):
         "Energy of projectile and fabric; dotted: the strike energy. Below, the error of the energy balance in % of "
         "the strike energy (green band: 1 %)."
     )
+    caption += f" Note: {record.viscous_note}." if record.viscous_note else ""
     return Figure(pictures.render(pictures_shot.energies, record), "svg", caption, "energies", wide=False)
 
 
