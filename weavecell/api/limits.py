@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from itertools import count
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import files
@@ -131,8 +132,9 @@ def critical_velocity(
 
     @contextmanager
     def stage(title):
-        with progress.bar(title) as advance:
-            yield lambda share, shot: advance(share, checks.of_shot(shot) if shot else "")
+        with progress.bar(title, estimate=False) as advance:  # some shots take ten times as long as others
+            done = count(1)
+            yield lambda share, shot: advance(share, f"{next(done)} shots, {checks.of_shot(shot)}" if shot else "")
 
     with out_folder.held(out) as folder:
         try:
