@@ -145,21 +145,23 @@ def merged(first: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
     return both
 
 
-def filled(entry: Any, chosen: Mapping[str, Any], used: set[str] | None = None) -> Any:
-    """An entry whose texts have the values of {key} in them; a text of a key alone becomes its value."""
+def filled(
+    entry: Any, chosen: Mapping[str, Any], used: set[str] | None = None, shown: Callable[[Any], str] | None = None
+) -> Any:
+    """An entry whose texts have the values of {key} in them, as `shown`; a text of a key alone becomes its value."""
     if isinstance(entry, Mapping):
-        return {key: filled(value, chosen, used) for key, value in entry.items()}
+        return {filled(key, chosen, used, shown): filled(value, chosen, used, shown) for key, value in entry.items()}
     if isinstance(entry, list):
-        return [filled(value, chosen, used) for value in entry]
+        return [filled(value, chosen, used, shown) for value in entry]
     if not isinstance(entry, str):
         return entry
-    found = [key for key in re.findall(r"\{([\w. -]+)\}", entry) if key in chosen]
+    found = [key for key in re.findall(r"\{([\w. -]*)\}", entry) if key in chosen]
     if used is not None:
         used.update(found)
     if found and entry == f"{{{found[0]}}}":
         return chosen[found[0]]
     for key in found:
-        entry = entry.replace(f"{{{key}}}", text(chosen[key]))
+        entry = entry.replace(f"{{{key}}}", (shown or text)(chosen[key]))
     return entry
 
 
@@ -227,14 +229,20 @@ def text(value: Any) -> str:
     return " / ".join(map(text, value)) if isinstance(value, (list, tuple, np.ndarray)) else str(value)
 
 
-def write(path: Path, records: Sequence[Record], made: str, headings: Mapping[str, str] | None = None) -> None:
-    """Write records as CSV; `made` says how in its first line, and `headings` are those of columns."""
+def write(path: Path, records: Sequence[Record], made: str = "", headings: Mapping[str, str] | None = None) -> None:
+    """Write records as CSV; `made`, if given, says how in a first line, and `headings` are those of columns."""
     columns = list(dict.fromkeys(column for one in records for column in one))
     with write_whole(path) as file:
-        file.write(f"# {made}\n")
+        file.write(f"# {made}\n" if made else "")
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([(headings or {}).get(column, column) for column in columns])
         writer.writerows([text(one.get(column)) for column in columns] for one in records)
+
+
+def markdown(rows: Sequence[Sequence[object]]) -> str:
+    """Rows, the first of which is the head, as a table in Markdown."""
+    rows = [rows[0], ["---"] * len(rows[0]), *rows[1:]]
+    return "".join("| " + " | ".join(map(str, row)) + " |\n" for row in rows)
 
 
 def read(path: Path) -> tuple[str, list[dict[str, str]]]:
