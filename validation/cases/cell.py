@@ -10,6 +10,7 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from shellfabric.cell import crossover_kernels as kernels
+from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import FORMS, CellModel, CellTable
 from shellfabric.panel import quality
 from validation.claims.checks.cell import printed
@@ -18,7 +19,7 @@ from validation.models import newton as thesis
 from validation.models.cable import smith
 from validation.models.cable.model import CableNumerics
 from validation.models.variants import with_law_form
-from validation.published.biaxial_glass.curves import at_ratio, free_edge
+from validation.published.biaxial_glass import free_edge
 
 FABRIC = "S-720"
 TABLE = 51  # stretches
@@ -140,7 +141,8 @@ def biaxial_options(*, fabric: str, test: str, yarn: str, options: dict[str, Any
     curves = []
     for changes in ({}, options):
         cell = CellModel(weave, form="equilibrium", **changes)
-        curves.append(free_edge(cell, yarn) if test == "free" else at_ratio(cell, float(test.removeprefix("k = "))))
+        ratio = () if test == "free" else (float(test.removeprefix("k = ")), 1.0)
+        curves.append(to_strength(cell, ratio) if ratio else free_edge(cell, yarn))
     strains = [curve.strain[:, family] for curve in curves]
     e = np.linspace(0, min(strain[-1] for strain in strains), 241)
     one, two = (np.interp(e, strain, curve.tension[:, family]) for strain, curve in zip(strains, curves))

@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.errors import InputError
+from validation import study
 from validation.claims import claims as data
 from validation.claims import judge, runner
 from validation.claims import page as pages
@@ -40,9 +41,12 @@ def main(
     ------
     InputError : an unknown topic, or a page of some topics; nothing has been written
     """
-    chosen, left_out = data.select(data.load(), topics, slow)
+    for topic in set(topics) - set(data.topics()):
+        raise InputError(key="--topics", value=topic, allowed=", ".join(data.topics()))
     if page is not None and topics:
         raise InputError(key="--page", value=page, allowed="without --topics: the page has the claims of all topics")
+    claims = [claim for claim in data.load() if not topics or claim.topic in topics]
+    chosen, left_out = ([claim for claim in claims if (claim.slow and not slow) is left] for left in (False, True))
     out_folder.claim(out, resume)
     with progress.bar(f"{len(chosen)} claims") as advance:
         records = runner.validate(
@@ -50,9 +54,8 @@ def main(
             report=lambda done, total: advance(done / max(total, 1)),
         )  # fmt: skip
     verdicts = {record.id: record.verdict for record in records}
-    claims = [claim for claim in data.load() if claim.id in verdicts]
     table, stamp = pages.rows(claims, records), provenance.stamp()
-    pages.write_csv(out / "ledger.csv", table)
+    study.write(out / "ledger.csv", table)
     if page is not None:
         options = " --slow" * slow + " --no-variants" * no_variants
         command = f"python -m validation claims{options} --page {page}"
