@@ -218,7 +218,7 @@ def of_shot(s):
         yield f" 1 {s['pulled_out_segments']} {lengths} {s['crossover_friction_work_J']:.4g} "
         yield f"{100 * s['crossover_friction_work_J'] / s['strike_energy_J']:.3g} % of the strike energy"
     if "back_face_signature_mm" in s:
-        yield f"Back-face signature: {s['back_face_signature_mm']:.1f} mm"
+        yield f"dent so far {s['back_face_signature_mm']:.3g} mm"
 
 
 SAID = {
