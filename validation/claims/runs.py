@@ -28,8 +28,7 @@ from shellfabric.projectile.bar import Bar
 from shellfabric.solver.pack_solver import PackSolver
 from validation.cases import block
 from validation.models.cable import smith
-from validation.models.cable.model import CableNet
-from validation.models.cable.solver import run as run_cable
+from validation.models.cable.net import CableNet, NetResult
 from validation.models.variants import with_straight_yarns
 from validation.published import bias_extension
 
@@ -166,11 +165,10 @@ def shots(fabric: str, velocities: Sequence[float], **scene: Any) -> tuple[balli
     return ballistic_limit.shoot(setup(fabric, 100.0, **scene).panel(), velocities)
 
 
-def net(fabric: str, velocity: float, **change: Any) -> SimpleNamespace:
+def net(fabric: str, velocity: float, **change: Any) -> NetResult:
     """One impact on the pin-jointed cable net of a changed fabric (`cloth`)."""
-    made = simulation.ImpactSetup(cloth(fabric, **change), velocity, elements_per_crossover=1)
-    found = run_cable(CableNet.of(made), velocity, 800e-6)
-    return SimpleNamespace(step_history=found.step_history, reactions=found.reactions)
+    made = simulation.ImpactSetup(cloth(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1)
+    return CableNet(made).run()
 
 
 def struck_yarn(fabric: str, velocity: float) -> SimpleNamespace:
@@ -254,7 +252,7 @@ def pace(fabric: str, velocity: float) -> SimpleNamespace:
     shell, cable = [], []
     for _ in range(3):
         shell.append(simulation.run(made).wall_time)
-        cable.append(run_cable(CableNet.of(made), velocity, 250e-6).wall_time)
+        cable.append(CableNet(made).run().wall_time)
     return SimpleNamespace(shell=min(shell), cable=min(cable))
 
 
