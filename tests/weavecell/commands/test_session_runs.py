@@ -45,7 +45,7 @@ def test_a_command_ends_well_and_leaves_its_folder(results, name):
     assert run.code == 0, run.err
     assert "error" not in run.err
     assert "written to r\n" in run.out
-    assert sorted(path.name for path in run.folder.iterdir()) == told["folder"].split()
+    assert sorted(path.name for path in run.folder.glob("[!.]*")) == told["folder"].split()
     if "scene.toml" in told["folder"].split():
         assert (run.folder / "scene.toml").read_text() == (run.folder.parent / "scene.toml").read_text()
     if "pictures" in told:
