@@ -17,7 +17,6 @@ from validation.claims.checks.cell import printed
 from validation.models import cell_scaling
 from validation.models import newton as thesis
 from validation.models.cable import smith
-from validation.models.cable.model import CableNumerics
 from validation.models.variants import with_law_form
 from validation.published.biaxial_glass import free_edge
 
@@ -107,20 +106,13 @@ def struck_yarn(
     fabric: str,
     velocity: float,
     length: float,
-    bars: int = 2000,
-    cfl: float = smith.STRAIGHT.cfl,
-    viscosity: float = CableNumerics.viscosity,
     exact: bool = False,
+    **numerics: Any,
 ) -> dict[str, float]:
     """A lone straight warp struck across at constant velocity by the cable model, or by Smith's closed form (`exact`):
-    tension, force [N], kink and front [m/s] speeds; bars along its half, of `length` [m]."""
+    tension, force [N], kink and front [m/s] speeds; `length` [m] of its half, bars and numerics of `smith.strike`."""
     yarn = catalogue.load(fabric).weave.warp
-    numerics = CableNumerics(cfl=cfl, viscosity=viscosity)
-    wave = (
-        smith.smith(yarn, velocity)
-        if exact
-        else smith.strike(yarn, velocity, length=length, bars=bars, numerics=numerics).computed
-    )
+    wave = smith.smith(yarn, velocity) if exact else smith.strike(yarn, velocity, length=length, **numerics).computed
     return {"tension": wave.tension, "force": wave.force, "kink": wave.U, "front": wave.c}
 
 

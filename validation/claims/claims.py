@@ -185,18 +185,12 @@ def condition_of(text: str) -> Condition:
         raise InputError(file="ledger", key="expect", value=text, allowed="such as h: EXPRESSION = 1 mm +- 3 %")
     name, _, expression = found["said"].partition(": ")
     expression = in_si(expression)
-    if found["equal"]:
-        return Condition(name, expression, "is", _literal(found["equal"]))
+    if equal := found["equal"]:
+        literal = equal.startswith("[") or equal in ("True", "False")
+        return Condition(name, expression, "is", ast.literal_eval(equal) if literal else equal)
     relative = found["of"] == "%" != found["unit"]
     tolerance = float(found["tolerance"] or 0) * (0.01 if relative else 1)
     return Condition(name, expression, found["test"], float(found["target"]), found["unit"], tolerance, relative)
-
-
-def _literal(text):
-    try:
-        return ast.literal_eval(text)
-    except (SyntaxError, ValueError):
-        return text
 
 
 def in_si(text: str) -> str:

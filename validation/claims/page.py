@@ -50,8 +50,7 @@ that the tables of the thesis imply (erratum E-07) and one element per crossover
 
 def rows(claims: Sequence[Claim], records: Sequence[Record]) -> Table:
     """One row a claim."""
-    by_id = {record.id: record for record in records}
-    return [_row(claim, by_id[claim.id]) for claim in claims]
+    return [_row(claim, record) for claim, record in zip(claims, records, strict=True)]
 
 
 def _row(claim, record):

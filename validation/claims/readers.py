@@ -30,7 +30,6 @@ ZONE_I = 60e-6  # [s] at which zone I of a shot at 100 m/s ends
 OFFSETS = tuple((1e-3 * np.arange(0, 100, 3)).round(6).tolist())  # [m] of weft yarns from the middle to the corner
 ONSET = 0.02  # of the yarn's strength: a reaction that has risen
 QUIET = 30e3  # [Hz] below which an oscillation is response, above which it is noise
-STOPPED, PERFORATED = "stops", "perforates"
 NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
 
 
@@ -82,7 +81,7 @@ def drop(values: FloatArray) -> float:
 
 def outcome(run: Any) -> str:
     """ "stops" or "perforates", as the thesis says it."""
-    return {"stopped": STOPPED, "perforated": PERFORATED}.get(run.outcome, run.outcome)
+    return {"stopped": "stops", "perforated": "perforates"}.get(run.outcome, run.outcome)
 
 
 def v(run: Any, t: Any) -> Any:
@@ -152,7 +151,7 @@ def onset(run: Any, family: str) -> float:
     if above.size == 0 or above[0] == 0:
         return np.nan
     k = above[0]
-    return float(t[k - 1] + (t[k] - t[k - 1]) * (level - N[k - 1]) / (N[k] - N[k - 1]))
+    return float(np.interp(level, N[k - 1 : k + 1], t[k - 1 : k + 1]))
 
 
 def reaction(run: Any, family: str) -> tuple[FloatArray, FloatArray]:

@@ -37,7 +37,7 @@ NEEDS |= dict.fromkeys(("sections", "meshes"), "gmsh")
 
 
 def validate(
-    claims: Sequence[Claim], folder: Path, *, left_out: Sequence[Claim] = (), vary: bool = False,
+    claims: Sequence[Claim], folder: Path, *, slow: bool = True, vary: bool = False,
     report: Callable[[int, int], object] | None = None, **pool: Any,
 ) -> list[Record]:  # fmt: skip
     """Judge the claims.
@@ -46,22 +46,27 @@ def validate(
     ----------
     claims : of `claims.load`
     folder : where runs are kept, and taken from
-    left_out : claims that get a record of their own as being left out
+    slow : whether those that are slow are not left out
     vary : also judge each claim that rests on shots at one ply in the variants that change them
     report, **pool : report, executor, jobs, resume of `run_cache.results`
 
     Returns
     -------
-    One record a claim, in the order of the claims, those left out at the end.
+    One record a claim, in the order of the claims.
     """
-    variants = {claim.id: varied(claim) if vary else [] for claim in claims}
-    tasks = [(claim, name) for claim in claims for name in (None, *variants[claim.id])]
+    chosen = [claim for claim in claims if slow or not claim.slow]
+    every = VARIANTS if vary else ()
+    variants = {claim.id: [n for n in every if runs_of(claim, n) != runs_of(claim)] for claim in chosen}
+    tasks = [(claim, name) for claim in chosen for name in (None, *variants[claim.id])]
     wanted = {run for task in tasks for run in _flat(runs_of(*task)) if not _missing(run)}
     runs = sorted(wanted, key=lambda run: (not _is_long(run), run))
     done = dict(zip(runs, run_cache.results(compute, [(run,) for run in runs], folder=folder, report=report, **pool)))
-    verdicts = {claim.id: {name: check(claim, done, name).verdict for name in variants[claim.id]} for claim in claims}
-    records = [replace(check(claim, done), variants=verdicts[claim.id]) for claim in claims]
-    return records + [Record(claim.id, LEFT_OUT, note="slow: run with --slow") for claim in left_out]
+    records = [Record(claim.id, LEFT_OUT, note="slow: run with --slow") for claim in claims]
+    for place, claim in enumerate(claims):
+        if claim.id in variants:
+            verdicts = {name: check(claim, done, name).verdict for name in variants[claim.id]}
+            records[place] = replace(check(claim, done), variants=verdicts)
+    return records
 
 
 def compute(run: Run) -> Any:
@@ -118,11 +123,6 @@ def is_long(claim: Claim) -> bool:
     return any(map(_is_long, _flat(runs_of(claim))))
 
 
-def varied(claim: Claim) -> list[str]:
-    """The variants that change a run of a claim."""
-    return [name for name in VARIANTS if runs_of(claim, name) != runs_of(claim)]
-
-
 def _specified(spec, names, changes):
     if "for" not in spec:
         return _varied(run_of(spec, names), changes)
@@ -141,15 +141,11 @@ def _varied(run, changes):
     keywords = json.loads(run.keywords)
     if run.kind == "net":
         keywords = changes.get("change", {}) | keywords
-    elif _at_one_ply(run):
+    elif run.kind in SHOTS and keywords.get("plies", 1) == 1:
         for name, value in changes.items():
             own = keywords.get(name)
             keywords[name] = value | (own or {}) if name == "change" else own or value
     return replace(run, keywords=json.dumps(keywords, sort_keys=True))
-
-
-def _at_one_ply(run):
-    return run.kind in SHOTS and json.loads(run.keywords).get("plies", 1) == 1
 
 
 def _flat(specs: dict[str, Any]) -> Iterator[Run]:

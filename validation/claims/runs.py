@@ -8,15 +8,17 @@ element per crossover. All other settings are the defaults of weavecell: nothing
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import weavecell as wc
 from fabrics import catalogue, variants
 from fabrics.errors import UnstableError
+from fabrics.fabric import Fabric
 from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
@@ -28,17 +30,9 @@ from shellfabric.projectile.bar import Bar
 from shellfabric.solver.pack_solver import PackSolver
 from validation.cases import block
 from validation.models.cable import smith
-from validation.models.cable.model import CableNet
-from validation.models.cable.solver import run as run_cable
+from validation.models.cable.net import CableNet, NetResult
 from validation.models.variants import with_straight_yarns
 from validation.published import bias_extension
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from fabrics.fabric import Fabric
-    from shellfabric.impact.ballistic_limit import Limit
-    from shellfabric.impact.simulation import ImpactSetup
 
 PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3}  # of the thesis
 HISTORY = {"interval": 1e-6, "warp": [0.0], "weft": [0.0]}
@@ -75,7 +69,7 @@ def setup(
     fabric: str, velocity: float, *, change: dict[str, Any] | None = None, struck: dict[str, Any] | None = None,
     wider: float | None = None, projectile: dict[str, Any] | str | None = None, history: dict[str, Any] | None = None,
     **keywords: Any,
-) -> ImpactSetup:  # fmt: skip
+) -> simulation.ImpactSetup:  # fmt: skip
     """`weavecell.setup` of a shot.
 
     Parameters
@@ -103,22 +97,6 @@ def setup(
     return made
 
 
-class _Watch:
-    """Hook: times [s] after which a warp and a weft segment of the struck ply have failed, and at each audit the mean
-    tension [N] of the weft through the impact point from 5 to 15 mm beside it, on a quarter of a panel."""
-
-    def __init__(self):
-        self.times, self.beside = np.full(2, np.nan), []
-
-    def __call__(self, solver):
-        tension = yarn_tensions(solver.const, solver.state)[0, :, 1]
-        middle = (np.arange(tension.size) + 0.5) * solver.const.dy
-        self.beside.append(float(tension[(middle > 5e-3) & (middle < 15e-3)].mean()))
-        for family, failed in enumerate(solver.state.failed):
-            if np.isnan(self.times[family]) and failed.any():
-                self.times[family] = solver.time
-
-
 @dataclass(frozen=True, kw_only=True)
 class Shot(simulation.ImpactResult):
     """One impact.
@@ -126,7 +104,8 @@ class Shot(simulation.ImpactResult):
     Parameters
     ----------
     first_failure : (2,) [s] after which a warp and a weft segment of the struck ply have failed; nan where none has
-    beside : (n - 1,) [N] mean tension of the weft through the impact point from 5 to 15 mm beside it
+    beside : (n - 1,) [N] at each audit, mean tension of the weft through the impact point from 5 to 15 mm beside it, on
+        a quarter of a panel
     """
 
     first_failure: np.ndarray
@@ -142,20 +121,29 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
     failure_time : [s] over which tensions are low-passed before they are held against the strength, in place of the
         time that follows from the failure length; 0 leaves that
     """
-    made, hook = setup(fabric, velocity, **scene), _Watch()
+    made, times, beside = setup(fabric, velocity, **scene), np.full(2, np.nan), []
+
+    def watch(solver):
+        tension = yarn_tensions(solver.const, solver.state)[0, :, 1]
+        middle = (np.arange(tension.size) + 0.5) * solver.const.dy
+        beside.append(float(tension[(middle > 5e-3) & (middle < 15e-3)].mean()))
+        for family, failed in enumerate(solver.state.failed):
+            if np.isnan(times[family]) and failed.any():
+                times[family] = solver.time
+
     if failure_time:
         solver = PackSolver(made.target(), velocity, made.end_time, interval=made.sample_interval)
         for lines in (lines for const in solver.consts for lines in (const.warp_lines, const.weft_lines)):
             lines.filter_factor[:] = -np.expm1(-solver.const.dt / failure_time)
-        solver.run((hook,))
+        solver.run((watch,))
         result = simulation.collect_result(made, solver)
     else:
-        result = simulation.run(made, hooks=(hook,))
+        result = simulation.run(made, hooks=(watch,))
     plain = made.target(made.plain_table())  # whose table of the cell, which takes 15 MB, is not needed any more
-    return Shot(**vars(result) | {"target": plain}, first_failure=hook.times, beside=np.array(hook.beside))
+    return Shot(**vars(result) | {"target": plain}, first_failure=times, beside=np.array(beside))
 
 
-def limit(fabric: str, *, tolerance: float = 1.0, guess: float | None = None, **scene: Any) -> Limit:
+def limit(fabric: str, *, tolerance: float = 1.0, guess: float | None = None, **scene: Any) -> ballistic_limit.Limit:
     """Critical velocity of one ply, within `tolerance` [m/s]."""
     target = setup(fabric, 100.0, **scene).panel()
     return ballistic_limit.critical_velocity(target, tolerance=tolerance, guess=guess)
@@ -166,11 +154,10 @@ def shots(fabric: str, velocities: Sequence[float], **scene: Any) -> tuple[balli
     return ballistic_limit.shoot(setup(fabric, 100.0, **scene).panel(), velocities)
 
 
-def net(fabric: str, velocity: float, **change: Any) -> SimpleNamespace:
+def net(fabric: str, velocity: float, **change: Any) -> NetResult:
     """One impact on the pin-jointed cable net of a changed fabric (`cloth`)."""
-    made = simulation.ImpactSetup(cloth(fabric, **change), velocity, elements_per_crossover=1)
-    found = run_cable(CableNet.of(made), velocity, 800e-6)
-    return SimpleNamespace(step_history=found.step_history, reactions=found.reactions)
+    made = simulation.ImpactSetup(cloth(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1)
+    return CableNet(made).run()
 
 
 def struck_yarn(fabric: str, velocity: float) -> SimpleNamespace:
@@ -254,7 +241,7 @@ def pace(fabric: str, velocity: float) -> SimpleNamespace:
     shell, cable = [], []
     for _ in range(3):
         shell.append(simulation.run(made).wall_time)
-        cable.append(run_cable(CableNet.of(made), velocity, 250e-6).wall_time)
+        cable.append(CableNet(made).run().wall_time)
     return SimpleNamespace(shell=min(shell), cable=min(cable))
 
 

@@ -9,6 +9,7 @@ from scipy.stats import spearmanr  # noqa: F401
 
 from fabrics.compression import CompressionLaw  # noqa: F401
 from fabrics.plate_curve import PlateCurve  # noqa: F401
+from fabrics.variants import scale_yarns  # noqa: F401
 from fabrics.weave import height_from_length  # noqa: F401
 from shellfabric.cell.biaxial_path import to_strength  # noqa: F401
 from shellfabric.cell.model import CellModel  # noqa: F401

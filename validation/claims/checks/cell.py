@@ -14,7 +14,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from fabrics import catalogue, variants
+from fabrics import catalogue
 from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.weave import arc_length
@@ -91,11 +91,6 @@ def alone(fabric: str, family: int) -> tuple[FloatArray, FloatArray]:
 def pulled(model: CellModel, family: int, stretch: Any, other: float = 1.0) -> FloatArray:
     """[N] tension of a yarn whose cell is stretched along it, and across it by `other`."""
     return model.solve(*((stretch, other) if family == 0 else (other, stretch)))[f"T{family + 1}"]
-
-
-def failure_extension(fabric: str, family: int) -> float:
-    """Cell strain at which the tension of a lone crimped yarn reaches its strength."""
-    return stretch_to_strength(cell(fabric, "decoupled"), family) - 1
 
 
 def stretch_to_strength(model: CellModel, family: int, other: float = 1.0) -> float:
@@ -234,11 +229,6 @@ def curve_change(curve: CellPath, family: int, shift: float) -> float:
     common = strain > shift
     off = np.mean((tension[common] - np.interp(strain[common] - shift, strain, tension)) ** 2)
     return np.sqrt(off) / np.sqrt(np.mean(tension[common] ** 2))
-
-
-def scaled(name: str, **factors: float) -> CellModel:
-    """The cell of a fabric whose yarns' fields are multiplied by factors."""
-    return CellModel(variants.scale_yarns(catalogue.load(name), **factors), form="equilibrium")
 
 
 def look_up(fabric: str, n: int, samples: int) -> dict[str, Any]:

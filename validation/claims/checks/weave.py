@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.integrate import quad
@@ -13,6 +13,7 @@ from scipy.integrate import quad
 from fabrics import catalogue
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
 from fabrics.trellis import locking_angle, locking_modulus, touching_angle
 from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel
@@ -22,9 +23,6 @@ from shellfabric.panel.model import Panel
 from validation.claims.checks.cell import rectangle
 from validation.claims.readers import FAMILIES, KEVLAR
 from validation.published.bias_extension import cloth
-
-if TYPE_CHECKING:
-    from fabrics.fabric import Fabric
 
 
 def micrographs() -> Iterator[tuple[Fabric, str, Any, dict[str, float]]]:
