@@ -26,7 +26,7 @@ from shellfabric.impact import simulation
 from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-from validation.marked_page import markdown
+from validation.study import markdown
 
 MESHES = {
     "1": {},

@@ -14,10 +14,9 @@ from typing import Any
 
 from fabrics.checks import FilePath
 from fabrics.errors import unknown_name
-from fabrics.materials import Isotropic, of_table, plain
+from fabrics.materials import Isotropic, _table, of_table, plain
 
 _FILE = Path(__file__).with_name("backings.toml")
-STATUSES = ("published", "second-hand", "derived", "assumed")
 
 
 @cache
@@ -63,3 +62,12 @@ def load(name: str) -> Isotropic:
     InputError : an unknown name
     """
     return of_table(entry(name), _FILE)
+
+
+def assumed_line(name: str, block: Isotropic) -> str:
+    """Line that names the constants of a block, of a backing or of "" (the thesis), that are assumed."""
+    data = entry(name) if name else _table("backing")
+    own = of_table(data, _FILE)
+    kept = [key for key, row in data.items() if row["status"] == "assumed" and getattr(block, key) == getattr(own, key)]
+    constants = ", ".join(f"{key} {data[key]['value']}" for key in kept)
+    return f"assumed: {constants or 'nothing'}, of the block of {name or 'the thesis'}"

@@ -111,10 +111,10 @@ class UnstableError(WeavecellError):
     message : what was found (energy drift, NaN, inverted element, failed Newton)
     where : the element, node or load case, in words
     when : the time, step or load, in words
+    result : what the run had computed by then, where it leaves something
 
     Attributes
     ----------
-    result : what the run had computed by then, where it leaves something
     shots : of a search, those that had ended before
 
     Examples
@@ -124,11 +124,10 @@ class UnstableError(WeavecellError):
     """
 
     exit_code = 3
-    result: Any = None
     shots: tuple = ()
 
-    def __init__(self, message: str, *, where: str | None = None, when: str | None = None) -> None:
-        self.where, self.when = where, when
+    def __init__(self, message: str, *, where: str | None = None, when: str | None = None, result: Any = None) -> None:
+        self.where, self.when, self.result = where, when, result
         text = message
         if where is not None:
             text += f", at {where}"

@@ -129,17 +129,17 @@ def read_csv(path: FilePath, what: str) -> list[tuple[int, list[str]]]:
 
     Raises
     ------
-    InputError : no such file, or not UTF-8 text
+    InputError : no such file, not UTF-8 text, or a cell above the limit of Python's csv (131,072 letters)
     """
     try:
-        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as problem:
-        why = getattr(problem, "strerror", None) or "not UTF-8 text"
+        text = enumerate(Path(path).read_text(encoding="utf-8-sig").splitlines(), 1)
+        numbered = [(n, line) for n, line in text if line.strip("; ,") and not line.lstrip().startswith("#")]
+        separator = ";" if numbered and ";" in numbered[0][1] else ","
+        texts = csv.reader([line for _, line in numbered], delimiter=separator, skipinitialspace=True)
+        rows = [(n, [cell.strip() for cell in cells]) for (n, _), cells in zip(numbered, texts)]
+    except (OSError, UnicodeDecodeError, csv.Error) as problem:
+        why = "not UTF-8 text" if isinstance(problem, UnicodeDecodeError) else getattr(problem, "strerror", problem)
         raise InputError("cannot be read", file=path, allowed=f"{what} ({why})") from problem
-    numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip("; ,") and not line.lstrip().startswith("#")]
-    separator = ";" if numbered and ";" in numbered[0][1] else ","
-    texts = csv.reader([line for _, line in numbered], delimiter=separator, skipinitialspace=True)
-    rows = [(n, [cell.strip() for cell in cells]) for (n, _), cells in zip(numbered, texts)]
     columns = max((n for n, cell in enumerate(rows[0][1], 1) if cell), default=0) if rows else 0
     for _, cells in rows:
         while len(cells) > columns and not cells[-1]:

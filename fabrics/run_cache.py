@@ -22,7 +22,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -126,24 +126,15 @@ def _mark(found, kind, text):
 
 @dataclass(frozen=True)
 class Format:
-    """How results are written: suffix of their files, write(path, content) and read(path) -> content."""
+    """How results are written: suffix of their files, write(content, file) and read(file) -> content of open files."""
 
     suffix: str
     write: Callable
     read: Callable
 
 
-def _write_pickle(path, content):
-    with write_whole(path, "wb") as file:
-        pickle.dump(content, file, protocol=pickle.HIGHEST_PROTOCOL)
-
-
-def _read_pickle(path):
-    with open(path, "rb") as file:
-        return pickle.load(file)  # written by `_write_pickle` in the user's own folder
-
-
-PICKLE = Format("pickle", _write_pickle, _read_pickle)
+# what is read was written in the user's own folder
+PICKLE = Format("pickle", partial(pickle.dump, protocol=pickle.HIGHEST_PROTOCOL), pickle.load)
 
 
 class RunCache:
@@ -170,10 +161,12 @@ class RunCache:
         return self.file(key).exists()
 
     def __getitem__(self, key: str) -> Any:
-        return self._form.read(self.file(key))
+        with open(self.file(key), "rb") as file:
+            return self._form.read(file)
 
     def __setitem__(self, key: str, content: Any) -> None:
-        self._form.write(self.file(key), content)
+        with write_whole(self.file(key), "wb") as file:
+            self._form.write(content, file)
 
 
 def results(

@@ -9,11 +9,11 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-TABLES = (Path("shellfabric/jit/glossary.toml"), Path("validation/models/glossary.toml"))
+TABLE = Path("shellfabric/jit/glossary.toml")
 NOT_PASSED = ("output",)  # folders whose named tuples no kernel takes
 HEAD = """# Glossary of the compiled code
 
-From `shellfabric/jit/glossary.toml` and `validation/models/glossary.toml`. SI units throughout.
+From `shellfabric/jit/glossary.toml`. SI units throughout.
 
 ## Terms
 
@@ -21,13 +21,10 @@ From `shellfabric/jit/glossary.toml` and `validation/models/glossary.toml`. SI u
 
 
 def tuples(root=ROOT):
-    """{module.name: fields} of the named tuples that kernels take, in the order of the files.
-
-    Modules of shellfabric go without its name, those of the models have their whole name.
-    """
-    found, folder, models = {}, root / "shellfabric", root / "validation" / "models"
-    for path in (*sorted(folder.rglob("*.py")), *sorted(models.rglob("*.py"))):
-        parts = path.relative_to(root if models in path.parents else folder).with_suffix("").parts
+    """{module.name: fields} of the named tuples that kernels take, in the order of the files."""
+    found, folder = {}, root / "shellfabric"
+    for path in sorted(folder.rglob("*.py")):
+        parts = path.relative_to(folder).with_suffix("").parts
         for node in ast.walk(ast.parse(path.read_text("utf-8"))) if parts[0] not in NOT_PASSED else ():
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "namedtuple":
                 name, fields = map(ast.literal_eval, node.args)
@@ -37,7 +34,7 @@ def tuples(root=ROOT):
 
 def table(root=ROOT):
     """The entries: {terms: {term: meaning}, module.name: {field: [shape, unit, meaning]}}."""
-    return {name: rows for path in TABLES for name, rows in tomllib.loads((root / path).read_text("utf-8")).items()}
+    return tomllib.loads((root / TABLE).read_text("utf-8"))
 
 
 def problems(entries, fields):
@@ -58,8 +55,7 @@ def page(entries, fields):
     """Text of the page."""
     text = HEAD + "".join(f"- **{term}**: {meaning}\n" for term, meaning in entries["terms"].items())
     for name, names in fields.items():
-        title = name if name.startswith("validation.") else f"shellfabric.{name}"
-        text += f"\n## {title}\n\n| field | shape | unit | meaning |\n|---|---|---|---|\n"
+        text += f"\n## shellfabric.{name}\n\n| field | shape | unit | meaning |\n|---|---|---|---|\n"
         for field in names:
             shape, unit, meaning = entries[name][field]
             text += f"| `{field}` | {shape} | {unit} | {meaning} |\n"

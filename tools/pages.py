@@ -25,10 +25,10 @@ import file_formats  # noqa: E402
 import keys_page  # noqa: E402
 import python_page  # noqa: E402
 
+from validation.claims import judge  # noqa: E402
 from validation.claims import page as claims  # noqa: E402
 from validation.claims.judge import MISSED, REPRODUCED  # noqa: E402
-from validation.marked_page import markdown  # noqa: E402
-from validation.study import read  # noqa: E402
+from validation.study import markdown, read  # noqa: E402
 
 TESTED = 110  # [m/s] at which a ply of S-726 was perforated
 
@@ -158,8 +158,15 @@ def decided_claims() -> str:
 def all_claims() -> str:
     """The counts of the ledger in words."""
     rows = claims.read(DATA / "claims.csv")
-    text = f"""`python -m validation claims` checks {claims.sentence(rows)}. Claims on shots at one ply are checked in
-    four variants of the model as well. {claims.variants_sentence(rows)}."""
+    thesis, others = claims.of_thesis(rows), claims.of_thesis(rows, False)
+    n, more = claims.counts(thesis), claims.counts(others)
+    text = f"""`python -m validation claims` checks {len(thesis)} claims of the thesis: {decided_claims()};
+    {n[judge.DATA]} compare input data or a closed form with themselves and are in no percentage;
+    {n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable;
+    {n[judge.NOT_BUILT]} not built yet; {n[judge.NOT_TESTABLE]} cannot be tested; {n[judge.LEFT_OUT]} slow ones are left
+    out. Of {len(others)} additional claims, which the project adds, {more[REPRODUCED]} are reproduced, {more[MISSED]}
+    missed and {more[judge.LEFT_OUT]} left out. Claims on shots at one ply are checked in four variants of the model as
+    well. {claims.variants_sentence(rows)}."""
     return "\n\n" + textwrap.fill(" ".join(text.split()), 118, break_on_hyphens=False) + "\n\n"
 
 

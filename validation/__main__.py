@@ -12,7 +12,7 @@ from __future__ import annotations
 import sys
 
 from validation import runner
-from validation.commands import claims
+from validation.claims import command as claims
 from validation.measured import command as measured
 from validation.program import program
 from weavecell.results import out_folder

@@ -92,11 +92,7 @@ def run(study: Study, *, quick: bool = False, **options: Any) -> list[Record]:
     first = next(iter(records[0]))
     lookup = of(records)
     return records + [
-        {first: name}
-        | {
-            column: eval(expression, {"__builtins__": {}, **NAMES, "of": lookup})
-            for column, expression in columns.items()
-        }
+        {first: name} | {column: eval(expression, NAMES | {"of": lookup}) for column, expression in columns.items()}
         for name, columns in fits.items()
     ]
 

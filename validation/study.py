@@ -50,6 +50,7 @@ _NUMPY = (
     "abs all any arange array corrcoef degrees diff exp interp isnan log max mean median min nan polyfit sqrt std sum"
 )
 NAMES: dict[str, Any] = {name: getattr(np, name) for name in _NUMPY.split()} | {
+    "__builtins__": {"__import__": __import__},  # numpy imports parts of itself when they are first used
     "float": float,
     "len": len,
     "round": round,
@@ -144,21 +145,23 @@ def merged(first: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
     return both
 
 
-def filled(entry: Any, chosen: Mapping[str, Any], used: set[str] | None = None) -> Any:
-    """An entry whose texts have the values of {key} in them; a text of a key alone becomes its value."""
+def filled(
+    entry: Any, chosen: Mapping[str, Any], used: set[str] | None = None, shown: Callable[[Any], str] | None = None
+) -> Any:
+    """An entry whose texts have the values of {key} in them, as `shown`; a text of a key alone becomes its value."""
     if isinstance(entry, Mapping):
-        return {key: filled(value, chosen, used) for key, value in entry.items()}
+        return {filled(key, chosen, used, shown): filled(value, chosen, used, shown) for key, value in entry.items()}
     if isinstance(entry, list):
-        return [filled(value, chosen, used) for value in entry]
+        return [filled(value, chosen, used, shown) for value in entry]
     if not isinstance(entry, str):
         return entry
-    found = [key for key in re.findall(r"\{([\w. -]+)\}", entry) if key in chosen]
+    found = [key for key in re.findall(r"\{([\w. -]*)\}", entry) if key in chosen]
     if used is not None:
         used.update(found)
     if found and entry == f"{{{found[0]}}}":
         return chosen[found[0]]
     for key in found:
-        entry = entry.replace(f"{{{key}}}", text(chosen[key]))
+        entry = entry.replace(f"{{{key}}}", (shown or text)(chosen[key]))
     return entry
 
 
@@ -186,7 +189,7 @@ def load(name: str) -> Study:
 def evaluated(expression: str, result: Mapping[str, Any], reference: Mapping[str, Any] | None = None) -> Any:
     """Value of a quantity of a result."""
     known = NAMES | dict(result) | ({} if reference is None else {"ref": SimpleNamespace(**reference)})
-    return eval(expression, {"__builtins__": {}, **known})  # of a file of ours
+    return eval(expression, known)  # of a file of ours
 
 
 def record(row: Row, result: Mapping[str, Any], reference: Mapping[str, Any]) -> Record:
@@ -211,7 +214,7 @@ def of(records: Sequence[Record]) -> Callable[..., Any]:
 
 def unmet(study: Study, records: Sequence[Record]) -> list[str]:
     """Expectations of a study that its records do not meet."""
-    known = {"__builtins__": {}, **NAMES, "of": of(records)}
+    known = NAMES | {"of": of(records)}
     return [expression for expression in study.content.get("expect", []) if not eval(expression, known)]
 
 
@@ -226,14 +229,20 @@ def text(value: Any) -> str:
     return " / ".join(map(text, value)) if isinstance(value, (list, tuple, np.ndarray)) else str(value)
 
 
-def write(path: Path, records: Sequence[Record], made: str, headings: Mapping[str, str] | None = None) -> None:
-    """Write records as CSV; `made` says how in its first line, and `headings` are those of columns."""
+def write(path: Path, records: Sequence[Record], made: str = "", headings: Mapping[str, str] | None = None) -> None:
+    """Write records as CSV; `made`, if given, says how in a first line, and `headings` are those of columns."""
     columns = list(dict.fromkeys(column for one in records for column in one))
     with write_whole(path) as file:
-        file.write(f"# {made}\n")
+        file.write(f"# {made}\n" if made else "")
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([(headings or {}).get(column, column) for column in columns])
         writer.writerows([text(one.get(column)) for column in columns] for one in records)
+
+
+def markdown(rows: Sequence[Sequence[object]]) -> str:
+    """Rows, the first of which is the head, as a table in Markdown."""
+    rows = [rows[0], ["---"] * len(rows[0]), *rows[1:]]
+    return "".join("| " + " | ".join(map(str, row)) + " |\n" for row in rows)
 
 
 def read(path: Path) -> tuple[str, list[dict[str, str]]]:

@@ -63,6 +63,7 @@ class Backing:
     points : of contact along each side of an element of fabric
     after_stop : [s] for which a run goes on after the projectile has turned back, while the block comes to rest
     mirrors : whether x = 0 and y = 0 are planes of symmetry that bound the modelled part
+    name : of the backing (`fabrics.backings`) that the material is of, or ""
 
     Raises
     ------
@@ -84,6 +85,7 @@ class Backing:
     points: int = 2
     after_stop: float = 0.0
     mirrors: tuple[bool, bool] = (True, True)
+    name: str = ""
 
     def __post_init__(self):
         if self.outer_boundary not in OUTER_BOUNDARIES:

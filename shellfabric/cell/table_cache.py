@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from fabrics.files import write_whole
 from fabrics.run_cache import Format, RunCache, key
 from shellfabric.cell.model import COLUMNS, CellModel, CellTable
 
@@ -77,14 +77,4 @@ def _split(array):
     return array[0].copy(), array[1].copy(), array[2:].reshape(len(COLUMNS), n, n)
 
 
-def _write(path, content):
-    with write_whole(path, "wb") as file:
-        np.save(file, content)
-
-
-def _read(path):
-    with open(path, "rb") as file:
-        return np.load(file, allow_pickle=False)
-
-
-ARRAYS = Format("npy", _write, _read)
+ARRAYS = Format("npy", lambda content, file: np.save(file, content), partial(np.load, allow_pickle=False))

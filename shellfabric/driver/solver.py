@@ -1,4 +1,4 @@
-"""Explicit time integration: one driver for panel, pack of plies and cable net.
+"""Explicit time integration: one driver for panel, pack of plies and coupon.
 
 The driver makes the steps of a model up to the next sample, takes the sample, audits the energy, guards the run and
 calls the hooks, as hook(solver), until the run is over. It knows no physics: a model derives from `ExplicitSolver`, and

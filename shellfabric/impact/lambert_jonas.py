@@ -33,7 +33,8 @@ class LambertJonas:
     a, p : [-]
     limit : [m/s] V_bl
     intervals : {name: (low, high)} of the parameters that were fitted, at the level of `confidence`, from the curve's
-        slopes at the fit; None for one that came to rest on a bound of what is sought
+        slopes at the fit; None for one that came to rest on a bound of what is sought, infinite where the shots tell
+        nothing of it
     confidence : [-]
     residual_rms : [m/s] of the fit
     points : number of shots that it was fitted to
@@ -51,13 +52,15 @@ class LambertJonas:
         """[m/s] of the curve at strike velocities [m/s] of any shape."""
         return curve(np.asarray(strike_velocity, float), self.a, self.p, self.limit)
 
-    def words(self) -> str:
-        """The fitted parameters, each with its interval."""
+    def words(self, between: str = ", ") -> str:
+        """The fitted parameters, each with its interval; the reason where that does not exclude half of the value."""
         texts = []
         for name, interval in self.intervals.items():
-            within = f"({interval[0]:.3g} to {interval[1]:.3g})" if interval else "(at its bound)"
-            texts.append(f"{name} = {getattr(self, name):.3g} {within}")
-        return ", ".join(texts)
+            value = getattr(self, name)
+            low, high = interval or (0.0, 0.0)
+            within = f"({low:.3g} to {high:.3g})" if interval else f"(at its bound {value:.3g})"
+            texts.append(f"{name} = {value:.3g} {within}" if low > 0.5 * value else f"{name} not determined {within}")
+        return between.join(texts)
 
 
 def curve(strike_velocity: FloatArray, a: float, p: float, limit: float) -> FloatArray:
@@ -134,9 +137,12 @@ def _intervals(found, bounds, points, confidence):
     inner = [k for k, (low, high) in enumerate(bounds.values()) if low < found.x[k] < high and not found.active_mask[k]]
     intervals = dict.fromkeys(bounds)
     J, freedom = found.jac[:, inner], points - len(inner)
-    if not inner or np.linalg.matrix_rank(J) < len(inner):
+    if not inner:
         return intervals
-    spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * found.cost / freedom)
+    told = np.linalg.matrix_rank(J) == len(inner)
+    spread = (
+        np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * found.cost / freedom) if told else np.full(len(inner), np.inf)
+    )
     half = student.ppf(0.5 * (1 + confidence), freedom) * spread
     for k, name in enumerate(bounds):
         if k in inner:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
+from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 
 OWN = "# one ply\nthickness [mm], pressure [kPa]\n0.40, 30\n0.35, 100\n0.31, 400\n0.29, 1500\n0.28, 6000\n"
@@ -36,3 +37,6 @@ def test_users_file(tmp_path, text):
     assert curve.closure == pytest.approx(np.array([0, 0.05, 0.09, 0.11, 0.12]) * 1e-3, abs=1e-12)
     assert curve.source == "curve.csv"
     assert curve.at(100e3) == pytest.approx(0.05e-3)
+    path.write_text(text + 131_073 * "1")
+    with pytest.raises(InputError, match=r"curve.csv: cannot be read; must be .* \(field larger than field limit"):
+        PlateCurve.read(path)

@@ -12,26 +12,12 @@ import pytest
 
 from tests.installed.conftest import runner
 from tests.installed.packages import PACKAGES, ROOT
+from tests.scene_text import impact_scene
 
 OWN_FABRICS = sorted((ROOT / "tests" / "weavecell" / "own_fabrics").glob("*.toml"))
 IMPORTS = f"import weavecell as wc, {', '.join(PACKAGES)}\nprint(wc.fabric('S-720').name, fabrics.__file__)\n"
-SHOT = """
-[fabric]
-file = "own.toml"
-law = "law/law.json"
-
-[projectile]
-mass = "1.1 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "150 m/s"
-
-[panel]
-opening = "100 mm"
-
-[run]
-end_time = "800 us"
-"""
+OWN = 'file = "own.toml"\nlaw = "law/law.json"'
+SHOT = impact_scene("150 m/s", "100 mm", "800 us").replace('name = "S-720"', OWN).replace('"3 g"', '"1.1 g"')
 
 
 def test_folders_of_our_names_hide_no_package(user, tmp_path):

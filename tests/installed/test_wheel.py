@@ -9,6 +9,7 @@ import pytest
 
 from tests.installed.conftest import META
 from tests.installed.packages import FILES, PACKAGES, ROOT
+from tests.scene_text import impact_scene
 
 
 def test_wheel_and_source_distribution_hold_every_file(built):
@@ -33,24 +34,7 @@ def test_the_checkout_does_not_leak_into_the_environment(installed, tmp_path):
     assert str(ROOT) not in paths
 
 
-PLY = """
-[fabric]
-name = "S-720"
-linear_density = "effective"
-
-[projectile]
-mass = "0.5 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "60 m/s"
-
-[panel]
-opening = "20 mm"
-
-[run]
-end_time = "10 us"
-snapshot_interval = "5 us"
-"""
+PLY = impact_scene("60 m/s", "20 mm", "10 us", run='snapshot_interval = "5 us"').replace('"3 g"', '"0.5 g"')
 SCENES = {
     "ply.toml": PLY,
     "pack.toml": PLY.replace('"20 mm"\n', '"20 mm"\nplies = 2\n'),

@@ -5,24 +5,9 @@ import numpy as np
 import pytest
 from hexahedra import volumes
 
-from fabrics import catalogue
 from fabrics.errors import InputError
-from meshing import crossover, patch
 from meshing.formats import export
 from meshing.session import gmsh_session
-
-
-def quarter():
-    return crossover.build(catalogue.load("S-720"), size=(5, 4, 2))
-
-
-def weave_with_end_shells():
-    return patch.build(catalogue.load("S-728"), (2, 3), size=(3, 2, 1), end_shells=2e-5)
-
-
-@pytest.fixture(scope="module", params=[quarter, weave_with_end_shells])
-def mesh(request):
-    return request.param()
 
 
 def of_group(read, name, values):

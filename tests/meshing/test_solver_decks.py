@@ -14,24 +14,10 @@ import pytest
 from hexahedra import volumes
 
 from fabrics import catalogue
-from meshing import crossover, patch
+from meshing import patch
 from meshing.formats import export
 from meshing.formats.abaqus import SIDES
-
-SIZE = (3, 2, 1)
-
-
-def quarter():
-    return crossover.build(catalogue.load("S-720"), size=SIZE)
-
-
-def weave_with_end_shells():
-    return patch.build(catalogue.load("S-731"), (2, 3), size=SIZE, end_shells=2e-5)
-
-
-@pytest.fixture(scope="module", params=[quarter, weave_with_end_shells])
-def mesh(request):
-    return request.param()
+from tests.weavecell.decks.deck_readers import blocks
 
 
 def check_elements(mesh, read):
@@ -85,17 +71,6 @@ def members(lines):
     return [number for line in lines for number in integers(line)]
 
 
-def blocks(text, mark, comment):
-    """(header, lines) of each block that begins with `mark`."""
-    found = []
-    for line in text.splitlines():
-        if line.startswith(mark):
-            found.append((line, []))
-        elif not line.startswith(comment):
-            found[-1][1].append(line)
-    return found
-
-
 def dyna_elements(path):
     """Points, hexahedra, shells, and the names of their parts, as dynakw reads them."""
     dynakw = pytest.importorskip("dynakw")
@@ -118,7 +93,7 @@ def dyna_elements(path):
 
 
 def test_dyna_is_read_back(mesh, tmp_path):
-    found = blocks(written(mesh, tmp_path / "a.k"), "*", "$")
+    found = blocks(written(mesh, tmp_path / "a.k").splitlines(), "*", "$")
     assert (found[0][0], found[-1][0]) == ("*KEYWORD", "*END")
     read = dyna_elements(tmp_path / "a.k")
     areas, section, numbers, bars = {}, {}, {}, {}
@@ -178,7 +153,7 @@ def abaqus_elements(path):
 
 
 def test_abaqus_is_read_back(mesh, tmp_path):
-    found = blocks(written(mesh, tmp_path / "a.inp"), "*", "**")
+    found = blocks(written(mesh, tmp_path / "a.inp").splitlines(), "*", "**")
     read, node_sets = abaqus_elements(tmp_path / "a.inp")
     bars, areas, axes, sides, read.bar_sets = {}, {}, {}, {}, {}
     for header, lines in found:
@@ -215,7 +190,7 @@ def radioss(text):
     """keyword -> {number: lines}; for elements number is the part. The order of the file is kept."""
     assert text.startswith("#RADIOSS STARTER\n")
     found = {}
-    for header, lines in blocks(text[text.index("/BEGIN") :], "/", "#"):
+    for header, lines in blocks(text[text.index("/BEGIN") :].splitlines(), "/", "#"):
         *keyword, last = header[1:].split("/")
         if last.isdigit():
             found.setdefault("/".join(keyword), {})[int(last)] = lines

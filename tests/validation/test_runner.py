@@ -1,6 +1,9 @@
 """The runner of studies: how a file is read, what it makes of cases, references, maps and charts; and all files."""
 
 import inspect
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -128,3 +131,8 @@ def test_every_study_can_be_run(name):
             inspect.signature(function).bind(**keywords)
             if function in (impact.shot, impact.several, impact.limit, impact.means, impact.stepped):
                 impact.setup(**{key: value for key, value in keywords.items() if key not in own - {"velocity"}})
+
+
+def test_what_is_taken_from_kept_results_needs_no_run_before_it():
+    text = "import numpy as np; from validation.study import evaluated; evaluated('x.any()', {'x': np.zeros(2)})"
+    subprocess.run([sys.executable, "-c", text], check=True, cwd=Path(__file__).parents[2])

@@ -27,7 +27,7 @@ def interrupted_at(share, least_wall=0.0):
             raise KeyboardInterrupt
 
     @contextmanager
-    def bar(_title):
+    def bar(*_, **__):
         yield advance
 
     with mock.patch.object(progress, "bar", bar), mock.patch.object(checkpoint, "LEAST_WALL", least_wall):

@@ -10,15 +10,15 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from shellfabric.cell import crossover_kernels as kernels
+from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import FORMS, CellModel, CellTable
 from shellfabric.panel import quality
 from validation.claims.checks.cell import printed
 from validation.models import cell_scaling
 from validation.models import newton as thesis
 from validation.models.cable import smith
-from validation.models.cable.model import CableNumerics
 from validation.models.variants import with_law_form
-from validation.published.biaxial_glass.curves import at_ratio, free_edge
+from validation.published.biaxial_glass import free_edge
 
 FABRIC = "S-720"
 TABLE = 51  # stretches
@@ -106,20 +106,13 @@ def struck_yarn(
     fabric: str,
     velocity: float,
     length: float,
-    bars: int = 2000,
-    cfl: float = smith.STRAIGHT.cfl,
-    viscosity: float = CableNumerics.viscosity,
     exact: bool = False,
+    **numerics: Any,
 ) -> dict[str, float]:
     """A lone straight warp struck across at constant velocity by the cable model, or by Smith's closed form (`exact`):
-    tension, force [N], kink and front [m/s] speeds; bars along its half, of `length` [m]."""
+    tension, force [N], kink and front [m/s] speeds; `length` [m] of its half, bars and numerics of `smith.strike`."""
     yarn = catalogue.load(fabric).weave.warp
-    numerics = CableNumerics(cfl=cfl, viscosity=viscosity)
-    wave = (
-        smith.smith(yarn, velocity)
-        if exact
-        else smith.strike(yarn, velocity, length=length, bars=bars, numerics=numerics).computed
-    )
+    wave = smith.smith(yarn, velocity) if exact else smith.strike(yarn, velocity, length=length, **numerics).computed
     return {"tension": wave.tension, "force": wave.force, "kink": wave.U, "front": wave.c}
 
 
@@ -140,7 +133,8 @@ def biaxial_options(*, fabric: str, test: str, yarn: str, options: dict[str, Any
     curves = []
     for changes in ({}, options):
         cell = CellModel(weave, form="equilibrium", **changes)
-        curves.append(free_edge(cell, yarn) if test == "free" else at_ratio(cell, float(test.removeprefix("k = "))))
+        ratio = () if test == "free" else (float(test.removeprefix("k = ")), 1.0)
+        curves.append(to_strength(cell, ratio) if ratio else free_edge(cell, yarn))
     strains = [curve.strain[:, family] for curve in curves]
     e = np.linspace(0, min(strain[-1] for strain in strains), 241)
     one, two = (np.interp(e, strain, curve.tension[:, family]) for strain, curve in zip(strains, curves))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.coupon import pull_out as pulled
@@ -15,7 +13,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction
 from validation.models import variants as comparison
-from validation.published.bias_extension.cases import cloth
+from validation.published.bias_extension import cloth, measured
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -44,7 +42,7 @@ def bias(
 
     Parameters
     ----------
-    name : of its cloth, of `bias_extension.cases.CLOTHS`
+    name : of its cloth, as of `bias_extension.cloth`
     factor : [-] on the moduli of its trellis, the second of which is the first without `locking`; 0 for no trellis
     model, law, table : of the cell, of its compression, and the stretches of its table
     crossovers : along each side of an element of thicker yarns
@@ -52,8 +50,7 @@ def bias(
 
     Returns
     -------
-    dict with moved [m], load [N] and angles (A, B, C) [deg] between warp and weft at each load step; not_stretching
-    [deg], angle C of yarns that do not stretch; concentration [-] of the shear at the end
+    dict of `bias_extension.measured`
 
     Raises
     ------
@@ -64,19 +61,8 @@ def bias(
         shear, trellis = fabric.shear, factor > 0
         if trellis:
             fabric = variants.with_shear(fabric, G1=factor * shear.G1, G2=factor * (shear.G2 if locking else shear.G1))
-    result = quasistatic.bias_extension(
-        _table(fabric, model or own, law, table, crossovers), trellis=trellis, **options
-    )
-    size = quasistatic.bias_size(result)
-    zone = quasistatic.zones(result.coupon, *size)
-    shear_angles = [np.degrees(result.shear(step)) for step in range(len(result.prescribed))]
-    return {
-        "moved": result.prescribed,
-        "load": np.abs(result.force(1, 1)),
-        "angles": np.array([[90 - gamma[zone == k].mean() for k in range(3)] for gamma in shear_angles]),
-        "not_stretching": 90 - np.degrees(quasistatic.inextensible_shear(*size, result.prescribed[-1])),
-        "concentration": quasistatic.concentration(np.abs(result.shear()), zone == quasistatic.ZONES.index("C")),
-    }
+    of_cell = _table(fabric, model or own, law, table, crossovers)
+    return measured(quasistatic.bias_extension(of_cell, trellis=trellis, **options))
 
 
 def cross(

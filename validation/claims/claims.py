@@ -9,7 +9,7 @@ the fields of `Claim`.
 one, it is a dict of runs, one an entry, which stands for "{}" in the values. A text that begins with "=" is an
 expression.
 
-`expect` has conditions "NAME: EXPRESSION", or "NAME" of what an earlier condition or the function `check` finds, with
+`expect` has conditions "NAME: EXPRESSION", or "NAME" of what an earlier one has found, with
 
     = 0.12 mm +- 0.005 mm, = 255.2 g/m2 +- 3 %   |found - value| <= tolerance, or <= the share of |value|
     > 4.3 %, < 5 us                              in the unit, a unit of UNITS or none
@@ -28,25 +28,26 @@ import ast
 import json
 import re
 import tomllib
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from importlib import resources
-from math import isfinite, pi
+from math import pi
 from typing import Any
 
 from fabrics.errors import InputError
+from validation.study import filled
 
 FILES = ("claims.toml", "additional.toml")
-KINDS = ("number", "outcome", "ordering", "trend", "shape", "failure-mode", "future")
 POWERS = {"mm": -3, "um": -6, "us": -6, "g": -3, "kN": 3, "GPa": 9, "MPa": 6}  # of ten, to SI
 UNITS = {unit: float(f"1e{power}") for unit, power in POWERS.items()}
 UNITS |= {"": 1.0, "%": 0.01, "mm2": 1e-6, "g/m2": 1e-3, "mm uN^(1/3)": 1e-5, "Pa um3": 1e-18, "deg": pi / 180}
 UNITS |= dict.fromkeys(("N", "m/s", "rad", "kg/m3"), 1.0)
 _NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 _UNIT = "|".join(map(re.escape, sorted(UNITS, key=len, reverse=True)))
-_CONDITION = re.compile(rf"(.+?) ([=<>]) ({_NUMBER}) ?({_UNIT})(?: \+- ({_NUMBER}) ?({_UNIT}))?")
-_EQUAL = re.compile(r"(.+) is (.+)")
+_CONDITION = re.compile(
+    rf"(?P<said>.+) (?:(?P<test>[=<>]) (?P<target>{_NUMBER}) ?(?P<unit>{_UNIT})"
+    rf"(?: \+- (?P<tolerance>{_NUMBER}) ?(?P<of>%|(?P=unit)))?|is (?P<equal>.+))"
+)
 _QUANTITY = re.compile(rf"(?<![\w'.])({_NUMBER.removeprefix('[-+]?')}) ?({'|'.join((*POWERS, 'deg', 'm/s', 'N'))})\b")
 
 
@@ -60,17 +61,17 @@ class Condition:
     expression : that finds it; "" where it has been found
     test : "=", "<", ">" or "is"
     target : number in `unit`, text, list or bool
-    within, relative : the tolerance of "=", in `unit` or as a share
     unit : of UNITS
+    tolerance, relative : of "=", in `unit` or, where relative, as a share
     """
 
     name: str
     expression: str
     test: str
     target: Any
-    within: float | None = None
-    relative: float | None = None
     unit: str = ""
+    tolerance: float = 0.0
+    relative: bool = False
 
 
 @dataclass(frozen=True, order=True)
@@ -89,14 +90,12 @@ class Claim:
     Parameters
     ----------
     id : topic, then name
-    kind : of KINDS
+    kind : "number", "outcome", "ordering", "trend", "shape", "failure-mode" or "future"
     source : section, equation, table or figure of the thesis
     basis : "experiment", "thesis-model" or "analytic": what the claim rests on there
     origin : "source", stated there; "ledger", follows from its formulas and tables
     quantity : what is claimed, in words
-    run, let : as above
-    check, arguments : name of the function that finds numbers, and what it is called with beside the runs
-    conditions : all of which have to hold
+    run, let, expect : as above; all conditions have to hold
     reason : of the tolerances
     slow : takes minutes: left out but for --slow
     erratum : entry of docs/reports/errata.md that bears on it, or ""
@@ -117,9 +116,7 @@ class Claim:
     quantity: str
     run: dict[str, Any] = field(default_factory=dict)
     let: dict[str, str] = field(default_factory=dict)
-    check: str = ""
-    arguments: dict[str, Any] = field(default_factory=dict)
-    conditions: tuple[Condition, ...] = ()
+    expect: tuple[str, ...] = ()
     reason: str = ""
     slow: bool = False
     erratum: str = ""
@@ -131,6 +128,10 @@ class Claim:
     cause: str = ""
     verdict: str = ""
     turned: str = ""
+
+    @cached_property
+    def conditions(self) -> tuple[Condition, ...]:
+        return tuple(map(condition_of, self.expect))
 
     @property
     def topic(self) -> str:
@@ -144,16 +145,8 @@ class Claim:
 
 @cache
 def load() -> tuple[Claim, ...]:
-    """All claims, in the order of the files, the additional ones last.
-
-    Raises
-    ------
-    InputError : a file does not keep to the rules above
-    """
-    claims = tuple(map(claim_of, (entry for name in FILES for entry in entries(name))))
-    if len({claim.id for claim in claims}) < len(claims):
-        raise InputError("the ledger has two claims of one name", file=" and ".join(FILES))
-    return claims
+    """All claims, in the order of the files, the additional ones last."""
+    return tuple(Claim(**entry) for name in FILES for entry in entries(name))
 
 
 def entries(name: str) -> list[dict[str, Any]]:
@@ -173,91 +166,31 @@ def _content(name):
 
 def members(entry: dict[str, Any]) -> list[dict[str, Any]]:
     """The entries of a group, or the entry itself."""
-    entry = dict(entry)
-    lists = entry.pop("each", None)
-    if lists is None:
+    if "each" not in entry:
         return [entry]
-    rows = [dict(zip(lists, values)) for values in zip(*lists.values(), strict=True)]
-    tags = [{"tag": row["fabric"].replace("S-", "s")} if "fabric" in row else {} for row in rows]
-    return [filled(entry, row | tag) for row, tag in zip(rows, tags)]
+    rest = {key: value for key, value in entry.items() if key != "each"}
+    rows = [dict(zip(entry["each"], values)) for values in zip(*entry["each"].values(), strict=True)]
+    return [filled(rest, row | {"tag": str(row.get("fabric")).replace("S-", "s")}, shown=str) for row in rows]
 
 
-def filled(value: Any, names: dict[str, Any]) -> Any:
-    """A value of a file with "{NAME}" replaced, in all texts of it; a text that is nothing else becomes the value."""
-    if isinstance(value, dict):
-        return {filled(key, names): filled(part, names) for key, part in value.items()}
-    if isinstance(value, list):
-        return [filled(part, names) for part in value]
-    for name, content in names.items() if isinstance(value, str) else ():
-        if value == f"{{{name}}}":
-            return content
-        value = value.replace(f"{{{name}}}", str(content))
-    return value
-
-
-def select(claims: Sequence[Claim], of: Sequence[str] = (), slow: bool = False) -> tuple[list[Claim], list[Claim]]:
-    """(claims to run, claims that are left out for being slow) of the topics; all topics where none is given.
-
-    Raises
-    ------
-    InputError : an unknown topic
-    """
-    for topic in set(of) - set(topics()):
-        raise InputError(key="--topics", value=topic, allowed=", ".join(topics()))
-    chosen = [claim for claim in claims if not of or claim.topic in of]
-    return [c for c in chosen if slow or not c.slow], [c for c in chosen if c.slow and not slow]
-
-
-def claim_of(entry: dict[str, Any]) -> Claim:
-    """A claim from its entry in a file, which is no group.
-
-    Raises
-    ------
-    InputError : it does not keep to the rules above
-    """
-    entry = dict(entry)
-    conditions = tuple(condition_of(entry["id"], text) for text in entry.pop("expect", ()))
-    claim = Claim(conditions=conditions, **entry)
-    states = [bool(conditions), bool(claim.untestable), bool(claim.unbuilt)]
-    marks = [bool(mark) for mark in (claim.against, claim.data, claim.incomparable)]
-    rules = {
-        f"kind: one of {', '.join(KINDS)}": claim.kind in KINDS,
-        f"id: one that begins with a topic: {', '.join(topics())}": claim.topic in topics(),
-        "expect: given, or else the reason why it is not": states.count(True) == 1,
-        "check: with conditions alone": bool(conditions) or not claim.check,
-        "reason: given with conditions: that of their tolerances": bool(claim.reason) or not conditions,
-        "against, data, incomparable: at most one, with conditions alone": marks.count(True) <= bool(conditions),
-    }
-    for rule, kept in rules.items():
-        if not kept:
-            raise InputError(file=f"ledger, {claim.id}", key=rule.split(": ")[0], allowed=rule.partition(": ")[2])
-    return claim
-
-
-def condition_of(owner: str, text: str) -> Condition:
+def condition_of(text: str) -> Condition:
     """A condition from its text.
 
     Raises
     ------
     InputError : it is none of those that stand at the top of this module
     """
-    number, equal = _CONDITION.fullmatch(text), _EQUAL.fullmatch(text)
-    name, _, expression = (number or equal or [text, text])[1].partition(": ")
+    found = _CONDITION.fullmatch(text)
+    if found is None or (found["test"] == "=") != (found["of"] is not None):
+        raise InputError(file="ledger", key="expect", value=text, allowed="such as h: EXPRESSION = 1 mm +- 3 %")
+    name, _, expression = found["said"].partition(": ")
     expression = in_si(expression)
-    if number and (number[2] == "=") == (number[5] is not None) and isfinite(float(number[3])):
-        test, value, unit, tolerance, its_unit = number.groups()[1:]
-        if tolerance is None:
-            return Condition(name, expression, test, float(value), unit=unit)
-        if its_unit == unit:
-            return Condition(name, expression, test, float(value), float(tolerance), unit=unit)
-        if its_unit == "%":
-            return Condition(name, expression, test, float(value), relative=0.01 * float(tolerance), unit=unit)
-    elif equal:
-        try:
-            return Condition(name, expression, "is", ast.literal_eval(equal[2]))
-        except (SyntaxError, ValueError):
-            return Condition(name, expression, "is", equal[2])
-    raise InputError(file=f"ledger, {owner}", key="expect", value=text, allowed="such as h: EXPRESSION = 1 mm +- 3 %")
+    if equal := found["equal"]:
+        literal = equal.startswith("[") or equal in ("True", "False")
+        return Condition(name, expression, "is", ast.literal_eval(equal) if literal else equal)
+    relative = found["of"] == "%" != found["unit"]
+    tolerance = float(found["tolerance"] or 0) * (0.01 if relative else 1)
+    return Condition(name, expression, found["test"], float(found["target"]), found["unit"], tolerance, relative)
 
 
 def in_si(text: str) -> str:
@@ -270,16 +203,16 @@ def _exact(digits, unit):
     return float(f"{digits}e{POWERS[unit]}") if plain else float(digits) * UNITS[unit]
 
 
-def run_of(spec: dict[str, Any]) -> Run:
-    """A run from its entry in a file, whose first key is its kind; texts that are a number with a unit are in SI."""
-    (kind, of), *keywords = _plain(spec).items()
+def run_of(spec: dict[str, Any], names: dict[str, Any]) -> Run:
+    """A run from its entry in a file, whose first key is its kind; a text of it is in SI if it is a number with a unit,
+    and evaluated with these names if it begins with "="."""
+    (kind, of), *keywords = _evaluated(spec, names).items()
     return Run(kind, json.dumps(of), json.dumps(dict(keywords), sort_keys=True))
 
 
-def _plain(value):
+def _evaluated(value, names):
     if isinstance(value, dict):
-        return {key: _plain(part) for key, part in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(part) for part in value]
-    quantity = isinstance(value, str) and re.fullmatch(rf"({_NUMBER}) ?({_UNIT})", value)
-    return _exact(*quantity.groups()) if quantity else value
+        return {key: _evaluated(part, names) for key, part in value.items()}
+    if isinstance(value, str) and (value.startswith("=") or _QUANTITY.fullmatch(value)):
+        return eval(in_si(value.removeprefix("=").strip()), names)
+    return value

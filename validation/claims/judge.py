@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from validation.claims.claims import UNITS, Claim, Condition
 
-Found: TypeAlias = dict[str, Any]  # {name: number in SI, text, list or bool}
 REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
 DATA, NOT_COMPARABLE = "data", "not comparable"
 NOT_TESTABLE, NOT_BUILT, LEFT_OUT, BROKEN = "not testable", "not built", "left out", "broken"
@@ -34,31 +33,27 @@ class Record:
     ----------
     id : of the claim
     verdict : of VERDICTS
-    found : by the names of the conditions
-    miss : by how much, "" where nothing was missed
+    found : {name of a condition: number in SI, text, list or bool}
+    miss : the conditions that do not hold, in words
     note : what went wrong, or why nothing was computed
     variants : {name: verdict} of `runner.VARIANTS` in which the claim was judged too
     """
 
     id: str
     verdict: str
-    found: Found = field(default_factory=dict)
+    found: dict[str, Any] = field(default_factory=dict)
     miss: str = ""
     note: str = ""
     variants: dict[str, str] = field(default_factory=dict)
 
 
-def judge(claim: Claim, found: Found) -> Record:
+def judge(claim: Claim, found: dict[str, Any]) -> Record:
     """Record of a claim of which {name: value} were found; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
-    miss = "; ".join(filter(None, (_miss(condition, found.get(condition.name)) for condition in claim.conditions)))
+    missed = [condition for condition in claim.conditions if not holds(condition, found.get(condition.name))]
+    miss = "; ".join(f"{computed(c, found.get(c.name))}, expected {expected(c)}" for c in missed)
     met = WRONG if claim.against else DATA if claim.data else REPRODUCED
     return Record(claim.id, NOT_COMPARABLE if claim.incomparable else MISSED if miss else met, found, miss)
-
-
-def unchecked(claim: Claim) -> Record:
-    """Record of a claim that has no conditions."""
-    return Record(claim.id, NOT_BUILT if claim.unbuilt else NOT_TESTABLE, note=claim.unbuilt or claim.untestable)
 
 
 def changed(claim: Claim, verdict: str) -> bool:
@@ -84,9 +79,9 @@ def expected(condition: Condition) -> str:
         return _words(condition.target)
     if condition.test != "=":
         return f"{condition.test} {condition.target:g}{unit}"
-    if condition.relative is not None:
-        return f"{condition.target:g}{unit} ± {100 * condition.relative:g} %"
-    return f"{condition.target:g} ± {condition.within:g}{unit}"
+    if condition.relative:
+        return f"{condition.target:g}{unit} ± {100 * condition.tolerance:g} %"
+    return f"{condition.target:g} ± {condition.tolerance:g}{unit}"
 
 
 def computed(condition: Condition, value: Any) -> str:
@@ -104,21 +99,14 @@ def _words(value):
     return "none" if value is None else str(value)
 
 
-def _miss(condition, value):
-    """By how much a condition is missed, in words; "" if it holds."""
-    name, target = condition.name, condition.target
+def holds(condition: Condition, value: Any) -> bool:
+    """Whether a condition holds of what was found for it."""
     if condition.test == "is":
-        return "" if value == target else f"{name} {_words(value)} instead of {_words(target)}"
+        return value == condition.target
     if not isinstance(value, float) or not np.isfinite(value):
-        return f"{name} has no value"
-    off = value / UNITS[condition.unit] - target
+        return False
+    off = value / UNITS[condition.unit] - condition.target
     if condition.test == "=":
-        allowed = condition.within if condition.within is not None else condition.relative * abs(target)
-        share = f" ({100 * off / target:+.3g} %)" if target else ""
-        kept = abs(off) <= allowed * (1 + 1e-12)
-        return "" if kept else f"{name} off by {off:+.3g} {condition.unit}{share}, {allowed:.3g} allowed"
-    return (
-        ""
-        if (off > 0 if condition.test == ">" else off < 0)
-        else f"{computed(condition, value)}, target {expected(condition)}"
-    )
+        allowed = condition.tolerance * (abs(condition.target) if condition.relative else 1)
+        return abs(off) <= allowed * (1 + 1e-12)
+    return off > 0 if condition.test == ">" else off < 0

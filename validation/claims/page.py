@@ -8,14 +8,13 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from fabrics.errors import InputError
-from fabrics.files import write_whole
+from fabrics import files
+from validation import study
 from validation.claims import claims as data
 from validation.claims import judge
 from validation.claims.claims import Claim
 from validation.claims.judge import BROKEN, MISSED, NOT_TESTABLE, REPRODUCED, VERDICTS, Record
-from validation.claims.runner import VARIANTS, holds
-from validation.marked_page import markdown
+from validation.claims.runner import VARIANTS
 
 Table = list[dict[str, str]]  # of texts by COLUMNS
 DATA = "data/claims.csv"
@@ -51,8 +50,7 @@ that the tables of the thesis imply (erratum E-07) and one element per crossover
 
 def rows(claims: Sequence[Claim], records: Sequence[Record]) -> Table:
     """One row a claim."""
-    by_id = {record.id: record for record in records}
-    return [_row(claim, by_id[claim.id]) for claim in claims]
+    return [_row(claim, record) for claim, record in zip(claims, records, strict=True)]
 
 
 def _row(claim, record):
@@ -73,7 +71,8 @@ def _in_variants(record):
         return ""
     of_all = [record.variants.get(name, record.verdict) for name in VARIANTS]
     changed = [f"{verdict} with {name}" for name, verdict in record.variants.items() if verdict != record.verdict]
-    text = f"holds in {sum(map(holds, (record.verdict, *of_all)))} of {1 + len(of_all)}"
+    held = sum(verdict in (REPRODUCED, judge.WRONG) for verdict in (record.verdict, *of_all))
+    text = f"holds in {held} of {1 + len(of_all)}"
     return f"{text}; {', '.join(changed)}" if changed else text
 
 
@@ -88,22 +87,6 @@ def of_thesis(table: Table, own: bool = True) -> Table:
     return [row for row in table if (row["id"] not in added) is own]
 
 
-def sentence(table: Table) -> str:
-    """The counts in words, as README has them; those of the thesis alone, then the additional ones."""
-    thesis, others = of_thesis(table), of_thesis(table, False)
-    n, more = counts(thesis), counts(others)
-    decided = n[REPRODUCED] + n[MISSED]
-    return (
-        f"{len(thesis)} claims of the thesis: of the {decided} that are decided, "
-        f"{n[REPRODUCED]} are reproduced ({100 * n[REPRODUCED] / max(decided, 1):.0f} %) and {n[MISSED]} missed; "
-        f"{n[judge.DATA]} compare input data or a closed form with themselves and are in no percentage; "
-        f"{n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable; "
-        f"{n[judge.NOT_BUILT]} not built yet; {n[NOT_TESTABLE]} cannot be tested; "
-        f"{n[judge.LEFT_OUT]} slow ones are left out. Of {len(others)} additional claims, which the project adds, "
-        f"{more[REPRODUCED]} are reproduced, {more[MISSED]} missed and {more[judge.LEFT_OUT]} left out"
-    )
-
-
 def variants_sentence(table: Table) -> str:
     """In how many claims on shots a variant changes the result, in words, as validation.md has it."""
     varied = [row["variants"] for row in table if row["variants"]]
@@ -116,8 +99,9 @@ def lines(table: Table, command: str, commit: str, date: str) -> str:
     thesis, others = counts(of_thesis(table)), counts(of_thesis(table, False))
     told = [["verdict", "of the thesis", "additional", "meaning"]]
     told += [[name, str(thesis[name]), str(others[name]), VERDICTS[name]] for name in VERDICTS if name != BROKEN]
-    parts = {"counts": markdown(told), "missed": markdown(_missed(table)), "varied": variants_sentence(table)}
-    return _PAGE.format(command=command, commit=commit, date=date, names=", ".join(VARIANTS), **parts)
+    tables = {"counts": study.markdown(told), "missed": study.markdown(_missed(table))}
+    words = {"names": ", ".join(VARIANTS), "varied": variants_sentence(table)}
+    return _PAGE.format(command=command, commit=commit, date=date, **tables, **words)
 
 
 def _missed(table):
@@ -134,28 +118,10 @@ def _missed(table):
 
 def read(path: Path) -> Table:
     """The rows that `write` has stored."""
-    with open(path, encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def write_csv(path: Path, table: Table) -> None:
-    """Write the rows, whole or not at all."""
-    with write_whole(path) as file:
-        out = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        out.writeheader()
-        out.writerows(table)
+    return list(csv.DictReader(path.read_text("utf-8").splitlines()))
 
 
 def write(path: Path, table: Table, **stamp: str) -> None:
-    """Write the page, and its rows to data/ beside it; `stamp` as of `lines`.
-
-    Raises
-    ------
-    InputError : the folder of the page does not exist
-    """
-    if not path.parent.is_dir():
-        raise InputError(key="--page", value=path, allowed="a file in a folder that exists")
-    (path.parent / DATA).parent.mkdir(exist_ok=True)
-    write_csv(path.parent / DATA, table)
-    with write_whole(path) as file:
-        file.write(lines(table, **stamp))
+    """Write the page, and its rows to data/ beside it; `stamp` as of `lines`."""
+    study.write(path.parent / DATA, table)
+    files.write(path, lines(table, **stamp))

@@ -19,9 +19,10 @@ from typing import Any
 
 from fabrics import run_cache
 from fabrics.errors import WeavecellError
-from validation.claims import checks, judge, runs, runs_crossover
-from validation.claims.claims import Claim, Run, filled, in_si, run_of
-from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Record
+from validation.claims import checks, judge, runs
+from validation.claims.claims import Claim, Run, in_si, run_of
+from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record
+from validation.study import filled
 
 VARIANTS: dict[str, dict[str, Any]] = {  # name: what is merged into the keywords of shots at one ply
     "the thesis's cell formulation": {"cell_formulation": "equilibrium"},
@@ -36,7 +37,7 @@ NEEDS |= dict.fromkeys(("sections", "meshes"), "gmsh")
 
 
 def validate(
-    claims: Sequence[Claim], folder: Path, *, left_out: Sequence[Claim] = (), vary: bool = False,
+    claims: Sequence[Claim], folder: Path, *, slow: bool = True, vary: bool = False,
     report: Callable[[int, int], object] | None = None, **pool: Any,
 ) -> list[Record]:  # fmt: skip
     """Judge the claims.
@@ -45,33 +46,33 @@ def validate(
     ----------
     claims : of `claims.load`
     folder : where runs are kept, and taken from
-    left_out : claims that get a record of their own as being left out
+    slow : whether those that are slow are not left out
     vary : also judge each claim that rests on shots at one ply in the variants that change them
     report, **pool : report, executor, jobs, resume of `run_cache.results`
 
     Returns
     -------
-    One record a claim, in the order of the claims, those left out at the end.
+    One record a claim, in the order of the claims.
     """
-    tasks = [(claim, name) for claim in claims for name in (None, *(varied(claim) if vary else ()))]
-    wanted = {run for claim, name in tasks for run in _flat(runs_of(claim, name)) if not _missing(run)}
+    chosen = [claim for claim in claims if slow or not claim.slow]
+    every = VARIANTS if vary else ()
+    variants = {claim.id: [n for n in every if runs_of(claim, n) != runs_of(claim)] for claim in chosen}
+    tasks = [(claim, name) for claim in chosen for name in (None, *variants[claim.id])]
+    wanted = {run for task in tasks for run in _flat(runs_of(*task)) if not _missing(run)}
     runs = sorted(wanted, key=lambda run: (not _is_long(run), run))
-    found = run_cache.results(compute, [(run,) for run in runs], folder=folder, report=report, **pool)
-    done = dict(zip(runs, found))
-    records: dict[str, Record] = {}
-    for claim, name in tasks:
-        record = check(claim, done, name)
-        first = records.setdefault(claim.id, record)
-        if name is not None:
-            records[claim.id] = replace(first, variants=first.variants | {name: record.verdict})
-    return [*records.values(), *(Record(claim.id, LEFT_OUT, note="slow: run with --slow") for claim in left_out)]
+    done = dict(zip(runs, run_cache.results(compute, [(run,) for run in runs], folder=folder, report=report, **pool)))
+    records = [Record(claim.id, LEFT_OUT, note="slow: run with --slow") for claim in claims]
+    for place, claim in enumerate(claims):
+        if claim.id in variants:
+            verdicts = {name: check(claim, done, name).verdict for name in variants[claim.id]}
+            records[place] = replace(check(claim, done), variants=verdicts)
+    return records
 
 
 def compute(run: Run) -> Any:
     """What a run comes to; an error of weavecell is a result too, for the claims to tell."""
-    kind = getattr(runs, run.kind, None) or getattr(runs_crossover, run.kind)
     try:
-        return kind(json.loads(run.of), **json.loads(run.keywords))
+        return getattr(runs, run.kind)(json.loads(run.of), **json.loads(run.keywords))
     except WeavecellError as problem:
         return WeavecellError(f"{run.kind} {run.of} {run.keywords}: {problem}")
 
@@ -79,7 +80,8 @@ def compute(run: Run) -> Any:
 def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Record:
     """The record of a claim, from what its runs have come to; `variant` of VARIANTS, or None for it as it stands."""
     if not claim.conditions:
-        return judge.unchecked(claim)
+        verdict = NOT_BUILT if claim.unbuilt else NOT_TESTABLE
+        return Record(claim.id, verdict, note=claim.unbuilt or claim.untestable)
     try:
         specs = runs_of(claim, variant)
         for run in _flat(specs):
@@ -98,16 +100,16 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
         return Record(claim.id, BROKEN, note=traceback.format_exc(limit=-3))
 
 
-def values(claim: Claim, results: dict[str, Any]) -> judge.Found:
+def values(claim: Claim, results: dict[str, Any]) -> dict[str, Any]:
     """{name: what is found for it} of the conditions; Python evaluates the expressions, which are our own files'."""
     names = checks.names() | {"__builtins__": __builtins__} | results
     for name, expression in claim.let.items():
         names[name] = eval(in_si(expression), names)
-    found = dict(names[claim.check](**results, **claim.arguments)) if claim.check else {}
+    found: dict[str, Any] = {}
     for condition in claim.conditions:
         if condition.expression:
             found[condition.name] = eval(condition.expression, names)
-    return {condition.name: found[condition.name] for condition in claim.conditions}
+    return found
 
 
 def runs_of(claim: Claim, variant: str | None = None) -> dict[str, Any]:
@@ -121,35 +123,17 @@ def is_long(claim: Claim) -> bool:
     return any(map(_is_long, _flat(runs_of(claim))))
 
 
-def varied(claim: Claim) -> list[str]:
-    """The variants that change a run of a claim; none of one that rests on no shot at one ply."""
-    runs = list(_flat(runs_of(claim)))
-    if not any(_at_one_ply(run) for run in runs):
-        return []
-    return [name for name in VARIANTS if list(_flat(runs_of(claim, name))) != runs]
-
-
-def holds(verdict: str) -> bool:
-    """Whether a verdict says that the conditions of the claim are met."""
-    return verdict in (judge.REPRODUCED, judge.WRONG)
-
-
 def _specified(spec, names, changes):
-    spec = dict(spec)
-    over = spec.pop("for", None)
-    if over is None:
-        return _varied(run_of(_evaluated(spec, names)), changes)
-    rows = names[over] if isinstance(over, str) else over
-    each = {row if isinstance(row, (str, float, int)) else tuple(row): row for row in rows}
-    one = lambda row: {f"{k}": part for k, part in enumerate(row)} if isinstance(row, list) else {"": row}  # noqa: E731
-    return {key: _varied(run_of(_evaluated(filled(spec, one(row)), names)), changes) for key, row in each.items()}
-
-
-def _evaluated(value, names):
-    """A value of the file, its texts that begin with "=" evaluated."""
-    if isinstance(value, dict):
-        return {key: _evaluated(part, names) for key, part in value.items()}
-    return eval(in_si(value[1:].strip()), names) if isinstance(value, str) and value.startswith("=") else value
+    if "for" not in spec:
+        return _varied(run_of(spec, names), changes)
+    rows = names[spec["for"]] if isinstance(spec["for"], str) else spec["for"]
+    spec = {key: value for key, value in spec.items() if key != "for"}
+    found: dict[str, Any] = {}
+    for row in rows:
+        chosen = {f"{k}": part for k, part in enumerate(row)} if isinstance(row, list) else {"": row}
+        run = run_of(filled(spec, chosen, shown=str), names)
+        found[tuple(row) if isinstance(row, list) else row] = _varied(run, changes)
+    return found
 
 
 def _varied(run, changes):
@@ -157,15 +141,11 @@ def _varied(run, changes):
     keywords = json.loads(run.keywords)
     if run.kind == "net":
         keywords = changes.get("change", {}) | keywords
-    elif _at_one_ply(run):
+    elif run.kind in SHOTS and keywords.get("plies", 1) == 1:
         for name, value in changes.items():
             own = keywords.get(name)
             keywords[name] = value | (own or {}) if name == "change" else own or value
     return replace(run, keywords=json.dumps(keywords, sort_keys=True))
-
-
-def _at_one_ply(run):
-    return run.kind in SHOTS and json.loads(run.keywords).get("plies", 1) == 1
 
 
 def _flat(specs: dict[str, Any]) -> Iterator[Run]:

@@ -1,21 +1,24 @@
 """The computations that claims share: each a kind of run in claims.toml, with what it is made of and its keywords.
 
 Fabrics are those of the thesis's shell runs (`Fabric.with_effective_density`, erratum E-07), with its mesh of one
-element per crossover. All other settings are the defaults of weavecell: nothing is set to suit a claim.
+element per crossover. All other settings are the defaults of weavecell: nothing is set to suit a claim. The runs of the
+3D crossover and of its packs need gmsh, and all but `meshes` and `sections` dolfinx.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import weavecell as wc
 from fabrics import catalogue, variants
 from fabrics.errors import UnstableError
+from fabrics.fabric import Fabric
 from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
@@ -25,31 +28,27 @@ from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.gap import ply_gap
 from shellfabric.projectile.bar import Bar
 from shellfabric.solver.pack_solver import PackSolver
-from validation.models import variants as comparison
+from validation.cases import block
 from validation.models.cable import smith
-from validation.models.cable.model import CableNet
-from validation.models.cable.solver import run as run_cable
-from validation.published.bias_extension import cases as bias_cases
-
-if TYPE_CHECKING:
-    from fabrics.fabric import Fabric
-    from shellfabric.impact.ballistic_limit import Limit
-    from shellfabric.impact.simulation import ImpactSetup
+from validation.models.cable.net import CableNet, NetResult
+from validation.models.variants import with_straight_yarns
+from validation.published import bias_extension
 
 PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3}  # of the thesis
 HISTORY = {"interval": 1e-6, "warp": [0.0], "weft": [0.0]}
+SIZE = "coarse"  # mesh of a quarter crossover
+ROWS = 30  # of the loading of a pack of crossovers, and of its unloading
 
 
 def cloth(
-    name: str, *, modulus: float = 1.0, crimp: float = 1.0, mass: float = 1.0, strain: float = 1.0,
-    crimps: Sequence[float] | None = None, straight: bool = False, shear: dict[str, float] | None = None,
-    denier: str = "effective",
+    name: str, *, modulus: float = 1.0, crimp: float = 1.0, mass: float = 1.0, crimps: Sequence[float] | None = None,
+    straight: bool = False, shear: dict[str, float] | None = None, denier: str = "effective",
 ) -> Fabric:  # fmt: skip
     """A fabric of the catalogue, changed.
 
     Parameters
     ----------
-    modulus, crimp, strain : factors on fibre modulus, crimps and failure strain
+    modulus, crimp : factors on fibre modulus and crimps
     mass : factor on the areal density that leaves the stiffness of the yarns alone
     crimps : (warp, weft) [-] instead
     straight : yarns without crimp; the trellis keeps its stiffness per width
@@ -57,10 +56,10 @@ def cloth(
     denier : "effective", the linear density that the thesis's tables imply (erratum E-07), or "nominal"
     """
     fabric = variants.with_linear_density(catalogue.load(name), denier)
-    fabric = variants.scale_yarns(fabric, E=modulus, failure_strain=strain, crimp=crimp)
+    fabric = variants.scale_yarns(fabric, E=modulus, crimp=crimp)
     fabric = variants.scale_areal_density(fabric, mass)
     if straight:
-        fabric = comparison.with_straight_yarns(fabric)
+        fabric = with_straight_yarns(fabric)
     elif crimps:
         fabric = fabric.with_yarns(crimp=crimps)
     return variants.with_shear(fabric, **shear) if shear else fabric
@@ -70,7 +69,7 @@ def setup(
     fabric: str, velocity: float, *, change: dict[str, Any] | None = None, struck: dict[str, Any] | None = None,
     wider: float | None = None, projectile: dict[str, Any] | str | None = None, history: dict[str, Any] | None = None,
     **keywords: Any,
-) -> ImpactSetup:  # fmt: skip
+) -> simulation.ImpactSetup:  # fmt: skip
     """`weavecell.setup` of a shot.
 
     Parameters
@@ -88,10 +87,7 @@ def setup(
     if wider is not None:
         keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
     own = {} if isinstance(projectile, str) else projectile or {}
-    made = wc.setup(
-        used, velocity, projectile=PROJECTILE | own,
-        history=HISTORY | (history or {}), **keywords,
-    )  # fmt: skip
+    made = wc.setup(used, velocity, projectile=PROJECTILE | own, history=HISTORY | (history or {}), **keywords)
     if projectile == "full bar":
         made = replace(made, projectile=replace(made.projectile, body=Bar.full()))
     if struck is not None:
@@ -101,22 +97,6 @@ def setup(
     return made
 
 
-class _Watch:
-    """Hook: times [s] after which a warp and a weft segment of the struck ply have failed, and at each audit the mean
-    tension [N] of the weft through the impact point from 5 to 15 mm beside it, on a quarter of a panel."""
-
-    def __init__(self):
-        self.times, self.beside = np.full(2, np.nan), []
-
-    def __call__(self, solver):
-        tension = yarn_tensions(solver.const, solver.state)[0, :, 1]
-        middle = (np.arange(tension.size) + 0.5) * solver.const.dy
-        self.beside.append(float(tension[(middle > 5e-3) & (middle < 15e-3)].mean()))
-        for family, failed in enumerate(solver.state.failed):
-            if np.isnan(self.times[family]) and failed.any():
-                self.times[family] = solver.time
-
-
 @dataclass(frozen=True, kw_only=True)
 class Shot(simulation.ImpactResult):
     """One impact.
@@ -124,7 +104,8 @@ class Shot(simulation.ImpactResult):
     Parameters
     ----------
     first_failure : (2,) [s] after which a warp and a weft segment of the struck ply have failed; nan where none has
-    beside : (n - 1,) [N] mean tension of the weft through the impact point from 5 to 15 mm beside it
+    beside : (n - 1,) [N] at each audit, mean tension of the weft through the impact point from 5 to 15 mm beside it, on
+        a quarter of a panel
     """
 
     first_failure: np.ndarray
@@ -140,38 +121,43 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
     failure_time : [s] over which tensions are low-passed before they are held against the strength, in place of the
         time that follows from the failure length; 0 leaves that
     """
-    made, hook = setup(fabric, velocity, **scene), _Watch()
+    made, times, beside = setup(fabric, velocity, **scene), np.full(2, np.nan), []
+
+    def watch(solver):
+        tension = yarn_tensions(solver.const, solver.state)[0, :, 1]
+        middle = (np.arange(tension.size) + 0.5) * solver.const.dy
+        beside.append(float(tension[(middle > 5e-3) & (middle < 15e-3)].mean()))
+        for family, failed in enumerate(solver.state.failed):
+            if np.isnan(times[family]) and failed.any():
+                times[family] = solver.time
+
     if failure_time:
         solver = PackSolver(made.target(), velocity, made.end_time, interval=made.sample_interval)
         for lines in (lines for const in solver.consts for lines in (const.warp_lines, const.weft_lines)):
             lines.filter_factor[:] = -np.expm1(-solver.const.dt / failure_time)
-        solver.run((hook,))
+        solver.run((watch,))
         result = simulation.collect_result(made, solver)
     else:
-        result = simulation.run(made, hooks=(hook,))
+        result = simulation.run(made, hooks=(watch,))
     plain = made.target(made.plain_table())  # whose table of the cell, which takes 15 MB, is not needed any more
-    return Shot(**vars(result) | {"target": plain}, first_failure=hook.times, beside=np.array(hook.beside))
+    return Shot(**vars(result) | {"target": plain}, first_failure=times, beside=np.array(beside))
 
 
-def limit(fabric: str, *, tolerance: float = 1.0, guess: float | None = None, **scene: Any) -> Limit:
+def limit(fabric: str, *, tolerance: float = 1.0, guess: float | None = None, **scene: Any) -> ballistic_limit.Limit:
     """Critical velocity of one ply, within `tolerance` [m/s]."""
     target = setup(fabric, 100.0, **scene).panel()
     return ballistic_limit.critical_velocity(target, tolerance=tolerance, guess=guess)
 
 
-def shots(fabric: str, velocities: Sequence[float], **scene: Any) -> SimpleNamespace:
-    """(n,) strike and residual velocities [m/s], and which shots stopped."""
-    fired = ballistic_limit.shoot(setup(fabric, 100.0, **scene).panel(), velocities)
-    residual = np.array([shot.residual_velocity for shot in fired])
-    stopped = np.array([not shot.perforated for shot in fired])
-    return SimpleNamespace(strike=np.array(velocities), residual=residual, stopped=stopped)
+def shots(fabric: str, velocities: Sequence[float], **scene: Any) -> tuple[ballistic_limit.Shot, ...]:
+    """Shots at one ply at some velocities [m/s]."""
+    return ballistic_limit.shoot(setup(fabric, 100.0, **scene).panel(), velocities)
 
 
-def net(fabric: str, velocity: float, **change: Any) -> SimpleNamespace:
+def net(fabric: str, velocity: float, **change: Any) -> NetResult:
     """One impact on the pin-jointed cable net of a changed fabric (`cloth`)."""
-    made = simulation.ImpactSetup(cloth(fabric, **change), velocity, elements_per_crossover=1)
-    found = run_cable(CableNet.of(made), velocity, 800e-6)
-    return SimpleNamespace(step_history=found.step_history, reactions=found.reactions)
+    made = simulation.ImpactSetup(cloth(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1)
+    return CableNet(made).run()
 
 
 def struck_yarn(fabric: str, velocity: float) -> SimpleNamespace:
@@ -200,18 +186,20 @@ def strip(fabric: str, velocity: float, length: float, end_time: float) -> Simpl
 
 def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
     """The bias extension test on one of its cloths, by load steps."""
-    case = bias_cases.run(cloth, steps=steps)
-    result, count = case.result, range(len(case.result.states))
-    return SimpleNamespace(
-        moved=result.prescribed,
-        angles=np.radians([case.means(k) for k in count]),
-        concentration=np.array([case.concentration(k) for k in count]),
-        asymmetry=bias_cases.asymmetry(result) if not case.problem else np.nan,
-        load=np.abs(result.force(1, 1)),
-    )
+    fabric, model, trellis = bias_extension.cloth(cloth)
+    # without a trellis there is no equilibrium to be found: two steps of 6000 iterations at most
+    options = {"steps": 2, "max_iterations": 6000} if cloth == "none" else {"steps": steps}
+    table = CellModel(fabric, model=model).table(201)
+    try:  # at 1e-4 of the load the halves of the cloth still differ by 2e-6 of its width
+        result = quasistatic.bias_extension(table, trellis=trellis, tolerance=1e-5, **options)
+    except UnstableError as found:
+        result = found.result
+    values = bias_extension.measured(result)
+    values |= {"angles": np.radians(values["angles"]), "asymmetry": bias_extension.asymmetry(result)}
+    return SimpleNamespace(**values)
 
 
-def frame(fabric: str, *, shear_angle: float, steps: int = 16, cells: int = 4) -> SimpleNamespace:
+def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleNamespace:
     """The picture frame test: shear angle [rad], shear stress [Pa] and force [N] along the diagonal of the frame.
 
     The force does the work of the stress: F d(delta) = tau V d(gamma), with the diagonal delta = 2 L sin(beta / 2) of a
@@ -247,28 +235,158 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
     return SimpleNamespace(stable=True)
 
 
-def pace(fabric: str, velocity: float, *, repeats: int = 3) -> SimpleNamespace:
-    """Seconds that shell and cable net need for 250 us of the same impact, run in turns; the least of each."""
+def pace(fabric: str, velocity: float) -> SimpleNamespace:
+    """Seconds that shell and cable net need for 250 us of the same impact, run three times in turns; the least."""
     made = simulation.ImpactSetup(cloth(fabric), velocity, end_time=250e-6, elements_per_crossover=1)
     shell, cable = [], []
-    for _ in range(repeats):
+    for _ in range(3):
         shell.append(simulation.run(made).wall_time)
-        cable.append(run_cable(CableNet.of(made), velocity, 250e-6).wall_time)
+        cable.append(CableNet(made).run().wall_time)
     return SimpleNamespace(shell=min(shell), cable=min(cable))
 
 
-def pencil(
-    fabric: str, *, plies: int, modulus: float = 1.0, mass: float = 0.0, elements: int = 2, edge: str = "free",
-    layer: float | None = None,
-) -> Any:  # fmt: skip
-    """One run of Table 6-2 before its block; without plies the block alone.
+def pencil(plies: int, **target: Any) -> SimpleNamespace:
+    """A run of Table 6-2 before its block, or the bare block without plies (`cases.block.target`); wall in rad."""
+    found = block.target(plies, **target)
+    return SimpleNamespace(**found | {"wall": np.radians(found["wall"])})
+
+
+def _meshed(fabric, size=SIZE, **options):
+    """(mesh of the quarter crossover, fabric)"""
+    from meshing import crossover as mesher
+
+    given = catalogue.load(fabric)
+    return mesher.build(given, size=size, **options), given
+
+
+def _columns(found):
+    names = "path", "d1", "d2", "plates", "T1", "T2", "F_c", "F_plate", "d_c", "failed"
+    return {name: getattr(found, name) for name in names}
+
+
+def stretched(fabric: str, *, ratio: Sequence[float], reach: float | None = None) -> SimpleNamespace:
+    """A biaxial path to fibre failure or to `reach` [m]; at its end the centrelines and the thickness of the yarns."""
+    from unitcell3d.cases import biaxial_and_platens
+
+    mesh, given = _meshed(fabric)
+    found = biaxial_and_platens.biaxial(mesh, given, ratio, max_displacement=reach)
+    x, lines = mesh.points + found.last["u"], []
+    for grid, axis, sign in zip(mesh.grids, (0, 1), (1, -1)):
+        # the axis of the yarn over the plane of symmetry across it: middle of each column through the thickness
+        low, high = x[grid[:, 0, 0]], x[grid[:, 0, -1]]
+        lines.append(np.stack([0.5 * (low + high)[:, axis], sign * 0.5 * (low + high)[:, 2]]))
+    thickness = [np.array([np.ptp(points[grid[0, 0], 2]) for grid in mesh.grids]) for points in (mesh.points, x)]
+    return SimpleNamespace(**_columns(found), lines=lines, thickness=thickness[0], thickness_end=thickness[1])
+
+
+def plates(fabric: str) -> SimpleNamespace:
+    """The crossover pressed between plates."""
+    from unitcell3d.cases import biaxial_and_platens
+
+    return SimpleNamespace(**_columns(biaxial_and_platens.plate_compression(*_meshed(fabric))))
+
+
+def lone(fabric: str, *, family: int, bars: int | None = None, one_point: bool = False) -> SimpleNamespace:
+    """One yarn alone, pulled straight and on; `bars` 0 takes its fibres away, `one_point` integrates the least."""
+    from unitcell3d.cases import single_yarn
+    from unitcell3d.material import solid_law
+
+    integration = solid_law.ONE_POINT if one_point else solid_law.FULL
+    strain = 0.06 if bars == 0 else None
+    mesh, given = _meshed(fabric)
+    found = single_yarn.pull(mesh, given, family, bars=bars, integration=integration, strain=strain)
+    return SimpleNamespace(strain=found.columns["strain"], T=found.columns["T"])
+
+
+def sections(fabric: str) -> SimpleNamespace:
+    """Sections of whole yarns, warp and weft: `area` (2,) [m2] their volume over the length of their centreline,
+    `fibre` (2,) [m2] of the bars that cut the section at the crossing."""
+    mesh, _ = _meshed(fabric)
+    area, fibre = [], []
+    for number, (grid, pairs, bars, S0) in enumerate(zip(mesh.grids, mesh.bars, mesh.bar_area, mesh.S0)):
+        # half of the length and half of the section are meshed
+        area.append(4 * _volume(mesh.points[mesh.hexes[mesh.yarn == number]]) / S0)
+        fibre.append(float(bars[np.isin(pairs, grid[0]).any(axis=1)].sum()) / mesh.share)
+    return SimpleNamespace(area=np.array(area), fibre=np.array(fibre))
+
+
+def _volume(corners):
+    """[m3] of bricks (m, 8, 3) in VTK order: six tetrahedra each, about the diagonal from corner 0 to corner 6."""
+    first, last = corners[:, 0], corners[:, 6]
+    sixths = [
+        np.einsum("ij,ij->i", np.cross(corners[:, a] - first, corners[:, b] - first), last - first)
+        for a, b in itertools.pairwise((1, 2, 3, 7, 4, 5, 1))
+    ]
+    return float(abs(np.sum(sixths)) / 6)
+
+
+def meshes(fabric: str, *, sections: Sequence[str]) -> SimpleNamespace:
+    """What the mesher makes of a fabric, by section: deviation of the axis from a cosine and spread of the thickness
+    over that at the crest [-], deepest point of the weft in the warp [m]; and the yarns of each domain."""
+    from meshing import patch
+
+    found: dict[str, Any] = {}
+    for section in sections:
+        mesh, given = _meshed(fabric, section=section)
+        errors, spread = [], []
+        for grid, w, h, axis in zip(mesh.grids, mesh.w, mesh.h0, (0, 1)):
+            middle = 0.5 * (mesh.points[grid[:, 0, 0]] + mesh.points[grid[:, 0, -1]])
+            errors.append(np.ptp(np.abs(middle[:, 2]) - h * np.cos(np.pi * middle[:, axis] / (2 * w))) / h)
+            heights = mesh.points[grid[:, :, -1], 2] - mesh.points[grid[:, :, 0], 2]
+            spread.append(np.ptp(heights, axis=0).max() / heights.max())
+        found[section] = {"cosine": max(errors), "spread": max(spread), "overlap": _overlap(mesh)}
+    return SimpleNamespace(sections=found, four=len(patch.build(given, (2, 2), size=SIZE).names))
+
+
+def _overlap(mesh):
+    """[m] deepest point of the weft's upper face within the warp, on the nodes of the quarter; 0 if none."""
+    from scipy.interpolate import LinearNDInterpolator
+
+    warp, weft = (mesh.points[grid] for grid in mesh.grids)
+    lower, upper = warp[:, :, 0].reshape(-1, 3), weft[:, :, -1].reshape(-1, 3)
+    below = LinearNDInterpolator(lower[:, :2], lower[:, 2])(upper[:, :2])
+    return float(max(np.nanmax(upper[:, 2] - below), 0.0))
+
+
+def brick(fabric: str, *, stretch: Sequence[float]) -> SimpleNamespace:
+    """Cauchy stress [Pa] along the fibre of one brick of warp at three stretches, and its fibre fraction."""
+    from unitcell3d.assembly.compat import Assembler, HexSpace
+    from unitcell3d.material.solid_law import forms
+
+    law = catalogue.load(fabric).solid_laws[0]
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+    space = HexSpace.build(corners, np.arange(8)[None])
+    constants = space.cell_constants(np.array([[law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G]]))
+    solid = Assembler(space, *forms(space, constants))
+    a, b, c = stretch
+    space.set_displacement(corners * (np.array(stretch) - 1))
+    nominal = (solid.residual().T @ corners)[0, 0]
+    return SimpleNamespace(stress=nominal / (b * c), V_f=law.Vf0 / (b * c), strain=float(np.log(a)), E_a=law.E_a)
+
+
+def released(fabric: str, *, plies: int, friction: float, closed: float) -> SimpleNamespace:
+    """Aligned plies between plates that close and open again: (closure [m], pressure [Pa]) of both branches.
 
     Parameters
     ----------
-    plies, modulus, mass : of `pencilling.study.Case`
-    elements, edge, layer : of `pencilling.study.march`
+    fabric, plies : name, number
+    friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
+    closed : [-] share of the first distance of the plates by which they close
     """
-    from validation.published.pencilling.study import FABRIC, Case, bare, shoot
+    from unitcell3d.cases.stack import StackModel
+    from unitcell3d.model.crossover import Load, Numerics
+    from unitcell3d.solver import path_following
 
-    assert fabric == FABRIC
-    return bare() if plies == 0 else shoot(Case(plies, modulus, mass), elements=elements, edge=edge, layer=layer)
+    mesh, given = _meshed(fabric, size=(4, 3, 2))
+    model = StackModel(mesh, given, plies, Numerics(friction=friction))
+    rest, area = model.plates.at_rest, given.weave.cell_area
+
+    def row(state, load):
+        force = model.copies[1] * float(np.mean(state.plates))
+        return {"closure": 2 * (rest - load.plates), "pressure": force / area}
+
+    loads = [Load(plates=share * rest) for share in (1.0, 1.0 - closed, 1.0)]
+    found = path_following.follow(model, loads, row, rows=(ROWS, ROWS))
+    branches = np.array([[row[key] for row in found.rows] for key in ("closure", "pressure")])
+    turn = int(np.argmax(branches[0]))
+    return SimpleNamespace(loading=branches[:, : turn + 1], unloading=branches[:, turn:])

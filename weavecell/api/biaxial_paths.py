@@ -25,8 +25,8 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import meshes, quantities, targets
-from weavecell.api.result import Result
-from weavecell.results import json_file, progress
+from weavecell.api.result import Result, saved
+from weavecell.results import json_file, out_folder, progress
 
 if TYPE_CHECKING:
     from shellfabric.cell.biaxial_path import CellPath
@@ -107,14 +107,11 @@ def biaxial(
     toe: Any = quantities.pair(fibre_slack, "", "fibre_slack")
     options: dict[str, Any] = {"profile": profile, "toe": toe[0] if toe[0] == toe[1] else toe}
     model, began = CellModel(fabric, **options), time.perf_counter()
-    with targets.folder_of(out) as folder:
+    with out_folder.held(out) as folder:
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
         solved = {} if compare_3d is None else _crossovers(fabric, paths, meshes.size(compare_3d))
         seconds = time.perf_counter() - began
-        result = BiaxialResult(model, paths, solved, options, source, compare_3d, seconds)
-        if folder is not None:
-            result.save(folder)
-    return result
+        return saved(BiaxialResult(model, paths, solved, options, source, compare_3d, seconds), folder)
 
 
 def _ratio(text):

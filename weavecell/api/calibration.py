@@ -28,8 +28,8 @@ from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import with_linear_density
 from weavecell.api import meshes, targets
-from weavecell.api.result import Result, figure
-from weavecell.results import json_file, progress
+from weavecell.api.result import Result, figure, saved
+from weavecell.results import json_file, out_folder, progress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -102,7 +102,8 @@ def calibrate(
     curve = curve_of(fabric, platen_curve) if platen_curve is not None or fit_solid else None
     choices: dict[str, Any] = {"friction": friction, "jobs": jobs}
     choices["executor"] = InProcess() if executor == "local" and jobs == 1 else executor
-    with targets.folder_of(out, resume) as folder, targets.kept_runs(folder, resume, SOLID_RUNS) as runs:
+    place = out_folder.held(out, resume, [(fabric, size, friction, curve)])
+    with place as folder, targets.kept_runs(folder, resume, SOLID_RUNS) as runs:
         if curve is not None:
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
@@ -120,9 +121,7 @@ def calibrate(
         result = CalibrationResult(
             replace(shot_at, laws=(done.law, done.law)), done, built, failed, solid, interval, resumable=bool(folder)
         )
-        if folder is not None:
-            result.save(folder)
-    return result
+        return saved(result, folder)
 
 
 def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
@@ -325,37 +324,30 @@ class CalibrationResult(Result):
         return "\n".join(f"{name:<13} {text}" for name, text in lines)
 
     def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder.
-
-        Raises
-        ------
-        InputError : the folder cannot be written to
-        """
+        """Write the files that stand at the top of this module to a folder."""
         from weavecell.report import chapters, page
         from weavecell.results import provenance
 
-        done, fabric = self.calibration, self.mesh.fabric
-        with targets.folder_of(out, resume=True) as folder:
-            assert folder is not None
-            if self.solid is not None:
-                self.solid.write(folder / "solid.json")
-            if around := self._around():
-                json_file.write(folder / "law-interval.json", interval_numbers(self.interval, around))
-            for name, path in {} if self.resumable else done.histories.items():
-                path.write(folder / f"{name.replace(' ', '-')}.h5")
-            self.mesh.save(folder)
-            done.write(folder)
-            stamp = provenance.stamp("", fabric)
-            json_file.write(folder / "provenance.json", stamp)
-            lead = (
-                "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to "
-                "the thickness that its yarns lose under their contact force."
-            ) + (f" Coulomb friction between the yarns: {done.friction:g}." if done.friction else "")
-            card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
-            title, picture = f"{fabric.name}: compression law from the 3D crossover", folder / "crossover.png"
-            sections = *self.sections(), chapters.mesh(self.mesh.summary(), picture.read_bytes())
-            report = chapters.report(title, lead, (fabric,), (card,), sections, stamp, done.seconds)
-            page.write(report, folder / "report.html")
+        done, fabric, folder = self.calibration, self.mesh.fabric, Path(out)
+        if self.solid is not None:
+            self.solid.write(folder / "solid.json")
+        if around := self._around():
+            json_file.write(folder / "law-interval.json", interval_numbers(self.interval, around))
+        for name, path in {} if self.resumable else done.histories.items():
+            path.write(folder / f"{name.replace(' ', '-')}.h5")
+        self.mesh.save(folder)
+        done.write(folder)
+        stamp = provenance.stamp("", fabric)
+        json_file.write(folder / "provenance.json", stamp)
+        lead = (
+            "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to "
+            "the thickness that its yarns lose under their contact force."
+        ) + (f" Coulomb friction between the yarns: {done.friction:g}." if done.friction else "")
+        card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
+        title, picture = f"{fabric.name}: compression law from the 3D crossover", folder / "crossover.png"
+        sections = *self.sections(), chapters.mesh(self.mesh.summary(), picture.read_bytes())
+        report = chapters.report(title, lead, (fabric,), (card,), sections, stamp, done.seconds)
+        page.write(report, folder / "report.html")
 
     def sections(self) -> tuple[Section, ...]:
         """Chapters of the report: the fit, the solid where it was fitted, the response of the shells' cell."""

@@ -18,8 +18,9 @@ from fabrics.checks import FilePath
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.keywords import Keywords
+from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
-from weavecell.results import progress
+from weavecell.results import out_folder, progress
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def compare(
     fired = studies.read(tests)
     panel = targets.of(target, options, honoured.LIMITS)
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
-    with targets.folder_of(out) as folder:
+    with out_folder.held(out) as folder:
         with panel.named():
             struck = panel.setup.target()
             with progress.bar(f"{panel.title}, critical velocity") as advance:
@@ -97,9 +98,7 @@ def compare(
                 shots = ballistic_limit.shoot(struck, strikes, report=lambda share, _: advance(share), **beside)
         computed = [shots[strikes.index(velocity)] for velocity in fired["velocity"]]
         checks = quality.worst(shot.checks for shot in computed)
-        result = ComparisonResult(panel, studies.compare(fired, computed, limit), checks)
-        if folder is not None:
-            result.save(folder)
+        result = saved(ComparisonResult(panel, studies.compare(fired, computed, limit), checks), folder)
     result.warn()
     return result
 

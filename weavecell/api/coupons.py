@@ -36,7 +36,7 @@ from weavecell.api import keywords, targets
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_coupon
 from weavecell.results import coupon as coupon_results
-from weavecell.results import display, progress, run_folder
+from weavecell.results import display, out_folder, progress, run_folder
 from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
@@ -103,12 +103,12 @@ def coupon(
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
-    checkpoint = None if out is None else Path(out) / "checkpoint.h5"
-    goes_on = resume and checkpoint is not None and checkpoint.exists()
-    with targets.folder_of(out, goes_on) as folder:
+    inputs = case.fabric, case.laws, case.scene.model_dump(exclude={"title": True, "run": {"outputs"}})
+    with out_folder.held(out, resume, [inputs]) as folder:
+        checkpoint = folder and folder / "checkpoint.h5"
         try:
             run = _pull_out if case.scene.test == "pull_out" else _relaxed
-            result, failure = run(case, text, key, checkpoint, goes_on)
+            result, failure = run(case, text, key, checkpoint, resume)
         except InputError as problem:
             if file is None:
                 raise
@@ -166,7 +166,7 @@ def _pull_out(case, text, key, *_):
     return PullOutResult(record, curve, case, checks, text, key), failure
 
 
-def _relaxed(case, text, key, checkpoint, goes_on):
+def _relaxed(case, text, key, checkpoint, resume):
     """(CouponResult, the UnstableError that ended the run or None), with a bar and checkpoints."""
     began, scene, table, failure = time.perf_counter(), case.scene, _table(case), None
     options, inputs, fabric = scene.run.model_dump(exclude={"outputs"}), scene.test_table, table.model.fabric
@@ -174,7 +174,7 @@ def _relaxed(case, text, key, checkpoint, goes_on):
         (scene.test, inputs.model_dump(), options, fabric.weave, fabric.shear, table.model.toes, table.potential),
         "shellfabric.coupon.quasistatic",
     )
-    states = coupon_results.read_states(checkpoint, stamp) if goes_on else []
+    states = coupon_results.read_states(checkpoint, stamp) if resume and checkpoint and checkpoint.exists() else []
     with progress.bar(_title(case)) as advance:
 
         def keep(state):

@@ -24,10 +24,10 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import FRICTION
 from fabrics.record import Record
-from weavecell.api import meshes, quantities, targets
-from weavecell.api.result import Result, figure
+from weavecell.api import meshes, quantities
+from weavecell.api.result import Result, figure, saved
 from weavecell.report import crossover_cases, pictures_crossover
-from weavecell.results import json_file, progress
+from weavecell.results import json_file, out_folder, progress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -115,19 +115,18 @@ def crossover(
         compression.CompressionLaw.from_json(law).require_fabric(fabric.name, key="law", value=str(law))
     run = kind.run(fabric, **options)
     part = _domain(case, domain, shift)
-    with targets.folder_of(out) as folder:
+    with out_folder.held(out) as folder:
         built = meshes.build(fabric, part, size=meshes.size(mesh), section=section, gap=gap)
         with progress.bar(f"{fabric.name}, {case}") as advance:
             record = run(built, hooks=[lambda share, row: advance(share)])
         result = CrossoverResult(fabric, case, built, record, part, text, kind.summary(fabric, record))
-        if folder is not None:
-            result.save(folder)
+        saved(result, folder)
     if record.failed:
-        problem = UnstableError(record.failed)
-        problem.result = result
-        raise problem
+        raise UnstableError(record.failed, result=result)
     if law is not None:
-        _add_slip(law, record, text)
+        from unitcell3d.cases import pull_out
+
+        pull_out.fit(record, text).add_to(law)  # the slip threshold, to the law.json of a calibration
     result.warn()
     return result
 
@@ -149,13 +148,6 @@ def _checked(case, options):
     if options.get("yarn", "warp") not in FAMILIES:
         raise InputError(key="yarn", value=options["yarn"], allowed="warp or weft")
     return CASES[case], options
-
-
-def _add_slip(law, record, size):
-    """Add the slip threshold of a pull-out to the law.json of a calibration."""
-    from unitcell3d.cases import pull_out
-
-    pull_out.fit(record, size).add_to(law)
 
 
 def _domain(case, domain, shift):

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from fabrics.checks import FilePath
 from weavecell.api import targets
 from weavecell.api.result import Result
+from weavecell.results import out_folder
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -69,7 +70,7 @@ def export(
 
     folder.check(to, units, match)
     panel = targets.of(target, {}, folder.NOT_HONOURED)
-    with targets.folder_of(out), panel.named():
+    with out_folder.held(out), panel.named():
         code, names = folder.CODES[to], {"title": panel.shot_title, "source": panel.law_name}
         deck = model.build(panel.setup, code, units, match, **names)
         stem = Path(panel.name).stem if panel.from_file else panel.setup.fabric.name

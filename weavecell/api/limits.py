@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from itertools import count
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import files
@@ -23,9 +24,10 @@ from fabrics.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
 from weavecell.api.keywords import Keywords
+from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
 from weavecell.report import checks
-from weavecell.results import progress
+from weavecell.results import out_folder, progress
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -130,10 +132,11 @@ def critical_velocity(
 
     @contextmanager
     def stage(title):
-        with progress.bar(title) as advance:
-            yield lambda share, shot: advance(share, checks.of_shot(shot) if shot else "")
+        with progress.bar(title, estimate=False) as advance:  # some shots take ten times as long as others
+            done = count(1)
+            yield lambda share, shot: advance(share, f"{next(done)} shots, {checks.of_shot(shot)}" if shot else "")
 
-    with targets.folder_of(out) as folder:
+    with out_folder.held(out) as folder:
         try:
             with panel.named():
                 study = limits.search(panel.setup, **search, stage=stage)
@@ -146,8 +149,7 @@ def critical_velocity(
             raise
         wall_time = time.perf_counter() - began
         result = CriticalVelocityResult(panel, study.limit, study.fit, study.range, search["scan"], wall_time)
-        if folder is not None:
-            result.save(folder)
+        saved(result, folder)
     result.warn()
     return result
 

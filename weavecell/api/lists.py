@@ -18,6 +18,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FIBRES
 from weavecell.api import quantities
+from weavecell.api.result import saved
 
 __all__ = [
     "Listing",
@@ -110,13 +111,6 @@ class Listing(Sequence):
     __repr__ = __str__
 
 
-def _saved(listing, out):
-    """A Listing, written as CSV where that is wanted."""
-    if out is not None:
-        listing.save(out)
-    return listing
-
-
 def fabrics(*, out: FilePath | None = None) -> Listing:
     """The catalogue, one line a fabric.
 
@@ -133,7 +127,7 @@ def fabrics(*, out: FilePath | None = None) -> Listing:
     '252.9'
     """
     rows = [tuple(text(fabric) for text in COLUMNS.values()) for fabric in map(catalogue.load, catalogue.list_names())]
-    return _saved(Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}, numeric=True), out)
+    return saved(Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}, numeric=True), out)
 
 
 def projectiles(*, out: FilePath | None = None) -> Listing:
@@ -154,7 +148,7 @@ def projectiles(*, out: FilePath | None = None) -> Listing:
         values = [data[key]["value"] if key in data else "" for key in PROJECTILE]
         rows.append((name, shape, *values, f"{data['diameter']['status']}: {data['diameter']['source']}"))
     heads = ("projectile", "nose", *PROJECTILE, "source of the diameter")
-    return _saved(Listing({"Projectiles": (heads, rows)}), out)
+    return saved(Listing({"Projectiles": (heads, rows)}), out)
 
 
 def backings(*, out: FilePath | None = None) -> Listing:
@@ -174,7 +168,7 @@ def backings(*, out: FilePath | None = None) -> Listing:
         data, speed = backing_data.entry(name), f"{backing_data.load(name).wave_speed:.0f}"
         rows.append((name, *(data[key]["value"] for key in BACKING), speed, data["yield_stress"]["status"]))
     heads = ("backing", *BACKING, "wave speed [m/s]", "status of the yield stress")
-    return _saved(Listing({"Backings": (heads, rows)}), out)
+    return saved(Listing({"Backings": (heads, rows)}), out)
 
 
 def show_projectile(name: str) -> Listing:

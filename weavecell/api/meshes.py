@@ -19,9 +19,9 @@ from fabrics import assumed, catalogue
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.api import quantities, targets
-from weavecell.api.result import Result
-from weavecell.results import progress
+from weavecell.api import quantities
+from weavecell.api.result import Result, saved
+from weavecell.results import out_folder, progress
 
 if TYPE_CHECKING:
     from meshing.mesh import YarnMesh
@@ -103,11 +103,9 @@ def mesh(
         "end_shells": None if end_shells is None else quantities.number(end_shells, "m", "end_shells"),
     }
     count = None if patch is None else _count(patch)
-    with targets.folder_of(out) as folder:
+    with out_folder.held(out) as folder:
         result = MeshResult(fabric, build(fabric, domain or "quarter", count, **options), tuple(dict.fromkeys(formats)))
-        if folder is not None:
-            result.save(folder)
-    return result
+        return saved(result, folder)
 
 
 def of_3d(fabric: Fabric | FilePath) -> Fabric:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from html import escape
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from fabrics.checks import FilePath
 from fabrics.errors import DoubtfulResult
 from weavecell.results import display, keys
 
@@ -122,6 +123,13 @@ def plain(value: object) -> bool:
 
 def _text(value):
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def saved(result: Any, out: FilePath | None) -> Any:
+    """The result, which is written to `out` where there is such a path."""
+    if out is not None:
+        result.save(out)
+    return result
 
 
 def figure(draw: Callable, *arguments: Any) -> Figure:

@@ -18,6 +18,7 @@ from fabrics.errors import UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
 from weavecell.api.keywords import Keywords
+from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
 from weavecell.scenes import honoured
 
@@ -98,10 +99,11 @@ def v50(
         own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
     scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
     panel = targets.of(target, options, honoured.LIMITS)
-    with targets.study(panel, f"{panel.title}, repeated shots", out, resume, jobs, executor) as run:
+    drawn = inputs.alone(panel.setup, strike_velocity=1.0), scatter, seed
+    with targets.study(panel, f"{panel.title}, repeated shots", out, resume, jobs, executor, drawn) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
-        return run.saved(V50Result(study, panel, seed, batch, run.wall_time))
+        return saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
 
 
 def sensitivity(
@@ -149,15 +151,16 @@ def sensitivity(
     >>> [of.quantity for of in sensitivity.indices]
     ['velocity', 'peak tension']
     """
-    from weavecell.studies import sobol
+    from weavecell.studies import inputs, sobol
 
     velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
     panel = targets.of(target, options, honoured.SENSITIVITY)
-    own = (panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES
-    with targets.study(panel, f"{panel.title}, sensitivities", out, resume, jobs, executor) as run:
+    velocities = velocities or [*((panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES)]
+    drawn = inputs.alone(panel.setup, strike_velocity=1.0), velocities, seed
+    with targets.study(panel, f"{panel.title}, sensitivities", out, resume, jobs, executor, drawn) as run:
         sizes = {"samples": samples, "seed": seed}
-        indices = sobol.study(panel.setup, velocities or own, **sizes, report=run.report(), **run.runs)
-        return run.saved(SensitivityResult(indices, panel, samples, seed, run.wall_time))
+        indices = sobol.study(panel.setup, velocities, **sizes, report=run.report(), **run.runs)
+        return saved(SensitivityResult(indices, panel, samples, seed, run.wall_time), run.folder)
 
 
 def draws(
@@ -206,14 +209,13 @@ def draws(
 
     scatter = inputs.published() if weibull_shape is None else replace(inputs.published(), shape=weibull_shape)
     panel = targets.of(target, {}, honoured.DRAWS, one_shot=True)
-    with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor) as run:
+    drawn = inputs.alone(panel.setup, symmetry="whole"), scatter, seed
+    with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor, drawn) as run:
         study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
-        result = run.saved(DrawsResult(study, panel, run.wall_time))
+        result = saved(DrawsResult(study, panel, run.wall_time), run.folder)
     unstable = len(study.draws) - len(study.counted)
     if unstable:
-        problem = UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate")
-        problem.result = result
-        raise problem
+        raise UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate", result=result)
     return result
 
 

@@ -34,7 +34,7 @@ from weavecell.api import targets
 from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
-from weavecell.results import keys, progress, run_folder
+from weavecell.results import keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.scenes import honoured
@@ -105,6 +105,8 @@ def impact(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
+    from weavecell.studies import inputs
+
     panel = targets.of(target, options, honoured.IMPACT, velocity, one_shot=True)
     climbs = panel.case is not None and panel.case.scene.accuracy is not None
     if climbs and uncertainty:
@@ -117,8 +119,7 @@ def impact(
     key = run_cache.key((panel.text, panel.setup, assumed_range, uncertainty), "shellfabric.impact.simulation")
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
-    goes_on = out is not None and resume and bool(run_folder.checkpoints(Path(out)))
-    with targets.folder_of(out, goes_on) as folder:
+    with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
         with panel.named():
             result, failure = _answer(panel, key, folder, resume, uncertainty)
             if failure is None and not climbs and panel.setup.plies == 1:
@@ -170,9 +171,8 @@ def _answer(panel, key, folder, resume, uncertainty):
             fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
             shot, pair = mesh_uncertainty.climb(setup, scene.accuracy.targets, shoot_window, fixed=fixed)
     except KeyboardInterrupt:
-        kept = folder is not None and run_folder.checkpoints(folder)
-        hint = "; --resume goes on from its last checkpoint" if kept else ""
-        raise run_folder.Interrupted(f"interrupted{hint}") from None
+        kept = folder is not None and bool(run_folder.checkpoints(folder))
+        raise run_folder.Interrupted("interrupted" + "; --resume goes on from its last checkpoint" * kept) from None
     return shot_of(panel, shot.result, str(shot.failure or ""), target=panel, pair=pair, key=key), shot.failure
 
 
@@ -388,12 +388,12 @@ class ShotResult(ImpactRecord, Result):
         if self.rigid_check:
             lines.append(self.rigid_check)
         if self.backing is not None:
-            said = f"back-face signature {text(self.backing.back_face_signature, 'm', form='.3g')}"
-            lines.append(f"{said}; the block still moves with {chapters_shot.block_moves(self)} of the strike energy")
+            lines.append(chapters_shot.dent(self))
         share, lost = text(self.viscous_energy_fraction, "1", "share", ".1f"), self.energies["failure_dissipation"][-1]
         if self.cut_yarns[-1]:
             lines.append(f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")
             lines.append(f"viscous energy {share} of what was absorbed until the first failure")
+            lines += [self.viscous_note] if self.viscous_note else []
         else:
             lines.append(f"viscous energy {share} of the {self.absorbed_energy:.2f} J absorbed")
         if self.range is not None:

@@ -20,10 +20,10 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.executors import InProcess
 from fabrics.fabric import Fabric
-from weavecell.api import meshes, quantities, targets
+from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure
 from weavecell.report import pictures_surface
-from weavecell.results import json_file, progress, provenance
+from weavecell.results import json_file, out_folder, progress, provenance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -86,7 +86,7 @@ def surface(
     fabric, stamp = meshes.of_3d(fabric), provenance.stamp("")
     spans = [_span(value, key) for value, key in ((d1, "d1"), (d2, "d2"))]
     size = meshes.size(mesh)
-    with targets.folder_of(out, resume) as folder:
+    with out_folder.held(out, resume, [(fabric, spans, points, tolerance, size, friction)]) as folder:
         with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
                 fabric,

@@ -26,7 +26,7 @@ from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
 from fabrics.schema import entries, unit_of
 from weavecell.api import quantities, targets
-from weavecell.api.result import Result, figure, plain
+from weavecell.api.result import Result, figure, plain, saved
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.results import progress
@@ -112,19 +112,19 @@ def sweep(
     support = honoured.SWEEP if quantity == "shot" else honoured.LIMITS
     combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
     panels = [read(str(target), Path(out or "."), support, changes=changes) for changes in combinations]
-    with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor) as run:
+    arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
+    with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor, *arguments) as run:
         if quantity == "v50":  # whose shots run in parallel, one V50 after the other
             reports = [run.report(number, len(panels)) for number in range(len(panels))]
             options: dict[str, Any] = {"shots": shots, "seed": seed, **run.runs}
             rows = [studies.row(p.setup, quantity, report=r, **options) for p, r in zip(panels, reports)]
         else:
-            arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
             rows = run_cache.results(studies.row, arguments, report=run.report(), **run.runs)
         table = tuple(
             changes | {"areal_density_kg_m2": panel.setup.areal_density} | row
             for changes, panel, row in zip(combinations, panels, rows)
         )
-        return run.saved(SweepTable(quantity, tuple(keys), table, tuple(panels)))
+        return saved(SweepTable(quantity, tuple(keys), table, tuple(panels)), run.folder)
 
 
 OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'

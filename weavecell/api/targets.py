@@ -8,7 +8,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -146,24 +146,19 @@ class Study:
         """Progress of the runs of a part of the study, called as report(number done, number of all)."""
         return lambda done, total: self.advance((part + done / total) / parts, f"{done} of {total}")
 
-    def saved(self, result: Any) -> Any:
-        """The result, which is written where it is wanted."""
-        if self.folder is not None:
-            result.save(self.folder)
-        return result
-
 
 @contextmanager
 def study(
-    panel: Target, title: str, out: FilePath | None, resume: bool, jobs: int, executor: str | Executor
+    panel: Target, title: str, out: FilePath | None, resume: bool, jobs: int, executor: str | Executor, *inputs: Any
 ) -> Iterator[Study]:
-    """A study at a target with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
+    """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
 
     Raises
     ------
-    InputError : the folder cannot be written to, or another run writes to it; any other names the target's file
+    InputError : as `out_folder.claim`; any other names the target's file
     """
-    with folder_of(out, resume) as folder, kept_runs(folder, resume) as runs, panel.named(), progress.bar(title) as bar:
+    place = out_folder.held(out, resume, inputs)
+    with place as folder, kept_runs(folder, resume) as runs, panel.named(), progress.bar(title) as bar:
         yield Study(folder, {"folder": runs, "executor": executor, "jobs": jobs}, bar)
 
 
@@ -175,13 +170,3 @@ def kept_runs(folder: Path | None, resume: bool, name: str = RUNS) -> Iterator[P
         if not resume:
             run_cache.RunCache(runs).clear()
         yield runs
-
-
-def folder_of(out: FilePath | None, resume: bool = False) -> AbstractContextManager[Path | None]:
-    """The folder of a study's results, held until the block ends; None where nothing is written.
-
-    Raises
-    ------
-    InputError : it cannot be written to, or another run writes to it
-    """
-    return nullcontext(None) if out is None else out_folder.held(Path(out), resume)

@@ -184,9 +184,8 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     figure, axes = _of_velocities(pyplot, title, low, high)
     if fit is not None:
         velocities = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3  # it rises steeply at the limit
-        a, p = (_with_interval(getattr(fit, name), fit.intervals[name]) for name in ("a", "p"))
         curve = fit.residual_velocity(velocities)
-        axes.plot(velocities, curve, color=BLUE, label=f"Lambert-Jonas\na = {a}\np = {p}")
+        axes.plot(velocities, curve, color=BLUE, label="Lambert-Jonas\n" + fit.words("\n"))
     axes.plot(strike[through], residual[through], "o", ms=7, color=RED, mec="white", label="perforated", zorder=3)
     axes.plot(
         strike[~through], residual[~through], "o", ms=7, mfc="white", mec=GREEN, mew=1.8, label="stopped", zorder=3
@@ -240,7 +239,3 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
     axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
     return figure
-
-
-def _with_interval(value, interval):
-    return f"{value:.2f} ({interval[0]:.2f} to {interval[1]:.2f})" if interval else f"{value:.2f} (its bound)"

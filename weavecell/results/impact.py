@@ -213,6 +213,16 @@ class ImpactRecord:
         return self._viscous_split[1]
 
     @property
+    def viscous_note(self) -> str:
+        """That viscosity dissipated more in the whole run than the check allows until the first failure, or ""."""
+        from shellfabric.panel.quality import LIMITS
+
+        share = float(self.energies["viscous"][-1]) / max(self.absorbed_energy, 1e-3 * self.strike_energy)
+        if not self.cut_yarns[-1] or share <= LIMITS["viscous energy"][0]:
+            return ""
+        return f"viscosity took {100 * share:.0f} % of what the whole run absorbed; its check ends at the first failure"
+
+    @property
     def _viscous_split(self):
         from shellfabric.panel.quality import split_viscous
 

@@ -8,32 +8,40 @@ from __future__ import annotations
 import atexit
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 
-LOCK = ".lock"
+LOCK, INPUT = ".lock", ".input"
 _held: dict[Path, tuple[int, list[Path]]] = {}  # folder: descriptor of its lock, and folders that were made for it
 
 
-def claim(folder: Path, resume: bool = False) -> None:
+def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> None:
     """Make a folder ready for results, and keep it until `release`; print whose results are there and get replaced.
 
     Parameters
     ----------
     folder : made with its parents where it does not exist
     resume : whether the run goes on with what the folder holds, and replaces nothing
+    inputs : what is computed, of a run that can be resumed; its digests are kept in the folder, as `INPUT`
 
     Raises
     ------
-    InputError : it cannot be made or written to, or another run writes to it
+    InputError : it cannot be made or written to, or another run writes to it; to resume, it holds none of the inputs
     """
     place = folder.resolve()
     if place in _held:
         return
+    mark, digests = place / INPUT, {run_cache.inputs_digest(one) for one in inputs}
+    if resume and digests and mark.exists() and digests.isdisjoint(mark.read_text("utf-8").split()):
+        earlier = _earlier(place) or "an unfinished run"
+        allowed = f"another folder: this one has {earlier}, of other input or options; without --resume it is replaced"
+        raise InputError(key="--out", value=str(folder), allowed=allowed)
     made = [path for path in (place, *place.parents) if not path.exists()]
     try:
         place.mkdir(parents=True, exist_ok=True)
@@ -47,16 +55,22 @@ def claim(folder: Path, resume: bool = False) -> None:
     if not _held:
         atexit.register(release)
     _held[place] = descriptor, made
-    earlier = None if resume else _earlier(place)
+    earlier = None if resume and (mark.exists() or not digests) else _earlier(place)
+    if digests:
+        mark.write_text("\n".join(sorted(digests)), "utf-8")
     if earlier:
         print(f"replaces the results of {earlier} in {folder}")
 
 
 @contextmanager
-def held(folder: Path, resume: bool = False) -> Iterator[Path]:
-    """The folder, which is claimed in this block; an outer claim goes on."""
+def held(out: FilePath | None, resume: bool = False, inputs: Iterable[object] = ()) -> Iterator[Path | None]:
+    """The folder, which is claimed in this block, while an outer claim goes on; None where nothing is written."""
+    if out is None:
+        yield None
+        return
+    folder = Path(out)
     mine = folder.resolve() not in _held
-    claim(folder, resume)
+    claim(folder, resume, inputs)
     try:
         yield folder
     finally:
@@ -74,6 +88,8 @@ def _release(place):
     descriptor, made = _held.pop(place)
     with suppress(OSError):
         os.unlink(place / LOCK)
+        if os.listdir(place) == [INPUT]:
+            os.unlink(place / INPUT)
     os.close(descriptor)
     _remove_empty(made)
 

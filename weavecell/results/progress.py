@@ -29,8 +29,8 @@ class _Log:
 
 
 @contextmanager
-def bar(title: str) -> Iterator[Callable[..., None]]:
-    """Show a bar for a stage; yields `advance(fraction, text="")`, to be called with the fraction done, 0 to 1."""
+def bar(title: str, estimate: bool = True) -> Iterator[Callable[..., None]]:
+    """Show a bar for a stage, perhaps with an `estimate` of the time left; yields `advance(fraction done, text="")`."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     live = sys.stderr.isatty() or hasattr(shell, "kernel")  # of a notebook
     if not (live or shown):
@@ -38,8 +38,8 @@ def bar(title: str) -> Iterator[Callable[..., None]]:
         return
     from tqdm.auto import tqdm
 
-    drawn = "|{bar}|" if live else ","
-    form = f"{{desc}}: {{percentage:.0f}} %{drawn} {{elapsed}}<{{remaining}}{{postfix}}"
+    drawn, left = "|{bar}|" if live else ",", "<{remaining}" if estimate else ""
+    form = f"{{desc}}: {{percentage:.0f}} %{drawn} {{elapsed}}{left}{{postfix}}"
     look: dict[str, Any] = {"leave": shown, "delay": DELAY, "miniters": 0, "bar_format": form}
     look |= {} if live else {"file": _Log(), "mininterval": _EVERY}
     with tqdm(desc=title, total=1.0, **look) as meter:

@@ -206,11 +206,11 @@ def _laws(table, key, fabric, file, given):
         return 2 * (CompressionLaw.incompressible(),), f"none, {table.cell_model} yarns"
     if isinstance(law, InlineLaw):
         try:
-            own = CompressionLaw(law.a, law.b, law.form, provenance=f"scene {file}")
+            own = CompressionLaw(law.a, law.b, law.form, provenance="given in the scene")
         except InputError as problem:
             key = f"{key}.law.{problem.key}"
             raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
-        return (own, own), "given in the scene"
+        return (own, own), own.provenance
     if law == "published" and fabric.laws is None and file is not None:
         raise InputError(
             f"fabric {fabric.name} has no compression law: run `weavecell calibrate {table.file or table.name}` and "
@@ -328,7 +328,8 @@ def _backing(table):
         return None
     from shellfabric.backing.block import Backing
 
-    given = _given(table, "backing", but=("material",))
+    given = _given(table, "backing")
+    given["name"] = given.pop("material", "")
     of_material = {field.name for field in fields(Isotropic)}
     material = replace(load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material})
     return Backing(material=material, **given)

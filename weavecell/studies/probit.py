@@ -42,7 +42,8 @@ class Curve:
     link : a name of LINKS
     V50, s : [m/s]
     deviation : [m/s] standard deviation of the velocity at which a panel fails
-    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]}; infinite where the shots set no bound
+    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]}; 0 or infinite where the shots set no
+        bound, and 0 where it would be below
     likelihood : its logarithm
     separated : whether no stop was faster than a perforation
     confidence : [-] of the intervals
@@ -69,7 +70,7 @@ class Curve:
 
     @property
     def V0(self) -> float:
-        return self.velocity(LOW)
+        return max(self.velocity(LOW), 0.0)
 
     @property
     def V100(self) -> float:
@@ -152,10 +153,10 @@ def band(velocity: ArrayLike, perforated: ArrayLike, curve: Curve, probabilities
 
 
 def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tuple[float, float]:
-    """(low, high) [m/s] between which the profile likelihood of V_P, the largest at `at`, stays above the floor."""
+    """(low, high) [m/s], at least 0, between which the profile likelihood of V_P, largest at `at`, is above a floor."""
     z = likelihood.law.ppf(P)
     below = lambda V: likelihood.over_slope(V, z)[0] - floor  # noqa: E731
-    return tuple(_edge(below, at, sign * likelihood.range) for sign in (-1, 1))
+    return max(_edge(below, at, -likelihood.range), 0.0), _edge(below, at, likelihood.range)
 
 
 def _edge(above, inside, step):

@@ -47,11 +47,16 @@ def test_intervals_hold_what_they_promise():
 
 
 def test_no_projectile_leaves_faster_than_it_came():
-    """Data that would want a > 1 end at 1, without an interval for it and with one for the others."""
+    """Data that would want a > 1 end at 1, without an interval for it and with one for the others; p is not determined
+    by scatter that leaves half of it open, nor by one velocity."""
     found = fit(STRIKE, 1.2 * curve(STRIKE, 0.9, 2.0, 100.0), limit=100.0)
     assert found.a == pytest.approx(1.0, abs=1e-6)
     assert found.intervals["a"] is None
     assert found.intervals["p"] is not None
+    assert found.words().startswith("a not determined (at its bound 1), p = ")
+    scatter = curve(STRIKE, 0.9, 2.6, 100.0) * (1 + 0.3 * (-1.0) ** np.arange(15))
+    assert ", p not determined (" in fit(STRIKE, scatter, limit=100.0).words()
+    assert fit([150.0] * 4, [90.0] * 4, limit=100.0).words().endswith("p not determined (-inf to inf)")
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,6 @@ ALIKE = {  # two fields of each that hold arrays of one type
     ("shellfabric.plies.arrays", "Stack"): ("projectile_position", "f_contact_nose"),
     ("shellfabric.projectile.contact", "Scratch"): ("box_low", "box_high"),
     ("shellfabric.panel.arrays", "State"): ("u", "v"),
-    ("validation.models.cable.model", "Constants"): ("x0", "y0"),
 }
 PROBES = "\n\nfrom shellfabric.jit.compile import entry\n" + "".join(
     f"\n\n@entry()\ndef probe_{number}(given):\n    return given.{field}[0]\n"

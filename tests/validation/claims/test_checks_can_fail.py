@@ -17,7 +17,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.projectile.bar import Bar
 from validation.claims import checks, judge, runner
 from validation.claims import claims as data
-from validation.claims.checks import compression, shear
+from validation.claims.checks import compression, weave
 
 CLAIMS = {claim.id: claim for claim in data.load()}
 KERNELS = compression.crossover_kernels
@@ -102,7 +102,7 @@ PLANTED = {
     "forces of a coupon": (
         Coupon, "forces", lambda forces: scaled(forces, 2.0, 0), {"cell-stress-resultant": "relative difference"}),
     "trellis that stretches its yarns": (
-        shear, "trellis", lambda made: scaled(made, 1.001, 1), {"shear-thickness-constant": "relative change"}),
+        weave, "trellis", lambda made: scaled(made, 1.001, 1), {"shear-thickness-constant": "relative change"}),
     "gap between plies": (
         checks, "compression_gap", lambda gap: lambda density, plies: 1e-4, {"compr-gap-formula": "difference"}),
     "pressure of records": (

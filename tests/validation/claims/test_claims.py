@@ -7,9 +7,8 @@ import pytest
 
 from fabrics.errors import InputError, UnstableError
 from validation.claims import claims as data
-from validation.claims import judge, readers, runner, runs
+from validation.claims import command, judge, readers, runner, runs
 from validation.claims import page as pages
-from validation.commands import claims as command
 
 RECORDED = Path(__file__).parents[3] / "docs" / "reports" / "data" / "claims.csv"
 TIMED = ("future-lut-equals-iteration", "cost-ratio-shell-cable-1")
@@ -48,25 +47,24 @@ GOOD = {
 
 
 def claim_of(*expect, **changes):
-    return data.claim_of(GOOD | changes | ({"expect": list(expect)} if expect else {}))
+    return data.Claim(**GOOD | changes | ({"expect": list(expect)} if expect else {}))
 
 
-BAD = [
-    {"id": "nowhere-x"},
-    {"untestable": "conditions and a reason for none"},
-    {"data": "a table", "against": "a misprint"},
-    {"expect": ["h = 1"]},
-    {"expect": ["h > 1 furlong"]},
-    {"expect": []},
-    {"reason": ""},
-]
+def test_every_claim_has_a_topic_a_reason_and_one_state():
+    claims = data.load()
+    assert len({claim.id for claim in claims}) == len(claims)
+    for claim in claims:
+        assert claim.topic in data.topics()
+        assert [bool(claim.conditions), bool(claim.untestable), bool(claim.unbuilt)].count(True) == 1, claim.id
+        assert claim.reason or not claim.conditions, claim.id
+        marks = [claim.against, claim.data, claim.incomparable]
+        assert sum(map(bool, marks)) <= bool(claim.conditions), claim.id
 
 
-@pytest.mark.parametrize("change", BAD)
-def test_a_bad_claim_is_refused(change):
-    data.claim_of(GOOD)
+@pytest.mark.parametrize("text", ["h = 1", "h > 1 furlong", "h = 1 mm +- 1 um", "h < 1 mm +- 3 %", "h"])
+def test_a_bad_condition_is_refused(text):
     with pytest.raises(InputError):
-        data.claim_of(GOOD | change)
+        data.condition_of(text)
 
 
 # condition: what is found and holds, what is found and does not; an edge belongs to a tolerance, and to nothing else

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
+from shellfabric.cell.biaxial_path import to_strength
 from shellfabric.cell.model import CellModel
 from validation.cases import cell
-from validation.published.biaxial_glass.curves import at_ratio, curves, free_edge
+from validation.published.biaxial_glass import free_edge
 
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
 BALANCED_CELL, UNBALANCED_CELL = (CellModel(fabric, form="equilibrium") for fabric in (BALANCED, UNBALANCED))
@@ -38,15 +39,16 @@ def test_free_edge_of_a_yarn_with_a_toe_ends_at_its_strength():
 
 
 def test_balanced_weave_is_symmetric():
-    slow, fast = at_ratio(BALANCED_CELL, 0.5), at_ratio(BALANCED_CELL, 2.0)
+    slow, fast = to_strength(BALANCED_CELL, (0.5, 1.0)), to_strength(BALANCED_CELL, (2.0, 1.0))
     assert np.allclose(slow.tension[:, 0], fast.tension[:, 1], rtol=1e-10, atol=1e-9)
-    equal = at_ratio(BALANCED_CELL, 1.0)
+    equal = to_strength(BALANCED_CELL, (1.0, 1.0))
     assert np.allclose(equal.tension[:, 0], equal.tension[:, 1], rtol=1e-10)
 
 
 def test_every_curve_ends_at_a_strength():
     for model in (BALANCED_CELL, UNBALANCED_CELL):
         strengths = {name: yarn.strength for name, yarn in zip(("warp", "weft"), model.fabric.weave.yarns)}
-        for curve in curves(model.fabric):
-            end = curve.tension[-1][("warp", "weft").index(curve.failed)]
-            assert end == pytest.approx(strengths[curve.failed], rel=1e-5)
+        paths = [to_strength(model, (k, 1.0)) for k in (0.5, 1.0, 2.0)] + [free_edge(model, name) for name in strengths]
+        for path in paths:
+            end = path.tension[-1][("warp", "weft").index(path.failed)]
+            assert end == pytest.approx(strengths[path.failed], rel=1e-5)

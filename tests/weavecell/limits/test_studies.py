@@ -37,13 +37,14 @@ def test_progress_without_a_terminal(monkeypatch, capsys):
     """A batch job sees a line every half minute, and one at the end; a Python script nothing."""
     clock = [0.0]
     monkeypatch.setattr("tqdm.std.time", lambda: clock[0])
-    for shown in (True, False):
+    for shown, estimate in ((True, True), (True, False), (False, True)):
         monkeypatch.setattr(progress, "shown", shown)
-        with progress.bar("3 x shot") as advance:
+        with progress.bar("3 x shot", estimate) as advance:
             for share in (0.1, 0.5, 0.9):
                 clock[0] += 16.0
                 advance(share, f"{share:g}")
     lines = ["3 x shot: 50 %, 00:32<00:32, 0.5", "3 x shot: 100 %, 00:48<00:00"]
+    lines += ["3 x shot: 50 %, 00:32, 0.5", "3 x shot: 100 %, 00:48"]
     assert capsys.readouterr().err.splitlines() == lines
 
 

@@ -1,9 +1,11 @@
 """Quality checks as users meet them: summary.json, report, printed line, exit code."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
+import weavecell as wc
 from fabrics import catalogue
 from fabrics.errors import DoubtfulError
 from shellfabric.panel import quality
@@ -11,6 +13,8 @@ from shellfabric.panel.quality import Indicator
 from tests.scene_text import impact_scene
 from validation.models.cable.smith import smith
 from weavecell.report import checks
+from weavecell.report.shot import chapters_shot
+from weavecell.results.impact import ImpactRecord
 
 GOOD, BAD, WORSE = Indicator("a", 0.5, 1.0), Indicator("b", 2.0, 1.0), Indicator("c", 9.0, 1.0, "m")
 NOTED = Indicator("d", 0.5, 1.0, note=0.1)
@@ -34,10 +38,26 @@ def test_status_line_summary_and_section():
     assert section.tables[0].rows[0][3] == "noted (noted above 0.1)"
 
 
+def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves():
+    setup = wc.setup("S-728", "200 m/s", backing={"material": "gelatine 20 %", "modulus": "5 MPa"})
+    told = dict(chapters_shot.assumptions(setup, ()).tables[0].rows)["block behind"]
+    assert told.startswith("assumed: yield_stress 0.41 MPa, hardening 0.0019 MPa, rate_exponent 0, reference_rate")
+    assert told.endswith(", of the block of gelatine 20 %")
+    for kinetic, said in ((1.0, "back-face signature 9 mm"), (2.0, "no back-face signature yet: the block moves with")):
+        energies = {"backing_kinetic": [kinetic], "backing_plastic": [120.0]}
+        shot = SimpleNamespace(signature_mm=9.0, strike_energy=300.0, energies=energies)
+        assert chapters_shot.dent(shot).startswith(said)
+
+
 def test_a_viscous_share_is_noted_from_10_and_doubtful_from_15_per_cent():
     found = [quality.indicator("viscous energy", share) for share in (0.09, 0.11, 0.14, 0.16)]
     assert [one.status for one in found] == ["ok", "noted", "noted", "doubtful"]
     assert checks.status(found) == "doubtful"
+    run = SimpleNamespace(cut_yarns=[0, 2], absorbed_energy=100.0, strike_energy=300.0, energies={"viscous": [0, 36]})
+    told = "viscosity took 36 % of what the whole run absorbed; its check ends at the first failure"
+    assert ImpactRecord.viscous_note.fget(run) == told
+    run.energies["viscous"] = [0, 14]
+    assert ImpactRecord.viscous_note.fget(run) == ""
 
 
 def test_a_doubtful_result_is_an_error_where_that_is_wanted(capsys):

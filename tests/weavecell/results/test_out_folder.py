@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from fabrics.errors import InputError
+from tests.scene_text import impact_scene
 from tests.weavecell.session_runs import RUNS, write_inputs
 from weavecell.results import out_folder
 
@@ -59,7 +60,7 @@ def test_a_run_is_kept_from_the_folder_of_another_until_that_ends(tmp_path):
 
 
 def test_a_folder_that_was_made_and_is_empty_goes(tmp_path):
-    out_folder.claim(tmp_path / "made" / "out")
+    out_folder.claim(tmp_path / "made" / "out", inputs=[1.0])
     out_folder.release()
     assert os.listdir(tmp_path) == []
 
@@ -70,3 +71,23 @@ def test_what_is_replaced_is_named(command):
     first = command(*words)[1].splitlines()[0]
     assert first.startswith("replaces the results of S-731 of 20")
     assert first.endswith(" UTC in b")
+
+
+def test_to_resume_is_refused_in_a_folder_of_another_input(command, tmp_path, monkeypatch):
+    """Comments, the title and the path of the file make no other input."""
+
+    def draws(*_, **__):
+        (tmp_path / "r" / "kept.json").write_text('{"date": "today", "title": "S-720, 155 m/s"}')
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("weavecell.studies.draws.study", draws)
+    one = impact_scene().replace("[projectile]", 'law = { a = "45 um", b = "58 um * N**(1/3)" }\n[projectile]')
+    for name, text in (("one", one), ("same", f'title = "a" # b\n{one}'), ("other", one.replace("50 mm", "60 mm"))):
+        (tmp_path / f"{name}.toml").write_text(text)
+    assert command("draws", "one.toml", "--out", "r")[0] == 130
+    assert command("draws", "same.toml", "--out", "r", "--resume")[0] == 130
+    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "r").iterdir()}
+    code, _, err = command("draws", "other.toml", "--out", "r", "--resume")
+    line = "error: --out = 'r': must be another folder: this one has S-720, 155 m/s of today, of other input or "
+    assert (code, err) == (2, f"{line}options; without --resume it is replaced\n")
+    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "r").iterdir()} == before

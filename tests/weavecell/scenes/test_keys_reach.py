@@ -71,7 +71,7 @@ ROWS = {
     ),
     "fabric.weaving_damage.source": (DAMAGE, "tests", {"fabric.": ...}),
     "fabric.weaving_damage.status": (DAMAGE, "measured", {"fabric.": ...}),
-    "fabric.law": ({}, LAW, of_laws(4e-5, "a") | of_laws(5e-5, "b") | of_laws("scene None", "provenance")),
+    "fabric.law": ({}, LAW, of_laws(4e-5, "a") | of_laws(5e-5, "b") | of_laws("given in the scene", "provenance")),
     "fabric.law.a": (OWN_LAW, "0.03 mm", of_laws(3e-5, "a")),
     "fabric.law.b": (OWN_LAW, "0.06 mm N^(1/3)", of_laws(6e-5, "b")),
     "fabric.law.form": (OWN_LAW, "printed", of_laws("printed", "form")),
@@ -144,7 +144,7 @@ ROWS = {
     "panel.ply.angle": (PLIES, "90 deg", {"lay_up.0.angle": pi / 2}),
     "panel.ply.gap": (PLIES, "0.2 mm", {"lay_up.0.gap": 2e-4}),
     "panel.ply.count": (PLIES, 3, {"plies": 4, "lay_up.": ...}),
-    "backing.material": ({}, "gelatine 10 %", {"backing.material.density": 1030.0, "backing.material.": ...}),
+    "backing.material": ({}, "gelatine 10 %", {"backing.name": "gelatine 10 %", "backing.material.": ...}),
 }  # fmt: skip
 # values of keys whose example is their default
 OTHERS = {

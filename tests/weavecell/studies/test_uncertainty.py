@@ -100,6 +100,8 @@ def test_separated_shots():
     assert 105 < high
     with pytest.raises(InputError, match="stopped and shots"):
         probit.fit([90, 95], [True, True])
+    few = probit.fit(range(50, 130, 10), [False, True, False, False, True, False, True, True])
+    assert (few.V0, few.intervals["V0"][0]) == (0.0, 0.0)  # no velocity is below 0
 
 
 def test_drawn_strengths(fabric):

@@ -1,4 +1,6 @@
-"""The unit cell of section 4.3, alone and between its bounds. Equations are the thesis's: the equilibrium form.
+"""The unit cell of section 4.3, alone, between its bounds, and against the 3D crossover of chapter 3.
+
+Equations are the thesis's: the equilibrium form.
 
 Where the printed compression law is meant, it is used; else the regularised one (erratum E-05).
 """
@@ -12,17 +14,16 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from fabrics import catalogue, variants
+from fabrics import catalogue
 from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels
+from shellfabric.cell.biaxial_path import CellPath
 from shellfabric.cell.model import CellModel
-from shellfabric.coupon.model import mesh_coupon
-from validation.claims.judge import Found
-from validation.claims.readers import FAMILIES, KEVLAR
+from shellfabric.coupon.model import Coupon, mesh_coupon
+from validation.claims.readers import KEVLAR
 from validation.models.cell_equations import departure
-from validation.published.biaxial_glass.curves import Curve
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
@@ -41,6 +42,12 @@ def printed(name: str, a: float | None = None) -> CellModel:
     given = catalogue.load(name)
     laws = tuple(CompressionLaw(a or law.a, law.b, form="printed") for law in given.laws)
     return CellModel(given, laws, form="equilibrium")  # type: ignore[arg-type]
+
+
+def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
+    """A coupon of a fabric, in the variational form; its half sides [m], one or two, and options of `mesh_coupon`."""
+    table, (a, b) = CellModel(catalogue.load(name), form="variational").table(size), np.broadcast_to(half, 2)
+    return mesh_coupon(table, lambda x, y: (np.abs(x) < a) & (np.abs(y) < b), max(a, b), **options)
 
 
 def stretch_at_failure(yarn: Yarn) -> float:
@@ -78,26 +85,21 @@ def random_states(name: str, n: int = 400, seed: int = 3) -> tuple[FloatArray, .
 def alone(fabric: str, family: int) -> tuple[FloatArray, FloatArray]:
     """(strains of the cell, tensions) of a yarn without coupling, from rest to its strength."""
     stretch = np.linspace(1, stretch_at_failure(catalogue.load(fabric).weave.yarns[family]), 400)
-    pair = (stretch, 1.0) if family == 0 else (1.0, stretch)
-    return stretch - 1, cell(fabric, "decoupled").solve(*pair)[f"T{family + 1}"]
+    return stretch - 1, pulled(cell(fabric, "decoupled"), family, stretch)
 
 
-def failure_extensions() -> Found:
-    """Cell strain at which the tension of a lone crimped yarn reaches its strength."""
-    found = {}
-    for fabric in KEVLAR:
-        model = cell(fabric, "decoupled")
-        for k, (name, yarn) in enumerate(zip(FAMILIES, model.fabric.weave.yarns)):
-            low, high = 1.0, 1.5
-            while high - low > 1e-10:
-                middle = 0.5 * (low + high)
-                T = model.solve(*((middle, 1.0) if k == 0 else (1.0, middle)))[f"T{k + 1}"]
-                low, high = (low, middle) if T >= yarn.strength else (middle, high)
-            found[f"{fabric} {name}"] = high - 1
-    return found
+def pulled(model: CellModel, family: int, stretch: Any, other: float = 1.0) -> FloatArray:
+    """[N] tension of a yarn whose cell is stretched along it, and across it by `other`."""
+    return model.solve(*((stretch, other) if family == 0 else (other, stretch)))[f"T{family + 1}"]
 
 
-def equilibrium() -> Found:
+def stretch_to_strength(model: CellModel, family: int, other: float = 1.0) -> float:
+    """Of the cell along a yarn, at which the yarn is at its strength; that across is `other`."""
+    strength = model.fabric.weave.yarns[family].strength
+    return brentq(lambda stretch: float(pulled(model, family, stretch, other)) - strength, 1.0, 1.5, xtol=1e-12)
+
+
+def equilibrium() -> dict[str, Any]:
     """F against 2 T sin(alpha) of both yarns; heights and compressions against the heights at rest; random states."""
     force = closing = 0.0
     for name in catalogue.list_names():
@@ -164,13 +166,11 @@ def stress_resultant_error() -> float:
     """
     worst = 0.0
     for name in ("S-720", "S-726", "S-731"):
-        model = CellModel(catalogue.load(name), form="variational")
-        weave, table = model.fabric.weave, model.table(201)
-        half = 8.000001 * np.array(weave.w)
-        coupon = mesh_coupon(table, lambda x, y, half=half: (np.abs(x) < half[0]) & (np.abs(y) < half[1]), max(half))
+        weave = catalogue.load(name).weave
+        coupon = rectangle(name, 8.000001 * np.array(weave.w), 201)
         stretch = [1 + 0.6 * (stretch_at_failure(yarn) - 1) for yarn in weave.yarns]
         forces = -coupon.forces(coupon.points * stretch)[0]
-        state, width = model.solve(*stretch), 2 * np.array(weave.w[::-1])
+        state, width = coupon.table.model.solve(*stretch), 2 * np.array(weave.w[::-1])
         for axis in (0, 1):
             rim = coupon.points[:, axis] > coupon.points[:, axis].max() - 0.1 * weave.w[axis]
             across, pulled = np.ptp(coupon.points[rim, 1 - axis]), abs(forces[rim, axis].sum())
@@ -179,19 +179,13 @@ def stress_resultant_error() -> float:
     return worst
 
 
-def lone_yarn() -> Found:
+def lone_yarn() -> dict[str, Any]:
     """A yarn whose partner is gone, in a coupon of warp alone; and the slack of steps 11 and 25 as printed."""
     worst = 0.0
     for name in ("S-720", "S-731"):
-        model = CellModel(catalogue.load(name), form="variational")
-        weave = model.fabric.weave
+        weave = catalogue.load(name).weave
         # the weft has been drawn out of the right half, as it has to be somewhere in a coupon
-        coupon = mesh_coupon(
-            model.table(51),
-            lambda x, y: (np.abs(x) < 0.01) & (np.abs(y) < 0.01),
-            0.01,
-            woven=lambda x, y: (np.ones(x.shape, bool), x < 0),
-        )
+        coupon = rectangle(name, 0.01, 51, woven=lambda x, y: (np.ones(x.shape, bool), x < 0))
         lone = coupon.points[coupon.edges[0]][:, :, 0].min(axis=1) > 2 * weave.w1
         for stretch in (1.01, stretch_at_failure(weave.warp) - 0.005):
             T = coupon.tensions(coupon.points * [stretch, 1.0])[0][lone]
@@ -202,7 +196,7 @@ def lone_yarn() -> Found:
     return {"difference over strength": worst, "as printed, at failure": as_printed}
 
 
-def surfaces(fabric: str) -> Found:
+def surfaces(fabric: str) -> dict[str, Any]:
     """Stored energies of the bounds and of the cell between, over all pairs of strains at which no yarn fails."""
     models = [cell(fabric, model) for model in BOUNDED]
     pairs = grid(models[0], 41)
@@ -225,17 +219,11 @@ def survived(name: str, n: int = 61) -> tuple[FloatArray, FloatArray]:
 
 def displacement_at_strength(model: CellModel, family: int, away: float) -> float:
     """[m] of its end at which a yarn reaches its strength, the crossing yarn being shortened by `away` [m]."""
-    weave = model.fabric.weave
-    other = 1 - away / weave.w[1 - family]
-
-    def over(stretch):
-        pair = (stretch, other) if family == 0 else (other, stretch)
-        return float(model.solve(*pair)[f"T{family + 1}"]) - weave.yarns[family].strength
-
-    return weave.w[family] * (brentq(over, 1.0, 1.5, xtol=1e-12) - 1)
+    w = model.fabric.weave.w
+    return w[family] * (stretch_to_strength(model, family, 1 - away / w[1 - family]) - 1)
 
 
-def curve_change(curve: Curve, family: int, shift: float) -> float:
+def curve_change(curve: CellPath, family: int, shift: float) -> float:
     """RMS by which tensions move when the strain origin moves by `shift` [-], over the RMS of the curve itself."""
     strain, tension = curve.strain[:, family], curve.tension[:, family]
     common = strain > shift
@@ -243,12 +231,7 @@ def curve_change(curve: Curve, family: int, shift: float) -> float:
     return np.sqrt(off) / np.sqrt(np.mean(tension[common] ** 2))
 
 
-def scaled(name: str, **factors: float) -> CellModel:
-    """The cell of a fabric whose yarns' fields are multiplied by factors."""
-    return CellModel(variants.scale_yarns(catalogue.load(name), **factors), form="equilibrium")
-
-
-def look_up(fabric: str, n: int, samples: int) -> Found:
+def look_up(fabric: str, n: int, samples: int) -> dict[str, Any]:
     """Bilinear table of tensions against the cell itself, over all states up to failure; and their speed."""
     model = cell(fabric)
     table, rng = model.table(n), np.random.default_rng(4)
@@ -265,3 +248,41 @@ def look_up(fabric: str, n: int, samples: int) -> Found:
     pairs = zip((T1, read(table.tension2[i, j])), (exact["T1"], exact["T2"]), model.fabric.weave.yarns)
     error = max(np.abs(T - given)[safe].max() / yarn.strength for T, given, yarn in pairs)
     return {"largest error over strength": error, "speed-up": (solved - begun) / reading}
+
+
+def fitted(*paths: Any) -> CompressionLaw:
+    """CompressionLaw fitted to paths of the 3D crossover as `unitcell3d.identify.calibration` does."""
+    from unitcell3d.identify.calibration import samples
+
+    return CompressionLaw.fit(*(np.concatenate(parts) for parts in zip(*map(samples, paths))))
+
+
+def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> dict[str, Any]:
+    """The cell with its published law, or another, along a warp extension of the crossover: largest differences of the
+    tensions over their peaks, and of the energy from the work of the ends, 2 T1 dd1, over that at the end."""
+    given, d, T = catalogue.load(fabric), path.d1, path.T1
+    cell = CellModel(given, None if law is None else (law, law)).solve(1 + d / given.weave.w1, 1.0)
+    work = np.concatenate([[0], np.cumsum(np.diff(d) * (T[1:] + T[:-1]))])
+    return {
+        "warp": float(np.abs(cell["T1"] - T).max() / T.max()),
+        "weft": float(np.abs(cell["T2"] - path.T2).max() / path.T2.max()),
+        "energy": (np.abs(cell["W"] - work) / work.max()).max(),
+    }
+
+
+def cell_error(path: Any, fabric: str, profile: str) -> float:
+    """RMS of both tensions of the cell with cosine or straight yarns less those of the 3D crossover, over the
+    strengths, along a path of the crossover up to the cell's first failure."""
+    given = catalogue.load(fabric)
+    cell = CellModel(given, form="equilibrium", profile=profile)
+    found = cell.solve(*(1 + d / w for d, w in zip((path.d1, path.d2), given.weave.w)))
+    both = list(zip((found["T1"], found["T2"]), (path.T1, path.T2), given.weave.yarns))
+    sound = np.all([T <= yarn.strength for T, _, yarn in both], axis=0)
+    return float(np.sqrt(np.mean(np.square([(T - given) / yarn.strength for T, given, yarn in both])[:, sound])))
+
+
+def off_cosine(line: Any) -> float:
+    """RMS distance of a deformed centreline from the cosine of its height and length, over the height."""
+    x, z = line
+    h = z[0] - z[-1]
+    return float(np.sqrt(np.mean((z - z[-1] - h * np.cos(0.5 * np.pi * x / x[-1])) ** 2)) / h)

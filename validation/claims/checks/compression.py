@@ -8,6 +8,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +21,6 @@ from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from fabrics.units import si
 from shellfabric.cell import crossover_kernels
-from validation.claims.judge import Found
 from validation.claims.readers import KEVLAR
 
 
@@ -98,16 +98,12 @@ def compliance_error() -> float:
                 h = 3e-3 * F  # central differences of four points: the error falls with h^4
                 d = in_the_cell(law, [F + k * h for k in (-2, -1, 1, 2)])
                 differences = (d[0] - 8 * d[1] + 8 * d[2] - d[3]) / (12 * h)
-                slopes = (
-                    differences,
-                    crossover_kernels.compression(F, law.a, law.b, _shift(law))[1],
-                    float(law.dd_dF(F)),
-                )
-                worst = max(worst, *(abs(slope / written - 1) for slope in slopes))
+                slopes = differences, crossover_kernels.compression(F, law.a, law.b, _shift(law))[1], law.dd_dF(F)
+                worst = max(worst, *(abs(float(slope) / written - 1) for slope in slopes))
     return worst
 
 
-def layers_taken_off(fabric: str, layer_modulus: float, layer_thickness: float, rows: int) -> Found:
+def layers_taken_off(fabric: str, layer_modulus: float, layer_thickness: float, rows: int) -> dict[str, Any]:
     """Closure of a ply from two records, with and without it, of a test with PTFE layers; over the ply's own.
 
     Both are written as files of `rows` rows and read as a user's are; the layers are linear.

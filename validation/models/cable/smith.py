@@ -25,19 +25,16 @@ speed along the hypotenuse. It equals the momentum that the two kinks take up, 2
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import sqrt
 
 import numpy as np
 from scipy.optimize import brentq
 
 from fabrics.errors import InputError
 from fabrics.yarn import Yarn, striking_velocity
-from shellfabric.projectile import contact
-from shellfabric.projectile.projectile import Projectile
-from validation.models.cable import step_kernels as kernels
-from validation.models.cable.model import CableNumerics, at_rest, constants, energies
+from validation.models.cable.net import VISCOSITY, time_step
 
-STRAIGHT = CableNumerics(cfl=0.8)  # a yarn without slack
+CFL = 0.8  # Courant factor of a yarn without slack: none of its bars goes from slack to taut
 
 
 @dataclass(frozen=True)
@@ -87,62 +84,57 @@ class YarnRun:
     X : (n+1,) [m] nodes along the yarn at rest
     nodes : (n+1, 2) [m] at the end, along and across
     strain : (n,) [-] of the bars at the end
-    energies : {name: [J]} of the half yarn at the end: kinetic_fabric, stored, viscous, external (less the work of the
-        striker), and balance, their sum less the energy that the struck node begins with
+    error : [-] of the energy balance at the end over the work of the striker
     """
 
     computed: TransverseImpact
     X: np.ndarray
     nodes: np.ndarray
     strain: np.ndarray
-    energies: dict
+    error: float
 
 
 def strike(
-    yarn: Yarn, velocity: float, *, length: float = 0.1, bars: int = 2000, numerics: CableNumerics = STRAIGHT
-) -> YarnRun:
+    yarn: Yarn, velocity: float, *, length: float = 0.1, bars: int = 2000, cfl: float = CFL,
+    viscosity: float = VISCOSITY,
+) -> YarnRun:  # fmt: skip
     """Integrate half of a straight yarn in time until its longitudinal wave has run 0.9 of its `length` [m].
 
-    Strain and tension are the mean of the plateau between the waves; c is where the strain is half of that; U follows
-    from the area under the deflected yarn, which is a triangle of the base U t and the height V t; the force is the
-    mean over the second half of the run. The crimp of the yarn is left out, and so is its failure; without crimp no bar
-    goes from slack to taut, and the default of the Courant factor is twice that of the net.
-
-    Raises
-    ------
-    InputError : fewer than 50 bars, or as in `smith`
+    Its bars and steps are those of `cable.net`; it has neither crimp nor failure. Strain and tension are the mean of
+    the plateau between the waves; c is where the strain is half of that; U follows from the area under the deflected
+    yarn, which is a triangle of the base U t and the height V t; the force is the mean over the second half of the run.
     """
-    if bars < 50:
-        raise InputError(key="bars", value=bars, allowed="at least 50")
-    theory = smith(yarn, velocity)
-    const = _constants(yarn, length / bars, bars, numerics)
-    share, held = np.zeros((2, 1, bars + 1)), np.zeros((3, 1, bars + 1), bool)
-    share[1, 0, :-1] = 1.0
-    held[:, 0, [0, -1]] = True
-    state = at_rest(const, share, (0.0, const.S0[1] * yarn.linear_density), held, velocity)
-    state.v[2, 0] = velocity  # the driven node has no kick: it keeps its speed
-    steps = round(0.9 * length / (theory.c * const.dt))
-    history = np.empty((steps, kernels.COLUMNS))
-    kernels.run_steps(state, const, steps, history)
-    return _read(yarn, const, state, history, velocity)
+    d, V = length / bars, velocity
+    k, mass = yarn.EA / d, np.full((bars + 1, 1), d * yarn.linear_density)
+    mass[[0, -1]] *= 0.5
+    dt, cv = time_step(2 * yarn.wave_speed / d, cfl, viscosity)
+    kick = dt / mass
+    kick[[0, -1]] = 0.0
+    u, v, f = np.zeros((3, bars + 1, 2))
+    v[0, 1] = V  # the driven node has no kick: it keeps its speed
+    L, drag, lost, drive = np.full(bars, d), np.zeros(bars), 0.0, []
+    for _ in range(round(0.9 * length / (yarn.wave_speed * dt))):
+        v += kick * f
+        u += dt * v
+        sides = np.diff(u, axis=0) + np.array([d, 0.0])
+        before, L = L, np.hypot(*sides.T)
+        T = k * np.maximum(L - d, 0.0)
+        viscous = np.where(T > 0, np.maximum(cv * k * (L - before), -T), 0.0)
+        lost += np.sum(0.5 * (viscous + drag) * (L - before))
+        drag, pull = viscous, ((T + viscous) / L)[:, None] * sides
+        f = np.diff(np.pad(pull, ((1, 1), (0, 0))), axis=0)
+        drive.append(-f[0, 1])
+    kinetic, stored = 0.5 * np.sum(mass * v * (v + kick * f)), 0.5 * k * np.sum(np.maximum(L - d, 0.0) ** 2)
+    done = V * dt * (sum(drive) - 0.5 * drive[-1])
+    error = (kinetic + stored + lost - done - 0.5 * mass[0, 0] * V**2) / done
+    X = d * np.arange(bars + 1)
+    nodes, strain = u + np.stack([X, 0 * X], axis=1), L / d - 1
+    return YarnRun(_read(yarn, X, nodes, strain, drive, dt, V), X, nodes, strain, error)
 
 
-def _constants(yarn, spacing, bars, numerics):
-    """The yarn as a net of one row: bars along the weft, none along the warp, nothing in contact."""
-    dt, cv = numerics.step(2 * yarn.wave_speed / spacing)
-    return constants(
-        (0, bars), (spacing, spacing), (spacing, spacing), (yarn.EA, yarn.EA), dt, cv, Projectile(),
-        mirror_x=False, mirror_y=False, failure_elongation=(inf, inf), window_limits=(0, 0, 0, 0),
-        **contact.constants(1, 0.0, dt, 0.0, 0.0), erosion_gap_ratio=inf, projectile_mass=1.0,
-        clamped_nodes=np.array([0]), middle_end_nodes=(0, bars),
-    )  # fmt: skip
-
-
-def _read(yarn, const, state, history, V):
-    bars, spacing, t = const.nj, const.dy, len(history) * const.dt
-    X = spacing * np.arange(bars + 1)
-    nodes = np.column_stack([X + state.u[1, : bars + 1], state.u[2, : bars + 1]])
-    strain, middle = state.length[1, :bars] / spacing - 1, 0.5 * (X[1:] + X[:-1])
+def _read(yarn, X, nodes, strain, drive, dt, V):
+    """The TransverseImpact of a run."""
+    t, middle, spacing = len(drive) * dt, 0.5 * (X[1:] + X[:-1]), X[1]
     area = 0.5 * np.sum(np.diff(nodes[:, 0]) * (nodes[1:, 1] + nodes[:-1, 1]))
     U = 2 * area / (V * t * t)
     # the kink has taken up the material up to U t plus what has moved in
@@ -150,12 +142,5 @@ def _read(yarn, const, state, history, V):
     plateau = float(strain[(middle > 1.5 * kink) & (middle < 0.8 * X[-1])].mean())
     k = int(np.flatnonzero(strain > 0.5 * plateau)[-1])
     front = middle[k] + spacing * (strain[k] - 0.5 * plateau) / (strain[k] - strain[k + 1])
-    drive = history[:, kernels.CLAMP_FORCE]
-    force = 2 * float(drive[len(drive) // 2 :].mean())
-    cloth, _, stored = energies(state, const)
-    viscous = float(state.energy_sums[kernels.VISCOUS])
-    external = -V * const.dt * (drive.sum() - 0.5 * drive[-1])
-    sums = {"kinetic_fabric": cloth, "yarn_strain": stored, "viscous": viscous, "boundary_work": external}
-    sums["error"] = sum(sums.values()) - 0.5 * state.mass[0] * V * V
-    computed = TransverseImpact(plateau, yarn.EA * plateau, float(front / t), float(U), force)
-    return YarnRun(computed, X, nodes, strain, sums)
+    force = 2 * float(np.mean(drive[len(drive) // 2 :]))
+    return TransverseImpact(plateau, yarn.EA * plateau, float(front / t), float(U), force)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics import backings
 from weavecell.report import pictures, pictures_body, pictures_histories, pictures_uncertainty
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.report.shot import pictures_shot
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Cut
     from weavecell.studies.assumed_range import AssumedRange
 
+AT_REST = 0.01  # of the energy that the block has taken up: its motion can no longer change the dent by more
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
 
 
@@ -58,8 +60,7 @@ def _deflection(record):
 
 def _dent(record):
     """The depth of the dent in the block, where there is one."""
-    block = record.backing
-    return [f"back-face signature {text(block.back_face_signature, 'm', form='.1f')}"] if block is not None else []
+    return [] if record.backing is None else [dent(record)]
 
 
 def _load(record):
@@ -74,8 +75,7 @@ def card(record: ImpactRecord) -> Card:
     """What one impact came to."""
     tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
     force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
-    dent = [f"{signature} (dent in the block)" for signature in _dent(record)]
-    lines = (residual(record), *dent, _deflection(record), force, _load(record))
+    lines = (residual(record), *_dent(record), _deflection(record), force, _load(record))
     return Card(record.title, "still moving" if record.outcome == "in flight" else record.outcome, lines, tone)
 
 
@@ -169,6 +169,7 @@ def _energies(record):
         "Energy of projectile and fabric; dotted: the strike energy. Below, the error of the energy balance in % of "
         "the strike energy (green band: 1 %)."
     )
+    caption += f" Note: {record.viscous_note}." if record.viscous_note else ""
     return Figure(pictures.render(pictures_shot.energies, record), "svg", caption, "energies", wide=False)
 
 
@@ -242,6 +243,8 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "", dra
     ]
     if setup.plies > 1:
         rows.append(("between plies", f"Friction {between:g}." if between else "No friction."))
+    if setup.backing is not None:
+        rows.append(("block behind", backings.assumed_line(setup.backing.name, setup.backing.material)))
     rows += [("assumed law", line) for line in lines]
     return Section("assumptions", "Assumptions", tables=(Table(("of", "in this run"), tuple(rows)),))
 
@@ -341,9 +344,8 @@ def body(record: ImpactRecord) -> list[Section]:
     if record.backing is not None:
         block = record.backing
         lead = (
-            f"Back-face signature: {text(block.back_face_signature, 'm', form='.1f')}, volume of the dent "
-            f"{text(block.volume, 'm3', form='.3g')}; the block still moves with {block_moves(record)} of the strike "
-            f"energy. The crater is {text(block.depth, 'm', form='.1f')} deep and "
+            f"{dent(record).capitalize()}; volume of the dent {text(block.volume, 'm3', form='.3g')}. "
+            f"The crater is {text(block.depth, 'm', form='.1f')} deep and "
             f"{text(2 * block.half_width, 'm', form='.1f')} wide at half of that; its wall stands at "
             f"{display.number(block.steepness, 'rad', form='.0f')}° to the face. {int(block.gone.sum())} bricks of "
             f"{'the block' if block.share == 1 else 'its modelled part'} are eroded."
@@ -357,9 +359,14 @@ def body(record: ImpactRecord) -> list[Section]:
     return [*sections, _slips(record)] if record.slips else sections
 
 
-def block_moves(record: ImpactRecord) -> str:
-    """Share of the strike energy with which the block moves at the end."""
-    return text(record.energies["backing_kinetic"][-1] / record.strike_energy, "1", "share", ".2g")
+def dent(record: ImpactRecord) -> str:
+    """The back-face signature; of a block that still moves at the end, that there is none yet."""
+    depth = f"{record.signature_mm:.3g} mm"
+    taken = {name: values[-1] for name, values in record.energies.items() if name.startswith("backing_")}
+    moves = text(taken["backing_kinetic"] / record.strike_energy, "1", "share", ".2g")
+    if taken["backing_kinetic"] > AT_REST * sum(taken.values()):
+        return f"no back-face signature yet: the block moves with {moves} of the strike energy, dent so far {depth}"
+    return f"back-face signature {depth} (dent in the block)"
 
 
 def _slips(record):

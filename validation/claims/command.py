@@ -6,9 +6,6 @@ A missed claim is a result, not an error; a result other than the recorded one e
 on shots at one ply are judged as computed and in four variants: the cell formulation of the thesis, nominal denier, 2
 elements per crossover, elastic-plastic bored projectile.
 
-Topics: geom, compr, yarn, cell, shear, wave, impact1, impactN, gap, biaxial, bias, sens, slip, pencil, cost, failmode,
-future.
-
 The folder
     ledger.csv     every claim with its verdict, our number beside the thesis's
     runs/          what is done, from which --resume goes on
@@ -20,6 +17,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.errors import InputError
+from validation import study
 from validation.claims import claims as data
 from validation.claims import judge, runner
 from validation.claims import page as pages
@@ -40,26 +38,26 @@ def main(
     ------
     InputError : an unknown topic, or a page of some topics; nothing has been written
     """
-    chosen, left_out = data.select(data.load(), topics, slow)
+    for topic in set(topics) - set(data.topics()):
+        raise InputError(key="--topics", value=topic, allowed=", ".join(data.topics()))
     if page is not None and topics:
         raise InputError(key="--page", value=page, allowed="without --topics: the page has the claims of all topics")
+    claims = [claim for claim in data.load() if not topics or claim.topic in topics]
     out_folder.claim(out, resume)
-    with progress.bar(f"{len(chosen)} claims") as advance:
+    with progress.bar(f"{len(claims)} claims") as advance:
         records = runner.validate(
-            chosen, out / "runs", left_out=left_out, vary=not no_variants, jobs=jobs, executor=executor, resume=resume,
+            claims, out / "runs", slow=slow, vary=not no_variants, jobs=jobs, executor=executor, resume=resume,
             report=lambda done, total: advance(done / max(total, 1)),
         )  # fmt: skip
-    verdicts = {record.id: record.verdict for record in records}
-    claims = [claim for claim in data.load() if claim.id in verdicts]
     table, stamp = pages.rows(claims, records), provenance.stamp()
-    pages.write_csv(out / "ledger.csv", table)
+    study.write(out / "ledger.csv", table)
     if page is not None:
         options = " --slow" * slow + " --no-variants" * no_variants
         command = f"python -m validation claims{options} --page {page}"
         pages.write(page, table, command=command, commit=stamp["commit"], date=stamp["date"])
     print(", ".join(f"{count} {verdict}" for verdict, count in pages.counts(table).items()))
     print(f"written to {out}/ledger.csv", flush=True)
-    changed = [claim for claim in claims if judge.changed(claim, verdicts[claim.id])]
-    for claim in changed:
-        print(f"{claim.id}: {verdicts[claim.id]}, where {claim.due} is recorded (validation/claims/*.toml)")
+    changed = [(claim, record) for claim, record in zip(claims, records) if judge.changed(claim, record.verdict)]
+    for claim, record in changed:
+        print(f"{claim.id}: {record.verdict}, where {claim.due} is recorded (validation/claims/*.toml)")
     return 1 if changed else 0

@@ -1,25 +1,73 @@
-"""Shear: the trellis law of Table 4-1, sheared coupons, the picture frame, the bias test (sections 4.3.2, 4.4.3)."""
+"""Weave and trellis: areal density, arc length, micrographs; the law of Table 4-1, sheared coupons, the picture frame,
+the bias test (thesis chapters 2, 5, A, sections 4.3.2, 4.4.3)."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from math import pi
+from typing import Any
+
 import numpy as np
+from scipy.integrate import quad
 
 from fabrics import catalogue
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
-from fabrics.trellis import locking_angle, touching_angle
+from fabrics.fabric import Fabric
+from fabrics.trellis import locking_angle, locking_modulus, touching_angle
+from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel
-from shellfabric.coupon.model import Coupon, mesh_coupon
+from shellfabric.coupon.model import Coupon
 from shellfabric.coupon.quasistatic import inextensible_shear
-from validation.claims.judge import Found
+from shellfabric.panel.model import Panel
+from validation.claims.checks.cell import rectangle
 from validation.claims.readers import FAMILIES, KEVLAR
+from validation.published.bias_extension import cloth
 
 
-def _coupon(name, half, size=21):
-    """A coupon of a fabric of this half size, or these half sizes [m]; its yarns in the variational form."""
-    table = CellModel(catalogue.load(name), form="variational").table(size)
-    half = np.broadcast_to(half, 2)
-    return mesh_coupon(table, lambda x, y: (np.abs(x) < half[0]) & (np.abs(y) < half[1]), max(half))
+def micrographs() -> Iterator[tuple[Fabric, str, Any, dict[str, float]]]:
+    """(fabric, family, yarn, values) of the twelve rows of Tables A-1 and A-2."""
+    for name in KEVLAR:
+        fabric = catalogue.load(name)
+        for family, yarn in zip(FAMILIES, fabric.weave.yarns):
+            yield fabric, family, yarn, fabric.micrograph[family]
+
+
+def areal_density(fabric: Fabric) -> float:
+    """[kg/m2] of a panel of the fabric."""
+    return mass_per_area(Panel(CellModel(fabric).table(8)))
+
+
+def mass_per_area(panel: Panel) -> float:
+    """[kg/m2] mass of the nodes of a panel over its area."""
+    return float(panel.masses().sum()) / float(np.prod([n * d for n, d in zip(panel.counts, panel.spacing)]))
+
+
+def locked_modulus(fabric: Fabric) -> float:
+    """[Pa] shear modulus once the yarns have locked (eq. 4-49)."""
+    weave = fabric.weave
+    return locking_modulus(weave.warp.E, weave.warp.A_s, weave.thickness, 2 * weave.w1)
+
+
+def with_density_of_G2(fabric: Fabric) -> Fabric:
+    """The fabric with the linear densities that G2 implies.
+
+    The effective ones (erratum E-07) are inferred from areal densities. Here the factor on the nominal ones is G2 of
+    Table 4-1 over eq. 4-49, into which no areal density enters.
+    """
+    factor = fabric.shear.G2 / locked_modulus(fabric)  # type: ignore[union-attr]
+    return fabric.with_yarns(linear_density=tuple(factor * yarn.linear_density for yarn in fabric.weave.yarns))
+
+
+def arc_length_error() -> float:
+    """Relative difference of the length of a cosine yarn from its quadrature, the largest of all fabrics."""
+    worst = 0.0
+    for weave in (catalogue.load(name).weave for name in catalogue.list_names()):
+        for w, h in zip(weave.w, weave.h0):
+            k = pi * h / (2 * w)
+            S = 2 * quad(lambda x, k=k, w=w: np.sqrt(1 + (k * np.sin(pi * x / (2 * w))) ** 2), 0, w, epsrel=1e-13)[0]
+            worst = max(worst, abs(arc_length(w, h) / S - 1))
+    return worst
 
 
 def in_trellis(coupon: Coupon, gamma: float) -> FloatArray:
@@ -34,12 +82,13 @@ def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4)
     From the coupon's own energy: its second difference over the change of angle, over the volume.
     """
     weave = catalogue.load(name).weave
-    coupon = _coupon(name, 1.000001 * cells * np.array(weave.w))
+    coupon = rectangle(name, 1.000001 * cells * np.array(weave.w), 21)
     low, middle, high = (sum(coupon.forces(in_trellis(coupon, gamma + d))[2]) for d in (-step, 0.0, step))
-    return (high - 2 * middle + low) / (step**2 * len(coupon.quads) * np.prod(coupon.spacing) * weave.thickness)
+    volume = len(coupon.quads) * float(np.prod(coupon.spacing)) * weave.thickness
+    return (high - 2 * middle + low) / (step**2 * volume)
 
 
-def limit_angles(fabric: str, K_s: float) -> Found:
+def limit_angles(fabric: str, K_s: float) -> dict[str, Any]:
     """gamma1 from the narrower micrograph width, gamma2 by the corrected eq. 4-34."""
     given = catalogue.load(fabric)
     weave, touching = given.weave, []
@@ -52,7 +101,7 @@ def limit_angles(fabric: str, K_s: float) -> Found:
     return {"gamma1": touching[0] if touching else None, "gamma2": locking}
 
 
-def law_shape() -> Found:
+def law_shape() -> dict[str, Any]:
     """Whether the trellis laws are odd and continuous, and their moduli constant, rising, constant."""
     odd = step = 0.0
     shape = True
@@ -71,14 +120,14 @@ def law_shape() -> Found:
 
 def trellis(gamma: float, cells: int = 8) -> tuple[FloatArray, ...]:
     """A coupon of S-720 in a trellis: shear angles, stretches of its yarns, corners of its elements."""
-    coupon = _coupon("S-720", 1.01 * cells * catalogue.load("S-720").weave.w1)
+    coupon = rectangle("S-720", 1.01 * cells * catalogue.load("S-720").weave.w1, 21)
     moved = in_trellis(coupon, gamma)
     return coupon.shear_angles(moved), np.concatenate(coupon.stretches(moved)), moved[coupon.quads]
 
 
 def tension_change_in_shear(stretch: float, gamma: float) -> float:
     """Largest relative difference of the tensions of a coupon that is stretched evenly, square and sheared."""
-    coupon = _coupon("S-720", 0.01, 101)
+    coupon = rectangle("S-720", 0.01, 101)
     both = zip(coupon.tensions(stretch * coupon.points), coupon.tensions(stretch * in_trellis(coupon, gamma)))
     return max(np.abs(square - sheared).max() / square.max() for square, sheared in both)
 
@@ -89,9 +138,7 @@ def bias_load_of_zones(length: float, width: float, elongation: float) -> float:
     Zone B has the area width^2, zone C length width - 1.5 width^2 (Figure 4-25); gamma as `inextensible_shear`; the
     cloth is that of straight yarns with G1 at all angles.
     """
-    from validation.published.bias_extension import cases
-
-    fabric, step = cases.cloth("straight")[0], 1e-6 * length
+    fabric, step = cloth("straight")[0], 1e-6 * length
     gamma, before, after = (inextensible_shear(length, width, elongation + d) for d in (0, -step, step))
     C, B = length * width - 1.5 * width**2, width**2
     moment = C * fabric.shear.stress(gamma) + 0.5 * B * fabric.shear.stress(0.5 * gamma)

@@ -1,1 +1,0 @@
-"""The program of the claims, of `python -m validation`."""

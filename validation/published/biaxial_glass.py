@@ -1,0 +1,28 @@
+"""The biaxial tests of Buet-Gautier and Boisse on two glass weaves (thesis section 5.3, Tables 5-3 and 5-4).
+
+A cross-shaped specimen is stretched along warp and weft at a fixed ratio of the two strains, and the tension per yarn
+is recorded (`cell.biaxial_path.to_strength`). The thesis fits the compression law to equal strains and predicts the
+ratios 0.5 and 2 and the free edge. Its measured points stand in figures that we do not have: the curves are those that
+the thesis's own parameters give.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellfabric.cell.biaxial_path import CellPath
+from shellfabric.cell.model import CellModel
+
+
+def free_edge(model: CellModel, direction: str) -> CellPath:
+    """Stretch one direction, "warp" or "weft", with the other free, whose strain is not prescribed and nan.
+
+    The yarn that crosses carries nothing, and so the contact carries nothing either (F = 2 T sin(alpha), eq. 4-8): the
+    stretched yarn takes out its crimp alone, then pulls straight.
+    """
+    index = ("warp", "weft").index(direction)
+    end = (1 + model.fabric.weave.yarns[index].crimp) * (1 + model.ultimate_strains[index]) - 1
+    strain, tension = np.full((241, 2), np.nan), np.zeros((241, 2))
+    strain[:, index] = np.linspace(0, end, 241)
+    tension[:, index] = model.alone(index, 1 + strain[:, index])
+    return CellPath((1.0 - index, float(index)), strain, dict(zip(("T1", "T2"), tension.T)), direction)
