@@ -105,7 +105,6 @@ class Claim:
     untestable, unbuilt : why there are no conditions; or ""
     cause : of a miss, as far as it has been investigated
     verdict : recorded one of `judge.VERDICTS`, with which the claim has to end; "" of slow ones not run since
-    turned : "verdict: why" where it ends with another one now, until the page of claims is computed again
     """
 
     id: str
@@ -127,7 +126,6 @@ class Claim:
     unbuilt: str = ""
     cause: str = ""
     verdict: str = ""
-    turned: str = ""
 
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
@@ -136,11 +134,6 @@ class Claim:
     @property
     def topic(self) -> str:
         return self.id.split("-")[0]
-
-    @property
-    def due(self) -> str:
-        """The verdict with which it has to end now."""
-        return self.turned.partition(":")[0] or self.verdict
 
 
 @cache

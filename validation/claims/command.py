@@ -59,5 +59,5 @@ def main(
     print(f"written to {out}/ledger.csv", flush=True)
     changed = [(claim, record) for claim, record in zip(claims, records) if judge.changed(claim, record.verdict)]
     for claim, record in changed:
-        print(f"{claim.id}: {record.verdict}, where {claim.due} is recorded (validation/claims/*.toml)")
+        print(f"{claim.id}: {record.verdict}, where {claim.verdict} is recorded (validation/claims/*.toml)")
     return 1 if changed else 0

@@ -122,10 +122,10 @@ def test_a_group_makes_a_claim_of_each_row():
 
 
 def test_a_verdict_that_turns_is_named():
-    turned = claim_of(verdict=judge.MISSED, turned="data: x")
-    assert not judge.changed(turned, judge.DATA)
-    assert judge.changed(turned, judge.MISSED)
-    assert not judge.changed(turned, judge.LEFT_OUT)
+    missed = claim_of(verdict=judge.MISSED)
+    assert not judge.changed(missed, judge.MISSED)
+    assert judge.changed(missed, judge.DATA)
+    assert not judge.changed(missed, judge.LEFT_OUT)
     assert not judge.changed(claim_of(), judge.MISSED)  # nothing is recorded
     assert judge.changed(claim_of(), judge.BROKEN)
 
