@@ -87,12 +87,8 @@ def draw(name):
             if not several and points[0].get(BEST):
                 axes.annotate(label, (at[0], float(points[0][line])), fontsize=7)
     logarithmic = asked.get("log", "")
-    axes.set(
-        xlabel=x,
-        ylabel=lines[0] if len(lines) == 1 else "",
-        xscale="log" if "x" in logarithmic else axes.get_xscale(),
-        yscale="log" if "y" in logarithmic else axes.get_yscale(),
-    )
+    axes.set(xlabel=x, ylabel=lines[0] if len(lines) == 1 else "")
+    axes.set(**{f"{letter}scale": "log" for letter in logarithmic})  # to set "linear" would drop the names on an axis
     axes.grid(alpha=0.3)
     if 0 < len(axes.get_legend_handles_labels()[1]) <= NAMED:
         axes.legend(fontsize=8)
