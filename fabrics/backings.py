@@ -14,7 +14,7 @@ from typing import Any
 
 from fabrics.checks import FilePath
 from fabrics.errors import unknown_name
-from fabrics.materials import Isotropic, _table, of_table, plain
+from fabrics.materials import Isotropic, of_table, plain, read_table
 
 _FILE = Path(__file__).with_name("backings.toml")
 
@@ -66,7 +66,7 @@ def load(name: str) -> Isotropic:
 
 def assumed_line(name: str, block: Isotropic) -> str:
     """Line that names the constants of a block, of a backing or of "" (the thesis), that are assumed."""
-    data = entry(name) if name else _table("backing")
+    data = entry(name) if name else read_table("backing")
     own = of_table(data, _FILE)
     kept = [key for key, row in data.items() if row["status"] == "assumed" and getattr(block, key) == getattr(own, key)]
     constants = ", ".join(f"{key} {data[key]['value']}" for key in kept)

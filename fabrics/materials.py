@@ -92,7 +92,8 @@ class Isotropic:
         return sqrt(self.shear / self.density)
 
 
-def _table(name):
+def read_table(name: str) -> dict[str, dict]:
+    """{constant: its table} of a material of `materials.toml`."""
     return tomllib.loads(_FILE.read_text(encoding="utf-8"))[name]
 
 
@@ -105,7 +106,7 @@ def load(name: str) -> Isotropic:
     """
     if name not in ("steel", "backing"):
         raise InputError(key="material", value=name, allowed="steel or backing")
-    return of_table(_table(name), _FILE)
+    return of_table(read_table(name), _FILE)
 
 
 def of_table(table: Mapping[str, Mapping[str, str]], file: FilePath) -> Isotropic:
@@ -126,5 +127,5 @@ def plain(text: str) -> float | str:
 
 def round_projectile() -> dict:
     """diameter, length, mass and bore [m, kg] of the right circular cylinder of the thesis."""
-    found = _table("rcc")
+    found = read_table("rcc")
     return {key: si(found[key]["value"], unit, file=_FILE, key=key) for key, unit in _ROUND.items()}

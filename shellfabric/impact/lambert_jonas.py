@@ -139,10 +139,9 @@ def _intervals(found, bounds, points, confidence):
     J, freedom = found.jac[:, inner], points - len(inner)
     if not inner:
         return intervals
-    told = np.linalg.matrix_rank(J) == len(inner)
-    spread = (
-        np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * found.cost / freedom) if told else np.full(len(inner), np.inf)
-    )
+    spread = np.full(len(inner), np.inf)
+    if np.linalg.matrix_rank(J) == len(inner):
+        spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * found.cost / freedom)
     half = student.ppf(0.5 * (1 + confidence), freedom) * spread
     for k, name in enumerate(bounds):
         if k in inner:
