@@ -4,7 +4,7 @@ S-728 of one or four plies, changed in modulus and mass, before the block of Tab
 at 300 m/s; yarns do not fail. Not given in the thesis, and chosen here: the edges of the 203 mm opening, clamped as in
 all of its other shots, or free, as the plies that bunch up around the projectile in section 6.5 must be (the claims
 ledger has both, and its main runs are free); the ply resting on the block; two elements a crossover, since at the angle
-at which cloth hangs from the nose the chord of a whole one cuts through its rim. Yarns that are bunched up bear on each
+at which fabric hangs from the nose the chord of a whole one cuts through its rim. Yarns that bunch up bear on each
 other (`jamming_kernels`). Mass is 1155 g/m2 in the table (5 x 231), four times 231 in the text (erratum E-19): both can
 be run.
 """

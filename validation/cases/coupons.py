@@ -13,7 +13,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction
 from validation.models import variants as comparison
-from validation.published.bias_extension import cloth, measured
+from validation.published.bias_extension import coupon_fabric, measured
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -42,7 +42,7 @@ def bias(
 
     Parameters
     ----------
-    name : of its cloth, as of `bias_extension.cloth`
+    name : of its fabric, as of `bias_extension.coupon_fabric`
     factor : [-] on the moduli of its trellis, the second of which is the first without `locking`; 0 for no trellis
     model, law, table : of the cell, of its compression, and the stretches of its table
     crossovers : along each side of an element of thicker yarns
@@ -56,7 +56,7 @@ def bias(
     ------
     UnstableError : as `quasistatic.bias_extension`
     """
-    fabric, own, trellis = cloth(name)
+    fabric, own, trellis = coupon_fabric(name)
     if factor is not None:
         shear, trellis = fabric.shear, factor > 0
         if trellis:

@@ -40,7 +40,7 @@ SIZE = "coarse"  # mesh of a quarter crossover
 ROWS = 30  # of the loading of a pack of crossovers, and of its unloading
 
 
-def cloth(
+def changed_fabric(
     name: str, *, modulus: float = 1.0, crimp: float = 1.0, mass: float = 1.0, crimps: Sequence[float] | None = None,
     straight: bool = False, shear: dict[str, float] | None = None, denier: str = "effective",
 ) -> Fabric:  # fmt: skip
@@ -75,14 +75,14 @@ def setup(
     Parameters
     ----------
     fabric, velocity : name, [m/s]
-    change : of the fabric, arguments of `cloth`
+    change : of the fabric, arguments of `changed_fabric`
     struck : of the struck ply of a pack, beside `change`
     wider : [m] that the gap between plies has beside that of their compression data (erratum E-02)
     projectile : keys beside those of PROJECTILE; or "full bar", elastic without a bore (`Bar.full`)
     history : keys beside those of HISTORY
     **keywords : of `weavecell.setup`
     """
-    used, plies = cloth(fabric, **change or {}), keywords.get("plies", 1)
+    used, plies = changed_fabric(fabric, **change or {}), keywords.get("plies", 1)
     keywords = {"elements_per_crossover": 1} | keywords
     if wider is not None:
         keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
@@ -92,7 +92,7 @@ def setup(
         made = replace(made, projectile=replace(made.projectile, body=Bar.full()))
     if struck is not None:
         rest = (simulation.Ply(used),) * (plies - 1)
-        made = replace(made, lay_up=(simulation.Ply(cloth(fabric, **(change or {}) | struck)), *rest))
+        made = replace(made, lay_up=(simulation.Ply(changed_fabric(fabric, **(change or {}) | struck)), *rest))
         made = replace(made, fabric=made.lay_up[0].fabric, laws=made.lay_up[0].laws)
     return made
 
@@ -155,8 +155,8 @@ def shots(fabric: str, velocities: Sequence[float], **scene: Any) -> tuple[balli
 
 
 def net(fabric: str, velocity: float, **change: Any) -> NetResult:
-    """One impact on the pin-jointed cable net of a changed fabric (`cloth`)."""
-    made = simulation.ImpactSetup(cloth(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1)
+    """One impact on the pin-jointed cable net of a fabric (`changed_fabric`)."""
+    made = simulation.ImpactSetup(changed_fabric(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1)
     return CableNet(made).run()
 
 
@@ -185,12 +185,12 @@ def strip(fabric: str, velocity: float, length: float, end_time: float) -> Simpl
 
 
 def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
-    """The bias extension test on one of its cloths, by load steps."""
-    fabric, model, trellis = bias_extension.cloth(cloth)
+    """The bias extension test on one of its fabrics, by load steps."""
+    fabric, model, trellis = bias_extension.coupon_fabric(cloth)
     # without a trellis there is no equilibrium to be found: two steps of 6000 iterations at most
     options = {"steps": 2, "max_iterations": 6000} if cloth == "none" else {"steps": steps}
     table = CellModel(fabric, model=model).table(201)
-    try:  # at 1e-4 of the load the halves of the cloth still differ by 2e-6 of its width
+    try:  # at 1e-4 of the load the halves of the coupon still differ by 2e-6 of its width
         result = quasistatic.bias_extension(table, trellis=trellis, tolerance=1e-5, **options)
     except UnstableError as found:
         result = found.result
@@ -205,7 +205,7 @@ def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleN
     The force does the work of the stress: F d(delta) = tau V d(gamma), with the diagonal delta = 2 L sin(beta / 2) of a
     square of side L whose angle between the yarns is beta = 90 degrees + gamma on the side of the diagonal.
     """
-    table = CellModel(cloth(fabric)).table(201)
+    table = CellModel(changed_fabric(fabric)).table(201)
     result = quasistatic.picture_frame(table, cells=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7)
     stress, weave = quasistatic.frame_stress(result), table.model.fabric.weave
     side = np.array([2 * cells * w for w in weave.w])
@@ -226,7 +226,7 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
         def time_step(self):
             return factor * self.critical_step
 
-    table = CellModel(cloth(fabric, straight=True), model="decoupled", form="equilibrium").table(201)
+    table = CellModel(changed_fabric(fabric, straight=True), model="decoupled", form="equilibrium").table(201)
     panel = Paced(table, numerics=Numerics(stretch_viscosity=0.0), trellis=False, failure=False)
     try:
         PackSolver(panel, velocity, end_time).run()
@@ -237,7 +237,7 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
 
 def pace(fabric: str, velocity: float) -> SimpleNamespace:
     """Seconds that shell and cable net need for 250 us of the same impact, run three times in turns; the least."""
-    made = simulation.ImpactSetup(cloth(fabric), velocity, end_time=250e-6, elements_per_crossover=1)
+    made = simulation.ImpactSetup(changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1)
     shell, cable = [], []
     for _ in range(3):
         shell.append(simulation.run(made).wall_time)

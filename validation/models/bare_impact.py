@@ -1,4 +1,4 @@
-"""Impact of a rigid projectile on the bare block, without cloth."""
+"""Impact of a rigid projectile on the bare block, without fabric."""
 
 from __future__ import annotations
 

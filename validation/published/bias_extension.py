@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from shellfabric.coupon.solver import Result
 
 
-def cloth(name: str) -> tuple[Fabric, str, bool]:
-    """(fabric, cell model's name, whether the trellis acts) of a cloth of the test.
+def coupon_fabric(name: str) -> tuple[Fabric, str, bool]:
+    """(fabric, cell model's name, whether the trellis acts) of a coupon of the test.
 
     name : "locking", the trellis law as published; "soft", its modulus G1 at all angles; "none", no trellis, which runs
-        into bands; "straight", straight yarns with G1, the cloth for which the closed form is meant
+        into bands; "straight", straight yarns with G1, the fabric for which the closed form is meant
     """
     fabric = catalogue.load("S-728").with_effective_density()
     crimp = 0.5 * sum(yarn.crimp for yarn in fabric.weave.yarns)

@@ -22,7 +22,7 @@ from shellfabric.coupon.quasistatic import inextensible_shear
 from shellfabric.panel.model import Panel
 from validation.claims.checks.cell import rectangle
 from validation.claims.readers import FAMILIES, KEVLAR
-from validation.published.bias_extension import cloth
+from validation.published.bias_extension import coupon_fabric
 
 
 def micrographs() -> Iterator[tuple[Fabric, str, Any, dict[str, float]]]:
@@ -136,9 +136,9 @@ def bias_load_of_zones(length: float, width: float, elongation: float) -> float:
     """[N] load of a bias coupon of yarns that do not stretch: its work shears zone C by gamma and zone B by half of it.
 
     Zone B has the area width^2, zone C length width - 1.5 width^2 (Figure 4-25); gamma as `inextensible_shear`; the
-    cloth is that of straight yarns with G1 at all angles.
+    fabric is that of straight yarns with G1 at all angles.
     """
-    fabric, step = cloth("straight")[0], 1e-6 * length
+    fabric, step = coupon_fabric("straight")[0], 1e-6 * length
     gamma, before, after = (inextensible_shear(length, width, elongation + d) for d in (0, -step, step))
     C, B = length * width - 1.5 * width**2, width**2
     moment = C * fabric.shear.stress(gamma) + 0.5 * B * fabric.shear.stress(0.5 * gamma)

@@ -12,7 +12,7 @@ from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import contact_kernels
 
 VISCOUS, CONTACT = 0, 1  # of spent
-# columns of a history: the projectile's z, v_z and the force on it; the clamps' force on the cloth along z; the pulls
+# columns of a history: the projectile's z, v_z and the force on it; the clamps' force on the net along z; the pulls
 # of the middle warp and weft on their clamps, along the yarns at rest
 Z, V_Z, NOSE_FORCE, CLAMP_FORCE, MIDDLE, COLUMNS = 0, 1, 2, 3, 4, 6
 _MIN_VELOCITY, _MIN_LENGTH = 1e-60, 1e-12
