@@ -34,7 +34,10 @@ def many(state, times):
 
 def shares(panel, velocity, interval):
     """(monitor, checks, kernel) as shares of the CPU time of one run [-], and how many checks there were."""
-    march, spent = PackSolver(panel, velocity, 250e-6, interval=interval), {"sampled": 0.0, "_check_energy": 0.0}
+    march, spent = (
+        PackSolver(panel, velocity, 250e-6, interval=interval),
+        {"sampled": 0.0, "_check_energy": 0.0},
+    )
     for owner, name in ((march.monitor, "sampled"), (march, "_check_energy")):
         setattr(owner, name, _timed(getattr(owner, name), spent, name))
     start = time.process_time()
@@ -61,10 +64,15 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--repeats", type=int, default=20)
     repeats = arguments.parse_args().repeats
-    panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(201), numerics=Numerics(threads=1))
+    panel = Panel(
+        CellModel(catalogue.load("S-720").with_effective_density()).table(201),
+        numerics=Numerics(threads=1),
+    )
     for velocity, interval in ((92.5, 2e-6), (155.0, 2e-6), (92.5, 10e-6), (300.0, 10e-6)):
         found = [shares(panel, velocity, interval) for _ in range(repeats)]
-        monitor, checks, kernel = (100 * statistics.median(row[k] for row in found) for k in range(3))
+        monitor, checks, kernel = (
+            100 * statistics.median(row[k] for row in found) for k in range(3)
+        )
         print(
             f"{velocity:g} m/s, audits every {1e6 * interval:g} us: monitor {monitor:.2f} %, {found[0][3]} checks "
             f"{checks:.2f} %, kernel {kernel:.3f} % of the run (medians of {repeats})",

@@ -44,7 +44,9 @@ def stages(end_time):
     from shellfabric.solver.pack_solver import PackSolver
 
     note("import")
-    setup = simulation.ImpactSetup(catalogue.load("S-720").with_effective_density(), 92.5, end_time=end_time)
+    setup = simulation.ImpactSetup(
+        catalogue.load("S-720").with_effective_density(), 92.5, end_time=end_time
+    )
     table = setup.table()
     note("table")
     panel = setup.panel(table)
@@ -60,7 +62,9 @@ def stages(end_time):
 def process(end_time, folder):
     """The stages in a process of its own, with its kernels in `folder`."""
     command = [sys.executable, __file__, "--child", "--end-time", str(end_time)]
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment = {
+        name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
+    }
     environment |= {"NUMBA_CACHE_DIR": folder, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE, text=True)
     found = json.loads(done.stdout)

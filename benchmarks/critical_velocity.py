@@ -65,7 +65,9 @@ def main():
     arguments.add_argument("--repeats", type=int, default=3)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    ballistic_limit.shoot(ImpactSetup(catalogue.load("S-720").with_effective_density(), 1.0).panel(), [200.0])
+    ballistic_limit.shoot(
+        ImpactSetup(catalogue.load("S-720").with_effective_density(), 1.0).panel(), [200.0]
+    )
     report = {"machine": machine() | {"cores_used": chosen.jobs}, "fabrics": {}}
     for name in chosen.fabrics:
         report["fabrics"][name] = measure(name, chosen.jobs, chosen.repeats)

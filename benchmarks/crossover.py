@@ -35,7 +35,9 @@ def paths(fabric, size):
     factor = DirectSolver.factor
     DirectSolver.factor = lambda solver: (taken.append(1), factor(solver))
     mesh = mesher.build(fabric, size=size)
-    biaxial_and_platens.biaxial(mesh, fabric, (1, 1), max_displacement=1e-6)  # compiled before the clock starts
+    biaxial_and_platens.biaxial(
+        mesh, fabric, (1, 1), max_displacement=1e-6
+    )  # compiled before the clock starts
     rows = []
     for ratio in RATIOS:
         taken.clear()
@@ -79,7 +81,10 @@ def memory(fabric, solves):
     seen, done = [], 0
     solver = Newton(model)
     q = rest_state(model, solver, Load()).q
-    q = [found for _, found in continue_to(model, solver, q, Load(), low, [0.1 * i for i in range(1, 11)])][-1].q
+    q = [
+        found
+        for _, found in continue_to(model, solver, q, Load(), low, [0.1 * i for i in range(1, 11)])
+    ][-1].q
     while done < solves:
         solver.close()
         solver = Newton(model)

@@ -51,9 +51,15 @@ SCENES = {
     "4 x S-728, 91 m/s": lambda: ply("S-728", 91.0, opening=0.12, plies=4),
     "4 x S-731, 300 m/s": lambda: ply("S-731", 300.0, opening=0.08, plies=4),
     "S-726, 96 m/s, 20 degrees oblique": lambda: ply(
-        "S-726", 96.0, opening=0.12, symmetry="half", projectile=Projectile(obliquity=radians(20), azimuth=radians(90))
+        "S-726",
+        96.0,
+        opening=0.12,
+        symmetry="half",
+        projectile=Projectile(obliquity=radians(20), azimuth=radians(90)),
     ),
-    "S-726 on a block, 150 m/s": lambda: ply("S-726", 150.0, opening=0.1, backing=Backing(size=(0.1, 0.1, 0.06))),
+    "S-726 on a block, 150 m/s": lambda: ply(
+        "S-726", 150.0, opening=0.1, backing=Backing(size=(0.1, 0.1, 0.06))
+    ),
 }
 
 
@@ -89,24 +95,42 @@ def scene(setup):
             found[name] = {"failed": str(problem)}
             continue
         same = values["outcome"] == truth["outcome"]
-        errors = {key: values[key] / truth[key] - 1 for key in QUANTITIES if same and key in values and key in truth}
+        errors = {
+            key: values[key] / truth[key] - 1
+            for key in QUANTITIES
+            if same and key in values and key in truth
+        }
         found[name] = {"errors": errors, "outcome": values["outcome"], "cpu_s": cost}
     return found
 
 
 def table(report):
     """Lines of Markdown: a row a scene and mesh."""
-    rows = [["scene", "sides, crossovers", *(f"{name}, %" for name in QUANTITIES), "CPU time, s", "cost"]]
+    rows = [
+        [
+            "scene",
+            "sides, crossovers",
+            *(f"{name}, %" for name in QUANTITIES),
+            "CPU time, s",
+            "cost",
+        ]
+    ]
     for name, meshes in report.items():
         for mesh, found in meshes.items():
             label = "1/2" if mesh == "2" else mesh
             if "failed" in found:
-                why = "refused: the first zone is too small" if "grading" in found["failed"] else "failed"
+                why = (
+                    "refused: the first zone is too small"
+                    if "grading" in found["failed"]
+                    else "failed"
+                )
                 rows.append([name, label, why, *[""] * (len(rows[0]) - 3)])
                 continue
             errors = [found["errors"].get(key, float("nan")) for key in QUANTITIES]
-            cells = ["reference" if mesh == "2" and not k else "-" if isnan(e) else f"{100 * e:+.2g}"
-                     for k, e in enumerate(errors)]  # fmt: skip
+            cells = [
+                "reference" if mesh == "2" and not k else "-" if isnan(e) else f"{100 * e:+.2g}"
+                for k, e in enumerate(errors)
+            ]
             cost = found["cpu_s"] / meshes["1"]["cpu_s"]
             rows.append([name, label, *cells, f"{found['cpu_s']:.2f}", f"{cost:.2f}"])
     return markdown(rows)

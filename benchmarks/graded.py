@@ -43,7 +43,12 @@ ZONES = {
     "1 to 32, then 2": ((32, 1), (inf, 2)),
     "2": ((inf, 2),),
 }
-SHOTS = {"S-720": (92.5, 155.0), "S-726": (96.0, 174.0), "S-728": (76.0, 170.0), "S-731": (116.0, 132.0)}
+SHOTS = {
+    "S-720": (92.5, 155.0),
+    "S-726": (96.0, 174.0),
+    "S-728": (76.0, 170.0),
+    "S-731": (116.0, 132.0),
+}
 PULSES = {
     "1": None,
     "1/2, 1": ((100, 1 / 2), (inf, 1)),
@@ -62,9 +67,18 @@ REFINED = {
     "1/3 to 10, 1 to 20, 2 to 40, then 4": {"grading": ((10, 1 / 3), (20, 1), (40, 2), (inf, 4))},
     "1/4 to 10, 1 to 20, 2 to 40, then 4": {"grading": ((10, 1 / 4), (20, 1), (40, 2), (inf, 4))},
 }
-REFINED_SHOTS = {"straight, decoupled": (170.0,), "S-720": (160.0, 180.0, 220.0)}  # strike velocities [m/s]
+REFINED_SHOTS = {
+    "straight, decoupled": (170.0,),
+    "S-720": (160.0, 180.0, 220.0),
+}  # strike velocities [m/s]
 PACK = "S-726", 4, (158.0, 300.0)  # fabric, plies, strike velocities [m/s]
-PACK_ZONES = ("1", "1 to 16, then 2", "1 to 16, 2 to 32, then 4", "1 to 24, 2 to 40, then 4", "1 to 32, then 2")
+PACK_ZONES = (
+    "1",
+    "1 to 16, then 2",
+    "1 to 16, 2 to 32, then 4",
+    "1 to 24, 2 to 40, then 4",
+    "1 to 32, then 2",
+)
 
 
 def shot(panel, strike_velocity):
@@ -160,7 +174,10 @@ def pack_shots():
     for zones in PACK_ZONES:
         pack = Pack.stacked(replace(panel, grading=ZONES[zones]), plies)
         PackSolver(pack, velocities[0], 1e-6).run()  # compiled before
-        found[zones] = {"elements": pack.elements, "shots": [pack_shot(pack, v) for v in velocities]}
+        found[zones] = {
+            "elements": pack.elements,
+            "shots": [pack_shot(pack, v) for v in velocities],
+        }
         print(zones, json.dumps(found[zones]), flush=True)
     return found
 
@@ -180,7 +197,10 @@ def straight_table(fabric):
     """The table of a cell of straight yarns that hardly have a weft."""
     warp = replace(fabric.weave.warp, crimp=0.0)
     weft = replace(warp, linear_density=1e-6 * warp.linear_density)
-    model = CellModel(replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft), shear=None), model="decoupled")
+    model = CellModel(
+        replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft), shear=None),
+        model="decoupled",
+    )
     return model.table(201)
 
 
@@ -198,7 +218,9 @@ def behind(table, zones, crossovers):
     start, half, k = 50 * d, 0.5 * crossovers * d, np.pi / (crossovers * d)
     at = lambda x: np.clip(x - start, -half, half)  # noqa: E731
     state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
-    state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
+    state.v[0][: X.size] = (
+        speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))
+    ).ravel()
     ply_kernels.initial_forces(state, const, None, panel.work())
     solver.advance(np.empty((int((100 + crossovers) * d / speed / const.dt), 3)))
     kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
@@ -218,7 +240,8 @@ def main():
     if "waves" in chosen.parts:
         table = straight_table(fabric)
         report["waves"] = {
-            name: {length: behind(table, zones, length) for length in LENGTHS} for name, zones in PULSES.items()
+            name: {length: behind(table, zones, length) for length in LENGTHS}
+            for name, zones in PULSES.items()
         }
     if "shots" in chosen.parts:
         report["shots"] = shots(panel, SHOTS[chosen.fabric])

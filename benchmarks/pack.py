@@ -86,7 +86,9 @@ def cost(pack, velocity, repeats):
     runs = [whole(pack, velocity, LONG) for _ in range(repeats)]
     touching = [pressed(pack, 50) for _ in range(repeats)]
     return {
-        "ns_per_element_step": round(1e9 * statistics.median(run[1] for run in runs) / runs[0][2] / pack.elements, 2),
+        "ns_per_element_step": round(
+            1e9 * statistics.median(run[1] for run in runs) / runs[0][2] / pack.elements, 2
+        ),
         "every_ply_in_touch_ns": round(
             1e9 * statistics.median(run[1] for run in touching) / touching[0][2] / pack.elements, 2
         ),
@@ -98,7 +100,9 @@ def with_friction(panel, chosen, report):
     for name, friction in (("frictionless", 0.0), ("friction", chosen.friction)):
         pack = Pack.stacked(panel, chosen.plies, friction=friction)
         report[name] = cost(pack, chosen.velocity, chosen.repeats)
-    ratios = {key: report["friction"][key] / report["frictionless"][key] for key in report["friction"]}
+    ratios = {
+        key: report["friction"][key] / report["frictionless"][key] for key in report["friction"]
+    }
     report["over_frictionless"] = {key: round(ratio, 2) for key, ratio in ratios.items()}
 
 
@@ -110,7 +114,10 @@ def main():
     arguments.add_argument("--friction", type=float)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(201), numerics=Numerics(threads=1))
+    panel = Panel(
+        CellModel(catalogue.load("S-720").with_effective_density()).table(201),
+        numerics=Numerics(threads=1),
+    )
     report = {"machine": machine(), "plies": chosen.plies, "elements_of_a_ply": panel.elements}
     if chosen.friction is not None:
         with one_core():
@@ -118,7 +125,10 @@ def main():
         publish(report, chosen.out)
         return
     with one_core():
-        single = [march_single(panel, 92.5, round(END / panel.time_step), True)[1] for _ in range(chosen.repeats)]
+        single = [
+            march_single(panel, 92.5, round(END / panel.time_step), True)[1]
+            for _ in range(chosen.repeats)
+        ]
         per = 1e9 / (round(END / panel.time_step) * panel.elements)
         report["single_ns"] = round(statistics.median(single) * per, 2)
         for stacking in ("aligned", "alternating"):

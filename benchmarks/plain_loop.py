@@ -55,7 +55,11 @@ def shear_slope(sine, law):
     x = min(abs(sine), 0.999)
     angle = math.asin(x)
     middle = min(max(angle - gamma1, 0.0), gamma2 - gamma1)
-    stress = G1 * angle + 0.5 * (G2 - G1) / (gamma2 - gamma1) * middle**2 + (G2 - G1) * max(angle - gamma2, 0.0)
+    stress = (
+        G1 * angle
+        + 0.5 * (G2 - G1) / (gamma2 - gamma1) * middle**2
+        + (G2 - G1) * max(angle - gamma2, 0.0)
+    )
     return math.copysign(stress / math.sqrt(1 - x * x), sine)
 
 
@@ -63,7 +67,11 @@ def shear_slope(sine, law):
 def plain_step(u, v, f, kick, edges, before, forces, constants, dt, mirrors):
     """One step: velocities and places of the nodes from their forces f (3, ni+1, nj+1), then their new forces."""
     inv_dx, inv_dy, per1, per2, y1, y2, cv1, cv2, V, law, grid, table = constants
-    (A, B), (l1, l2), (own1, own2, given1, given2, sine, cross, turn1, turn2) = edges, before[:2], forces
+    (A, B), (l1, l2), (own1, own2, given1, given2, sine, cross, turn1, turn2) = (
+        edges,
+        before[:2],
+        forces,
+    )
     old1, old2 = before[2:]
     _, m, n = u.shape
     ni, nj = m - 1, n - 1
@@ -81,14 +89,21 @@ def plain_step(u, v, f, kick, edges, before, forces, constants, dt, mirrors):
                 f[c, i, j] = 0.0
     for i in range(ni):
         for j in range(n):
-            a, b, c = 1.0 + inv_dx * (u[0, i + 1, j] - u[0, i, j]), inv_dx * (u[1, i + 1, j] - u[1, i, j]), 0.0
+            a, b, c = (
+                1.0 + inv_dx * (u[0, i + 1, j] - u[0, i, j]),
+                inv_dx * (u[1, i + 1, j] - u[1, i, j]),
+                0.0,
+            )
             c = inv_dx * (u[2, i + 1, j] - u[2, i, j])
             A[0, i, j], A[1, i, j], A[2, i, j] = a, b, c
             old1[i, j] = l1[i, j]
             l1[i, j] = math.sqrt(a * a + b * b + c * c)
     for i in range(m):
         for j in range(nj):
-            a, b = inv_dy * (u[0, i, j + 1] - u[0, i, j]), 1.0 + inv_dy * (u[1, i, j + 1] - u[1, i, j])
+            a, b = (
+                inv_dy * (u[0, i, j + 1] - u[0, i, j]),
+                1.0 + inv_dy * (u[1, i, j + 1] - u[1, i, j]),
+            )
             c = inv_dy * (u[2, i, j + 1] - u[2, i, j])
             B[0, i, j], B[1, i, j], B[2, i, j] = a, b, c
             old2[i, j] = l2[i, j]
@@ -117,18 +132,35 @@ def plain_step(u, v, f, kick, edges, before, forces, constants, dt, mirrors):
             slope = V * shear_slope(sine[i, j], law)
             # shifted by one, with zeros about them: what lies beyond the panel has no trellis
             cross[i + 1, j + 1] = slope / (along * over)
-            turn1[i + 1, j + 1], turn2[i + 1, j + 1] = slope * sine[i, j] / along, slope * sine[i, j] / over
+            turn1[i + 1, j + 1], turn2[i + 1, j + 1] = (
+                slope * sine[i, j] / along,
+                slope * sine[i, j] / over,
+            )
     for i in range(ni):
         for j in range(n):
             a, b = max(j - 1, 0), min(j, nj - 1)
-            N = 0.5 * (own1[i, j] + 0.25 * (given1[i, a] + given1[i, b] + given1[i + 1, a] + given1[i + 1, b]))
-            pull = y1[i, j] * (N + cv1 * (l1[i, j] - old1[i, j])) - turn1[i + 1, j + 1] - turn1[i + 1, j]
+            N = 0.5 * (
+                own1[i, j]
+                + 0.25 * (given1[i, a] + given1[i, b] + given1[i + 1, a] + given1[i + 1, b])
+            )
+            pull = (
+                y1[i, j] * (N + cv1 * (l1[i, j] - old1[i, j]))
+                - turn1[i + 1, j + 1]
+                - turn1[i + 1, j]
+            )
             own1[i, j] = inv_dx * pull / l1[i, j]
     for i in range(m):
         a, b = max(i - 1, 0), min(i, ni - 1)
         for j in range(nj):
-            N = 0.5 * (own2[i, j] + 0.25 * (given2[a, j] + given2[a, j + 1] + given2[b, j] + given2[b, j + 1]))
-            pull = y2[i, j] * (N + cv2 * (l2[i, j] - old2[i, j])) - turn2[i + 1, j + 1] - turn2[i, j + 1]
+            N = 0.5 * (
+                own2[i, j]
+                + 0.25 * (given2[a, j] + given2[a, j + 1] + given2[b, j] + given2[b, j + 1])
+            )
+            pull = (
+                y2[i, j] * (N + cv2 * (l2[i, j] - old2[i, j]))
+                - turn2[i + 1, j + 1]
+                - turn2[i, j + 1]
+            )
             own2[i, j] = inv_dy * pull / l2[i, j]
     for c in range(3):
         for i in range(ni):
@@ -170,19 +202,44 @@ class Plain:
         self.edges = empty(3, ni, nj + 1), empty(3, ni + 1, nj)
         warp, weft = (ni, nj + 1), (ni + 1, nj)
         self.before = np.ones(warp), np.ones(weft), np.ones(warp), np.ones(weft)
-        self.forces = empty(*warp), empty(*weft), empty(*weft), empty(*warp), empty(ni, nj), *empty(3, ni + 2, nj + 2)
+        self.forces = (
+            empty(*warp),
+            empty(*weft),
+            empty(*weft),
+            empty(*warp),
+            empty(ni, nj),
+            *empty(3, ni + 2, nj + 2),
+        )
         y1, y2 = (nodes(y) for y in state.yarn_length)
         self.constants = (
-            const.inv_dx, const.inv_dy, const.force_per_slope1, const.force_per_slope2,
-            np.ascontiguousarray(y1[:-1]), np.ascontiguousarray(y2[:, :-1]), const.cv1, const.cv2, const.trellis_volume,
-            (const.G1, const.G2, const.gamma1, const.gamma2), const.table_grid, const.potential_coefficients,
-        )  # fmt: skip
+            const.inv_dx,
+            const.inv_dy,
+            const.force_per_slope1,
+            const.force_per_slope2,
+            np.ascontiguousarray(y1[:-1]),
+            np.ascontiguousarray(y2[:, :-1]),
+            const.cv1,
+            const.cv2,
+            const.trellis_volume,
+            (const.G1, const.G2, const.gamma1, const.gamma2),
+            const.table_grid,
+            const.potential_coefficients,
+        )
 
     def run(self, steps):
         plain_steps(
-            steps, self.u, self.v, self.f, self.kick, self.edges, self.before, self.forces, self.constants, self.dt,
+            steps,
+            self.u,
+            self.v,
+            self.f,
+            self.kick,
+            self.edges,
+            self.before,
+            self.forces,
+            self.constants,
+            self.dt,
             self.mirrors,
-        )  # fmt: skip
+        )
 
 
 @entry(_nrt=False)
@@ -190,7 +247,10 @@ def elements_only(state, const, work, times):
     """Motion of all nodes and forces of all elements, so many times."""
     for _ in range(times):
         for block in range((const.ni + const.rows_per_block - 1) // const.rows_per_block):
-            first, last = block * const.rows_per_block, min(const.ni, (block + 1) * const.rows_per_block)
+            first, last = (
+                block * const.rows_per_block,
+                min(const.ni, (block + 1) * const.rows_per_block),
+            )
             move_rows(state, const, first, last if last < const.ni else last + 1)
             element_forces(state, const, block, first, last, work)
 
@@ -225,7 +285,9 @@ def shaken(panel):
     solver, rng = PackSolver(panel, 92.5, 1.0), np.random.default_rng(1)
     state, solver.exchange = solver.state, np.inf  # no checks of the energy
     for part in state.v:
-        part[: state.mass.size] = np.where(state.dt_over_mass > 0, rng.uniform(-0.5, 0.5, state.mass.size), 0.0)
+        part[: state.mass.size] = np.where(
+            state.dt_over_mass > 0, rng.uniform(-0.5, 0.5, state.mass.size), 0.0
+        )
     state.active_rows[:] = 0, panel.counts[0]
     solver.advance(np.empty((40, 3)))
     return solver
@@ -257,7 +319,12 @@ def main():
     model = CellModel(catalogue.load("S-720").with_effective_density())
     panel = Panel(model.table(201), numerics=Numerics(threads=1), failure=False)
     const, work, steps = panel.constants(), panel.work(), chosen.steps
-    report = {"machine": machine(), "elements": panel.elements, "steps": steps, "force_difference": difference(panel)}
+    report = {
+        "machine": machine(),
+        "elements": panel.elements,
+        "steps": steps,
+        "force_difference": difference(panel),
+    }
     per, times = 1e9 / (steps * panel.elements), {}
     history, out = np.empty((steps, 3)), np.empty(5)
     with one_core():
@@ -278,7 +345,9 @@ def main():
                 used = cpu(*call) * per
                 if repeat:  # the first compiles
                     times.setdefault(name, []).append(used)
-    report["cpu_ns_per_element_step"] = {name: round(statistics.median(values), 2) for name, values in times.items()}
+    report["cpu_ns_per_element_step"] = {
+        name: round(statistics.median(values), 2) for name, values in times.items()
+    }
     ratios = [one / two for one, two in zip(times["plain"], times["kernels"])]
     report["ratio"] = {
         "median": round(statistics.median(ratios), 2),

@@ -34,7 +34,13 @@ from shellfabric.solver.pack_solver import PackSolver
 
 END = 250e-6
 FORMS = ("equilibrium", "variational")
-SIZES = ((0.0815, 600), (0.203, 1000), (0.407, 300), (0.815, 100), (2.6, 20))  # side [m], steps, in which nothing fails
+SIZES = (
+    (0.0815, 600),
+    (0.203, 1000),
+    (0.407, 300),
+    (0.815, 100),
+    (2.6, 20),
+)  # side [m], steps, in which nothing fails
 FIRST = 50  # steps of a panel in motion everywhere that are not counted
 
 
@@ -49,7 +55,9 @@ def publish(report, path):
 def machine():
     """What the figures were taken on."""
     names = [
-        line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line
+        line.split(":")[1].strip()
+        for line in Path("/proc/cpuinfo").read_text().splitlines()
+        if "model name" in line
     ]
     return {
         "processor": names[0] if names else platform.processor(),
@@ -118,7 +126,9 @@ def with_knobs(panel, **knobs):
 
 def sizes(table):
     """The same steps on larger and smaller panels, all of it in motion, and the dearest element over the cheapest."""
-    found = [measure(Panel(table, (side, side)), 5, steps, everywhere=True) for side, steps in SIZES]
+    found = [
+        measure(Panel(table, (side, side)), 5, steps, everywhere=True) for side, steps in SIZES
+    ]
     cost = [entry["cpu_ns_per_element_step"] for entry in found]
     return {"sizes": found, "dearest_over_cheapest": round(max(cost) / min(cost), 3)}
 
@@ -160,12 +170,16 @@ def main():
         if "one" in chosen.parts:
             for form, table in tables.items():
                 panel = Panel(table, numerics=Numerics(threads=1))
-                report[form] = measure(panel, chosen.repeats) | {"audit_ns_per_element": audit(panel)}
+                report[form] = measure(panel, chosen.repeats) | {
+                    "audit_ns_per_element": audit(panel)
+                }
         if "sizes" in chosen.parts:
             report["size"] = {form: sizes(table) for form, table in tables.items()}
     if "threads" in chosen.parts:
         enough = len(os.sched_getaffinity(0)) > 1
-        report["two_cores"] = {form: threads(table, 5) if enough else None for form, table in tables.items()}
+        report["two_cores"] = {
+            form: threads(table, 5) if enough else None for form, table in tables.items()
+        }
     report["machine"]["load_average_after"] = os.getloadavg()[0]
     publish(report, chosen.out)
 

@@ -28,7 +28,11 @@ from shellfabric.impact import ballistic_limit
 from shellfabric.impact.simulation import ImpactSetup
 from weavecell.studies import inputs, strengths, v50
 
-FABRIC, OPENING, VELOCITIES = "S-720", 0.203, (120.0, 160.0)  # [m], [m/s] about V50, half of which perforate
+FABRIC, OPENING, VELOCITIES = (
+    "S-720",
+    0.203,
+    (120.0, 160.0),
+)  # [m], [m/s] about V50, half of which perforate
 MESHES = {
     "uniform": None,
     "1 to 10, 2 to 20, then 4": ((10, 1), (20, 2), (inf, 4)),
@@ -44,13 +48,17 @@ def parts(fabric, scatter, shots, grading):
         setup = ImpactSetup(fabric, 1.0)
         setup.table()
         marks.append(time.process_time())
-        panel = strengths.drawn(replace(setup, opening=OPENING, grading=grading), scatter, 1, number).pack
+        panel = strengths.drawn(
+            replace(setup, opening=OPENING, grading=grading), scatter, 1, number
+        ).pack
         marks.append(time.process_time())
         ballistic_limit.shoot(panel, (float(velocity),))
         marks.append(time.process_time())
         rows.append(np.diff(marks))
     names = ("table", "panel with its table", "shot")
-    return {name: round(float(statistics.median(column)), 4) for name, column in zip(names, zip(*rows))}
+    return {
+        name: round(float(statistics.median(column)), 4) for name, column in zip(names, zip(*rows))
+    }
 
 
 def study(setup, scatter, shots, pool, jobs):

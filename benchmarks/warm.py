@@ -50,10 +50,15 @@ PHASES = {
 
 def run(*words):
     """(wall, cpu) [s] of a process."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment = {
+        name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
+    }
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     subprocess.run(
-        [sys.executable, *words], check=True, capture_output=True, env=environment | {"PYTHONPATH": str(ROOT)}
+        [sys.executable, *words],
+        check=True,
+        capture_output=True,
+        env=environment | {"PYTHONPATH": str(ROOT)},
     )
     wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
     return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
@@ -105,7 +110,10 @@ def medians(cases, repeats):
     for _ in range(repeats):
         for name, words in cases.items():
             times[name].append(run(*words))
-    return {name: [round(statistics.median(column), 3) for column in zip(*rows)] for name, rows in times.items()}
+    return {
+        name: [round(statistics.median(column), 3) for column in zip(*rows)]
+        for name, rows in times.items()
+    }
 
 
 def main():
@@ -121,8 +129,13 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / "plain.toml"
         lines = SCENE.read_text("utf-8").splitlines()
-        plain.write_text("\n".join("outputs = []" if line.startswith("outputs") else line for line in lines))
-        impact = lambda scene: ("-m", "weavecell", "impact", str(scene), "--out", f"{folder}/{scene.stem}")  # noqa: E731
+        plain.write_text(
+            "\n".join("outputs = []" if line.startswith("outputs") else line for line in lines)
+        )
+
+        def impact(scene):
+            return "-m", "weavecell", "impact", str(scene), "--out", f"{folder}/{scene.stem}"
+
         cases = {
             "impact, all outputs": impact(SCENE),
             "impact, outputs = []": impact(plain),
@@ -134,7 +147,11 @@ def main():
         }
         run(*cases["impact, all outputs"])
         if chosen.phases:
-            found = phases({name: words for name, words in cases.items() if "impact" in words}, chosen.repeats, folder)
+            found = phases(
+                {name: words for name, words in cases.items() if "impact" in words},
+                chosen.repeats,
+                folder,
+            )
         else:
             found = {"columns": ["wall_s", "cpu_s"]} | medians(cases, chosen.repeats)
     report = {"load_average": os.getloadavg()[0]} | found

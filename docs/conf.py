@@ -37,7 +37,12 @@ autodoc_mock_imports = ["dolfinx", "petsc4py", "mpi4py", "ufl", "basix", "gmsh",
 numpydoc_show_class_members = False
 numpydoc_show_inherited_class_members = False
 numpydoc_xref_param_type = False
-numpydoc_validation_checks = {"GL08", "SS01", "PR01", "PR02"}  # a docstring, its summary, each parameter and no other
+numpydoc_validation_checks = {
+    "GL08",
+    "SS01",
+    "PR01",
+    "PR02",
+}  # a docstring, its summary, each parameter and no other
 # methods say their parameters in words; a class with the parameters of its base documents its own
 numpydoc_validation_exclude = {r"\.[A-Z]\w*\.\w+$", r"^meshing\.(Crossover|Patch)$"}
 numpydoc_validation_exclude |= {r"^unitcell3d\.History$", r"^weavecell\.ShotResult$"}
@@ -47,7 +52,9 @@ nb_execution_mode = "auto"
 nb_execution_in_temp = True
 nb_execution_timeout = 1200  # [s] of a cell
 nb_execution_raise_on_error = True
-nb_mime_priority_overrides = [("html", "application/vnd.jupyter.widget-view+json", None)]  # progress bars
+nb_mime_priority_overrides = [
+    ("html", "application/vnd.jupyter.widget-view+json", None)
+]  # progress bars
 
 gallery.copy(HERE / "generated" / "examples")
 sphinx_gallery_conf = gallery.settings("generated/examples", "generated/gallery")

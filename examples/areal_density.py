@@ -12,7 +12,12 @@ import matplotlib.pyplot as plt
 
 import weavecell as wc
 
-panel = {"opening": "80 mm", "projectile": "FSP 1.10 g", "elements_per_crossover": 1, "end_time": "300 us"}
+panel = {
+    "opening": "80 mm",
+    "projectile": "FSP 1.10 g",
+    "elements_per_crossover": 1,
+    "end_time": "300 us",
+}
 density, middle, half = [], [], []
 for plies in (1, 2, 4):
     pack = wc.setup("S-728", "150 m/s", plies=plies, **panel)
@@ -21,10 +26,14 @@ for plies in (1, 2, 4):
     density.append(1e3 * plies * pack.fabric.weave.areal_density)  # [g/m^2]
     middle.append((low + high) / 2)
     half.append((high - low) / 2)
-    print(f"{plies} x S-728, {density[-1]:.0f} g/m2: limit {low:.0f} to {high:.0f} m/s, {found.bracket_checks}")
+    print(
+        f"{plies} x S-728, {density[-1]:.0f} g/m2: limit {low:.0f} to {high:.0f} m/s, {found.bracket_checks}"
+    )
 
 figure, axes = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
 axes.errorbar(density, middle, half, fmt="o-", capsize=4, label="S-728, brackets of the bisection")
-axes.set(xlabel="areal density [g/m²]", ylabel="ballistic limit [m/s]", xlim=(0, None), ylim=(0, None))
+axes.set(
+    xlabel="areal density [g/m²]", ylabel="ballistic limit [m/s]", xlim=(0, None), ylim=(0, None)
+)
 axes.legend()
 figure.savefig("areal-density.png", dpi=150)

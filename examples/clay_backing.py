@@ -12,11 +12,25 @@ import matplotlib.pyplot as plt
 
 import weavecell as wc
 
-clay = {"material": "Roma Plastilina No. 1", "size": ["80 mm", "80 mm", "40 mm"], "min_size": "3 mm"}
-shot = wc.impact("S-728", "150 m/s", plies=4, opening="80 mm", projectile="FSP 1.10 g", backing=clay, end_time="400 us")
+clay = {
+    "material": "Roma Plastilina No. 1",
+    "size": ["80 mm", "80 mm", "40 mm"],
+    "min_size": "3 mm",
+}
+shot = wc.impact(
+    "S-728",
+    "150 m/s",
+    plies=4,
+    opening="80 mm",
+    projectile="FSP 1.10 g",
+    backing=clay,
+    end_time="400 us",
+)
 found = shot.summary()
 print(f"{shot.outcome}, checks {shot.checks_text}")
-print(f"back-face signature {found['back_face_signature_mm']:.1f} mm, dent {1e6 * found['dent_volume_m3']:.2f} cm3")
+print(
+    f"back-face signature {found['back_face_signature_mm']:.1f} mm, dent {1e6 * found['dent_volume_m3']:.2f} cm3"
+)
 
 figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
 block = shot.backing

@@ -19,12 +19,20 @@ from weavecell.report import chapters, page
 from weavecell.report.shot import chapters_shot, moving, view
 from weavecell.results import provenance
 
-TARGETS = {"92.5 m/s": ("stopped", "thesis Figure 5-4"), "155 m/s": ("perforated", "thesis Figure 5-5")}
-MOST = {"error of the energy balance, of the strike energy": 0.01, "viscous energy, of the energy absorbed": 0.05}
+TARGETS = {
+    "92.5 m/s": ("stopped", "thesis Figure 5-4"),
+    "155 m/s": ("perforated", "thesis Figure 5-5"),
+}
+MOST = {
+    "error of the energy balance, of the strike energy": 0.01,
+    "viscous energy, of the energy absorbed": 0.05,
+}
 
 
 def main(folder: str = "results/demo", size: str = "medium") -> None:
-    logging.getLogger("weavecell").propagate = False  # plain lines: ffcx sets up logging for every library
+    logging.getLogger(
+        "weavecell"
+    ).propagate = False  # plain lines: ffcx sets up logging for every library
     out, began = Path(folder), time.perf_counter()
     solved = wc.calibrate("S-720", mesh=size, jobs=2, out=out / "calibration")
     laws = {"fitted law": solved.law, "published law": solved.mesh.fabric.laws[0]}
@@ -42,11 +50,24 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
         outcome, source = TARGETS[velocity]
         met = "yes" if record.outcome == outcome else "no"
         rows.append((f"{record.title} ({source})", outcome, record.outcome, met))
-    worst = [max(getattr(record, key) for record in records) for key in ("energy_error_max", "viscous_energy_fraction")]
+    worst = [
+        max(getattr(record, key) for record in records)
+        for key in ("energy_error_max", "viscous_energy_fraction")
+    ]
     for (what, most), share in zip(MOST.items(), worst):
-        rows.append((what, f"at most {100 * most:g} %", f"{100 * share:.2g} %", "yes" if share <= most else "no"))
+        rows.append(
+            (
+                what,
+                f"at most {100 * most:g} %",
+                f"{100 * share:.2g} %",
+                "yes" if share <= most else "no",
+            )
+        )
     stamp = provenance.stamp(Path(__file__).read_text("utf-8"), used)
-    times = {"calibration": solved.calibration.seconds["all"], "all of it": time.perf_counter() - began}
+    times = {
+        "calibration": solved.calibration.seconds["all"],
+        "all of it": time.perf_counter() - began,
+    }
     fit, cell = solved.sections()
     first = records[0]
     sections = (
@@ -59,11 +80,19 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
         chapters_shot.mesh(first, setups[0]),
         chapters_shot.assumptions(setups[0], shots[0].assumed, body=first.rigid_check),
     )
-    cards = *map(chapters_shot.card, records), chapters.law_card(solved.law, laws["published law"], "fitted")
-    title, lead = "S-720: 3D crossover, calibration, impact", __doc__.split("\n\n")[1].partition(" It takes")[0]
+    cards = (
+        *map(chapters_shot.card, records),
+        chapters.law_card(solved.law, laws["published law"], "fitted"),
+    )
+    title, lead = (
+        "S-720: 3D crossover, calibration, impact",
+        __doc__.split("\n\n")[1].partition(" It takes")[0],
+    )
     outcome = " ".join(f"{record.title}: {record.outcome}." for record in records)
     cost = chapters_shot.cost(first, setups[0])
-    report = chapters.report(title, lead, (used,), cards, sections, stamp, times, outcome, more=cost)
+    report = chapters.report(
+        title, lead, (used,), cards, sections, stamp, times, outcome, more=cost
+    )
     page.write(report, out / "report.html")
     page.write_pictures(sections, out / "pictures")
     print(solved.law, *map(repr, shots), f"report: {out / 'report.html'}", sep="\n")

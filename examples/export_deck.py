@@ -19,7 +19,12 @@ errors["OpenRadioss /MAT/LAW58"] = wc.export(pack, "radioss", "deck-radioss").su
 figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
 for row, (code, found) in enumerate(errors.items()):
     print(code, {name: f"{100 * error:.1f} %" for name, error in found.items()})
-    axes.barh([at + 0.4 * row for at in range(len(found))], [100 * error for error in found.values()], 0.35, label=code)
+    axes.barh(
+        [at + 0.4 * row for at in range(len(found))],
+        [100 * error for error in found.values()],
+        0.35,
+        label=code,
+    )
 axes.set_yticks([at + 0.2 for at in range(len(found))], list(found))
 axes.set(xlabel="error of the material card [% of the strength of a yarn]")
 axes.legend()

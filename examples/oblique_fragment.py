@@ -11,8 +11,17 @@ import weavecell as wc
 
 for angle in (0, 15, 30, 45):
     projectile = wc.projectile("FSP 1.10 g", obliquity=f"{angle} deg")
-    shot = wc.impact("S-720", "200 m/s", projectile=projectile, opening="80 mm", symmetry="whole", end_time="150 us")
-    print(f"{angle} degrees: {shot.outcome}, {shot.residual_velocity:.0f} m/s, checks {shot.checks_text}")
+    shot = wc.impact(
+        "S-720",
+        "200 m/s",
+        projectile=projectile,
+        opening="80 mm",
+        symmetry="whole",
+        end_time="150 us",
+    )
+    print(
+        f"{angle} degrees: {shot.outcome}, {shot.residual_velocity:.0f} m/s, checks {shot.checks_text}"
+    )
 
 figure = shot.plot_panel()
 figure.savefig("oblique-fragment.png", dpi=150)

@@ -23,10 +23,17 @@ for length in lengths:
     own = replace(fabric, failure_length=1e-3 * length)
     for radius in radii:
         punch = {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": f"{radius} mm"}
-        panel = wc.setup(own, "100 m/s", opening="50 mm", projectile=punch, grading=[[4, 0.25], [inf, 1]])
-        limits[radius].append(wc.critical_velocity(panel, tolerance="1 m/s", scan=False, residual_shots=0).velocity)
+        panel = wc.setup(
+            own, "100 m/s", opening="50 mm", projectile=punch, grading=[[4, 0.25], [inf, 1]]
+        )
+        limits[radius].append(
+            wc.critical_velocity(panel, tolerance="1 m/s", scan=False, residual_shots=0).velocity
+        )
     sharp, blunt = (limits[radius][-1] for radius in radii)
-    print(f"failure length {length} mm: limit {sharp:.1f} m/s of the sharp, {blunt:.1f} m/s of the blunt edge", end="")
+    print(
+        f"failure length {length} mm: limit {sharp:.1f} m/s of the sharp, {blunt:.1f} m/s of the blunt edge",
+        end="",
+    )
     print(f", ratio {blunt / sharp:.3f}")
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
@@ -35,5 +42,7 @@ for radius in radii:
 left.set(xlabel="failure length [mm]", ylabel="critical velocity [m/s]", xscale="log")
 left.legend()
 right.plot(lengths, [blunt / sharp for sharp, blunt in zip(*limits.values())], "o-", color="0.3")
-right.set(xlabel="failure length [mm]", ylabel="limit of the blunt over the sharp edge", xscale="log")
+right.set(
+    xlabel="failure length [mm]", ylabel="limit of the blunt over the sharp edge", xscale="log"
+)
 figure.savefig("punch-test.png", dpi=150)

@@ -24,7 +24,12 @@ scatter = panels.study.estimate("residual_velocity")
 print(f"30 panels: {scatter.mean:.1f} m/s, standard deviation {scatter.deviation:.1f} m/s")
 
 figure, axes = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
-axes.hist([one.residual_velocity for one in panels.study.draws], bins=10, color="0.8", label="30 panels, 1 x 1")
+axes.hist(
+    [one.residual_velocity for one in panels.study.draws],
+    bins=10,
+    color="0.8",
+    label="30 panels, 1 x 1",
+)
 for colour, (name, shot) in enumerate(zip(setups, shots)):
     print(f"{name}: {shot.residual_velocity:.1f} m/s, checks {shot.checks_text}")
     axes.axvline(shot.residual_velocity, color=f"C{colour}", label=f"equal yarns, {name}")

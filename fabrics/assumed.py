@@ -65,12 +65,18 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
 
 def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its trellis law}; empty where none of its numbers has a range."""
-    return {end: replace(fabric, shear=law) for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items()}
+    return {
+        end: replace(fabric, shear=law)
+        for end, (law,) in _ends(fabric, "shear", (fabric.shear,)).items()
+    }
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{"soft", "stiff": the fabric with this end of its solid laws}; empty where none of their numbers has a range."""
-    return {end: replace(fabric, solid_laws=laws) for end, laws in _ends(fabric, "solid", fabric.solid_laws).items()}
+    return {
+        end: replace(fabric, solid_laws=laws)
+        for end, laws in _ends(fabric, "solid", fabric.solid_laws).items()
+    }
 
 
 def _ends(fabric, table, laws):
@@ -81,16 +87,25 @@ def _ends(fabric, table, laws):
     def at(family, law, soft):
         numbers = {}
         for name, value in vars(law).items():
-            ratios = [fabric.ranges.get(key, (1.0, 1.0)) for key in (f"{table}.{name}", f"{table}.{family}.{name}")]
+            ratios = [
+                fabric.ranges.get(key, (1.0, 1.0))
+                for key in (f"{table}.{name}", f"{table}.{family}.{name}")
+            ]
             numbers[name] = value * prod(pair[soft == (name in _SOFT_AT_HIGH)] for pair in ratios)
         if table == "solid":  # a yarn is not packed at rest, and softer when it is loose
-            numbers |= {"V_c": max(numbers["V_c"], 1.01 * numbers["Vf0"]), "K_r": min(numbers["K_r"], 0.99)}
+            numbers |= {
+                "V_c": max(numbers["V_c"], 1.01 * numbers["Vf0"]),
+                "K_r": min(numbers["K_r"], 0.99),
+            }
         else:
             gamma2 = min(numbers["gamma2"], LARGEST)
             numbers |= {"gamma1": min(numbers["gamma1"], 0.99 * gamma2), "gamma2": gamma2}
         return replace(law, **numbers)
 
-    return {end: tuple(at(*of, end == "soft") for of in zip(FAMILIES, laws)) for end in ("soft", "stiff")}
+    return {
+        end: tuple(at(*of, end == "soft") for of in zip(FAMILIES, laws))
+        for end in ("soft", "stiff")
+    }
 
 
 def _usual_ranges(fabric, table):
@@ -99,17 +114,26 @@ def _usual_ranges(fabric, table):
     if family is None or table not in ("shear", "solid"):
         return {}
     laws = [
-        family.shear(fabric.weave, fabric.yarn_width, end) if table == "shear" else family.solid_laws(end)[0]
+        family.shear(fabric.weave, fabric.yarn_width, end)
+        if table == "shear"
+        else family.solid_laws(end)[0]
         for end in ("soft", "nominal", "stiff")
     ]
     soft, usual, stiff = map(vars, laws)
-    return {name: tuple(sorted((soft[name] / usual[name], stiff[name] / usual[name]))) for name in usual}
+    return {
+        name: tuple(sorted((soft[name] / usual[name], stiff[name] / usual[name]))) for name in usual
+    }
 
 
 def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
     """The fabric whose guessed numbers of [shear] and [solid] have the ranges of its fibre family."""
-    usual = {key: _usual_ranges(fabric, key.partition(".")[0]).get(key.rpartition(".")[2]) for key in fabric.guessed}
-    return replace(fabric, ranges={**fabric.ranges, **{key: pair for key, pair in usual.items() if pair}})
+    usual = {
+        key: _usual_ranges(fabric, key.partition(".")[0]).get(key.rpartition(".")[2])
+        for key in fabric.guessed
+    }
+    return replace(
+        fabric, ranges={**fabric.ranges, **{key: pair for key, pair in usual.items() if pair}}
+    )
 
 
 def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None) -> Fabric:
@@ -125,8 +149,12 @@ def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None
     ------
     InputError : a yarn whose crimp is given is alone higher than half of the thickness
     """
-    computed = [fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES]
-    first, second = (None if made else yarn.crimp for made, yarn in zip(computed, fabric.weave.yarns))
+    computed = [
+        fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES
+    ]
+    first, second = (
+        None if made else yarn.crimp for made, yarn in zip(computed, fabric.weave.yarns)
+    )
     crimp = crimps(fabric.weave.w, factor * (fabric.thickness or 0.0), (first, second), share)
     other = fabric.with_yarns(crimp=crimp)
     return with_shear(replace(other, shear=None)) if "shear" in fabric.assumed else other
@@ -157,9 +185,13 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
 def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
     """{words: the fabric with one end of its assumed failure length}; empty where that is given."""
     one = entries()["failure_length"]
-    usual = (one.low / one.value, one.high / one.value) if "failure_length" in fabric.assumed else ()
+    usual = (
+        (one.low / one.value, one.high / one.value) if "failure_length" in fabric.assumed else ()
+    )
     ends = [ratio * fabric.failure_length for ratio in fabric.ranges.get("failure_length", usual)]
-    return {f"failure length {1e3 * end:.4g} mm": replace(fabric, failure_length=end) for end in ends}
+    return {
+        f"failure length {1e3 * end:.4g} mm": replace(fabric, failure_length=end) for end in ends
+    }
 
 
 def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
@@ -170,7 +202,9 @@ def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
         if any(low < high for low, high in pairs):
             ratios = zip(("low", "high"), zip(*pairs))
             found[name] = {f"{name} {end}": _scaled(fabric, name, both) for end, both in ratios}
-    found["trellis law"] = {f"trellis {end}": changed for end, changed in shear_ends(fabric).items()}
+    found["trellis law"] = {
+        f"trellis {end}": changed for end, changed in shear_ends(fabric).items()
+    }
     found["failure length"] = failure_length_ends(fabric)
     return {name: of_one for name, of_one in found.items() if of_one}
 
@@ -180,14 +214,22 @@ def _scaled(fabric, name, ratios):
     field = {"modulus": "E", "crimp": "crimp"}.get(name, "failure_strain")
     pairs = list(zip(fabric.weave.yarns, ratios))
     values = {field: [getattr(yarn, field) * ratio for yarn, ratio in pairs]}
-    values |= {"failure_strain": [yarn.failure_strain / ratio for yarn, ratio in pairs]} if field == "E" else {}
+    values |= (
+        {"failure_strain": [yarn.failure_strain / ratio for yarn, ratio in pairs]}
+        if field == "E"
+        else {}
+    )
     return fabric.with_yarns(**values)
 
 
 def given(fabric: Fabric, table: str) -> Fabric:
     """The fabric of whose `assumed` one is no longer assumed, such as "solid" after a fit; its value stays."""
-    ranges = {key: ratios for key, ratios in fabric.ranges.items() if key.partition(".")[0] != table}
-    return replace(fabric, assumed=tuple(name for name in fabric.assumed if name != table), ranges=ranges)
+    ranges = {
+        key: ratios for key, ratios in fabric.ranges.items() if key.partition(".")[0] != table
+    }
+    return replace(
+        fabric, assumed=tuple(name for name in fabric.assumed if name != table), ranges=ranges
+    )
 
 
 def family_of(fabric: Fabric) -> Family | None:
@@ -204,12 +246,16 @@ def lines(fabric: Fabric) -> list[str]:
     """One line for each table that was assumed, for crimp computed from the thickness, and for the failure length."""
     family = family_of(fabric)
     name = family.name if family is not None else "unknown"
-    wider = ", with wider ranges for another fibre" if family is not None and family.of_others else ""
+    wider = (
+        ", with wider ranges for another fibre" if family is not None and family.of_others else ""
+    )
     more = {"shear": ", its angles from width and spacing of the yarns"}
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
     words["failure_length"] = f"failure length {entries()['failure_length'].written}"
     return [
-        _crimp_line(fabric) if key == "crimp" else f"assumed: {words[key]}, because {fabric.name} gives none"
+        _crimp_line(fabric)
+        if key == "crimp"
+        else f"assumed: {words[key]}, because {fabric.name} gives none"
         for key in fabric.assumed
     ] + _own_lines(fabric)
 
@@ -232,7 +278,11 @@ def _crimp_line(fabric):
     now = [yarn.crimp for yarn in fabric.weave.yarns]
     crimp, low, high = (
         " / ".join(f"{100 * value:.2f}" for value in values)
-        for values in (now, [min(pair) for pair in zip(now, *ends)], [max(pair) for pair in zip(now, *ends)])
+        for values in (
+            now,
+            [min(pair) for pair in zip(now, *ends)],
+            [max(pair) for pair in zip(now, *ends)],
+        )
     )
     made = [fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES]
     more = f" and a warp share of the yarn heights of {share.written}" if all(made) else ""
@@ -257,9 +307,17 @@ def _family(fabric, table):
 
 
 def _missing(fabric, table, why):
-    lacking = {"shear": fabric.shear, "solid": fabric.solid_laws} if table in ("shear", "solid") else {table: None}
-    tables = " and ".join(f"[{name}] ({TABLES[name]})" for name, laws in lacking.items() if laws is None)
-    return InputError(f"fabric {fabric.name} has no {tables}", allowed=f"given, which no data sheet does: {why}")
+    lacking = (
+        {"shear": fabric.shear, "solid": fabric.solid_laws}
+        if table in ("shear", "solid")
+        else {table: None}
+    )
+    tables = " and ".join(
+        f"[{name}] ({TABLES[name]})" for name, laws in lacking.items() if laws is None
+    )
+    return InputError(
+        f"fabric {fabric.name} has no {tables}", allowed=f"given, which no data sheet does: {why}"
+    )
 
 
 def _range(pair, factor):
@@ -286,7 +344,11 @@ def _completed(fabric, table, law_of):
     sources = {**fabric.sources, **family.sources(table)}
     if table == "solid":
         sources |= {
-            f"solid.Vf0.{name}": {"value": f"{made.Vf0:.4f}", "source": "section_area", "status": "derived"}
+            f"solid.Vf0.{name}": {
+                "value": f"{made.Vf0:.4f}",
+                "source": "section_area",
+                "status": "derived",
+            }
             for name, made, area in zip(FAMILIES, law, fabric.yarn_area)
             if area is not None
         }
@@ -296,7 +358,9 @@ def _completed(fabric, table, law_of):
         sources |= law.sources()
     names = (*(name for name in fabric.assumed if name != table), table)
     ranges = {f"{table}.{name}": pair for name, pair in _usual_ranges(fabric, table).items()}
-    return replace(fabric, **{field: law}, sources=sources, assumed=names, ranges={**fabric.ranges, **ranges})
+    return replace(
+        fabric, **{field: law}, sources=sources, assumed=names, ranges={**fabric.ranges, **ranges}
+    )
 
 
 def _derived(shear, family):
@@ -304,8 +368,14 @@ def _derived(shear, family):
     texts = {
         "G1": (f"{1e-6 * shear.G1:.4g} MPa", "shear.G1_over_G2 times G2"),
         "G2": (f"{1e-9 * shear.G2:.4g} GPa", "thesis eq. 4-49 with shear.locking_share"),
-        "gamma1": (f"{shear.gamma1:.3f}", "thesis eq. 4-32, from the yarns' width, or shear.gap, and spacing"),
-        "gamma2": (f"{shear.gamma2:.3f}", "thesis eqs. 4-33 and 4-34 as corrected in E-08, with shear.K_s"),
+        "gamma1": (
+            f"{shear.gamma1:.3f}",
+            "thesis eq. 4-32, from the yarns' width, or shear.gap, and spacing",
+        ),
+        "gamma2": (
+            f"{shear.gamma2:.3f}",
+            "thesis eqs. 4-33 and 4-34 as corrected in E-08, with shear.K_s",
+        ),
     }
     return {
         f"shear.{key}": {"value": value, "source": f"{source} ({family.name})", "status": "assumed"}

@@ -29,7 +29,9 @@ def list_names() -> tuple[str, ...]:
     return tuple(_data())
 
 
-def entry(name: str, *, file: FilePath | None = None, key: str = "material") -> Mapping[str, Mapping[str, str]]:
+def entry(
+    name: str, *, file: FilePath | None = None, key: str = "material"
+) -> Mapping[str, Mapping[str, str]]:
     """{key: value, source and status} of a backing.
 
     Raises
@@ -42,7 +44,11 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "material") -> 
 
 
 def table(
-    name: str, given: Mapping[str, Any] | None = None, *, file: FilePath | None = None, key: str = "material"
+    name: str,
+    given: Mapping[str, Any] | None = None,
+    *,
+    file: FilePath | None = None,
+    key: str = "material",
 ) -> dict[str, Any]:
     """The table [backing] of a backing: its name and data, over which goes what is `given`.
 
@@ -68,6 +74,10 @@ def assumed_line(name: str, block: Isotropic) -> str:
     """Line that names the constants of a block, of a backing or of "" (the thesis), that are assumed."""
     data = entry(name) if name else read_table("backing")
     own = of_table(data, _FILE)
-    kept = [key for key, row in data.items() if row["status"] == "assumed" and getattr(block, key) == getattr(own, key)]
+    kept = [
+        key
+        for key, row in data.items()
+        if row["status"] == "assumed" and getattr(block, key) == getattr(own, key)
+    ]
     constants = ", ".join(f"{key} {data[key]['value']}" for key in kept)
     return f"assumed: {constants or 'nothing'}, of the block of {name or 'the thesis'}"

@@ -66,7 +66,11 @@ class CompressionLaw:
     def __post_init__(self):
         not_negative(self, "a", "b")
         if (self.a == 0) != (self.b == 0):
-            raise InputError(key="b", value=self.b, allowed="zero exactly where a is zero (an incompressible yarn)")
+            raise InputError(
+                key="b",
+                value=self.b,
+                allowed="zero exactly where a is zero (an incompressible yarn)",
+            )
         if self.form not in FORMS:
             raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
 
@@ -78,7 +82,9 @@ class CompressionLaw:
     def ends(self) -> dict[str, CompressionLaw]:
         """{"soft", "stiff": the law at this end of its assumed range}; empty where nothing was assumed."""
         return {
-            end: CompressionLaw(a, b, self.form, f"{self.provenance}; {end} end of the assumed range")
+            end: CompressionLaw(
+                a, b, self.form, f"{self.provenance}; {end} end of the assumed range"
+            )
             for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ())
         }
 
@@ -91,10 +97,14 @@ class CompressionLaw:
         for (end, law), sign, other in zip(self.ends().items(), (1, -1), ("stiffer", "softer")):
             if (outside := F[sign * (law.d(F) - self.d(F)) < 0]).size:
                 forces = f"from {outside[0]:.3g} to {outside[-1]:.3g} N"
-                found.append(f"{end} end {other} than the law {forces}: the ends do not bracket it there")
+                found.append(
+                    f"{end} end {other} than the law {forces}: the ends do not bracket it there"
+                )
         return found
 
-    def require_fabric(self, name: str, *, file: FilePath | None = None, key: str, value: object = None) -> None:
+    def require_fabric(
+        self, name: str, *, file: FilePath | None = None, key: str, value: object = None
+    ) -> None:
         """Refuse a law that was fitted to a fabric of another name.
 
         Parameters
@@ -108,7 +118,13 @@ class CompressionLaw:
         """
         if self.fabric not in ("", name):
             allowed = f"a law of {name}, or its constants a and b to use them all the same"
-            raise InputError(f"is a law of fabric {self.fabric}", file=file, key=key, value=value, allowed=allowed)
+            raise InputError(
+                f"is a law of fabric {self.fabric}",
+                file=file,
+                key=key,
+                value=value,
+                allowed=allowed,
+            )
 
     @property
     def F0(self) -> float:
@@ -151,7 +167,13 @@ class CompressionLaw:
 
     @classmethod
     def fit(
-        cls, F: ArrayLike, d: ArrayLike, *, provenance: str = "", confidence: float = 0.95, fabric: str = ""
+        cls,
+        F: ArrayLike,
+        d: ArrayLike,
+        *,
+        provenance: str = "",
+        confidence: float = 0.95,
+        fabric: str = "",
     ) -> CompressionLaw:
         """Fit the regularised form to samples by least squares in d.
 
@@ -172,7 +194,9 @@ class CompressionLaw:
         keep = F > 0
         F, d = F[keep], d[keep]
         if F.size < 3:
-            raise InputError("a compression law needs at least three samples in contact", value=int(F.size))
+            raise InputError(
+                "a compression law needs at least three samples in contact", value=int(F.size)
+            )
         length, force = float(np.max(np.abs(d))), float(np.max(F))
 
         # a = exp(p), F0 = exp(q): both stay positive, and b = a F0^(1/3) follows
@@ -180,7 +204,9 @@ class CompressionLaw:
             return np.exp(p) * (1 - (1 + F * np.exp(-q)) ** (-1 / 3))
 
         try:
-            (p, q), covariance = curve_fit(law, F / force, d / length, p0=(0.3, np.log(0.03)), maxfev=10000)
+            (p, q), covariance = curve_fit(
+                law, F / force, d / length, p0=(0.3, np.log(0.03)), maxfev=10000
+            )
         except RuntimeError as problem:
             raise InputError(f"no compression law fits the samples: {problem}") from problem
         a, F0 = length * np.exp(p), force * np.exp(q)
@@ -249,7 +275,9 @@ class CompressionLaw:
             )
         except InputError as problem:
             if problem.file is None:
-                raise InputError(file=path, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+                raise InputError(
+                    file=path, key=problem.key, value=problem.value, allowed=problem.allowed
+                ) from None
             raise
 
 
@@ -257,7 +285,10 @@ def _read_range(entries, path):
     if not entries:
         return None
     soft, stiff = (
-        (si(entry.get("a"), "m", file=path, key="a"), si(entry.get("b"), "m * N**(1/3)", file=path, key="b"))
+        (
+            si(entry.get("a"), "m", file=path, key="a"),
+            si(entry.get("b"), "m * N**(1/3)", file=path, key="b"),
+        )
         for entry in entries
     )
     return soft, stiff
@@ -267,9 +298,13 @@ def _read_json(path):
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as problem:
-        raise InputError("cannot be read", file=path, allowed=f"a compression law ({problem.strerror})") from problem
+        raise InputError(
+            "cannot be read", file=path, allowed=f"a compression law ({problem.strerror})"
+        ) from problem
     except ValueError as problem:
-        raise InputError("is not JSON", file=path, allowed=f"a compression law ({problem})") from problem
+        raise InputError(
+            "is not JSON", file=path, allowed=f"a compression law ({problem})"
+        ) from problem
     found = content.get("format") if isinstance(content, dict) else None
     if found != _FORMAT:
         raise InputError(file=path, key="format", value=found, allowed=repr(_FORMAT))

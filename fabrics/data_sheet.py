@@ -33,7 +33,10 @@ FROM_THICKNESS = "computed from the thickness"
 def entries() -> dict[str, Entry]:
     """{name: Entry} of `data_sheet.toml`."""
     content = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-    return {name: entry(table, "m" if name.endswith("length") else "") for name, table in content.items()}
+    return {
+        name: entry(table, "m" if name.endswith("length") else "")
+        for name, table in content.items()
+    }
 
 
 def crimps(
@@ -66,18 +69,22 @@ def crimps(
                 least = f"above {2e3 * heights[i]:.3f} mm, twice the height that the crimp of the {FAMILIES[i]} takes"
                 raise InputError(key="thickness", value=thickness, allowed=least)
     first, second = (
-        float(arc_length(w_i, h)) / (2 * w_i) - 1 if c is None else c for w_i, h, c in zip(w, heights, known)
+        float(arc_length(w_i, h)) / (2 * w_i) - 1 if c is None else c
+        for w_i, h, c in zip(w, heights, known)
     )
     limits = OF_YARN["crimp"]
     if max(first, second) > limits.limits("")[1]:
+        percent = 100 * max(first, second)
         allowed = (
-            f"one that gives a crimp from {limits.bounds['']} at these counts, not {100 * max(first, second):.4g} %"
+            f"one that gives a crimp from {limits.bounds['']} at these counts, not {percent:.4g} %"
         )
         raise InputError(key="thickness", value=thickness, allowed=allowed)
     return first, second
 
 
-def strain_at_strength(strength: float, unit: str, linear_density: float, fibre_density: float, E: float) -> float:
+def strain_at_strength(
+    strength: float, unit: str, linear_density: float, fibre_density: float, E: float
+) -> float:
     """Strain [-] at which a yarn of modulus `E` [Pa] carries its strength.
 
     Parameters
@@ -85,7 +92,9 @@ def strain_at_strength(strength: float, unit: str, linear_density: float, fibre_
     strength : in `unit`: "N" of a yarn, "Pa" of the fibre, or "N/(kg/m)", the tenacity
     linear_density, fibre_density : [kg/m], [kg/m3]
     """
-    stress = {"N": fibre_density / linear_density, "Pa": 1.0, "N/(kg/m)": fibre_density}[unit] * strength
+    stress = {"N": fibre_density / linear_density, "Pa": 1.0, "N/(kg/m)": fibre_density}[
+        unit
+    ] * strength
     return stress / E
 
 
@@ -132,11 +141,14 @@ def thickness_note(weave: Weave, stated: float) -> list[str]:
     InputError : warp and weft, their fibres closest packed, are together thicker than the stated thickness
     """
     layers = (
-        count * (1 + yarn.crimp) * yarn.A_s for yarn, count in zip(weave.yarns, (weave.warp_count, weave.weft_count))
+        count * (1 + yarn.crimp) * yarn.A_s
+        for yarn, count in zip(weave.yarns, (weave.warp_count, weave.weft_count))
     )
     least = sum(layers) / CLOSEST_PACKING
     if stated < least:
-        allowed = f"at least {1e3 * least:.3g} mm, which the closest packed fibres of warp and weft take"
+        allowed = (
+            f"at least {1e3 * least:.3g} mm, which the closest packed fibres of warp and weft take"
+        )
         raise InputError(key="thickness", value=stated, allowed=allowed)
     one, computed = entries()["thickness"], weave.thickness
     if one.low <= computed / stated <= one.high:

@@ -48,7 +48,13 @@ class InputError(WeavecellError, ValueError):
         value: object = None,
         allowed: str | None = None,
     ) -> None:
-        self.message, self.file, self.key, self.value, self.allowed = message, file, key, value, allowed
+        self.message, self.file, self.key, self.value, self.allowed = (
+            message,
+            file,
+            key,
+            value,
+            allowed,
+        )
         parts = []
         if file is not None:
             parts.append(f"{file}:")
@@ -72,7 +78,9 @@ def unknown_name(
     """The InputError of a `name` that no `kind` has, with the nearest of the `known` names and all of them."""
     near = nearest(name, known, 0.6)
     hint = f', did you mean "{near}"?' if near else ";"
-    return InputError(f"unknown {kind}{hint} allowed: {', '.join(known)}", file=file, key=key, value=name)
+    return InputError(
+        f"unknown {kind}{hint} allowed: {', '.join(known)}", file=file, key=key, value=name
+    )
 
 
 class InputErrors(InputError):
@@ -126,7 +134,9 @@ class UnstableError(WeavecellError):
     exit_code = 3
     shots: tuple = ()
 
-    def __init__(self, message: str, *, where: str | None = None, when: str | None = None, result: Any = None) -> None:
+    def __init__(
+        self, message: str, *, where: str | None = None, when: str | None = None, result: Any = None
+    ) -> None:
         self.where, self.when, self.result = where, when, result
         text = message
         if where is not None:

@@ -94,8 +94,12 @@ def _ranks():
     """The one pool of a program: mpi4py initialises ranks once, and closes them when the program ends."""
     from mpi4py import MPI, futures
 
-    if MPI.COMM_WORLD.size < 2 or "mpi4py.run" not in sys.modules:  # which -m mpi4py.futures imports
-        message = "goes with mpiexec -n RANKS python -m mpi4py.futures -m weavecell ..., 2 ranks or more"
+    if (
+        MPI.COMM_WORLD.size < 2 or "mpi4py.run" not in sys.modules
+    ):  # which -m mpi4py.futures imports
+        message = (
+            "goes with mpiexec -n RANKS python -m mpi4py.futures -m weavecell ..., 2 ranks or more"
+        )
         raise InputError(message, key="--executor", value="mpi")
     return futures.MPIPoolExecutor(initializer=start_worker)
 
@@ -111,7 +115,9 @@ def _client():
     raise InputError(message, key="--executor", value="dask")
 
 
-def as_done(executor: Executor, function: Callable, arguments: Sequence[tuple]) -> Iterator[tuple[int, Any]]:
+def as_done(
+    executor: Executor, function: Callable, arguments: Sequence[tuple]
+) -> Iterator[tuple[int, Any]]:
     """(index, result) of function(*row) for each row of `arguments`, as they end, until the first exception."""
     if isinstance(executor, InProcess):
         yield from ((index, function(*row)) for index, row in enumerate(arguments))

@@ -79,7 +79,9 @@ class Fabric:
         positive(self, "failure_length")
         if self.section is not None and self.section not in SECTIONS:
             raise InputError(
-                key="section", value=self.section, allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}"
+                key="section",
+                value=self.section,
+                allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}",
             )
         for family, width in zip(("warp", "weft"), self.yarn_width):
             if width is not None and not width > 0:
@@ -108,7 +110,8 @@ class Fabric:
         """
         pairs = {name: pair(value) for name, value in values.items()}
         warp, weft = (
-            replace(yarn, **{name: two[k] for name, two in pairs.items()}) for k, yarn in enumerate(self.weave.yarns)
+            replace(yarn, **{name: two[k] for name, two in pairs.items()})
+            for k, yarn in enumerate(self.weave.yarns)
         )
         return replace(self, weave=replace(self.weave, warp=warp, weft=weft))
 
@@ -148,8 +151,15 @@ class Fabric:
         """
         warp, weft = (yarn.woven(damage) for yarn in self.weave.yarns)
         entry = {"source": damage.source, "status": damage.status}
-        sources = {f"weaving_damage.{key}": {"value": getattr(damage, key), **entry} for key in ("modulus", "strength")}
-        return replace(self, weave=replace(self.weave, warp=warp, weft=weft), sources={**self.sources, **sources})
+        sources = {
+            f"weaving_damage.{key}": {"value": getattr(damage, key), **entry}
+            for key in ("modulus", "strength")
+        }
+        return replace(
+            self,
+            weave=replace(self.weave, warp=warp, weft=weft),
+            sources={**self.sources, **sources},
+        )
 
 
 def pair(value: float | Iterable[float]) -> tuple[float, float]:

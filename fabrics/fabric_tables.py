@@ -16,10 +16,31 @@ from fabrics.errors import InputError, nearest, together
 from fabrics.schema import Table, described, one_of, string
 from fabrics.units import example, in_one_of, si
 
-STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")  # of the data of a fabric
+STATUSES = (
+    "measured",
+    "computed",
+    "fitted",
+    "derived",
+    "assumed",
+    "corrected",
+    "user",
+)  # of the data of a fabric
 OF_YARNS = ("modulus", "failure_strain", "strength", "tenacity", "crimp")
 # numbers that may have a range
-RANGED = (*OF_YARNS, "failure_length", "G1", "G2", "gamma1", "gamma2", "E_a", "E_c", "K_r", "K_G", "V_c", "Vf0")
+RANGED = (
+    *OF_YARNS,
+    "failure_length",
+    "G1",
+    "G2",
+    "gamma1",
+    "gamma2",
+    "E_a",
+    "E_c",
+    "K_r",
+    "K_G",
+    "V_c",
+    "Vf0",
+)
 ENTRY = ("value", "low", "high", "source", "status")  # keys of a number
 FAMILIES = ("warp", "weft")
 FIBRES = ("para-aramid", "UHMWPE", "E-glass")  # names of `fabrics.families`
@@ -92,13 +113,19 @@ class Quantity:
         written, ratios = str(entry["value"]), None
         if "low" in entry or "high" in entry:
             if info.field_name not in RANGED:
-                raise InputError(key="low", value=entry.get("low"), allowed=f"left out but of {', '.join(RANGED)}")
+                raise InputError(
+                    key="low",
+                    value=entry.get("low"),
+                    allowed=f"left out but of {', '.join(RANGED)}",
+                )
             same = replace(self, bounds={unit: self.bounds[unit]})
             low, high = (same.read(entry.get(key), key=key)[0] for key in ("low", "high"))
             for key, fits in (("low", 0 < low <= number), ("high", high >= number)):
                 if not fits:
                     allowed = "above 0 and at most value" if key == "low" else "at least value"
-                    raise InputError(key=key, value=entry[key], allowed=f"{allowed}, {entry['value']}")
+                    raise InputError(
+                        key=key, value=entry[key], allowed=f"{allowed}, {entry['value']}"
+                    )
             ratios = low / number, high / number
             written += f" ({entry['low']} .. {entry['high']})"
         return Datum(number, unit, written, entry.get("source", ""), status, sourced, ratios)
@@ -150,34 +177,58 @@ class YarnTable(DataTable):
     """A yarn family, [warp] or [weft]."""
 
     fibre_density: _data("density of the fibre", "1.44 g/cm^3", {"kg/m^3": "0.5 to 23 g/cm^3"})
-    modulus: _data("axial modulus of the fibre", "90 GPa", {"Pa": "1 to 1000 GPa", "N/(kg/m)": "0.5 to 500 N/tex"})
+    modulus: _data(
+        "axial modulus of the fibre",
+        "90 GPa",
+        {"Pa": "1 to 1000 GPa", "N/(kg/m)": "0.5 to 500 N/tex"},
+    )
     linear_density: _data(
-        "mass per length of the yarn; needed without axial_stiffness", "1100 dtex", {"kg/m": "5 to 100000 dtex"}
+        "mass per length of the yarn; needed without axial_stiffness",
+        "1100 dtex",
+        {"kg/m": "5 to 100000 dtex"},
     ) = None
     effective_linear_density: _data(
-        "linear density of the runs of the thesis (erratum E-07)", "1100 dtex", {"kg/m": "5 to 100000 dtex"}
+        "linear density of the runs of the thesis (erratum E-07)",
+        "1100 dtex",
+        {"kg/m": "5 to 100000 dtex"},
     ) = None
     failure_strain: _data(
-        "failure strain of the fibre; needed without strength and tenacity", "3.3 %", {"": "0.1 to 50 %"}
+        "failure strain of the fibre; needed without strength and tenacity",
+        "3.3 %",
+        {"": "0.1 to 50 %"},
     ) = None
     crimp: _data(
-        "yarn length over length of fabric, minus one; needed without thickness", "1.2 %", {"": "0 to 50 %"}
+        "yarn length over length of fabric, minus one; needed without thickness",
+        "1.2 %",
+        {"": "0 to 50 %"},
     ) = None
     count: _data("yarns per width of fabric", "8.5 / cm", {"1/m": "0.5 to 100 / cm"})
     strength: _data(
-        "of one yarn, or a stress of the fibre", "220 N", {"N": "0.1 to 100000 N", "Pa": "0.1 to 20 GPa"}
+        "of one yarn, or a stress of the fibre",
+        "220 N",
+        {"N": "0.1 to 100000 N", "Pa": "0.1 to 20 GPa"},
     ) = None
-    tenacity: _data("strength over linear density", "2350 mN/tex", {"N/(kg/m)": "0.05 to 10 N/tex"}) = None
-    width: _data("width of the yarn in the fabric, across its family", "1.1 mm", {"m": "0.02 to 20 mm"}) = None
-    section_area: _data("area of the yarn's section", "0.11 mm^2", {"m^2": "0.0001 to 100 mm^2"}) = None
+    tenacity: _data(
+        "strength over linear density", "2350 mN/tex", {"N/(kg/m)": "0.05 to 10 N/tex"}
+    ) = None
+    width: _data(
+        "width of the yarn in the fabric, across its family", "1.1 mm", {"m": "0.02 to 20 mm"}
+    ) = None
+    section_area: _data(
+        "area of the yarn's section", "0.11 mm^2", {"m^2": "0.0001 to 100 mm^2"}
+    ) = None
     axial_stiffness: _data(
-        "force per strain of a yarn, in place of linear_density", "38000 N", {"N": "1 to 10000000 N"}
+        "force per strain of a yarn, in place of linear_density",
+        "38000 N",
+        {"N": "1 to 10000000 N"},
     ) = None
 
     @model_validator(mode="after")
     def _of_one_mass_and_one_strength(self):
         if self.axial_stiffness is not None:
-            self.refuse("linear_density effective_linear_density", "left out beside axial_stiffness")
+            self.refuse(
+                "linear_density effective_linear_density", "left out beside axial_stiffness"
+            )
         elif self.linear_density is None:
             raise self._missing("linear_density")
         if self.strength is not None and self.tenacity is not None:
@@ -242,7 +293,10 @@ def _table(kind):
 def _yarn(family):
     """The type of the table of a family, which messages write as a heading."""
     return Annotated[
-        YarnTable, Field(description="a table with the yarn's data", json_schema_extra={"heading": f"[{family}]"})
+        YarnTable,
+        Field(
+            description="a table with the yarn's data", json_schema_extra={"heading": f"[{family}]"}
+        ),
     ]
 
 
@@ -274,7 +328,9 @@ def _of_both(value):
 def _both(table, pair):
     """The type of a table for both yarns, or of one each under warp and weft."""
     kinds = Annotated[table, Tag("inline")] | Annotated[pair, Tag("pair")]
-    return Annotated[Annotated[kinds, Discriminator(_of_both)] | None, Field(description=_keys(table))]
+    return Annotated[
+        Annotated[kinds, Discriminator(_of_both)] | None, Field(description=_keys(table))
+    ]
 
 
 class FabricFile(DataTable):
@@ -283,7 +339,9 @@ class FabricFile(DataTable):
     name: string("name of the fabric", "a text") = None
     section: string("shape of the yarns' sections in the 3D crossover", "a text") = None
     interlayer_gap: _data(
-        "approach of neighbouring plies of a pack in a test up to 19.4 MPa", "0.1 mm", {"m": "0 to 5 mm"}
+        "approach of neighbouring plies of a pack in a test up to 19.4 MPa",
+        "0.1 mm",
+        {"m": "0 to 5 mm"},
     ) = None
     areal_density: _data(
         "of the data sheet; checked against counts, linear densities and crimp",
@@ -291,13 +349,19 @@ class FabricFile(DataTable):
         {"kg/m^2": "5 to 5000 g/m^2"},
     ) = None
     areal_density_measured: _data(
-        "of Kevlar 129, for the pressure law of thesis eq. 2-6", "200 g/m^2", {"kg/m^2": "5 to 5000 g/m^2"}
+        "of Kevlar 129, for the pressure law of thesis eq. 2-6",
+        "200 g/m^2",
+        {"kg/m^2": "5 to 5000 g/m^2"},
     ) = None
     thickness: _data(
-        "of the data sheet; crimp that is missing is computed from it", "0.30 mm", {"m": "0.02 to 5 mm"}
+        "of the data sheet; crimp that is missing is computed from it",
+        "0.30 mm",
+        {"m": "0.02 to 5 mm"},
     ) = None
     failure_length: _data(
-        "half width, across the fibres, of the mean of the tension that fails a yarn", "0.75 mm", {"m": "0.01 to 10 mm"}
+        "half width, across the fibres, of the mean of the tension that fails a yarn",
+        "0.75 mm",
+        {"m": "0.01 to 10 mm"},
     ) = None
     family: one_of(
         "fibre family whose laws are assumed; with wider ranges where modulus and fibre density are of another fibre",

@@ -112,7 +112,9 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
         with h5py.File(path, "r") as file:
             found = file.attrs.get("format")
             if found not in formats:
-                raise InputError(file=path, key="format", value=found, allowed=" or ".join(map(repr, formats)))
+                raise InputError(
+                    file=path, key="format", value=found, allowed=" or ".join(map(repr, formats))
+                )
             yield file
     except (OSError, KeyError) as problem:
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
@@ -133,12 +135,20 @@ def read_csv(path: FilePath, what: str) -> list[tuple[int, list[str]]]:
     """
     try:
         text = enumerate(Path(path).read_text(encoding="utf-8-sig").splitlines(), 1)
-        numbered = [(n, line) for n, line in text if line.strip("; ,") and not line.lstrip().startswith("#")]
+        numbered = [
+            (n, line) for n, line in text if line.strip("; ,") and not line.lstrip().startswith("#")
+        ]
         separator = ";" if numbered and ";" in numbered[0][1] else ","
-        texts = csv.reader([line for _, line in numbered], delimiter=separator, skipinitialspace=True)
+        texts = csv.reader(
+            [line for _, line in numbered], delimiter=separator, skipinitialspace=True
+        )
         rows = [(n, [cell.strip() for cell in cells]) for (n, _), cells in zip(numbered, texts)]
     except (OSError, UnicodeDecodeError, csv.Error) as problem:
-        why = "not UTF-8 text" if isinstance(problem, UnicodeDecodeError) else getattr(problem, "strerror", problem)
+        why = (
+            "not UTF-8 text"
+            if isinstance(problem, UnicodeDecodeError)
+            else getattr(problem, "strerror", problem)
+        )
         raise InputError("cannot be read", file=path, allowed=f"{what} ({why})") from problem
     columns = max((n for n, cell in enumerate(rows[0][1], 1) if cell), default=0) if rows else 0
     for _, cells in rows:
@@ -195,5 +205,7 @@ def _row(number, cells, count, path):
     if len(values) != count:
         allowed_text = "two numbers" if count == 2 else f"{count} numbers"
         line = ", ".join(cells)
-        raise InputError(decimal_comma(cells), file=path, key=f"line {number}", value=line, allowed=allowed_text)
+        raise InputError(
+            decimal_comma(cells), file=path, key=f"line {number}", value=line, allowed=allowed_text
+        )
     return values

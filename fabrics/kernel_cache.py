@@ -42,7 +42,9 @@ MODELS = {
 # folders that define the named tuples which kernels take: their layout is part of every digest
 TUPLES = ("shellfabric", "unitcell3d", "validation/models")
 ROOT = Path(__file__).parents[1]
-IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE)  # kernels import at the head of their file
+IMPORT = re.compile(
+    r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE
+)  # kernels import at the head of their file
 PAUSE = 3.0  # [s] without compiling, after which kernels of the same folder are announced again
 _announced: set[str] = set()  # folders, since the last pause
 _last = 0.0  # [s] when something was compiled last
@@ -193,10 +195,16 @@ def named_tuples(content: bytes) -> bytes:
         return b""
     definitions = []
     for node in ast.walk(ast.parse(content)):
-        if isinstance(node, ast.ClassDef) and any(ast.unparse(base).endswith("NamedTuple") for base in node.bases):
+        if isinstance(node, ast.ClassDef) and any(
+            ast.unparse(base).endswith("NamedTuple") for base in node.bases
+        ):
             definitions.append(ast.dump(node))
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("namedtuple", "NamedTuple")):
-            if any(isinstance(part, ast.Name) for argument in node.args for part in ast.walk(argument)):
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(
+            ("namedtuple", "NamedTuple")
+        ):
+            if any(
+                isinstance(part, ast.Name) for argument in node.args for part in ast.walk(argument)
+            ):
                 return content
             definitions.append(ast.dump(node))
     return "\n".join(definitions).encode()

@@ -112,7 +112,9 @@ def load(name: str) -> Isotropic:
 def of_table(table: Mapping[str, Mapping[str, str]], file: FilePath) -> Isotropic:
     """The material of {key: {"value": its text, ...}}, as data files have it; keys left out have their defaults."""
     read = {
-        key: si(plain(table[key]["value"]), unit, file=file, key=key) for key, unit in _UNITS.items() if key in table
+        key: si(plain(table[key]["value"]), unit, file=file, key=key)
+        for key, unit in _UNITS.items()
+        if key in table
     }
     return Isotropic(**read, erosion_strain=float(table["erosion_strain"]["value"]))
 

@@ -31,7 +31,9 @@ from fabrics.units import si
 _LAW = Path(__file__).parent / "pressure_law.toml"
 _UNITS = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
 FEWEST = 5
-PLATEN_PRESSURE = 7000 / 0.019**2  # [Pa] highest of the tests of plies and packs: 7 kN on 19 mm x 19 mm
+PLATEN_PRESSURE = (
+    7000 / 0.019**2
+)  # [Pa] highest of the tests of plies and packs: 7 kN on 19 mm x 19 mm
 SAMPLES = 24
 
 
@@ -60,8 +62,14 @@ class PlateCurve:
         for key in ("pressure", "closure"):
             column = getattr(self, key)
             if not np.all(np.isfinite(column)) or not np.all(np.diff(column) > 0):
-                row = int(np.argmin(np.diff(column) > 0)) + 2 if np.all(np.isfinite(column)) else None
-                raise InputError(key=key, value=f"row {row}" if row else "not finite", allowed="finite and rising")
+                row = (
+                    int(np.argmin(np.diff(column) > 0)) + 2 if np.all(np.isfinite(column)) else None
+                )
+                raise InputError(
+                    key=key,
+                    value=f"row {row}" if row else "not finite",
+                    allowed="finite and rising",
+                )
         if not self.pressure[0] > 0:
             raise InputError(key="pressure", value=float(self.pressure[0]), allowed="positive")
 
@@ -86,9 +94,13 @@ class PlateCurve:
         packs = content.pop("plies")
         if plies != 1:
             if str(plies) not in packs:
-                raise InputError(key="plies", value=plies, allowed="1, 4, 8 or 16, of which packs were tested")
+                raise InputError(
+                    key="plies", value=plies, allowed="1, 4, 8 or 16, of which packs were tested"
+                )
             content |= packs[str(plies)]
-        law = {key: si(content[key]["value"], unit, file=_LAW, key=key) for key, unit in _UNITS.items()}
+        law = {
+            key: si(content[key]["value"], unit, file=_LAW, key=key) for key, unit in _UNITS.items()
+        }
         K = law["c1"] * areal_density**3 + law["c2"]
         if not K > 0:
             allowed = f"above {(-law['c2'] / law['c1']) ** (1 / 3):.4f} kg/m2, where K'' vanishes"
@@ -96,7 +108,11 @@ class PlateCurve:
         pressure = np.geomspace(law["start"], law["peak"], SAMPLES) / law["platen"] ** 2
         closure = np.cbrt(K) * (pressure[0] ** (-1 / 3) - pressure ** (-1 / 3))
         pack = "" if plies == 1 else f", {plies} plies (Table 2-2)"
-        return cls(pressure, closure, f"pressure law of thesis eq. 2-6 at {1e3 * areal_density:.1f} g/m2{pack}")
+        return cls(
+            pressure,
+            closure,
+            f"pressure law of thesis eq. 2-6 at {1e3 * areal_density:.1f} g/m2{pack}",
+        )
 
     @classmethod
     def read(cls, path: FilePath) -> PlateCurve:
@@ -113,11 +129,15 @@ class PlateCurve:
             what="a plate curve",
             content="a plate curve: pressure and thickness or closure",
             heading="pressure, thickness or closure with its unit, such as pressure [MPa]",
-            accepts=lambda names: sorted(names) in (["closure", "pressure"], ["pressure", "thickness"]),
+            accepts=lambda names: (
+                sorted(names) in (["closure", "pressure"], ["pressure", "thickness"])
+            ),
             columns="pressure, and thickness or closure",
         )
         closure = column["closure"] if "closure" in column else -column["thickness"]
         try:
             return cls(column["pressure"], closure - closure[:1].sum(), path.name)
         except InputError as problem:
-            raise InputError(file=path, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+            raise InputError(
+                file=path, key=problem.key, value=problem.value, allowed=problem.allowed
+            ) from None

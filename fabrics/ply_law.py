@@ -41,7 +41,9 @@ TESTED = 4  # plies of the packs that the thesis takes the contact of plies from
 _TABLE = ("closure", "pressure", "source", "status")
 UNITS = {"closure": "m", "pressure": "Pa"}
 
-SOLID_TRAVEL = 1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway
+SOLID_TRAVEL = (
+    1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,15 +75,23 @@ class PlyLaw:
             column = np.asarray(getattr(self, key), float)
             object.__setattr__(self, key, column)
             if column.ndim != 1 or column.size < 2 or column.size != len(self.closure):
-                raise InputError(key=key, value=f"{column.size} values", allowed="at least 2, as many of both")
+                raise InputError(
+                    key=key, value=f"{column.size} values", allowed="at least 2, as many of both"
+                )
             if not np.all(np.isfinite(column)) or column[0] != 0 or not np.all(np.diff(column) > 0):
                 row = 1 if column[0] != 0 else int(np.argmin(np.diff(column) > 0)) + 2
                 raise InputError(
-                    key=key, value=f"row {row}", allowed="finite, 0 in the first row and rising from row to row"
+                    key=key,
+                    value=f"row {row}",
+                    allowed="finite, 0 in the first row and rising from row to row",
                 )
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, PlyLaw) and self.table() == other.table() and self.stiffness == other.stiffness
+        return (
+            isinstance(other, PlyLaw)
+            and self.table() == other.table()
+            and self.stiffness == other.stiffness
+        )
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -121,9 +131,15 @@ class PlyLaw:
         """
         family = family_of(fabric)
         if family is None or family.of_others or family.name != "para-aramid":
-            raise InputError(key="ply_contact", value="pressure_law", allowed="of para-aramid yarns, which were tested")
+            raise InputError(
+                key="ply_contact",
+                value="pressure_law",
+                allowed="of para-aramid yarns, which were tested",
+            )
         if fabric.areal_density_measured is None:
-            raise InputError(f"fabric {fabric.name} has no areal_density_measured, which the pressure law needs")
+            raise InputError(
+                f"fabric {fabric.name} has no areal_density_measured, which the pressure law needs"
+            )
         pressure, closure = between_plies(fabric.areal_density_measured)
         source = f"pressure law of packs, thesis eqs. 5-1 to 5-4, at {1e3 * fabric.areal_density_measured:.1f} g/m2"
         return cls(closure, pressure - pressure[0], cls.solid(fabric).stiffness, source, "fitted")
@@ -156,10 +172,15 @@ class PlyLaw:
         content = _content(path)
         table, stated = content.get("ply_contact"), content.get("fabric", "")
         if table is None:
-            raise InputError("has no ply_contact", file=path, allowed="a law of `weavecell calibrate`")
+            raise InputError(
+                "has no ply_contact", file=path, allowed="a law of `weavecell calibrate`"
+            )
         if stated not in ("", fabric.name):
             raise InputError(
-                file=path, key="fabric", value=stated, allowed=f"{fabric.name}, or a CSV file of its curve"
+                file=path,
+                key="fabric",
+                value=stated,
+                allowed=f"{fabric.name}, or a CSV file of its curve",
             )
         return cls.from_table(table, fabric, path)
 
@@ -181,9 +202,13 @@ class PlyLaw:
         ------
         InputError : as `read`
         """
-        if not isinstance(table, Mapping) or not (set(table) <= set(_TABLE) or set(table) == {"file"}):
+        if not isinstance(table, Mapping) or not (
+            set(table) <= set(_TABLE) or set(table) == {"file"}
+        ):
             wrong = ", ".join(table) if isinstance(table, Mapping) else table
-            raise InputError(file=file, key="ply_contact", value=wrong, allowed=f"file, or {', '.join(_TABLE)}")
+            raise InputError(
+                file=file, key="ply_contact", value=wrong, allowed=f"file, or {', '.join(_TABLE)}"
+            )
         if set(table) == {"file"}:
             return cls.read(Path(file).parent / str(table["file"]), fabric)
         columns = {}
@@ -191,21 +216,32 @@ class PlyLaw:
             texts = table.get(key)
             name = f"ply_contact.{key}"
             if not isinstance(texts, list):
-                raise InputError(file=file, key=name, value=texts, allowed=f'a list of texts such as "1 {unit}"')
+                raise InputError(
+                    file=file, key=name, value=texts, allowed=f'a list of texts such as "1 {unit}"'
+                )
             columns[key] = np.array([si(text, unit, file=file, key=name) for text in texts])
-        return cls._checked(columns, table.get("source", Path(file).name), table.get("status", "user"), fabric, file)
+        return cls._checked(
+            columns, table.get("source", Path(file).name), table.get("status", "user"), fabric, file
+        )
 
     @classmethod
     def _checked(cls, columns, source, status, fabric, file, where="ply_contact."):
         """A law whose errors name the file."""
         if status not in STATUSES:
-            raise InputError(file=file, key=f"{where}status", value=status, allowed=f"one of {', '.join(STATUSES)}")
+            raise InputError(
+                file=file,
+                key=f"{where}status",
+                value=status,
+                allowed=f"one of {', '.join(STATUSES)}",
+            )
         stiffness = cls.solid(fabric).stiffness
         try:
             return cls(columns["closure"], columns["pressure"], stiffness, source, status)
         except InputError as problem:
             key = f"{where}{problem.key}"
-            raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+            raise InputError(
+                file=file, key=key, value=problem.value, allowed=problem.allowed
+            ) from None
 
     def words(self) -> str:
         """Travel, pressure at its end, and stiffness beyond, for the reader."""
@@ -242,7 +278,9 @@ class PlyLaw:
             for length, yarn, law in zip(weave.S0, weave.yarns, laws)
         )
         samples = np.array([0.0, SOLID_TRAVEL])
-        return cls(samples, samples / give, 1 / give, "solid fibre, E_c rho_f / areal density", "assumed")
+        return cls(
+            samples, samples / give, 1 / give, "solid fibre, E_c rho_f / areal density", "assumed"
+        )
 
     def between(self, other: PlyLaw) -> PlyLaw:
         """The law of a ply of this fabric on one of another: half of the closure of each at every pressure."""
@@ -251,7 +289,11 @@ class PlyLaw:
         pressure = np.union1d(self.pressure, other.pressure)
         closure = 0.5 * (self.closure_at(pressure) + other.closure_at(pressure))
         stiffness = 2 / (1 / self.stiffness + 1 / other.stiffness)
-        source = self.source if self.source == other.source else f"half each: {self.source}; {other.source}"
+        source = (
+            self.source
+            if self.source == other.source
+            else f"half each: {self.source}; {other.source}"
+        )
         status = self.status if self.status == other.status else f"{self.status}, {other.status}"
         return PlyLaw(closure, pressure, stiffness, source, status)
 
@@ -297,7 +339,9 @@ def _content(path):
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as problem:
-        raise InputError("cannot be read", file=path, allowed=f"a law of `weavecell calibrate` ({problem})") from None
+        raise InputError(
+            "cannot be read", file=path, allowed=f"a law of `weavecell calibrate` ({problem})"
+        ) from None
     return content if isinstance(content, dict) else {}
 
 

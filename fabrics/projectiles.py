@@ -52,7 +52,8 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
         own: dict[str, Any] = {"shape": "flat"} | read_toml(path, what="projectile")[1]
         sole = {"source": path.name, "status": "user"}
         return own.pop("shape"), {
-            one: sole | (value if isinstance(value, dict) else {"value": value}) for one, value in own.items()
+            one: sole | (value if isinstance(value, dict) else {"value": value})
+            for one, value in own.items()
         }
     known = list_names()
     if name not in known:
@@ -62,7 +63,11 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
 
 
 def table(
-    name: str, given: Mapping[str, Any] | None = None, *, file: FilePath | None = None, key: str = "name"
+    name: str,
+    given: Mapping[str, Any] | None = None,
+    *,
+    file: FilePath | None = None,
+    key: str = "name",
 ) -> dict[str, Any]:
     """The table [projectile] of a projectile: its name and data, over which goes what is `given`.
 
@@ -78,4 +83,8 @@ def table(
     taken = [one for one in data if one != "mass_tolerance"]
     if chosen != shape:
         taken = [one for one in taken if one in _OF_SHAPE.get(chosen, _OF_ANY_NOSE)]
-    return {"name": name, "shape": shape} | {one: data[one].get("value") for one in taken} | dict(given)
+    return (
+        {"name": name, "shape": shape}
+        | {one: data[one].get("value") for one in taken}
+        | dict(given)
+    )

@@ -49,9 +49,16 @@ class Record:
         """One row per state; a column of several numbers per state gives one for each, name_0, name_1, ..."""
         from pandas import DataFrame
 
-        flat = {name: np.reshape(values, (len(values), -1)).T for name, values in self.columns.items()}
-        ends = {name: [""] if np.ndim(self[name]) == 1 else [f"_{k}" for k in range(len(flat[name]))] for name in flat}
-        return DataFrame({name + end: part for name in flat for end, part in zip(ends[name], flat[name])})
+        flat = {
+            name: np.reshape(values, (len(values), -1)).T for name, values in self.columns.items()
+        }
+        ends = {
+            name: [""] if np.ndim(self[name]) == 1 else [f"_{k}" for k in range(len(flat[name]))]
+            for name in flat
+        }
+        return DataFrame(
+            {name + end: part for name in flat for end, part in zip(ends[name], flat[name])}
+        )
 
     def to_xarray(self, *dimensions: str) -> Dataset:
         """The columns as variables over `dimensions` ("row" without), with units; further axes are name_1, ..."""
@@ -61,7 +68,10 @@ class Record:
         return Dataset(
             {
                 name: (
-                    [*named[: np.ndim(values)], *(f"{name}_{axis}" for axis in range(len(named), np.ndim(values)))],
+                    [
+                        *named[: np.ndim(values)],
+                        *(f"{name}_{axis}" for axis in range(len(named), np.ndim(values))),
+                    ],
                     values,
                     {"units": self.unit(name), "long_name": self.meanings[name].partition("] ")[2]},
                 )
@@ -101,7 +111,9 @@ class Record:
         with read_hdf5(path, FORMAT, what="record") as file:
             return cls(
                 columns={name: values[:] for name, values in file["columns"].items()},
-                meanings={name: str(values.attrs["meaning"]) for name, values in file["columns"].items()},
+                meanings={
+                    name: str(values.attrs["meaning"]) for name, values in file["columns"].items()
+                },
                 facts=dict(file["facts"].attrs),
                 last={name: values[:] for name, values in file.get("last", {}).items()},
                 failed=str(file.attrs["failed"]),

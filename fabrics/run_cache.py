@@ -36,7 +36,10 @@ from fabrics.kernel_cache import digest
 
 ROOT = Path(__file__).parents[1]
 LIBRARIES = ("fabrics", "meshing", "unitcell3d", "shellfabric")
-COMPUTING = ("scenes", "studies")  # folders of weavecell whose code counts beside that of a module's own folder
+COMPUTING = (
+    "scenes",
+    "studies",
+)  # folders of weavecell whose code counts beside that of a module's own folder
 SUFFIXES = (".py", ".toml", ".json", ".csv")
 _SHORT = 12  # digits of the code's digest that messages show
 
@@ -61,11 +64,16 @@ def files_of(*modules: str) -> list[Path]:
         if package == "weavecell":
             folders |= {ROOT / package / name for name in (*COMPUTING, *inner[:-1])}
         elif (ROOT / package / "__init__.py").is_file():
-            folders |= {ROOT / package, *(ROOT / "weavecell" / name for name in COMPUTING if package == "validation")}
+            folders |= {
+                ROOT / package,
+                *(ROOT / "weavecell" / name for name in COMPUTING if package == "validation"),
+            }
         else:
             files.add(Path(str(sys.modules[module].__file__)))
     files |= {file for folder in folders for file in folder.rglob("*") if file.suffix in SUFFIXES}
-    return sorted(f for f in files if not (f.stem.startswith("pictures") or f.match("validation/studies/*")))
+    return sorted(
+        f for f in files if not (f.stem.startswith("pictures") or f.match("validation/studies/*"))
+    )
 
 
 def version(*modules: str) -> str:
@@ -75,7 +83,9 @@ def version(*modules: str) -> str:
 
 def key(inputs: object, *modules: str) -> str:
     """Name of a result: digest of the inputs, of the version and of the code of the modules that compute it."""
-    return hashlib.sha256(f"{inputs_digest(inputs)} {__version__} {code(*modules)}".encode()).hexdigest()[:32]
+    return hashlib.sha256(
+        f"{inputs_digest(inputs)} {__version__} {code(*modules)}".encode()
+    ).hexdigest()[:32]
 
 
 def inputs_digest(inputs: object) -> str:

@@ -19,7 +19,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo, WithJsonSchema
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    WithJsonSchema,
+)
 from pydantic.fields import FieldInfo
 
 from fabrics.checks import FilePath
@@ -36,7 +44,9 @@ class Table(BaseModel):
 
     def sets(self, key: str) -> bool:
         """Whether a key is set to something other than its default."""
-        return getattr(self, key) != type(self).model_fields[key].get_default(call_default_factory=True)
+        return getattr(self, key) != type(self).model_fields[key].get_default(
+            call_default_factory=True
+        )
 
     def refuse(self, keys: str, allowed: str) -> None:
         """InputError of the first of some keys, in one text, that is set to something other than its default."""
@@ -54,18 +64,24 @@ class Table(BaseModel):
 Kind = TypeVar("Kind", bound=Table)
 
 
-def described(meaning: str, allowed: str, unit: str | None = None, example: Any = None, **limits: Any) -> Any:
+def described(
+    meaning: str, allowed: str, unit: str | None = None, example: Any = None, **limits: Any
+) -> Any:
     """A Field whose `title` is what the key means, its `description` what is allowed, its extra "unit" the SI unit.
 
     `unit` is None of what is no quantity; `example` is as it stands in a file.
     """
     extra: Any = None if unit is None else {"unit": unit or "1"}
     examples = None if example is None else [example]
-    return Field(title=meaning, description=allowed, examples=examples, json_schema_extra=extra, **limits)
+    return Field(
+        title=meaning, description=allowed, examples=examples, json_schema_extra=extra, **limits
+    )
 
 
 TEXT = {"type": "string"}
-TEXT_OR_TWO = {"anyOf": [TEXT, {"type": "array", "prefixItems": [TEXT, TEXT], "minItems": 2, "maxItems": 2}]}
+TEXT_OR_TWO = {
+    "anyOf": [TEXT, {"type": "array", "prefixItems": [TEXT, TEXT], "minItems": 2, "maxItems": 2}]
+}
 
 
 def from_text(
@@ -99,7 +115,9 @@ def reader(info: ValidationInfo) -> Callable[[Any, str], float]:
     """What makes a float in a SI unit of a text; of what is given in Python also of a plain number."""
 
     def read(value, unit):
-        number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+        number = (
+            isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+        )
         return float(value) if number and in_python(info) else si(value, unit)
 
     return read
@@ -120,7 +138,13 @@ _KINDS = {
 
 
 def quantity(
-    meaning: str, unit: str, example: str, *, zero: bool = False, most: str | None = None, kind: str | None = None
+    meaning: str,
+    unit: str,
+    example: str,
+    *,
+    zero: bool = False,
+    most: str | None = None,
+    kind: str | None = None,
 ) -> Any:
     """A float in SI `unit`, written as text: above 0, or of at least 0 where `zero`, and at most `most`.
 
@@ -162,7 +186,9 @@ def quantities(meaning: str, unit: str, what: str, example: str) -> Any:
 
     written = {"type": "array", "items": TEXT}
     allowed = f"{what}, such as {example}"
-    return from_text(tuple[float, ...], convert, meaning, allowed, unit, json.loads(example), written)
+    return from_text(
+        tuple[float, ...], convert, meaning, allowed, unit, json.loads(example), written
+    )
 
 
 def number(meaning: str, example: float, **limits: Any) -> Any:
@@ -183,12 +209,19 @@ def number(meaning: str, example: float, **limits: Any) -> Any:
 
 def whole(meaning: str, low: int, high: int, example: int = 2) -> Any:
     """A whole number from `low` to `high`."""
-    return Annotated[int, described(meaning, f"a whole number from {low} to {high}", example=example, ge=low, le=high)]
+    return Annotated[
+        int,
+        described(
+            meaning, f"a whole number from {low} to {high}", example=example, ge=low, le=high
+        ),
+    ]
 
 
 def one_of(meaning: str, *names: str) -> Any:
     """One of some texts."""
-    return Annotated[Literal[names], described(meaning, f"one of {_quoted(names)}", example=names[-1])]
+    return Annotated[
+        Literal[names], described(meaning, f"one of {_quoted(names)}", example=names[-1])
+    ]
 
 
 def some_of(meaning: str, *names: str) -> Any:
@@ -222,7 +255,9 @@ def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
     try:
         text = path.read_bytes().decode("utf-8")
     except OSError as problem:
-        raise InputError(f"the {what} file cannot be read ({problem.strerror})", file=path) from None
+        raise InputError(
+            f"the {what} file cannot be read ({problem.strerror})", file=path
+        ) from None
     except UnicodeDecodeError:
         raise InputError(f"the {what} file is not UTF-8 text", file=path) from None
     try:
@@ -253,7 +288,9 @@ def _problems(found, model, given, file):
     problems: dict[str, InputError] = {}
     meant = set()
 
-    for error in sorted(found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"):
+    for error in sorted(
+        found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"
+    ):
         names, field, table = _locate(model, error["loc"])
         key, cause = ".".join(names), error.get("ctx", {}).get("error")
         if error["type"] == "extra_forbidden":
@@ -269,8 +306,12 @@ def _problems(found, model, given, file):
         elif isinstance(cause, InputError):
             for one in getattr(cause, "problems", (cause,)):
                 key = ".".join(filter(None, (*names, one.key)))
-                value = written(given, key) if one.message is None and one.value is None else one.value
-                line = InputError(one.message, file=file, key=key or None, value=value, allowed=one.allowed)
+                value = (
+                    written(given, key) if one.message is None and one.value is None else one.value
+                )
+                line = InputError(
+                    one.message, file=file, key=key or None, value=value, allowed=one.allowed
+                )
                 problems.setdefault(key, line)
             continue
         else:
@@ -284,8 +325,14 @@ def _locate(model, location):
     names, field, table = [], None, model
     for step in location:
         tables = [model] if field is None else list(tables_in(field.annotation))
-        inner = next((one for one in tables if step in one.model_fields), tables[0] if tables else None)
-        if isinstance(step, int) or step in ("text", "inline", "pair"):  # list index, tag of a union
+        inner = next(
+            (one for one in tables if step in one.model_fields), tables[0] if tables else None
+        )
+        if isinstance(step, int) or step in (
+            "text",
+            "inline",
+            "pair",
+        ):  # list index, tag of a union
             continue
         if inner is None:
             break
@@ -316,7 +363,11 @@ def changed(scene: Table, prefix: str = "") -> Iterator[str]:
         if name not in scene.model_fields_set:
             continue
         value, key = getattr(scene, name), prefix + name
-        inner = [part for part in (value if isinstance(value, tuple) else (value,)) if isinstance(part, Table)]
+        inner = [
+            part
+            for part in (value if isinstance(value, tuple) else (value,))
+            if isinstance(part, Table)
+        ]
         found = [below for part in inner for below in changed(part, f"{key}.")]
         yield from dict.fromkeys(found)
         differs = entry.is_required() or value != entry.get_default(call_default_factory=True)

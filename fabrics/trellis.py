@@ -38,7 +38,11 @@ class TrellisShear:
     def __post_init__(self):
         positive(self, "G1", "G2", "gamma1", "gamma2")
         if not self.gamma1 < self.gamma2 < pi / 2:
-            raise InputError(key="gamma2", value=self.gamma2, allowed=f"above gamma1 = {self.gamma1:g} and below pi/2")
+            raise InputError(
+                key="gamma2",
+                value=self.gamma2,
+                allowed=f"above gamma1 = {self.gamma1:g} and below pi/2",
+            )
 
     def stress(self, gamma: ArrayLike) -> FloatArray:
         """Shear stress [Pa] at the shear angle `gamma` [rad], odd in gamma (eq. 4-35 integrated)."""
@@ -66,7 +70,9 @@ def touching_angle(width: float, spacing: float) -> float:
     InputError : the yarns touch already, or the width is not positive
     """
     if not 0 < width < spacing:
-        raise InputError(key="yarn width", value=width, allowed=f"above zero and below the spacing {spacing:g} m")
+        raise InputError(
+            key="yarn width", value=width, allowed=f"above zero and below the spacing {spacing:g} m"
+        )
     return acos(width / spacing)
 
 
@@ -79,5 +85,7 @@ def locking_angle(A_s: float, K_s: float, thickness: float, spacing: float) -> f
     """
     u2 = 8 * A_s / (pi * K_s * thickness)
     if u2 >= spacing:
-        raise InputError(key="packed yarn width", value=u2, allowed=f"below the spacing {spacing:g} m")
+        raise InputError(
+            key="packed yarn width", value=u2, allowed=f"below the spacing {spacing:g} m"
+        )
     return acos(u2 / spacing)

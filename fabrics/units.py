@@ -19,10 +19,20 @@ FACTORS = {
     "N": {"N": 1.0, "kN": 1e3},
     "J": {"J": 1.0},
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
-    "kg/m": {"denier": 1.111111111111111e-07, "den": 1.111111111111111e-07, "dtex": 1e-7, "tex": 1e-6},
+    "kg/m": {
+        "denier": 1.111111111111111e-07,
+        "den": 1.111111111111111e-07,
+        "dtex": 1e-7,
+        "tex": 1e-6,
+    },
     "1/m": {"/ mm": 1e3, "/ cm": 100.0, "/ inch": 39.37007874015748},
     "kg/m^2": {"g/m^2": 1e-3, "g/m2": 1e-3, "gsm": 1e-3},
-    "kg/m^3": {"kg/m^3": 1.0, "kg/m3": 1.0, "g/cm^3": 999.9999999999999, "g/cm3": 999.9999999999999},
+    "kg/m^3": {
+        "kg/m^3": 1.0,
+        "kg/m3": 1.0,
+        "g/cm^3": 999.9999999999999,
+        "g/cm3": 999.9999999999999,
+    },
     "m N^(1/3)": {"m N^(1/3)": 1.0, "mm N^(1/3)": 1e-3},
     "m * N**(1/3)": {"m * N^(1/3)": 1.0, "mm * N^(1/3)": 1e-3},
     "N/(kg/m)": {"mN/tex": 1e3, "cN/dtex": 1e5, "cN/tex": 1e4, "N/tex": 1e6},
@@ -48,9 +58,13 @@ _NAMES = {"N/(kg/m)": "N/tex"}
 _PER_DENIER = ("g/den", "g/denier", "gf/den", "gpd")  # of a data sheet: grams as a force
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 # of a unit: one digit, or a fraction of two; pint takes forever over "kg^99999999"
-_EXPONENT = re.compile(r"(?<=[^\W\d]|\)) ?(?:\^|\*\*) ?(?:[-+]?[1-9]\b|\([-+]?[1-9](?:/[1-9])?\))(?! ?(?:\^|\*\*))")
+_EXPONENT = re.compile(
+    r"(?<=[^\W\d]|\)) ?(?:\^|\*\*) ?(?:[-+]?[1-9]\b|\([-+]?[1-9](?:/[1-9])?\))(?! ?(?:\^|\*\*))"
+)
 _PLAIN_EXPONENT = re.compile(r"(?<=[^\W\d_])(-?[1-9])\b")  # of "g/cm3" and "kg m-3"
-_PER = re.compile(r"(?:per\b|1?/) *")  # before the first unit of "34 per inch", "8.5 / cm" and "8.5 1/cm"
+_PER = re.compile(
+    r"(?:per\b|1?/) *"
+)  # before the first unit of "34 per inch", "8.5 / cm" and "8.5 1/cm"
 
 
 @cache
@@ -97,11 +111,17 @@ def in_one_of(
         if isfinite(number):
             return number, unit
     names = " or ".join(_NAMES.get(unit, unit) for unit in units)
-    allowed = f'a text with a unit that converts to {names}, such as "{example(units[0])}"' if names else "a number"
+    allowed = (
+        f'a text with a unit that converts to {names}, such as "{example(units[0])}"'
+        if names
+        else "a number"
+    )
     raise refused(value, allowed, file=file, key=key)
 
 
-def refused(value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None) -> InputError:
+def refused(
+    value: Any, allowed: str | None, *, file: FilePath | None = None, key: str | None = None
+) -> InputError:
     """The InputError of a value that is no quantity, or of a list with one; it names a decimal comma."""
     return InputError(decimal_comma(value), file=file, key=key, value=value, allowed=allowed)
 
@@ -109,7 +129,9 @@ def refused(value: Any, allowed: str | None, *, file: FilePath | None = None, ke
 def decimal_comma(value: Any) -> str | None:
     """What to do about a decimal comma in a text, or in one of a list; None where there is none."""
     parts = value if isinstance(value, (list, tuple)) else (value,)
-    found = any(isinstance(part, str) and re.search("[0-9],[0-9]|^ *,[0-9]", part) for part in parts)
+    found = any(
+        isinstance(part, str) and re.search("[0-9],[0-9]|^ *,[0-9]", part) for part in parts
+    )
     return "write a decimal point and no comma" if found else None
 
 

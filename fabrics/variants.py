@@ -45,7 +45,10 @@ def scale_yarns(fabric: Fabric, **factors: Value) -> Fabric:
     """Values of the yarns, each times a factor [-]; `factors` by the fields of `Yarn`."""
     return fabric.with_yarns(
         **{
-            name: tuple(getattr(yarn, name) * factor for yarn, factor in zip(fabric.weave.yarns, pair(factors)))
+            name: tuple(
+                getattr(yarn, name) * factor
+                for yarn, factor in zip(fabric.weave.yarns, pair(factors))
+            )
             for name, factors in factors.items()
         }
     )
@@ -92,7 +95,11 @@ def scale_shear(fabric: Fabric, moduli: float = 1.0, angles: float = 1.0) -> Fab
         return fabric
     law = fabric.shear
     return with_shear(
-        fabric, G1=moduli * law.G1, G2=moduli * law.G2, gamma1=angles * law.gamma1, gamma2=angles * law.gamma2
+        fabric,
+        G1=moduli * law.G1,
+        G2=moduli * law.G2,
+        gamma1=angles * law.gamma1,
+        gamma2=angles * law.gamma2,
     )
 
 
@@ -107,7 +114,8 @@ def with_solids(fabric: Fabric, **values: Value) -> Fabric:
     if fabric.solid_laws is None:
         raise InputError(f"fabric {fabric.name} has no solid law of its yarns")
     warp, weft = (
-        replace(law, **{name: two[k] for name, two in pairs.items()}) for k, law in enumerate(fabric.solid_laws)
+        replace(law, **{name: two[k] for name, two in pairs.items()})
+        for k, law in enumerate(fabric.solid_laws)
     )
     return replace(fabric, solid_laws=(warp, weft))
 
@@ -125,6 +133,16 @@ def with_failure_length(fabric: Fabric, length: float) -> Fabric:
 def rotated_90(fabric: Fabric) -> Fabric:
     """The fabric rotated by a right angle: warp and weft exchanged, with their counts and compression laws."""
     weave = fabric.weave
-    weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
-    laws, widths, areas = fabric.laws and fabric.laws[::-1], fabric.yarn_width[::-1], fabric.yarn_area[::-1]
+    weave = replace(
+        weave,
+        warp=weave.weft,
+        weft=weave.warp,
+        warp_count=weave.weft_count,
+        weft_count=weave.warp_count,
+    )
+    laws, widths, areas = (
+        fabric.laws and fabric.laws[::-1],
+        fabric.yarn_width[::-1],
+        fabric.yarn_area[::-1],
+    )
     return replace(fabric, weave=weave, laws=laws, yarn_width=widths, yarn_area=areas)

@@ -48,7 +48,9 @@ def height_from_length(w: float, S: float) -> float:
     """
     crimp = float(S) / (2 * float(w)) - 1
     if crimp < 0:
-        raise InputError(key="yarn length", value=float(S), allowed=f"at least the cell length {2 * w:g} m")
+        raise InputError(
+            key="yarn length", value=float(S), allowed=f"at least the cell length {2 * w:g} m"
+        )
     if crimp == 0:
         return 0.0
     k = 2 * np.sqrt(crimp)

@@ -106,8 +106,14 @@ class WeavingDamage:
     def __post_init__(self) -> None:
         for key in ("modulus", "strength"):
             if not 0 < getattr(self, key) <= 1:
-                raise InputError(key=f"weaving_damage.{key}", value=getattr(self, key), allowed="above 0 and at most 1")
+                raise InputError(
+                    key=f"weaving_damage.{key}",
+                    value=getattr(self, key),
+                    allowed="above 0 and at most 1",
+                )
         if self.status not in STATUSES:
-            raise InputError(key="weaving_damage.status", value=self.status, allowed=" or ".join(STATUSES))
+            raise InputError(
+                key="weaving_damage.status", value=self.status, allowed=" or ".join(STATUSES)
+            )
         if not self.source:
             raise InputError(key="weaving_damage.source", value=self.source, allowed="given")

@@ -40,7 +40,9 @@ def transfinite_box(nx: int, ny: int, nz: int) -> IntArray:
         bricks = np.reshape(np.asarray(nodes, np.int64), (-1, 8))
     exact = np.rint(place[bricks]).astype(np.int64)
     if len(exact) != nx * ny * nz or np.abs(exact - place[bricks]).max() > 1e-6:
-        raise RuntimeError(f"gmsh {gmsh.__version__} did not mesh the box {nx} x {ny} x {nz} as a transfinite grid")
+        raise RuntimeError(
+            f"gmsh {gmsh.__version__} did not mesh the box {nx} x {ny} x {nz} as a transfinite grid"
+        )
     corners = _in_vtk_order(exact)
     corners.setflags(write=False)
     return corners
@@ -69,5 +71,7 @@ def _in_vtk_order(places):
     """Bricks sorted by their place, the nodes of each in the order of local axes along i, j, k."""
     low = places.min(axis=1)
     low = low[np.lexsort(low.T[::-1])]
-    steps = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
+    steps = np.array(
+        [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    )
     return low[:, None] + steps

@@ -101,7 +101,9 @@ def conform(
     """
     (h1, h2), (w1, w2) = weave.h0, weave.w
     if min(h1, h2) <= 0:
-        raise InputError("conforming sections need crimp in warp and weft: a straight yarn has no arch to fill")
+        raise InputError(
+            "conforming sections need crimp in warp and weft: a straight yarn has no arch to fill"
+        )
 
     def at(kappa):
         return (
@@ -116,5 +118,7 @@ def conform(
     edge = 1e-3  # of a height: thinner than that is no yarn
     low, high = -(1 - edge) * h2, (1 - edge) * h1
     if excess(low) > 0 or excess(high) < 0:
-        raise InputError("no conforming sections have the fibre fractions of this fabric: give other widths")
+        raise InputError(
+            "no conforming sections have the fibre fractions of this fabric: give other widths"
+        )
     return at(brentq(excess, low, high, xtol=1e-15))

@@ -73,17 +73,32 @@ def _strand(plan, family, whole):
     w, h = plan.weave.w[family], plan.weave.h0[family]
     sign = 1 if family == 0 else -1
     centre = sign * (h * np.cos(np.pi * s / (2 * w)) + plan.section_fit.shift / 2)
-    return Strand(YARNS[family], family, place(family, s, centre, y, heights), areas, np.full(len(s) - 1, family == 0))
+    return Strand(
+        YARNS[family],
+        family,
+        place(family, s, centre, y, heights),
+        areas,
+        np.full(len(s) - 1, family == 0),
+    )
 
 
 def _faces(sides, whole):
     """Names of the outer faces of both yarns, as `YarnMesh.groups` lists them."""
     named = {}
     for yarn, of in sides.items():
-        named |= {f"{yarn}_contact": of["contact"], f"{yarn}_plate": of["plate"], f"{yarn}_end": of["i1"]}
+        named |= {
+            f"{yarn}_contact": of["contact"],
+            f"{yarn}_plate": of["plate"],
+            f"{yarn}_end": of["i1"],
+        }
         if whole:
-            named |= {f"{yarn}_start": of["i0"], f"{yarn}_tip": np.concatenate([of["j0"], of["j1"]])}
+            named |= {
+                f"{yarn}_start": of["i0"],
+                f"{yarn}_tip": np.concatenate([of["j0"], of["j1"]]),
+            }
         else:
             planes = ("symx", "symy") if yarn == YARNS[0] else ("symy", "symx")
-            named |= {f"{yarn}_tip": of["j1"]} | {f"{yarn}_{plane}": of[k] for plane, k in zip(planes, ("i0", "j0"))}
+            named |= {f"{yarn}_tip": of["j1"]} | {
+                f"{yarn}_{plane}": of[k] for plane, k in zip(planes, ("i0", "j0"))
+            }
     return named

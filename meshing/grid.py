@@ -32,7 +32,9 @@ def bricks(nodes: IntArray, corners: IntArray, right: bool) -> IntArray:
 
 def quads(sheet: IntArray, flip: bool) -> IntArray:
     """Quadrilaterals of a sheet of nodes (p+1, q+1), normals along p x q, or against it with `flip`."""
-    cells = np.stack([sheet[:-1, :-1], sheet[1:, :-1], sheet[1:, 1:], sheet[:-1, 1:]], axis=-1).reshape(-1, 4)
+    cells = np.stack(
+        [sheet[:-1, :-1], sheet[1:, :-1], sheet[1:, 1:], sheet[:-1, 1:]], axis=-1
+    ).reshape(-1, 4)
     return cells[:, ::-1] if flip else cells
 
 
@@ -71,7 +73,9 @@ def tributary_areas(y: FloatArray, z: FloatArray) -> FloatArray:
     thick = z[:, -1] - z[:, 0]
     at_bounds = np.interp(bounds, y, thick)
     # A strip between two bounds is two trapezoids that meet at the station.
-    strip = (bounds[1:] - y) * (at_bounds[1:] + thick) / 2 + (y - bounds[:-1]) * (at_bounds[:-1] + thick) / 2
+    strip = (bounds[1:] - y) * (at_bounds[1:] + thick) / 2 + (y - bounds[:-1]) * (
+        at_bounds[:-1] + thick
+    ) / 2
     through = np.ones(z.shape[1])
     through[[0, -1]] = 0.5
     return strip[:, None] * through / through.sum()

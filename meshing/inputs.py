@@ -66,10 +66,17 @@ def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tup
         height = min(section.thickness for section in sections) / AUTO_LAYERS
         return (*_parts(AUTO_ASPECT * height, w, sections), AUTO_LAYERS)
     if _number(value) and 0 < value <= min(w):
-        return (*_parts(value, w, sections), max(1, _ceil(max(section.thickness for section in sections) / value)))
+        return (
+            *_parts(value, w, sections),
+            max(1, _ceil(max(section.thickness for section in sections) / value)),
+        )
     try:
         numbers = tuple(int(n) for n in value)
-        good = numbers == tuple(value) and len(numbers) == 3 and all(n >= low for n, low in zip(numbers, (2, 2, 1)))
+        good = (
+            numbers == tuple(value)
+            and len(numbers) == 3
+            and all(n >= low for n, low in zip(numbers, (2, 2, 1)))
+        )
     except (TypeError, ValueError, OverflowError):
         good = False
     if not good:
@@ -84,7 +91,10 @@ def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tup
 
 def _parts(length, w, sections):
     """Elements along and across whose edges are at most `length` in both yarns, at least 2."""
-    return [max(2, _ceil(max(lengths) / length)) for lengths in (w, [section.half_width for section in sections])]
+    return [
+        max(2, _ceil(max(lengths) / length))
+        for lengths in (w, [section.half_width for section in sections])
+    ]
 
 
 def _ceil(ratio):
@@ -104,7 +114,9 @@ def counts(value: Sequence[int]) -> tuple[int, int]:
     except (TypeError, ValueError, OverflowError):
         good = False
     if not good:
-        raise InputError(key="count", value=value, allowed="two whole numbers from 1, of warp and of weft yarns")
+        raise InputError(
+            key="count", value=value, allowed="two whole numbers from 1, of warp and of weft yarns"
+        )
     warp, weft = numbers
     return warp, weft
 
@@ -168,7 +180,9 @@ def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[fl
     if width is None:
         high = min(spacing) / 2
         if not (_number(gap) and 0 <= gap < high):
-            raise InputError(key="gap", value=gap, allowed=f"from 0 to below half a spacing, {high:.4g} m")
+            raise InputError(
+                key="gap", value=gap, allowed=f"from 0 to below half a spacing, {high:.4g} m"
+            )
         known = fabric.yarn_width if gap == 0 else (None, None)
         return [s - gap if known is None else min(s, known) for s, known in zip(spacing, known)]
     if gap:
@@ -176,7 +190,11 @@ def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[fl
     warp, weft = _two("width", width, "two lengths, of warp and weft")
     for name, value, high in zip(YARNS, (warp, weft), spacing):
         if not (_number(value) and 0 < value <= high * (1 + 1e-12)):
-            raise InputError(key=f"{name} width", value=value, allowed=f"above 0 and at most the spacing, {high:.4g} m")
+            raise InputError(
+                key=f"{name} width",
+                value=value,
+                allowed=f"above 0 and at most the spacing, {high:.4g} m",
+            )
     return [warp, weft]
 
 
@@ -188,7 +206,9 @@ def fractions(fabric: Fabric) -> list[float]:
     InputError : the fabric has none
     """
     if fabric.solid_laws is None:
-        raise InputError(f"fabric {fabric.name} has no solid laws: a 3D crossover needs Vf0 of warp and weft")
+        raise InputError(
+            f"fabric {fabric.name} has no solid laws: a 3D crossover needs Vf0 of warp and weft"
+        )
     return [solid.Vf0 for solid in fabric.solid_laws]
 
 

@@ -30,7 +30,11 @@ from meshing.quality import scaled_jacobian
 from meshing.section import YarnSection
 from meshing.section_fit import SectionFit
 
-SURFACES = ("contact", "plate", "tip")  # the other named faces are ends and symmetry planes: groups of nodes
+SURFACES = (
+    "contact",
+    "plate",
+    "tip",
+)  # the other named faces are ends and symmetry planes: groups of nodes
 
 
 @dataclass(frozen=True)
@@ -116,7 +120,9 @@ class YarnMesh:
         found: dict[str, list[str]] = {}
         for name in self.faces:
             yarn, part = name.rsplit("_", 1)
-            found.setdefault(f"{YARNS[self.families[self.names.index(yarn)]]}_{part}", []).append(name)
+            found.setdefault(f"{YARNS[self.families[self.names.index(yarn)]]}_{part}", []).append(
+                name
+            )
         return {name: tuple(members) for name, members in found.items()}
 
     @property
@@ -127,16 +133,24 @@ class YarnMesh:
         end : (k,) int, nodes of the end towards +x or +y; start : of the other end (not in a quarter)
         symx, symy : (k,) int, nodes on the planes x = 0 and y = 0 (quarter)
         """
-        quads = {name: np.concatenate([self.faces[m] for m in members]) for name, members in self.collected.items()}
+        quads = {
+            name: np.concatenate([self.faces[m] for m in members])
+            for name, members in self.collected.items()
+        }
         quads.update(self.faces)
-        return {name: q if name.rsplit("_", 1)[1] in SURFACES else np.unique(q) for name, q in quads.items()}
+        return {
+            name: q if name.rsplit("_", 1)[1] in SURFACES else np.unique(q)
+            for name, q in quads.items()
+        }
 
     @property
     def shells(self) -> dict:
         """name -> (q, 4) int, quadrilaterals of the shells on the yarn ends; empty without `end_shells`."""
         if self.end_shells is None:
             return {}
-        return {name: quads for name, quads in self.faces.items() if name.endswith(("_end", "_start"))}
+        return {
+            name: quads for name, quads in self.faces.items() if name.endswith(("_end", "_start"))
+        }
 
     @property
     def fibre(self) -> np.ndarray:
@@ -162,7 +176,12 @@ class YarnMesh:
 
 
 def place(
-    family: int, s: FloatArray, centre: FloatArray, y: FloatArray, heights: FloatArray, across: float = 0.0
+    family: int,
+    s: FloatArray,
+    centre: FloatArray,
+    y: FloatArray,
+    heights: FloatArray,
+    across: float = 0.0,
 ) -> FloatArray:
     """Node positions of a yarn.
 
@@ -215,4 +234,7 @@ def _sides(sides, over, ny):
     """The six sides of a yarn with k0 and k1 exchanged for contact (below where the yarn lies over) and plate."""
     below = np.repeat(over, ny)[:, None]
     lower, upper = sides.pop("k0"), sides.pop("k1")
-    return sides | {"contact": np.where(below, lower, upper), "plate": np.where(below, upper, lower)}
+    return sides | {
+        "contact": np.where(below, lower, upper),
+        "plate": np.where(below, upper, lower),
+    }

@@ -82,7 +82,9 @@ class Plan:
         )
         assert fabric.solid_laws is not None  # else `inputs.fractions` has refused it
         elements = inputs.size(size, weave.w, section_fit.sections)
-        materials = tuple(linearise(*parts) for parts in zip(weave.yarns, fabric.solid_laws, section_fit.Vf0))
+        materials = tuple(
+            linearise(*parts) for parts in zip(weave.yarns, fabric.solid_laws, section_fit.Vf0)
+        )
         return cls(fabric.name, weave, section_fit, elements, materials, end_shells)
 
     def along(self, family: int) -> FloatArray:
@@ -94,9 +96,15 @@ class Plan:
         y = self.section_fit.sections[family].stations(self.size[1])
         if whole:
             y = mirrored(y)
-        heights = self.section_fit.sections[family].half_thickness(y)[:, None] * np.linspace(-1, 1, self.size[2] + 1)
+        heights = self.section_fit.sections[family].half_thickness(y)[:, None] * np.linspace(
+            -1, 1, self.size[2] + 1
+        )
         weight = grid.tributary_areas(y, heights)
-        return y, heights, weight / weight.sum() * (1.0 if whole else 0.5) * self.weave.yarns[family].A_s
+        return (
+            y,
+            heights,
+            weight / weight.sum() * (1.0 if whole else 0.5) * self.weave.yarns[family].A_s,
+        )
 
     def fields(self) -> dict:
         """Those fields of a `YarnMesh` that do not depend on its extent."""

@@ -18,8 +18,13 @@ from scipy.interpolate import RegularGridInterpolator
 def least_gap(mesh: Any) -> float:
     """Least vertical gap [m] of the facets of any warp and any weft yarn that cross in a `YarnMesh`."""
     families = np.array(mesh.families)
-    yarns = [[mesh.points[mesh.grids[n]] for n in np.flatnonzero(families == family)] for family in (0, 1)]
-    return min(_crossing_gap(warp, np.swapaxes(weft, 0, 1)) for warp in yarns[0] for weft in yarns[1])
+    yarns = [
+        [mesh.points[mesh.grids[n]] for n in np.flatnonzero(families == family)]
+        for family in (0, 1)
+    ]
+    return min(
+        _crossing_gap(warp, np.swapaxes(weft, 0, 1)) for warp in yarns[0] for weft in yarns[1]
+    )
 
 
 def _crossing_gap(*yarns):
@@ -30,7 +35,10 @@ def _crossing_gap(*yarns):
         return np.inf
     at = np.meshgrid(*common, indexing="ij")
     bottom, top = (
-        [RegularGridInterpolator(axes, points[:, :, k, 2])(np.stack(at, axis=-1)) for axes, points in zip(lines, yarns)]
+        [
+            RegularGridInterpolator(axes, points[:, :, k, 2])(np.stack(at, axis=-1))
+            for axes, points in zip(lines, yarns)
+        ]
         for k in (0, -1)
     )
     warp_is_over = np.mean(bottom[0] + top[0]) > np.mean(bottom[1] + top[1])

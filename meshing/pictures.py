@@ -17,7 +17,10 @@ from meshing.pictures_style import INK
 from meshing.pictures_style import TINTS as COLOURS
 
 WINDOW = (1600, 1000)
-FOOT, MARGIN = 0.15, 0.05  # of the window's height: kept for the caption, and free around the crossover
+FOOT, MARGIN = (
+    0.15,
+    0.05,
+)  # of the window's height: kept for the caption, and free around the crossover
 # Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.
 VIEWS = {"quarter": (-1.0, -0.75, 0.62), "whole": (-0.75, -1.0, 0.8)}
 
@@ -57,7 +60,9 @@ def save(scene: Any, path: FilePath) -> None:
 
 def plotter(window: Sequence[int], lights: Any = "light kit", off_screen: bool = True) -> Any:
     """A scene on white, in a window or off screen."""
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # else a warning for each kind of screen that is missing
+    vtkLogger.SetStderrVerbosity(
+        vtkLogger.VERBOSITY_ERROR
+    )  # else a warning for each kind of screen that is missing
     scene: Any = pyvista.Plotter(off_screen=off_screen, window_size=list(window), lighting=lights)
     scene.set_background("white")
     scene.enable_anti_aliasing("ssaa")
@@ -70,14 +75,24 @@ def _solid(crossover, index):
     return pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: hexes}, crossover.points * 1e3)
 
 
-def aim(scene: Any, points: FloatArray, view: Sequence[float], window: Sequence[int], foot: float = FOOT) -> None:
+def aim(
+    scene: Any, points: FloatArray, view: Sequence[float], window: Sequence[int], foot: float = FOOT
+) -> None:
     """Parallel projection along a view; the points [mm] fill the window above a foot kept free."""
     toward = np.array(view) / np.linalg.norm(view)
     right = np.cross((0, 0, 1), toward)
     right /= np.linalg.norm(right)
     up = np.cross(toward, right)
-    (left, bottom), (far, top) = (f(points @ np.stack([right, up], axis=1), axis=0) for f in (np.min, np.max))
-    scale = max((top - bottom) / (1 - foot - 2 * MARGIN), (far - left) * window[1] / window[0] / (1 - 2 * MARGIN)) / 2
+    (left, bottom), (far, top) = (
+        f(points @ np.stack([right, up], axis=1), axis=0) for f in (np.min, np.max)
+    )
+    scale = (
+        max(
+            (top - bottom) / (1 - foot - 2 * MARGIN),
+            (far - left) * window[1] / window[0] / (1 - 2 * MARGIN),
+        )
+        / 2
+    )
     middle = (left + far) / 2 * right + ((bottom + top) / 2 - foot * scale) * up
     scene.enable_parallel_projection()
     scene.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]
@@ -96,4 +111,6 @@ def _caption(scene, crossover):
     scene.add_text(text, position=(40, 30), font_size=16, color=INK)
     for row, (name, axis) in enumerate(zip(YARNS, "xy")):
         label = f"{name}, along {axis}"
-        scene.add_text(label, position=(40, WINDOW[1] - 60 - 45 * row), font_size=16, color=COLOURS[name])
+        scene.add_text(
+            label, position=(40, WINDOW[1] - 60 - 45 * row), font_size=16, color=COLOURS[name]
+        )

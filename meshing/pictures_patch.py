@@ -53,7 +53,9 @@ def picture(patch: Patch, path: FilePath) -> None:
 def _skin(patch, family):
     """Outer faces of all yarns of a family, in millimetres; yarns share no nodes, so each is a body of its own."""
     yarns = [name for name, of in zip(patch.names, patch.families) if of == family]
-    quads = np.concatenate([q for name, q in patch.faces.items() if name.rsplit("_", 1)[0] in yarns])
+    quads = np.concatenate(
+        [q for name, q in patch.faces.items() if name.rsplit("_", 1)[0] in yarns]
+    )
     cells = np.insert(quads, 0, 4, axis=1)
     return pyvista.PolyData(patch.points * 1e3, faces=cells.ravel()).clean()
 
@@ -65,7 +67,11 @@ def _light(scene):
         ((2.5, -4.0, 1.4), "#dce8ff", 0.62),
         ((0.0, 0.0, 5.0), "#ffffff", 0.16),
     ):
-        scene.add_light(pyvista.Light(position=position, focal_point=(0, 0, 0), color=colour, intensity=strength))
+        scene.add_light(
+            pyvista.Light(
+                position=position, focal_point=(0, 0, 0), color=colour, intensity=strength
+            )
+        )
 
 
 def _aim(scene, patch):

@@ -19,7 +19,13 @@ from meshing.mesh import YarnMesh
 from meshing.pictures import COLOURS, INK, VIEWS, aim, plotter
 
 MAP = "cividis"  # distinct for colour-blind readers, and in grey
-STEPS = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the scale and the bars: the least that gives at most `BARS`
+STEPS = (
+    0.01,
+    0.02,
+    0.05,
+    0.1,
+    0.2,
+)  # of the scale and the bars: the least that gives at most `BARS`
 BARS = 12
 SCENE = (1500, 1000)
 
@@ -39,7 +45,12 @@ def picture(mesh: YarnMesh, path: FilePath) -> None:
     scene.imshow(_scene(mesh, quality, low))
     scene.set_axis_off()
     bar = figure.colorbar(
-        ScalarMappable(Normalize(low, 1), MAP), ax=scene, orientation="horizontal", fraction=0.05, pad=0.01, aspect=40
+        ScalarMappable(Normalize(low, 1), MAP),
+        ax=scene,
+        orientation="horizontal",
+        fraction=0.05,
+        pad=0.01,
+        aspect=40,
     )
     bar.set_label("scaled Jacobian", fontsize=13, color=INK)
     _bars(bars, mesh, quality, low, step)
@@ -47,8 +58,11 @@ def picture(mesh: YarnMesh, path: FilePath) -> None:
     figure.suptitle(
         f"{mesh.fabric}: {len(mesh.hexes)} hexahedra ({nx} x {ny} x {nz} in each warp yarn), "
         f"worst scaled Jacobian {quality.min():.3f}",
-        fontsize=15, color=INK, x=0.01, ha="left",
-    )  # fmt: skip
+        fontsize=15,
+        color=INK,
+        x=0.01,
+        ha="left",
+    )
     with replace_whole(path) as beside:
         FigureCanvasAgg(figure).print_png(str(beside))
 
@@ -58,9 +72,18 @@ def _scene(mesh, quality, low):
     bodies = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: mesh.hexes}, mesh.points * 1e3)
     bodies.cell_data["quality"] = quality
     scene.add_mesh(
-        bodies, scalars="quality", cmap=MAP, clim=(low, 1), show_edges=True, edge_color=INK, line_width=1.0,
-        edge_opacity=0.5, ambient=0.7, diffuse=0.35, show_scalar_bar=False,
-    )  # fmt: skip
+        bodies,
+        scalars="quality",
+        cmap=MAP,
+        clim=(low, 1),
+        show_edges=True,
+        edge_color=INK,
+        line_width=1.0,
+        edge_opacity=0.5,
+        ambient=0.7,
+        diffuse=0.35,
+        show_scalar_bar=False,
+    )
     aim(scene, mesh.points * 1e3, VIEWS[getattr(mesh, "domain", "whole")], SCENE, foot=0.0)
     image = scene.screenshot(return_img=True)
     scene.close()
@@ -75,11 +98,24 @@ def _bars(axes, mesh, quality, low, step):
     counts = [np.histogram(quality[family == f], bounds)[0] for f in (0, 1)]
     shares = [100 * count / count.sum() for count in counts]
     for f, (name, share) in enumerate(zip(YARNS, shares)):
-        axes.bar(bounds[:-1] + (0.27 + 0.46 * f) * step, share, 0.42 * step, color=COLOURS[name], label=name, zorder=2)
+        axes.bar(
+            bounds[:-1] + (0.27 + 0.46 * f) * step,
+            share,
+            0.42 * step,
+            color=COLOURS[name],
+            label=name,
+            zorder=2,
+        )
     worst = quality.min()
     axes.axvline(worst, color=INK, lw=1.4, ls="--", zorder=3)
     axes.text(
-        worst, 1.01, f"worst {worst:.3f}", transform=axes.get_xaxis_transform(), ha="left", fontsize=12, color=INK
+        worst,
+        1.01,
+        f"worst {worst:.3f}",
+        transform=axes.get_xaxis_transform(),
+        ha="left",
+        fontsize=12,
+        color=INK,
     )
     axes.set_xlabel("scaled Jacobian", fontsize=13, color=INK)
     axes.set_ylabel("share of the yarns' hexahedra [%]", fontsize=13, color=INK)

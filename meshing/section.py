@@ -86,7 +86,9 @@ class Section:
         low, high = TIP_THICKNESS_RATIO
         if not low <= self.tip_thickness_ratio <= high:
             raise InputError(
-                key="tip_thickness_ratio", value=self.tip_thickness_ratio, allowed=f"from {low:g} to {high:g}"
+                key="tip_thickness_ratio",
+                value=self.tip_thickness_ratio,
+                allowed=f"from {low:g} to {high:g}",
             )
 
     @classmethod

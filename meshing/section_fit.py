@@ -96,11 +96,19 @@ class SectionFit:
         what = "overlap" if self.overlap >= 0 else "gap"
         text = f"{what} of the sections {abs(self.overlap) * 1e6:.2f} um"
         if self.changed:
-            width = " / ".join(f"{s.width / a.width:.3f}" for s, a in zip(self.sections, self.requested))
-            area = " / ".join(f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.requested))
+            width = " / ".join(
+                f"{s.width / a.width:.3f}" for s, a in zip(self.sections, self.requested)
+            )
+            area = " / ".join(
+                f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.requested)
+            )
             Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
             return f"{text}, solved: widths times {width}, areas times {area} (Vf0 {Vf0})"
-        return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um" if self.shift else f"{text}, left open"
+        return (
+            f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um"
+            if self.shift
+            else f"{text}, left open"
+        )
 
 
 class _TooDense(InputError):
@@ -141,7 +149,9 @@ def fit_sections(
     def fit(weave):
         for each in (kind,) if kind else SECTIONS:
             try:
-                return _fit(each, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift)
+                return _fit(
+                    each, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift
+                )
             except InputError as problem:
                 if kind is not None:
                     raise
@@ -155,7 +165,9 @@ def fit_sections(
     try:
         return fit(weave)
     except _TooDense as problem:
-        raise InputError(str(problem) if prescribed else f"{problem}: {_advice(fit, weave)}") from None
+        raise InputError(
+            str(problem) if prescribed else f"{problem}: {_advice(fit, weave)}"
+        ) from None
 
 
 def _fit(kind, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift):
@@ -178,7 +190,9 @@ def _fit(kind, widths, fractions, weave, tip_thickness_ratio, prescribed, overla
         if sections is None:
             sections, factor = _densify(requested, crossing, fractions, prescribed)
             Vf0 = _denser(fractions, factor)
-    return SectionFit(sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, requested)
+    return SectionFit(
+        sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, requested
+    )
 
 
 def _advice(fit, weave):
@@ -194,7 +208,8 @@ def _advice(fit, weave):
     if same is None or computed is None:
         return "no crimp of this ratio leaves room: check linear density, fibre_density and counts"
     wanted = " and ".join(
-        f'crimp = "{ceil(1e4 * yarn.crimp) / 100:.2f} %" under [{name}]' for name, yarn in zip(YARNS, same.yarns)
+        f'crimp = "{ceil(1e4 * yarn.crimp) / 100:.2f} %" under [{name}]'
+        for name, yarn in zip(YARNS, same.yarns)
     )
     return (
         f"the crimp leaves a thickness of {1e3 * weave.thickness:.3f} mm, too little for these yarns; the least that "
@@ -206,7 +221,9 @@ def _least(fit, weave, crimp_at):
     """The Weave of the least factor from which `crimp_at` makes crimps that fit; None where there is none."""
 
     def at(factor):
-        warp, weft = (replace(yarn, crimp=crimp) for yarn, crimp in zip(weave.yarns, crimp_at(factor)))
+        warp, weft = (
+            replace(yarn, crimp=crimp) for yarn, crimp in zip(weave.yarns, crimp_at(factor))
+        )
         return replace(weave, warp=warp, weft=weft)
 
     def fits(factor):
@@ -230,7 +247,9 @@ def _least(fit, weave, crimp_at):
 def _conforming(widths, fractions, weave, tip_thickness_ratio):
     areas = _areas(weave, fractions)
     sections = conform(widths, areas, weave, tip_thickness_ratio)
-    Vf0 = tuple(float(old * area / section.area) for old, area, section in zip(fractions, areas, sections))
+    Vf0 = tuple(
+        float(old * area / section.area) for old, area, section in zip(fractions, areas, sections)
+    )
     if max(Vf0) > CLOSEST_PACKING:
         raise _TooDense(
             f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and {Vf0[1]:.3f}, denser than the "
@@ -245,7 +264,10 @@ def _areas(weave, fractions):
 
 
 def _sections(kind, widths, areas, tip_thickness_ratio):
-    return tuple(Section.of_area(kind, width, area, tip_thickness_ratio) for width, area in zip(widths, areas))
+    return tuple(
+        Section.of_area(kind, width, area, tip_thickness_ratio)
+        for width, area in zip(widths, areas)
+    )
 
 
 def _overlap(sections, crossing):
@@ -253,7 +275,9 @@ def _overlap(sections, crossing):
 
 
 def _resized(section, width, area=None):
-    return Section.of_area(section.kind, width, section.area if area is None else area, section.tip_thickness_ratio)
+    return Section.of_area(
+        section.kind, width, section.area if area is None else area, section.tip_thickness_ratio
+    )
 
 
 def _best(section, arch):
@@ -276,7 +300,9 @@ def _narrow(requested, crossing):
     best = [_best(section, arch) for section, arch in zip(requested, crossing)]
 
     def at(part):
-        return tuple(_resized(s, s.width + part * (b.width - s.width)) for s, b in zip(requested, best))
+        return tuple(
+            _resized(s, s.width + part * (b.width - s.width)) for s, b in zip(requested, best)
+        )
 
     if _overlap(at(1.0), crossing) > 0:
         return None
@@ -296,9 +322,14 @@ def _densify(requested, crossing, fractions, prescribed):
     """
 
     def at(factor):
-        areas = [s.area * old / new for s, old, new in zip(requested, fractions, _denser(fractions, factor))]
+        areas = [
+            s.area * old / new
+            for s, old, new in zip(requested, fractions, _denser(fractions, factor))
+        ]
         sections = tuple(_resized(s, s.width, area) for s, area in zip(requested, areas))
-        return sections if prescribed else tuple(_best(s, arch) for s, arch in zip(sections, crossing))
+        return (
+            sections if prescribed else tuple(_best(s, arch) for s, arch in zip(sections, crossing))
+        )
 
     highest = max(1.0, CLOSEST_PACKING / min(fractions))
     left = _overlap(at(highest), crossing)

@@ -42,7 +42,9 @@ def memory():
     yield
     most = sorted(_growth, key=_growth.get, reverse=True)[:10]
     told = "\n".join(f"  {_growth[name]:5.0f} MiB  {name}" for name in most)
-    assert peak() < LIMIT, f"this process grew to {peak():.0f} MiB, above {LIMIT}; most of it in\n{told}"
+    assert peak() < LIMIT, (
+        f"this process grew to {peak():.0f} MiB, above {LIMIT}; most of it in\n{told}"
+    )
 
 
 @pytest.fixture
@@ -81,4 +83,8 @@ def pytest_collection_modifyitems(items):
 
     Then two processes that take the next test as they get free end at about the same time.
     """
-    items.sort(key=lambda item: -max((mark.args[0] for mark in item.iter_markers("slow") if mark.args), default=0))
+    items.sort(
+        key=lambda item: (
+            -max((mark.args[0] for mark in item.iter_markers("slow") if mark.args), default=0)
+        )
+    )

@@ -9,9 +9,22 @@ from typing import Any, NamedTuple
 
 ROOT = Path(__file__).parents[1]
 GUIDE = (
-    "index", "installation", "first-shot", "own-fabric", "pack", "crossover", "coupons", "recipes", "accuracy",
-    "studies", "limits", "theory-cell", "theory-panel", "validation", "questions",
-)  # fmt: skip
+    "index",
+    "installation",
+    "first-shot",
+    "own-fabric",
+    "pack",
+    "crossover",
+    "coupons",
+    "recipes",
+    "accuracy",
+    "studies",
+    "limits",
+    "theory-cell",
+    "theory-panel",
+    "validation",
+    "questions",
+)
 PAGES = ("README.md", *(f"docs/{name}.md" for name in GUIDE))
 _BLOCK = re.compile(r"^( *)(`{3,})(\{?\w*)[^\n]*\n(.*?)^\1\2", re.MULTILINE | re.DOTALL)
 _FILE = re.compile(r"`([\w./-]+\.(?:toml|csv))`")
@@ -41,7 +54,11 @@ def of(page: str) -> list[Printed]:
             found.append(Printed("file", inside, named[-1] if named else f".{language}"))
         else:
             lines = re.sub(r"\\\n\s*", " ", inside).splitlines()
-            found += [Printed("command", line.strip()) for line in lines if re.match(r" *(weavecell|python) ", line)]
+            found += [
+                Printed("command", line.strip())
+                for line in lines
+                if re.match(r" *(weavecell|python) ", line)
+            ]
     return found
 
 
@@ -60,11 +77,15 @@ def parsed(argv: list[str]) -> tuple[str, dict[str, Any]]:
     while rest and rest[0] in getattr(command, "commands", {}):
         command, name, rest = command.commands[rest[0]], f"{name} {rest[0]}", rest[1:]
     if getattr(command, "commands", None):
-        return name, command.make_parser(command.context_class(command)).parse_args(list(rest[:1]))[0]
+        return name, command.make_parser(command.context_class(command)).parse_args(list(rest[:1]))[
+            0
+        ]
     values, _, _ = command.make_parser(command.context_class(command)).parse_args(list(rest))
     for one in command.params:
         given = values.get(one.name)
-        assert not one.required or (given and str(given) != "Sentinel.UNSET"), f"{name}: {one.name} is missing"
+        assert not one.required or (given and str(given) != "Sentinel.UNSET"), (
+            f"{name}: {one.name} is missing"
+        )
     return name, values
 
 

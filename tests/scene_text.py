@@ -27,14 +27,31 @@ end_time = "{end_time}"
 
 
 def impact_scene(
-    velocity="155 m/s", opening="50 mm", end_time="60 us", *, fabric="S-720", edge_radius="0.3 mm", head="", panel="",
-    run="", extra="",
-):  # fmt: skip
+    velocity="155 m/s",
+    opening="50 mm",
+    end_time="60 us",
+    *,
+    fabric="S-720",
+    edge_radius="0.3 mm",
+    head="",
+    panel="",
+    run="",
+    extra="",
+):
     """Text of a scene; `head`, `panel` and `run` are further lines of the file and of these tables, `extra` follows."""
-    return SCENE.format(
-        velocity=velocity, opening=opening, end_time=end_time, fabric=fabric, edge_radius=edge_radius, head=head,
-        panel=panel, run=run,
-    ) + extra  # fmt: skip
+    return (
+        SCENE.format(
+            velocity=velocity,
+            opening=opening,
+            end_time=end_time,
+            fabric=fabric,
+            edge_radius=edge_radius,
+            head=head,
+            panel=panel,
+            run=run,
+        )
+        + extra
+    )
 
 
 def merged(table, changes):
@@ -56,7 +73,11 @@ def table_of(key, value):
 def inline(value):
     """TOML of a value, tables in one line."""
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{json.dumps(key)} = {inline(part)}" for key, part in value.items()) + " }"
+        return (
+            "{ "
+            + ", ".join(f"{json.dumps(key)} = {inline(part)}" for key, part in value.items())
+            + " }"
+        )
     if isinstance(value, list):
         return "[" + ", ".join(inline(part) for part in value) + "]"
     return json.dumps(value).replace("Infinity", "inf")
@@ -77,6 +98,8 @@ def datasets(path):
     found = {}
     with h5py.File(path) as file:
         file.visititems(
-            lambda name, item: found.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None
+            lambda name, item: (
+                found.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None
+            )
         )
     return found

@@ -19,14 +19,20 @@ MASS, RADIUS, EDGE, LENGTH = 1.1e-3, 2.7e-3, 0.3e-3, 8e-3
 NOSES = {
     "flat": Projectile(MASS, RADIUS, EDGE, length=LENGTH),
     "hemisphere": Projectile(MASS, RADIUS, EDGE, "hemisphere", length=LENGTH),
-    "cone": Projectile(MASS, RADIUS, EDGE, "cone", length=LENGTH, half_angle=radians(35), tip_radius=0.5e-3),
+    "cone": Projectile(
+        MASS, RADIUS, EDGE, "cone", length=LENGTH, half_angle=radians(35), tip_radius=0.5e-3
+    ),
     "sphere": Projectile(MASS, RADIUS, EDGE, "sphere"),
-    "chisel": Projectile(MASS, RADIUS, EDGE, "chisel", length=LENGTH, flat_width=2.54e-3, flat_angle=radians(35)),
+    "chisel": Projectile(
+        MASS, RADIUS, EDGE, "chisel", length=LENGTH, flat_width=2.54e-3, flat_angle=radians(35)
+    ),
 }
 VELOCITIES = (80.0, 150.0)  # [m/s]
 
 
-def triangles(shot: Projectile, rise: int = 241, around: int = 145) -> tuple[FloatArray, np.ndarray]:
+def triangles(
+    shot: Projectile, rise: int = 241, around: int = 145
+) -> tuple[FloatArray, np.ndarray]:
     """Corners (n, 3) [m] and triangles (m, 3) of the surface of a projectile; parameters as of its `surface`."""
     rings = shot.surface(rise=rise, around=around)[:, :-1]
     rings = rings[np.r_[True, np.abs(np.diff(rings, axis=0)).max(axis=(1, 2)) > 1e-9]]
@@ -46,7 +52,9 @@ def write(path: Path, points: FloatArray, faces: np.ndarray, binary: bool = True
     """Write a surface of triangles as an STL file in mm."""
     import pyvista
 
-    pyvista.PolyData(1e3 * points, faces=np.insert(faces, 0, 3, axis=1).ravel()).save(path, binary=binary)
+    pyvista.PolyData(1e3 * points, faces=np.insert(faces, 0, 3, axis=1).ravel()).save(
+        path, binary=binary
+    )
     return path
 
 
@@ -55,9 +63,14 @@ def sampled(shot: Projectile, samples: int) -> Projectile:
     points, faces = triangles(shot, 61, 73)
     h = shot.edge_radius / samples
     axes = Solid.axes(points, h)
-    d = np.array([[[shot.distance((x, y, z))[0] for z in axes[2]] for y in axes[1]] for x in axes[0]])
+    d = np.array(
+        [[[shot.distance((x, y, z))[0] for z in axes[2]] for y in axes[1]] for x in axes[0]]
+    )
     solid = Solid(f"{shot.shape} {samples}", h, points, faces, d)
-    rigid = {key: getattr(shot, key) for key in ("mass", "edge_radius", "obliquity", "azimuth", "yaw", "roll")}
+    rigid = {
+        key: getattr(shot, key)
+        for key in ("mass", "edge_radius", "obliquity", "azimuth", "yaw", "roll")
+    }
     return Projectile(shape="stl", solid=solid, radius=solid.radius, length=solid.length, **rigid)
 
 
@@ -66,7 +79,9 @@ def errors(shot: Projectile, other: Projectile, count: int = 4000) -> tuple[Floa
     to half an edge radius deep."""
     rng, end = np.random.default_rng(0), shot.length or 2 * shot.radius
     away = shot.radius + 0.05 * shot.edge_radius
-    places = np.column_stack([rng.uniform(-away, away, (4 * count, 2)), rng.uniform(-end, 0, 4 * count)])
+    places = np.column_stack(
+        [rng.uniform(-away, away, (4 * count, 2)), rng.uniform(-end, 0, 4 * count)]
+    )
     shell = [(place, *shot.distance(place)) for place in places]
     shell = [one for one in shell if -0.5 * shot.edge_radius < one[1] < 0][:count]
     found = [(d, n, *other.distance(place)) for place, d, n in shell]
@@ -77,11 +92,17 @@ def errors(shot: Projectile, other: Projectile, count: int = 4000) -> tuple[Floa
 def from_file(path: Path) -> dict[str, Any]:
     """The keyword `projectile` of the body in an STL file of these noses."""
     return {
-        "shape": "stl", "stl": str(path), "stl_unit": "mm", "mass": f"{MASS!r} kg", "edge_radius": f"{EDGE!r} m",
-    }  # fmt: skip
+        "shape": "stl",
+        "stl": str(path),
+        "stl_unit": "mm",
+        "mass": f"{MASS!r} kg",
+        "edge_radius": f"{EDGE!r} m",
+    }
 
 
-def fire(shot: Projectile, projectile: dict[str, Any], velocity: float) -> tuple[FloatArray, FloatArray]:
+def fire(
+    shot: Projectile, projectile: dict[str, Any], velocity: float
+) -> tuple[FloatArray, FloatArray]:
     """The same shot with an analytic nose and with the body of a file.
 
     Returns
@@ -89,10 +110,22 @@ def fire(shot: Projectile, projectile: dict[str, Any], velocity: float) -> tuple
     rows : (2, 4) peak contact force [N], largest deflection [m], absorbed energy [J], residual velocity [m/s]
     energy_errors : (2,) largest over the strike energy
     """
-    setup = runs.setup("S-720", velocity, projectile=projectile, opening="60 mm", end_time="100 us", symmetry="quarter")
+    setup = runs.setup(
+        "S-720",
+        velocity,
+        projectile=projectile,
+        opening="60 mm",
+        end_time="100 us",
+        symmetry="quarter",
+    )
     results = [simulation.run(replace(setup, projectile=one)) for one in (shot, setup.projectile)]
     rows = [
-        (r.contact_force.max(), r.max_deflection, shot.energy(velocity) - shot.energy(r.residual_velocity),
-         r.residual_velocity) for r in results
-    ]  # fmt: skip
+        (
+            r.contact_force.max(),
+            r.max_deflection,
+            shot.energy(velocity) - shot.energy(r.residual_velocity),
+            r.residual_velocity,
+        )
+        for r in results
+    ]
     return np.array(rows), np.array([result.energy_error_max for result in results])

@@ -15,7 +15,11 @@ from validation import program
 
 TEXTS = {
     str(path.relative_to(ROOT)): path.read_text("utf-8")
-    for path in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))
+    for path in (
+        ROOT / "README.md",
+        ROOT / "CONTRIBUTING.md",
+        *sorted((ROOT / "docs").rglob("*.md")),
+    )
     if "generated" not in path.parts
 }
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
@@ -38,16 +42,26 @@ def test_printed_commands_exist_and_have_their_files(page):
             tomllib.loads(written) if name.endswith(".toml") else None
         elif kind == "python":
             made |= set(re.findall(r"""["']([\w./-]+\.(?:toml|csv|json))["']""", written))
-            used = [node for node in ast.walk(ast.parse(written)) if isinstance(node, ast.Attribute)]
-            names = {node.attr for node in used if isinstance(node.value, ast.Name) and node.value.id == "wc"}
+            used = [
+                node for node in ast.walk(ast.parse(written)) if isinstance(node, ast.Attribute)
+            ]
+            names = {
+                node.attr
+                for node in used
+                if isinstance(node.value, ast.Name) and node.value.id == "wc"
+            }
             assert names <= set(weavecell.__all__), page
         elif written.startswith("python"):
             words = printed_commands.words(written)
             assert words[1] == "-m" or (ROOT / words[1]).exists(), written
         else:
-            reads, makes = printed_commands.files(*printed_commands.parsed(printed_commands.words(written)))
+            reads, makes = printed_commands.files(
+                *printed_commands.parsed(printed_commands.words(written))
+            )
             ours = [file for file in reads if not (ROOT / file).exists()]
-            assert [file for file in ours if not any(f"{file}/".startswith(f"{one}/") for one in made)] == [], written
+            assert [
+                file for file in ours if not any(f"{file}/".startswith(f"{one}/") for one in made)
+            ] == [], written
             made |= set(makes)
 
 
@@ -62,7 +76,10 @@ def test_a_wrong_command_is_found():
 
 def programs():
     """(module, words) of all programs of ours that a page tells to run, with their options."""
-    found = (re.findall(r"python -m ((?:validation|tests|weavecell)\.[^`#\n]*)", text) for text in TEXTS.values())
+    found = (
+        re.findall(r"python -m ((?:validation|tests|weavecell)\.[^`#\n]*)", text)
+        for text in TEXTS.values()
+    )
     return sorted({tuple(shlex.split(line)) for lines in found for line in lines})
 
 
@@ -74,7 +91,11 @@ def test_a_printed_program_understands_its_options(words):
     assert spec is not None
     file = f"{name}.__main__" if spec.submodule_search_locations else name
     if name.startswith("validation"):
-        pytest.importorskip("dolfinx" if "unitcell3d" in (ROOT / f"{file.replace('.', '/')}.py").read_text() else "re")
+        pytest.importorskip(
+            "dolfinx"
+            if "unitcell3d" in (ROOT / f"{file.replace('.', '/')}.py").read_text()
+            else "re"
+        )
         program.options(importlib.import_module(file).main, {}, options)
 
 
@@ -87,7 +108,11 @@ def test_every_link_and_picture_leads_somewhere(page):
             continue
         file = (ROOT / page).parent / path if path else ROOT / page
         assert file.exists(), target
-        heads = re.findall(r"^#+ (.*)$", CODE.sub("", file.read_text("utf-8")), re.MULTILINE) if anchor else []
+        heads = (
+            re.findall(r"^#+ (.*)$", CODE.sub("", file.read_text("utf-8")), re.MULTILINE)
+            if anchor
+            else []
+        )
         anchors = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
         assert anchor in {*anchors, ""}, target
 
@@ -100,11 +125,15 @@ def test_every_figure_is_on_a_page():
 STUDIES = [
     (page, kind, name, options)
     for page, text in TEXTS.items()
-    for kind, name, options in re.findall(r"^```\{study-(\w+)\} (\S+)\n(.*?)```", text, re.MULTILINE | re.DOTALL)
+    for kind, name, options in re.findall(
+        r"^```\{study-(\w+)\} (\S+)\n(.*?)```", text, re.MULTILINE | re.DOTALL
+    )
 ]
 
 
-@pytest.mark.parametrize(("page", "kind", "name", "options"), STUDIES, ids=lambda text: str(text).splitlines()[:1])
+@pytest.mark.parametrize(
+    ("page", "kind", "name", "options"), STUDIES, ids=lambda text: str(text).splitlines()[:1]
+)
 def test_tables_and_figures_of_studies_are_in_their_files(tool, page, kind, name, options):
     """Twelve rows of a table at most, two tables and one figure a page."""
     pages = tool("study_pages")

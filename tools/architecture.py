@@ -21,14 +21,21 @@ from fabrics import kernel_cache  # noqa: E402
 from meshing.pictures_style import FAINT, INK  # noqa: E402
 from weavecell.report.pictures_figure import plots  # noqa: E402
 
-CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
+CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"][
+    "contracts"
+]
 # {package: its folders from the lowest layer up}; packages themselves under "packages"
 LAYERS = {
-    contract.get("containers", ["packages"])[0]: [layer.split(" | ") for layer in reversed(contract["layers"])]
+    contract.get("containers", ["packages"])[0]: [
+        layer.split(" | ") for layer in reversed(contract["layers"])
+    ]
     for contract in CONTRACTS
     if contract["type"] == "layers"
 }
-PAGE, FIGURE = ROOT / "docs" / "developers" / "architecture.md", ROOT / "docs" / "figures" / "architecture.svg"
+PAGE, FIGURE = (
+    ROOT / "docs" / "developers" / "architecture.md",
+    ROOT / "docs" / "figures" / "architecture.svg",
+)
 GAP, LINE = 2.0, 2.9  # between boxes, and from line to line
 COLOURS = ("#e8eef7", "#d7e5f2", "#cfe3d8", "#f4e6cf", "#f0d9d5")
 
@@ -41,7 +48,10 @@ def purpose(folder):
 
 def folders(package):
     """(name, purpose) of a package and of its sub-packages."""
-    for folder in [ROOT / package, *sorted(path.parent for path in (ROOT / package).glob("*/__init__.py"))]:
+    for folder in [
+        ROOT / package,
+        *sorted(path.parent for path in (ROOT / package).glob("*/__init__.py")),
+    ]:
         yield str(folder.relative_to(ROOT)), purpose(folder)
 
 
@@ -58,18 +68,57 @@ def diagram():
         shell, solid = (layer_rows(LAYERS[package]) for package in ("shellfabric", "unitcell3d"))
         inner = 6.5 + LINE * max(len(shell), len(solid))
         rows = [  # from the bottom: (height, [(title, rows, colour)])
-            (8.0, [("fabrics", ["yarn, weave, laws, response surface, catalogue, units, errors, caches"], COLOURS[0])]),
-            (8.0, [("meshing  (gmsh)", ["weave geometry, hexahedra, decks for LS-DYNA, Abaqus, OpenRadioss"],
-                    COLOURS[1])]),
-            (inner, [("shellfabric  (numba, explicit)", shell, COLOURS[2]),
-                     ("unitcell3d  (dolfinx, quasi-static)", solid, COLOURS[2])]),
-            (11.0, [("weavecell", ["cli, api, decks, report, results",
-                                   "studies of many shots  |  scenes: input files"],
-                     COLOURS[3])]),
-            (8.0, [("validation",
-                    ["studies and their cases  |  published cases  |  claims  |  models"],
-                    COLOURS[4])]),
-        ]  # fmt: skip
+            (
+                8.0,
+                [
+                    (
+                        "fabrics",
+                        ["yarn, weave, laws, response surface, catalogue, units, errors, caches"],
+                        COLOURS[0],
+                    )
+                ],
+            ),
+            (
+                8.0,
+                [
+                    (
+                        "meshing  (gmsh)",
+                        ["weave geometry, hexahedra, decks for LS-DYNA, Abaqus, OpenRadioss"],
+                        COLOURS[1],
+                    )
+                ],
+            ),
+            (
+                inner,
+                [
+                    ("shellfabric  (numba, explicit)", shell, COLOURS[2]),
+                    ("unitcell3d  (dolfinx, quasi-static)", solid, COLOURS[2]),
+                ],
+            ),
+            (
+                11.0,
+                [
+                    (
+                        "weavecell",
+                        [
+                            "cli, api, decks, report, results",
+                            "studies of many shots  |  scenes: input files",
+                        ],
+                        COLOURS[3],
+                    )
+                ],
+            ),
+            (
+                8.0,
+                [
+                    (
+                        "validation",
+                        ["studies and their cases  |  published cases  |  claims  |  models"],
+                        COLOURS[4],
+                    )
+                ],
+            ),
+        ]
         top = sum(height + GAP for height, _ in rows)
         axes.set(xlim=(0, 114), ylim=(0, top))
         axes.axis("off")
@@ -79,7 +128,12 @@ def diagram():
             for place, (title, lines, colour) in enumerate(boxes):
                 _box(axes, 1 + place * (width + 2), y, width, height, title, lines, colour)
             y += height + GAP
-        axes.annotate("", (111.8, 2), (111.8, top - 2), arrowprops={"arrowstyle": "->", "color": INK, "lw": 1.4})
+        axes.annotate(
+            "",
+            (111.8, 2),
+            (111.8, top - 2),
+            arrowprops={"arrowstyle": "->", "color": INK, "lw": 1.4},
+        )
         axes.text(112.6, 0.5 * top, "imports", rotation=90, va="center", ha="left", fontsize=10)
         figure.savefig(FIGURE, metadata={"Date": None})
 
@@ -96,11 +150,19 @@ def _box(axes, x, y, width, height, title, lines, colour):
     """A box with a title and lines of text below it; the text has to stay inside."""
     from matplotlib.patches import FancyBboxPatch
 
-    shape = FancyBboxPatch((x, y), width, height, boxstyle="round,pad=0,rounding_size=1", fc=colour, ec=FAINT)
+    shape = FancyBboxPatch(
+        (x, y), width, height, boxstyle="round,pad=0,rounding_size=1", fc=colour, ec=FAINT
+    )
     axes.add_patch(shape)
-    texts = [axes.text(x + 1.4, y + height - 1.2, title, va="top", ha="left", weight="bold", fontsize=12)]
+    texts = [
+        axes.text(x + 1.4, y + height - 1.2, title, va="top", ha="left", weight="bold", fontsize=12)
+    ]
     for place, line in enumerate(lines):
-        texts.append(axes.text(x + 1.4, y + height - 5.0 - LINE * place, line, va="top", ha="left", fontsize=10))
+        texts.append(
+            axes.text(
+                x + 1.4, y + height - 5.0 - LINE * place, line, va="top", ha="left", fontsize=10
+            )
+        )
     axes.figure.canvas.draw()
     outline = shape.get_window_extent()
     for each in texts:

@@ -34,7 +34,10 @@ def bare(pyplot, count, size, **widths):
 def arrow(ax, start, end, text="", at=(0, 0), colour=INK, style="-|>"):
     """Arrow from start to end; its label stands `at` from the middle."""
     ax.annotate(
-        "", end, start, arrowprops={"arrowstyle": style, "color": colour, "lw": 1.5, "shrinkA": 0, "shrinkB": 0}
+        "",
+        end,
+        start,
+        arrowprops={"arrowstyle": style, "color": colour, "lw": 1.5, "shrinkA": 0, "shrinkB": 0},
     )
     middle = 0.5 * (np.array(start) + np.array(end)) + at
     ax.text(*middle, text, color=colour, ha="center", va="center")
@@ -49,7 +52,9 @@ def band(ax, x, z, half, colour):
     slope = np.gradient(z, x)
     n = np.array([-slope, np.ones_like(slope)]) / np.hypot(1, slope)
     upper, lower = np.array([x, z]) + half * n, np.array([x, z]) - half * n
-    ax.add_patch(Polygon(np.concatenate([upper, lower[:, ::-1]], axis=1).T, color=colour, alpha=0.2, lw=0))
+    ax.add_patch(
+        Polygon(np.concatenate([upper, lower[:, ::-1]], axis=1).T, color=colour, alpha=0.2, lw=0)
+    )
     ax.plot(x, z, color=colour)
 
 
@@ -66,7 +71,9 @@ def weave(pyplot):
         for j in range(count):
             if (i + j) % 2 == 0:
                 plan.add_patch(Rectangle((i - 0.5, j - 0.5 * width), 1, width, color="white", lw=0))
-                plan.add_patch(Rectangle((i - 0.5, j - 0.5 * width), 1, width, color=WARP, alpha=0.85, lw=0))
+                plan.add_patch(
+                    Rectangle((i - 0.5, j - 0.5 * width), 1, width, color=WARP, alpha=0.85, lw=0)
+                )
     plan.add_patch(Rectangle((0.5, 1.5), 1, 1, fill=False, ls="--", color=INK, lw=2))
     measure(plan, (0.5, -0.85), (1.5, -0.85), "$2w_1$", (0, -0.28))
     measure(plan, (-0.85, 1.5), (-0.85, 2.5), "$2w_2$", (-0.38, 0))
@@ -114,7 +121,14 @@ def cell(pyplot):
     w, h1 = states[1][:2]
     slope = 0.5 * np.pi * h1 / w
     for side in (-1, 1):
-        arrow(axes[1], (side * w, 0), (side * (w + 0.95), -0.95 * slope), "$T_1$", (side * 0.1, 0.24), WARP)
+        arrow(
+            axes[1],
+            (side * w, 0),
+            (side * (w + 0.95), -0.95 * slope),
+            "$T_1$",
+            (side * 0.1, 0.24),
+            WARP,
+        )
         arrow(axes[1], (-0.5, -0.05), (-0.5, -0.05 + 0.42 * side), "$F_c$", (-0.27, 0.06 * side))
     closure = "$h_1+h_2=h_{01}+h_{02}-d_{c1}-d_{c2}-g$"
     axes[1].text(0, 1.42, closure, ha="center", va="center", fontsize=11)
@@ -148,7 +162,9 @@ def mesh(pyplot):
             points.plot([s], [q], "s", color=INK if (s, q) == (0.25, 0.25) else STEEL, ms=8)
     points.text(0.36, 0.34, "$x$", fontsize=14)
     points.text(0.5, 1.13, "element, 2 x 2 points", ha="center", fontsize=10)
-    points.text(-0.05, -1.32, "size of the circles: weights $B_aB_b$ of the nodes", ha="center", fontsize=10)
+    points.text(
+        -0.05, -1.32, "size of the circles: weights $B_aB_b$ of the nodes", ha="center", fontsize=10
+    )
     points.set(xlim=(-1.9, 2.6), ylim=(-1.6, 2.5))
     return figure
 
@@ -157,7 +173,12 @@ def contact(pyplot):
     figure, (nose, plies, law) = bare(pyplot, 3, (12, 3.5), width_ratios=(1, 1.05, 0.95))
     angle = np.linspace(0, 0.5 * np.pi, 40)
     outline = np.array(
-        [[-1.6, 0.0], *zip(0.9 + 0.6 * np.sin(angle), 0.6 - 0.6 * np.cos(angle)), [1.5, 2.1], [-1.6, 2.1]]
+        [
+            [-1.6, 0.0],
+            *zip(0.9 + 0.6 * np.sin(angle), 0.6 - 0.6 * np.cos(angle)),
+            [1.5, 2.1],
+            [-1.6, 2.1],
+        ]
     )
     nose.add_patch(Polygon(outline, color=STEEL, alpha=0.35, lw=0))
     x = np.linspace(-1.6, 3.2, 200)
@@ -168,7 +189,9 @@ def contact(pyplot):
     nose.plot(*point, "o", color=INK, ms=6)
     arrow(nose, foot, foot + 0.8 * n, "$n$", (0.16, 0.12))
     nose.plot(*zip([0.9, 0.6], foot), color=FAINT, lw=1, ls="--")
-    nose.annotate("point, $d<0$", point, (-1.3, 0.55), arrowprops={"arrowstyle": "-", "color": FAINT})
+    nose.annotate(
+        "point, $d<0$", point, (-1.3, 0.55), arrowprops={"arrowstyle": "-", "color": FAINT}
+    )
     nose.text(0.98, 0.72, r"$\rho_e$")
     nose.text(-0.3, 1.5, "projectile", ha="center")
     nose.text(2.6, 1.62, "ply", color=WARP, ha="center")
@@ -183,7 +206,13 @@ def contact(pyplot):
     plies.text(0.56, -0.98, "$y$")
     arrow(plies, (0.44, -0.80), (0.4, -1.55), "$n$", (0.2, -0.1))
     measure(plies, (-1.35, 0.29 - 0.48), (-1.35, 0.29 + 0.54), "$t$", (0.16, 0.0))
-    plies.annotate("depth", (-0.3, -0.41), (-0.3, 0.95), ha="center", arrowprops={"arrowstyle": "-|>", "color": INK})
+    plies.annotate(
+        "depth",
+        (-0.3, -0.41),
+        (-0.3, 0.95),
+        ha="center",
+        arrowprops={"arrowstyle": "-|>", "color": INK},
+    )
     plies.text(0.9, 0.95, "front ply", color=WARP)
     plies.text(0.9, -1.5, "rear ply", color=WEFT)
     plies.set(xlim=(-2.2, 2.2), ylim=(-1.9, 1.5))

@@ -19,10 +19,12 @@ from fabrics.files import replace_whole, write
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 COUPONS = Path(__file__).parents[1] / "examples" / "coupons"
 FROM_COUPONS = {
-    "S-728-bias": ("coupon.png", "angles.svg"), "S-720-frame": ("stress.svg",),
+    "S-728-bias": ("coupon.png", "angles.svg"),
+    "S-720-frame": ("stress.svg",),
     "S-726-pull-out": ("load.svg",),
-    "S-720-warp": ("load.svg", "strains.svg"), "glass-biaxial": ("load.svg",),
-}  # fmt: skip
+    "S-720-warp": ("load.svg", "strains.svg"),
+    "glass-biaxial": ("load.svg",),
+}
 FROM_DEMO = ("mesh.png", "fit.svg", "cell.svg")
 
 
@@ -47,8 +49,16 @@ def report(_):
         wc.impact(COUPONS.parent / "S-720-perforates.toml", out=folder)
         wc.view(folder, movie=FIGURES / "perforation.gif")
         words = ("--headless", "--no-sandbox", "--enable-unsafe-swiftshader", "--hide-scrollbars")
-        shot = "--window-size=1280,1130", "--virtual-time-budget=9000", f"--screenshot={folder}/report.png"
-        subprocess.run(["chromium", *words, *shot, f"file://{folder}/report.html"], check=True, capture_output=True)
+        shot = (
+            "--window-size=1280,1130",
+            "--virtual-time-budget=9000",
+            f"--screenshot={folder}/report.png",
+        )
+        subprocess.run(
+            ["chromium", *words, *shot, f"file://{folder}/report.html"],
+            check=True,
+            capture_output=True,
+        )
         keep(Path(folder) / "report.png", "report.png")
 
 
@@ -83,7 +93,9 @@ def shrink(path, width=1000, most=4e5):
 MAKERS = {"demo": from_demo, "coupons": coupons, "impact": impact, "report": report}
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(prog="python tools/figures.py", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python tools/figures.py", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("demo", nargs="?", type=Path, default=Path("results/demo"))
     parser.add_argument("--only", nargs="+", choices=MAKERS, default=list(MAKERS))
     chosen = parser.parse_args()

@@ -52,7 +52,9 @@ def fabric_file() -> list[list[str]]:
             rows.append([table, f"`{key}`", units, f"{optional}{quantity.meaning}"])
     lists = {"`[ply_contact]`, or its `file`": ply_law.UNITS, "`[strain_rate]`": strain_rate.UNITS}
     rows += [
-        [table, f"`{key}`", unit or "1", LISTS[key]] for table, keys in lists.items() for key, unit in keys.items()
+        [table, f"`{key}`", unit or "1", LISTS[key]]
+        for table, keys in lists.items()
+        for key, unit in keys.items()
     ]
     return rows
 
@@ -84,7 +86,9 @@ def outputs() -> list[list[str]]:
     """Files that each command writes, from the docstrings of the modules of the commands."""
     rows = [["command", "file", "contents"]]
     folders = (ROOT / "weavecell" / name for name in ("api", "results"))
-    for path in sorted((path for folder in folders for path in folder.glob("*.py")), key=lambda path: path.name):
+    for path in sorted(
+        (path for folder in folders for path in folder.glob("*.py")), key=lambda path: path.name
+    ):
         text = ast.get_docstring(ast.parse(path.read_text("utf-8"))) or ""
         head = re.search(r"older of (`weavecell .*)$", text, re.MULTILINE)
         for line in text.splitlines() if head else ():

@@ -17,7 +17,9 @@ def copy(folder):
     for path in folder.glob("*.py"):
         if not (ROOT / "examples" / path.name).exists():
             path.unlink()
-    shutil.copytree(ROOT / "examples", folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(
+        ROOT / "examples", folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__")
+    )
 
 
 def figures(block, block_vars, gallery_conf):

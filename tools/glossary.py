@@ -25,7 +25,9 @@ def tuples(root=ROOT):
     found, folder = {}, root / "shellfabric"
     for path in sorted(folder.rglob("*.py")):
         parts = path.relative_to(folder).with_suffix("").parts
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))) if parts[0] not in NOT_PASSED else ():
+        for node in (
+            ast.walk(ast.parse(path.read_text("utf-8"))) if parts[0] not in NOT_PASSED else ()
+        ):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "namedtuple":
                 name, fields = map(ast.literal_eval, node.args)
                 found[".".join((*parts, name))] = fields.split()
@@ -45,17 +47,26 @@ def problems(entries, fields):
         found += [f"{name}.{field} has no entry" for field in there if field not in here]
         found += [f"{name}.{field} is in the table alone" for field in here if field not in there]
         found += [
-            f"{name}.{field} is to have shape, unit and meaning" for field, row in here.items()
-            if not (isinstance(row, list) and len(row) == 3 and all(isinstance(x, str) and x for x in row))
-        ]  # fmt: skip
+            f"{name}.{field} is to have shape, unit and meaning"
+            for field, row in here.items()
+            if not (
+                isinstance(row, list)
+                and len(row) == 3
+                and all(isinstance(x, str) and x for x in row)
+            )
+        ]
     return sorted(found)
 
 
 def page(entries, fields):
     """Text of the page."""
-    text = HEAD + "".join(f"- **{term}**: {meaning}\n" for term, meaning in entries["terms"].items())
+    text = HEAD + "".join(
+        f"- **{term}**: {meaning}\n" for term, meaning in entries["terms"].items()
+    )
     for name, names in fields.items():
-        text += f"\n## shellfabric.{name}\n\n| field | shape | unit | meaning |\n|---|---|---|---|\n"
+        text += (
+            f"\n## shellfabric.{name}\n\n| field | shape | unit | meaning |\n|---|---|---|---|\n"
+        )
         for field in names:
             shape, unit, meaning = entries[name][field]
             text += f"| `{field}` | {shape} | {unit} | {meaning} |\n"

@@ -29,8 +29,29 @@ from weavecell.studies import inputs, v50
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
 DIGITS, TOLERANCE, ROWS, MOST = 12, 1e-11, 6, 6
 SKIPPED = (  # inputs, words, clocks, fields at every instant, and small differences of energies
-    *("setup", "target", "coupon", "snapshots", "scatter", "wall_time", "ns_per_element_step", "seconds"),
-    *("meaning", "meanings", "unit", "limit", "note", "provenance", "quads", "area", "checks", "path_laws", "sizes"),
+    *(
+        "setup",
+        "target",
+        "coupon",
+        "snapshots",
+        "scatter",
+        "wall_time",
+        "ns_per_element_step",
+        "seconds",
+    ),
+    *(
+        "meaning",
+        "meanings",
+        "unit",
+        "limit",
+        "note",
+        "provenance",
+        "quads",
+        "area",
+        "checks",
+        "path_laws",
+        "sizes",
+    ),
     *("error", "balance"),
 )
 
@@ -46,7 +67,9 @@ def coupon_test(path):
     table = CellModel(case.fabric, case.laws).table(201)
     if scene.test == "pull_out":
         return coupon_results.run_pull_out(table, scene.pull_out)
-    options = scene.test_table.model_dump(exclude_none=True) | scene.run.model_dump(exclude={"outputs"})
+    options = scene.test_table.model_dump(exclude_none=True) | scene.run.model_dump(
+        exclude={"outputs"}
+    )
     if "crossovers" in options:
         options["cells"] = options.pop("crossovers")
     return getattr(quasistatic, scene.test)(table, **options)
@@ -62,25 +85,48 @@ def v50_of_eight_shots(path):
 
 
 RUNS = {
-    "impact": (lambda path: simulation.run(setup(path)), [path.stem for path in sorted(EXAMPLES.glob("*.toml"))]),
-    "coupon": (coupon_test, ["coupons/S-720-frame", "coupons/S-720-warp", "coupons/S-726-pull-out"]),
+    "impact": (
+        lambda path: simulation.run(setup(path)),
+        [path.stem for path in sorted(EXAMPLES.glob("*.toml"))],
+    ),
+    "coupon": (
+        coupon_test,
+        ["coupons/S-720-frame", "coupons/S-720-warp", "coupons/S-726-pull-out"],
+    ),
     "limit": (critical_velocity, ["S-720-stops", "S-728-incompressible"]),
     "v50": (v50_of_eight_shots, ["S-720-stops"]),
-    "calibration": (lambda path: calibrate(catalogue.load(path.stem), size="coarse", executor=InProcess()), ["S-720"]),
+    "calibration": (
+        lambda path: calibrate(catalogue.load(path.stem), size="coarse", executor=InProcess()),
+        ["S-720"],
+    ),
 }
-CASES = {f"{kind}-{Path(name).name}": (run, name) for kind, (run, names) in RUNS.items() for name in names}
+CASES = {
+    f"{kind}-{Path(name).name}": (run, name)
+    for kind, (run, names) in RUNS.items()
+    for name in names
+}
 
 
 def numbers(result, name=""):
     """{name: number, text or list} of everything in a result."""
     if is_dataclass(result):
         result = {field.name: getattr(result, field.name) for field in fields(result)}
-    if isinstance(result, tuple | list) and any(is_dataclass(part) or isinstance(part, dict) for part in result):
+    if isinstance(result, tuple | list) and any(
+        is_dataclass(part) or isinstance(part, dict) for part in result
+    ):
         result = dict(enumerate(result))
     if isinstance(result, dict):
-        parts = (numbers(part, f"{name}.{key}".lstrip(".")) for key, part in result.items() if key not in SKIPPED)
+        parts = (
+            numbers(part, f"{name}.{key}".lstrip("."))
+            for key, part in result.items()
+            if key not in SKIPPED
+        )
         return {key: value for part in parts for key, value in part.items()}
-    return {name: thinned(result)} if isinstance(result, int | float | str | np.ndarray | tuple) else {}
+    return (
+        {name: thinned(result)}
+        if isinstance(result, int | float | str | np.ndarray | tuple)
+        else {}
+    )
 
 
 def thinned(value):
@@ -98,7 +144,9 @@ def thinned(value):
 def same(kept, computed):
     if isinstance(kept, list) and isinstance(computed, list):
         return len(kept) == len(computed) and all(map(same, kept, computed))
-    return kept == computed or (type(kept) is type(computed) is float and isclose(kept, computed, rel_tol=TOLERANCE))
+    return kept == computed or (
+        type(kept) is type(computed) is float and isclose(kept, computed, rel_tol=TOLERANCE)
+    )
 
 
 if __name__ == "__main__":
@@ -112,9 +160,14 @@ if __name__ == "__main__":
         if arguments.check:
             kept = json.loads(file.read_text())
             off = [key for key in kept | computed if not same(kept.get(key), computed.get(key))]
-            print(f"{case}: {len(kept)} entries; {'CHANGED: ' * bool(off)}{', '.join(off) or 'the same'}", flush=True)
+            print(
+                f"{case}: {len(kept)} entries; {'CHANGED: ' * bool(off)}{', '.join(off) or 'the same'}",
+                flush=True,
+            )
             changed += bool(off)
         else:
-            lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(value)}" for key, value in computed.items())
+            lines = ",\n".join(
+                f"{json.dumps(key)}: {json.dumps(value)}" for key, value in computed.items()
+            )
             file.write_text(f"{{\n{lines}\n}}\n")
     raise SystemExit(changed > 0)

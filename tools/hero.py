@@ -56,18 +56,25 @@ def draw(pyplot, perforated, stopped):
     left.plot(ends, [0.94 * rows] * 2, color=INK, lw=3, solid_capstyle="butt")
     left.text(ends.mean(), 0.92 * rows, f"{BAR:g} mm", ha="center", va="bottom")
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1), tension_map())
-    bar = figure.colorbar(scale, cax=left.inset_axes((0.15, -0.11, 0.7, 0.045)), orientation="horizontal")
+    bar = figure.colorbar(
+        scale, cax=left.inset_axes((0.15, -0.11, 0.7, 0.045)), orientation="horizontal"
+    )
     bar.set_label("yarn tension / strength, the higher of warp and weft")
     bar.outline.set_visible(False)
     for result, colour, velocity in ((stopped, GREEN, STOPPED), (perforated, RED, PERFORATED)):
         middle.plot(US * result.step_history[:, 0], result.step_history[:, 2], color=colour)
         middle.plot([], [], color=colour, label=f"{velocity:g} m/s: {result.outcome}")
     middle.axhline(0, color=FAINT, lw=1)
-    middle.set(title="projectile", xlabel="time after strike [µs]", ylabel="velocity [m/s]", xlim=(0, None))
+    middle.set(
+        title="projectile", xlabel="time after strike [µs]", ylabel="velocity [m/s]", xlim=(0, None)
+    )
     middle.set_ylim(-4, 172)
     middle.legend(loc="upper right", fontsize=10)
-    known = [(stopped.energies[name], label, colour) for name, label, colour in pictures.ENERGIES
-             if np.any(stopped.energies.get(name, 0.0) > 0.005 * stopped.strike_energy)]  # fmt: skip
+    known = [
+        (stopped.energies[name], label, colour)
+        for name, label, colour in pictures.ENERGIES
+        if np.any(stopped.energies.get(name, 0.0) > 0.005 * stopped.strike_energy)
+    ]
     parts = [np.maximum(part, 0) for part, _, _ in known]
     right.stackplot(US * stopped.t, parts, colors=[colour for _, _, colour in known])
     below = np.zeros_like(parts[0])
@@ -76,11 +83,20 @@ def draw(pyplot, perforated, stopped):
         k = int(place * part.size)
         if part[k] > 0.1 * stopped.strike_energy:  # the thinner ones have no room for their names
             white = label == "fabric, membrane"
-            right.text(US * stopped.t[k], below[k] + 0.5 * part[k], label, ha="left" if place < 0.5 else "right",
-                       va="center", color="white" if white else INK, fontsize=10)  # fmt: skip
+            right.text(
+                US * stopped.t[k],
+                below[k] + 0.5 * part[k],
+                label,
+                ha="left" if place < 0.5 else "right",
+                va="center",
+                color="white" if white else INK,
+                fontsize=10,
+            )
         below = below + part
     right.axhline(stopped.strike_energy, color=INK, lw=1, ls=":")
-    right.set(title=f"energy at {STOPPED:g} m/s", xlabel="time after strike [µs]", ylabel="energy [J]")
+    right.set(
+        title=f"energy at {STOPPED:g} m/s", xlabel="time after strike [µs]", ylabel="energy [J]"
+    )
     right.set(xlim=(0, US * stopped.t[-1]), ylim=(0, 1.04 * stopped.strike_energy))
     return figure
 

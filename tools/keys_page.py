@@ -40,9 +40,12 @@ out; its text then says what holds. **Commands** says who uses the key: *impact*
 `weavecell critical-velocity` and `v50`, *sensitivity*, *export* and *coupon* are the commands of these names; `sweep`
 and `compare` use keys as the command that they repeat."""
 COMMANDS = {
-    "impact": honoured.IMPACT, "limits": honoured.LIMITS, "sensitivity": honoured.SENSITIVITY,
-    "export": folder.NOT_HONOURED, "coupon": honoured.COUPON,
-}  # fmt: skip
+    "impact": honoured.IMPACT,
+    "limits": honoured.LIMITS,
+    "sensitivity": honoured.SENSITIVITY,
+    "export": folder.NOT_HONOURED,
+    "coupon": honoured.COUPON,
+}
 RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
@@ -64,11 +67,18 @@ NOTES = {
 def page() -> str:
     """The text of docs/reference/input.md."""
     parts = [HEAD, "## Input file of an impact", *_tables(Scene), "## Input file of a coupon"]
-    parts += ["Title and `[fabric]` as above; one table of a test; `[run]`.", *_tables(CouponScene, "title", "fabric")]
+    parts += [
+        "Title and `[fabric]` as above; one table of a test; `[run]`.",
+        *_tables(CouponScene, "title", "fabric"),
+    ]
     parts += ["## Keys of result files", "A `*` stands for a name or number that the run gives."]
     for title, table in RESULTS.items():
         rows = [(f"`{key.name}`", key.unit, key.meaning) for key in table]
-        parts += [f"### {title}", *([NOTES[title]] if title in NOTES else []), _table(("key", "unit", "meaning"), rows)]
+        parts += [
+            f"### {title}",
+            *([NOTES[title]] if title in NOTES else []),
+            _table(("key", "unit", "meaning"), rows),
+        ]
     return "\n\n".join(parts) + "\n"
 
 
@@ -80,15 +90,26 @@ def _tables(model, *left_out):
         if (name.partition(".")[0] or "title") in left_out:
             continue
         yield f"### Table [{name}]" if name else "### Before the tables"
-        yield f"As [{shown[table]}]." if table in shown else "{}\n\n```toml\n{}\n```".format(*about(table))
+        yield (
+            f"As [{shown[table]}]."
+            if table in shown
+            else "{}\n\n```toml\n{}\n```".format(*about(table))
+        )
         shown.setdefault(table, name)
         for key, entry in keys.items():
             if key.rpartition(".")[0] != name:
                 continue
             parts = {"Allowed": entry.description, "Unit": unit_of(entry) or "1"}
-            parts |= {"Default": defaults.get(key) or _default(entry), "Commands": _commands(key, model)}
+            parts |= {
+                "Default": defaults.get(key) or _default(entry),
+                "Commands": _commands(key, model),
+            }
             yield f"#### {key}\n\n{entry.title[0].upper()}{entry.title[1:]}."
-            yield " ".join(f"*{name}:* {text}." for name, text in parts.items() if (name, text) != ("Unit", "1"))
+            yield " ".join(
+                f"*{name}:* {text}."
+                for name, text in parts.items()
+                if (name, text) != ("Unit", "1")
+            )
 
 
 def about(table: type[Table]) -> list[str]:
@@ -102,7 +123,9 @@ def _commands(key, model):
     names = [name for name in COMMANDS if both or (name == "coupon") == (model is CouponScene)]
     use: dict[str, list[str]] = {"used": [], "ignored": [], "refused": []}
     for name in names:
-        stands = [COMMANDS[name][part] for part in honoured.with_tables(key) if part in COMMANDS[name]]
+        stands = [
+            COMMANDS[name][part] for part in honoured.with_tables(key) if part in COMMANDS[name]
+        ]
         use["refused" if any(stands) else "ignored" if stands else "used"].append(name)
     used = use.pop("used")
     parts = ["all" if len(used) == len(names) > 1 else ", ".join(used) or "none"]
@@ -134,7 +157,11 @@ def _solver_defaults():
     from shellfabric.panel.model import Numerics
 
     known = {f"numerics.{entry.name}": entry.default for entry in fields(Numerics)}
-    known |= {f"backing.{entry.name}": entry.default for entry in fields(Backing) if entry.name != "material"}
+    known |= {
+        f"backing.{entry.name}": entry.default
+        for entry in fields(Backing)
+        if entry.name != "material"
+    }
     material = load("backing")
     known |= {f"backing.{entry.name}": getattr(material, entry.name) for entry in fields(Isotropic)}
     names = {f"{key.partition('.')[0]}.{field}": key for key, field in build.FIELDS.items()}
@@ -143,7 +170,9 @@ def _solver_defaults():
 
 def _table(columns, rows):
     lines = [columns, ["---"] * len(columns), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
+    )
 
 
 def main() -> None:

@@ -20,13 +20,23 @@ def draw(table: Sequence[Mapping[str, str]], quantities: Sequence[Mapping[str, s
     figure = Figure(figsize=(12.4, 3.5 * rows), layout="constrained")
     grid = figure.subplots(rows, COLUMNS, squeeze=False)
     for axes, one in zip(grid.flat, drawn):
-        of = [row for row in table if row["quantity"] == one["quantity"] and (row["computed"] or row["coarse"])]
+        of = [
+            row
+            for row in table
+            if row["quantity"] == one["quantity"] and (row["computed"] or row["coarse"])
+        ]
         cells = [(row["measured"], row["computed"] or row["coarse"], row["sigma"]) for row in of]
         x, y, sigma = np.array(cells, float).T
         ends = np.array([0.8 * min(x.min(), y.min()), 1.25 * max(x.max(), y.max())])
-        test, model, bias = float(one["sigma_test"]), float(one["sigma_model"] or 0), float(one["bias"])
+        test, model, bias = (
+            float(one["sigma_test"]),
+            float(one["sigma_model"] or 0),
+            float(one["bias"]),
+        )
         axes.loglog(ends, ends, color=INK, lw=1)
-        axes.fill_between(ends, ends * np.exp(-2 * test), ends * np.exp(2 * test), color=FAINT, alpha=0.3, lw=0)
+        axes.fill_between(
+            ends, ends * np.exp(-2 * test), ends * np.exp(2 * test), color=FAINT, alpha=0.3, lw=0
+        )
         axes.loglog(ends, bias * ends, color=ORANGE, lw=1.5)
         for sign in (-2, 2) if model else ():
             axes.loglog(ends, bias * np.exp(sign * model) * ends, color=ORANGE, lw=1, ls="--")

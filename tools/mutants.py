@@ -29,7 +29,11 @@ ROOT = Path(__file__).parents[1]
 COLUMNS = ("id", "file", "outcome", "test", "paths", "cpu_s", "wall_s", "commit")
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+(?:\[.*?\])?)", re.MULTILINE)
 NOTHING_COLLECTED, NO_SUCH_PATH = 5, 4  # exit codes of pytest
-STOPPED = signal.SIGINT, signal.SIGTERM, signal.SIGKILL  # by someone else: nothing that a defect does
+STOPPED = (
+    signal.SIGINT,
+    signal.SIGTERM,
+    signal.SIGKILL,
+)  # by someone else: nothing that a defect does
 
 
 def copy_of_tree(folder: Path, commit: str) -> str:
@@ -44,7 +48,9 @@ def copy_of_tree(folder: Path, commit: str) -> str:
 
 def git(folder: Path, *words: str) -> str:
     """What git prints; its errors go on to stderr."""
-    return subprocess.run(["git", "-C", folder, *words], check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
+    return subprocess.run(
+        ["git", "-C", folder, *words], check=True, stdout=subprocess.PIPE, text=True
+    ).stdout.strip()
 
 
 @contextmanager
@@ -65,12 +71,33 @@ def run_tests(folder: Path, words: Sequence[str], seconds: float) -> tuple[int |
     """(exit code of pytest, its output) in the copy of the tree; None when it took longer than `seconds`."""
     room = folder.with_suffix(".tmp")  # where processes that compile lock each other out
     room.mkdir(exist_ok=True)
-    variables = {"PYTHONPATH": str(folder), "TMPDIR": str(room), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *words]
+    variables = {
+        "PYTHONPATH": str(folder),
+        "TMPDIR": str(room),
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+    }
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-x",
+        "-q",
+        "-n",
+        "0",
+        "-p",
+        "no:cacheprovider",
+        *words,
+    ]
     process = subprocess.Popen(
-        command, cwd=folder, env=os.environ | variables, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        command,
+        cwd=folder,
+        env=os.environ | variables,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
         start_new_session=True,
-    )  # fmt: skip
+    )
     try:
         output, _ = process.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
@@ -84,12 +111,16 @@ def run_tests(folder: Path, words: Sequence[str], seconds: float) -> tuple[int |
     return process.returncode, output
 
 
-def outcome(folder: Path, paths: Sequence[str], marks: Sequence[str], seconds: float) -> tuple[str, str, int]:
+def outcome(
+    folder: Path, paths: Sequence[str], marks: Sequence[str], seconds: float
+) -> tuple[str, str, int]:
     """("killed", "survived" or "timeout", the test that failed, paths that were run)."""
     end, runs = time.monotonic() + seconds, [(mark, path) for mark in marks for path in paths]
     for count, (mark, path) in enumerate(runs, 1):
         before = [f"--ignore={known}" for _, known in runs[: (count - 1) % len(paths)]]
-        code, output = run_tests(folder, ["-m", mark, path, *before], max(1.0, end - time.monotonic()))
+        code, output = run_tests(
+            folder, ["-m", mark, path, *before], max(1.0, end - time.monotonic())
+        )
         if code is None:
             return "timeout", path, count
         if code not in (0, NOTHING_COLLECTED):
@@ -100,15 +131,27 @@ def outcome(folder: Path, paths: Sequence[str], marks: Sequence[str], seconds: f
 
 def main() -> None:
     """Run the command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--out", type=Path, required=True, help="CSV file to which lines are added")
     parser.add_argument("--only", nargs="+", metavar="ID", help="defects to plant; all without it")
-    parser.add_argument("--suite", action="store_true", help="run all tests, not those named with each defect")
-    parser.add_argument("--slow", action="store_true", help="run the slow tests too, after the others")
-    parser.add_argument("--check", action="store_true", help="run the tests that found the defects, without these")
-    parser.add_argument("--minutes", type=float, default=10.0, help="wall time for one defect at most")
+    parser.add_argument(
+        "--suite", action="store_true", help="run all tests, not those named with each defect"
+    )
+    parser.add_argument(
+        "--slow", action="store_true", help="run the slow tests too, after the others"
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="run the tests that found the defects, without these"
+    )
+    parser.add_argument(
+        "--minutes", type=float, default=10.0, help="wall time for one defect at most"
+    )
     parser.add_argument("--commit", default="HEAD", help="of which the tree is tested")
-    parser.add_argument("--work", type=Path, default=Path(tempfile.gettempdir()) / "weavecell-mutants")
+    parser.add_argument(
+        "--work", type=Path, default=Path(tempfile.gettempdir()) / "weavecell-mutants"
+    )
     chosen = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # by way of all `finally`
     folder = chosen.work.resolve()
@@ -116,13 +159,19 @@ def main() -> None:
     rows = list(csv.DictReader(chosen.out.open())) if chosen.out.exists() else []
     if chosen.check:
         tests = sorted({row["test"] for row in rows if row["outcome"] == "killed"})
-        code, output = run_tests(folder, ["--maxfail=1000", *tests], 60 * chosen.minutes * len(tests))
+        code, output = run_tests(
+            folder, ["--maxfail=1000", *tests], 60 * chosen.minutes * len(tests)
+        )
         print(output)
         sys.exit(code)
     for mutant in tomllib.loads((ROOT / "tools" / "mutants.toml").read_text())["mutant"]:
-        if mutant["id"] in {row["id"] for row in rows} or (chosen.only and mutant["id"] not in chosen.only):
+        if mutant["id"] in {row["id"] for row in rows} or (
+            chosen.only and mutant["id"] not in chosen.only
+        ):
             continue
-        paths = sorted({path.split("/")[1] for path in git(ROOT, "ls-files", "tests/*test_*.py").splitlines()})
+        paths = sorted(
+            {path.split("/")[1] for path in git(ROOT, "ls-files", "tests/*test_*.py").splitlines()}
+        )
         paths = [f"tests/{path}" for path in paths] if chosen.suite else mutant["tests"]
         marks = ("not slow", "slow and not printed") if chosen.slow else ("not slow",)
         begun, used = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -130,7 +179,15 @@ def main() -> None:
             result, test, count = outcome(folder, paths, marks, 60 * chosen.minutes)
         now = resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu = now.ru_utime + now.ru_stime - used.ru_utime - used.ru_stime
-        values = mutant["id"], mutant["file"], result, test, count, f"{cpu:.0f}", f"{time.monotonic() - begun:.0f}"
+        values = (
+            mutant["id"],
+            mutant["file"],
+            result,
+            test,
+            count,
+            f"{cpu:.0f}",
+            f"{time.monotonic() - begun:.0f}",
+        )
         rows.append(dict(zip(COLUMNS, (*values, commit[:10]))))
         with chosen.out.open("a", newline="") as file:
             writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")

@@ -39,7 +39,10 @@ QUANTITIES = {  # of convergence-means.csv, in words
     "absorbed_energy": "absorbed energy",
     "cut_yarns": "cut yarns",
 }
-TARGETS = {"critical_velocity": (2.0, 2.0), "absorbed_energy": (3.0, 5.0)}  # [%] of one ply, of packs
+TARGETS = {
+    "critical_velocity": (2.0, 2.0),
+    "absorbed_energy": (3.0, 5.0),
+}  # [%] of one ply, of packs
 
 
 def table(name: str) -> list[dict[str, str]]:
@@ -58,10 +61,14 @@ class Deviation:
     @property
     def percent(self) -> tuple[float, float]:
         """(deviation, its error) [%] of the value on the finer mesh."""
-        (value, error), (reference, reference_error) = (self.values[mesh] for mesh in ("default", "finer"))
+        (value, error), (reference, reference_error) = (
+            self.values[mesh] for mesh in ("default", "finer")
+        )
         if reference == 0:
             return (0.0, 0.0) if value == 0 else (nan, nan)
-        return 100 * (value / reference - 1), 100 * hypot(error, value / reference * reference_error) / abs(reference)
+        return 100 * (value / reference - 1), 100 * hypot(
+            error, value / reference * reference_error
+        ) / abs(reference)
 
     @property
     def met(self) -> bool:
@@ -77,7 +84,8 @@ def deviations() -> dict[tuple[int, str], list[Deviation]]:
         meshes.setdefault((int(row["plies"]), row["fabric"]), {})[row["mesh"]] = row
     return {
         (plies, fabric): [
-            Deviation(plies, name, {mesh: measured(row, name) for mesh, row in rows.items()}) for name in QUANTITIES
+            Deviation(plies, name, {mesh: measured(row, name) for mesh, row in rows.items()})
+            for name in QUANTITIES
         ]
         for (plies, fabric), rows in meshes.items()
     }
@@ -113,14 +121,25 @@ def mesh_errors(least_plies: int = 1) -> str:
 def limits_of_meshes() -> list[float]:
     """[m/s] middles of the intervals of S-726 with 1, 2, ... elements per crossover."""
     rows = table("published-critical-velocities.csv")
-    return [0.5 * (float(row["stops at [m/s]"]) + float(row["perforates at [m/s]"])) for row in rows]
+    return [
+        0.5 * (float(row["stops at [m/s]"]) + float(row["perforates at [m/s]"])) for row in rows
+    ]
 
 
 def tested_ply() -> str:
     """The ply of S-726 beside its test."""
-    rows = [["elements per crossover", "computed, m/s", f"above {TESTED} m/s", "above the middle, 103 m/s"]]
+    rows = [
+        [
+            "elements per crossover",
+            "computed, m/s",
+            f"above {TESTED} m/s",
+            "above the middle, 103 m/s",
+        ]
+    ]
     for n, V in enumerate(limits_of_meshes(), 1):
-        rows.append([f"{n}", f"{V:.1f}", f"{100 * (V / TESTED - 1):.1f} %", f"{100 * (V / 103 - 1):.1f} %"])
+        rows.append(
+            [f"{n}", f"{V:.1f}", f"{100 * (V / TESTED - 1):.1f} %", f"{100 * (V / 103 - 1):.1f} %"]
+        )
     return f"\n\n{markdown(rows)}\n"
 
 
@@ -137,13 +156,21 @@ def critical_velocities() -> str:
     for (plies, fabric), quantities in deviations().items():
         if plies > 1:
             continue
-        velocity = next(deviation for deviation in quantities if deviation.quantity == "critical_velocity")
+        velocity = next(
+            deviation for deviation in quantities if deviation.quantity == "critical_velocity"
+        )
         at = {
-            end: [row["strike velocity [m/s]"] for row in shots if (row["fabric"], row["thesis"]) == (fabric, end)]
+            end: [
+                row["strike velocity [m/s]"]
+                for row in shots
+                if (row["fabric"], row["thesis"]) == (fabric, end)
+            ]
             for end in ("stops", "perforates")
         }
         ends = f"{max(at['stops'], key=float)} to {min(at['perforates'], key=float)}"
-        rows.append([fabric, *(f"{velocity.values[mesh][0]:.1f}" for mesh in ("default", "finer")), ends])
+        rows.append(
+            [fabric, *(f"{velocity.values[mesh][0]:.1f}" for mesh in ("default", "finer")), ends]
+        )
     return f"\n\n{markdown(rows)}\n"
 
 
@@ -186,18 +213,24 @@ def of_files(rows: Callable) -> Callable[[], str]:
 # page -> {name of a mark: text between it and its end}, or the text of the whole page
 MARKED: dict[str, dict[str, Callable[[], str | None]]] = {
     "README.md": {
-        "mesh errors": mesh_errors, "tested ply": tested_ply_in_words, "claims": decided_claims,
+        "mesh errors": mesh_errors,
+        "tested ply": tested_ply_in_words,
+        "claims": decided_claims,
     },
     "docs/pack.md": {"mesh errors": pack_mesh_errors},
     "docs/validation.md": {
-        "tested ply": tested_ply, "critical velocities": critical_velocities, "claims": all_claims,
+        "tested ply": tested_ply,
+        "critical velocities": critical_velocities,
+        "claims": all_claims,
     },
     "docs/reference/python.md": {"functions": python_page.text},
     "docs/reference/files.md": {
-        "outputs": of_files(file_formats.outputs), "fabric": of_files(file_formats.fabric_file),
-        "surface": of_files(file_formats.surface_file), "case": case_columns,
+        "outputs": of_files(file_formats.outputs),
+        "fabric": of_files(file_formats.fabric_file),
+        "surface": of_files(file_formats.surface_file),
+        "case": case_columns,
     },
-}  # fmt: skip
+}
 WHOLE: dict[str, Callable[[], str]] = {
     "docs/reference/input.md": keys_page.page,
     "docs/developers/architecture.md": architecture.text,

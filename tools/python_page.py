@@ -12,25 +12,54 @@ _ENTRY = re.compile(r"^(\*{0,2}\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
 SECTIONS = {
     "Fabrics, projectiles, backings": (
-        "fabrics", "fabric", "new_fabric", "show_fabric", "projectiles", "projectile", "show_projectile", "backings",
+        "fabrics",
+        "fabric",
+        "new_fabric",
+        "show_fabric",
+        "projectiles",
+        "projectile",
+        "show_projectile",
+        "backings",
         "show_backing",
     ),
-    "Shots": ("impact", "setup", "sweep", "draws", "critical_velocity", "v50", "sensitivity", "compare"),
+    "Shots": (
+        "impact",
+        "setup",
+        "sweep",
+        "draws",
+        "critical_velocity",
+        "v50",
+        "sensitivity",
+        "compare",
+    ),
     "Tests of materials": ("coupon", "biaxial", "fit"),
     "The 3D crossover": ("mesh", "calibrate", "crossover", "surface"),
     "Files and pictures": ("export", "view"),
-}  # fmt: skip
+}
 
 
 def text() -> str:
     """Between the marks of docs/reference/python.md."""
-    parts = [f"## {title}\n\n" + "\n\n".join(map(_function, names)) for title, names in SECTIONS.items()]
-    left = [name for name in weavecell.__all__ if name not in sum(SECTIONS.values(), ()) and name != "__version__"]
+    parts = [
+        f"## {title}\n\n" + "\n\n".join(map(_function, names)) for title, names in SECTIONS.items()
+    ]
+    left = [
+        name
+        for name in weavecell.__all__
+        if name not in sum(SECTIONS.values(), ()) and name != "__version__"
+    ]
     kinds = {name: getattr(weavecell, name) for name in left}
-    results = [_class(name, kind) for name, kind in kinds.items() if not issubclass(kind, Exception)]
-    errors = [f"- `{name}`: {_first(kind)}" for name, kind in kinds.items() if issubclass(kind, Exception)]
+    results = [
+        _class(name, kind) for name, kind in kinds.items() if not issubclass(kind, Exception)
+    ]
+    errors = [
+        f"- `{name}`: {_first(kind)}" for name, kind in kinds.items() if issubclass(kind, Exception)
+    ]
     parts += ["## Results\n\n" + "\n\n".join(results)]
-    parts += ["## Errors\n\nEach has an `exit_code`, which the command line returns.\n\n" + "\n".join(errors)]
+    parts += [
+        "## Errors\n\nEach has an `exit_code`, which the command line returns.\n\n"
+        + "\n".join(errors)
+    ]
     return "\n\n" + "\n\n".join(parts) + "\n\n"
 
 
@@ -44,14 +73,21 @@ def _function(name):
         last = one.kind
         signature.append(str(one.replace(annotation=one.empty)))
     _, *sections = _SECTION.split(inspect.getdoc(function))
-    entries = [f"- `{names}`: {_line(meaning)}" for names, meaning in _ENTRY.findall(sections[0] if sections else "")]
+    entries = [
+        f"- `{names}`: {_line(meaning)}"
+        for names, meaning in _ENTRY.findall(sections[0] if sections else "")
+    ]
     call = f"`{name}({', '.join(signature)})`"
     return "\n\n".join(filter(None, (f"### {name}", call, _first(function), "\n".join(entries))))
 
 
 def _class(name, kind):
     """Heading, what it is, and a line for each property and method of its own."""
-    own = [(key, member) for key, member in vars(kind).items() if not key.startswith("_") and inspect.getdoc(member)]
+    own = [
+        (key, member)
+        for key, member in vars(kind).items()
+        if not key.startswith("_") and inspect.getdoc(member)
+    ]
     rows = [
         f"- `{key}{'()' if callable(member) else ''}`: {_first(member)}"
         for key, member in own

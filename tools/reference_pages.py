@@ -34,28 +34,44 @@ def commands(command, name):
 
 def plain(text):
     """Help without the marks of rich, on one line, safe in a table."""
-    return " ".join(re.sub(r"\\(\[)|\[/?(?:bold|dim)?\]", r"\1", text or "").split()).replace("|", r"\|")
+    return " ".join(re.sub(r"\\(\[)|\[/?(?:bold|dim)?\]", r"\1", text or "").split()).replace(
+        "|", r"\|"
+    )
 
 
 def section(name, command):
     """The Markdown of one command."""
     arguments = [one for one in command.params if one.param_type_name == "argument"]
-    options = [one for one in command.params if one.param_type_name == "option" and "--help" not in one.opts]
+    options = [
+        one
+        for one in command.params
+        if one.param_type_name == "option" and "--help" not in one.opts
+    ]
     usage = " ".join(
-        [name, *(one.metavar or one.name.upper() for one in arguments), *(["[OPTIONS]"] if options else [])]
+        [
+            name,
+            *(one.metavar or one.name.upper() for one in arguments),
+            *(["[OPTIONS]"] if options else []),
+        ]
     )
     paragraphs = [plain(each) for each in (command.help or "").split("\n\n")]
     lines = [f"## {name}", "", f"```\n{usage}\n```", "", "\n\n".join(paragraphs), ""]
     if command.params:
         lines += ["| argument or option | default | meaning |", "| --- | --- | --- |"]
     for one in arguments:
-        lines.append(f"| `{one.metavar or one.name.upper()}` | | {plain(getattr(one, 'help', ''))} |")
+        lines.append(
+            f"| `{one.metavar or one.name.upper()}` | | {plain(getattr(one, 'help', ''))} |"
+        )
     for one in options:
         value = f" {one.metavar}" if one.metavar and not getattr(one, "is_flag", False) else ""
         words = ", ".join([*one.opts, *one.secondary_opts]) + value.replace("|", r"\|")
         default = one.default
-        default = "" if default is None or callable(default) else str(getattr(default, "value", default))
-        lines.append(f"| `{words}` | {default and f'`{default}`'} | {plain(getattr(one, 'help', ''))} |")
+        default = (
+            "" if default is None or callable(default) else str(getattr(default, "value", default))
+        )
+        lines.append(
+            f"| `{words}` | {default and f'`{default}`'} | {plain(getattr(one, 'help', ''))} |"
+        )
     example = plain(getattr(command, "epilog", "")).removeprefix("Example: ")
     return "\n".join([*lines, "", *([f"Example: `{example}`", ""] if example else [])])
 
@@ -66,7 +82,12 @@ def cli():
 
     from weavecell.cli.app import program
 
-    return "\n\n".join([HEAD, *(section(*each) for each in commands(typer.main.get_command(program()), "weavecell"))])
+    return "\n\n".join(
+        [
+            HEAD,
+            *(section(*each) for each in commands(typer.main.get_command(program()), "weavecell")),
+        ]
+    )
 
 
 def json_schema(model):
@@ -96,12 +117,17 @@ def schemas():
     from weavecell.scenes.coupon import CouponScene
     from weavecell.scenes.impact import Scene
 
-    return {f"{name}.schema.json": json_schema(model) for name, model in (("scene", Scene), ("coupon", CouponScene))}
+    return {
+        f"{name}.schema.json": json_schema(model)
+        for name, model in (("scene", Scene), ("coupon", CouponScene))
+    }
 
 
 def write(folder):
     """Write all pages to a folder."""
-    pages = {"cli.md": cli()} | {name: json.dumps(found, indent=2) + "\n" for name, found in schemas().items()}
+    pages = {"cli.md": cli()} | {
+        name: json.dumps(found, indent=2) + "\n" for name, found in schemas().items()
+    }
     for name, text in pages.items():
         path = Path(folder) / name
         if not path.exists() or path.read_text("utf-8") != text:  # Sphinx reads again what is newer

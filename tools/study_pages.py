@@ -45,11 +45,18 @@ def rows_of(name, columns="", where=""):
     """
     made, rows = read(name)
     shown = [column.strip() for column in columns.split(";")] if columns else list(rows[0])
-    wanted = {key.strip(): value for key, _, value in (one.partition(" = ") for one in where.split(";") if where)}
+    wanted = {
+        key.strip(): value
+        for key, _, value in (one.partition(" = ") for one in where.split(";") if where)
+    }
     for column in (*shown, *wanted):
         if column not in rows[0]:
             raise ValueError(f"{name}.csv has no column {column!r}, but {', '.join(rows[0])}")
-    chosen = [row for row in rows if all(row[key] in map(str.strip, text.split("|")) for key, text in wanted.items())]
+    chosen = [
+        row
+        for row in rows
+        if all(row[key] in map(str.strip, text.split("|")) for key, text in wanted.items())
+    ]
     if not 0 < len(chosen) <= MOST:
         raise ValueError(f"{len(chosen)} rows of {name}.csv: a report shows 1 to {MOST}")
     return made, len(rows), shown, [[row[column] for column in shown] for row in chosen]
@@ -73,7 +80,9 @@ def draw(name):
     figure = Figure(figsize=(8, 4.5), layout="constrained")
     axes = figure.subplots()
     for line in lines:
-        whole = sorted((row for row in rows if row[x] and row[line]), key=lambda row: [row[key] for key in by])
+        whole = sorted(
+            (row for row in rows if row[x] and row[line]), key=lambda row: [row[key] for key in by]
+        )
         for label, group in groupby(whole, key=lambda row: ", ".join(row[key] for key in by)):
             points = list(group)
             at = [_number(row[x]) for row in points]
@@ -88,7 +97,9 @@ def draw(name):
                 axes.annotate(label, (at[0], float(points[0][line])), fontsize=7)
     logarithmic = asked.get("log", "")
     axes.set(xlabel=x, ylabel=lines[0] if len(lines) == 1 else "")
-    axes.set(**{f"{letter}scale": "log" for letter in logarithmic})  # to set "linear" would drop the names on an axis
+    axes.set(
+        **{f"{letter}scale": "log" for letter in logarithmic}
+    )  # to set "linear" would drop the names on an axis
     axes.grid(alpha=0.3)
     if 0 < len(axes.get_legend_handles_labels()[1]) <= NAMED:
         axes.legend(fontsize=8)

@@ -48,12 +48,16 @@ def mapped(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
     def judge(row, result, reference):
         found = record(row, result, reference)
         stable = "problem" not in found and evaluated(entry["stable"], result, reference)
-        records.append(found | {"outcome": FAILED if "problem" in found else STABLE if stable else WRONG})
+        records.append(
+            found | {"outcome": FAILED if "problem" in found else STABLE if stable else WRONG}
+        )
         return records[-1]["outcome"]
 
     x, y = entry["x"], entry["y"]
     start, home = entry.get("default", (None, None))
-    outcomes = {(row.labels[x], row.labels[y]): judge(row, *pair) for row, pair in zip(rows, solver(rows))}
+    outcomes = {
+        (row.labels[x], row.labels[y]): judge(row, *pair) for row, pair in zip(rows, solver(rows))
+    }
 
     def at(place, line):
         if (place, line) not in outcomes:
@@ -76,7 +80,9 @@ def _edge(places, start, side, at):
     """(edge of the stable region about `start`, outcome beyond it)."""
     if at(start) != STABLE:
         return start, at(start)
-    further = sorted((v for v in places if (v > start if side == ABOVE else v < start)), reverse=side == BELOW)
+    further = sorted(
+        (v for v in places if (v > start if side == ABOVE else v < start)), reverse=side == BELOW
+    )
     count = next((n for n, value in enumerate(further) if at(value) != STABLE), len(further))
     inside = further[count - 1] if count else start
     if count == len(further):
@@ -99,7 +105,10 @@ def charted(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
     """
     entry = study.content["cost"]
     first, quantities = next(iter(rows[0].labels)), rows[0].quantities
-    records = [record(row, *pair) | {"CPU [s]": pair[0].get("cpu_s", nan)} for row, pair in zip(rows, solver(rows))]
+    records = [
+        record(row, *pair) | {"CPU [s]": pair[0].get("cpu_s", nan)}
+        for row, pair in zip(rows, solver(rows))
+    ]
     if "exact" in entry:
         values = next(found for found in records if found[first] == entry["exact"])
         known = dict.fromkeys(quantities, 0.0)
@@ -110,12 +119,17 @@ def charted(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
     for group, names in entry["groups"].items():
         column, least = f"error of {group} [%]", max(ALIKE, *(known[name] for name in names))
         for found in records:
-            off = [nan if found[name] is None else abs(found[name] / values[name] - 1) for name in names]
+            off = [
+                nan if found[name] is None else abs(found[name] / values[name] - 1)
+                for name in names
+            ]
             found[column] = nan if any(map(isnan, off)) else 100 * max(off)
         errors = [max(0.01 * found[column], least) for found in records]
         best = non_dominated([found["CPU [s]"] for found in records], errors, GAIN)
         for number, found in enumerate(records):
-            found["Pareto-optimal in"] = found.get("Pareto-optimal in", "") + f"{group}; " * (number in best)
+            found["Pareto-optimal in"] = found.get("Pareto-optimal in", "") + f"{group}; " * (
+                number in best
+            )
         last[column] = 100 * max(known[name] for name in names)
     return [*records, last]
 
@@ -133,7 +147,9 @@ def _reference(study, entry, quantities, solver):
         limit = extrapolate([size for size, _ in entry["meshes"]], values)
         moved = sum(abs(one[name] - values[0]) for one in found[len(meshes) :])
         limits[name] = limit.limit
-        known[name] = (limit.scatter + 0.25 * abs(limit.limit - values[-1]) + moved) / abs(limit.limit)
+        known[name] = (limit.scatter + 0.25 * abs(limit.limit - values[-1]) + moved) / abs(
+            limit.limit
+        )
     return limits, known
 
 

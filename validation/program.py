@@ -50,7 +50,10 @@ def program(main: Callable[..., object], words: Sequence[str] = (), **notes: str
 
 
 def options(
-    main: Callable[..., object], notes: Mapping[str, str], arguments: Sequence[str] | None = None, program: str = ""
+    main: Callable[..., object],
+    notes: Mapping[str, str],
+    arguments: Sequence[str] | None = None,
+    program: str = "",
 ) -> Any:
     """{parameter: value} from the arguments of the command line; those of the process by default."""
     module = main.__globals__  # type: ignore[attr-defined]
@@ -60,11 +63,15 @@ def options(
     for parameter in signature(main, eval_str=True).parameters.values():
         given = {"help": notes.get(parameter.name, "").replace("%", "%%"), **_values(parameter)}
         if parameter.kind is Parameter.KEYWORD_ONLY:
-            parser.add_argument(f"--{parameter.name.replace('_', '-')}", default=parameter.default, **given)
+            parser.add_argument(
+                f"--{parameter.name.replace('_', '-')}", default=parameter.default, **given
+            )
         elif parameter.default is Parameter.empty:
             parser.add_argument(parameter.name, **given)
         else:
-            parser.add_argument(parameter.name, default=parameter.default, **{"nargs": "?", **given})
+            parser.add_argument(
+                parameter.name, default=parameter.default, **{"nargs": "?", **given}
+            )
     return vars(parser.parse_args(arguments))
 
 

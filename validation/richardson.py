@@ -47,7 +47,9 @@ class Extrapolation:
     scatter: float
 
 
-def observed_order(sizes: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray) -> float | None:
+def observed_order(
+    sizes: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray
+) -> float | None:
     """Order p of three values on meshes of falling size; None where there is no p > 0."""
     h1, h2, h3 = sizes
     coarse, fine = values[0] - values[1], values[1] - values[2]
@@ -80,13 +82,22 @@ def extrapolate(sizes: ArrayLike, values: ArrayLike, noise: float = 0.0) -> Extr
     InputError : fewer than three meshes, sizes that do not fall, or values that are not numbers
     """
     h, f = np.asarray(sizes, float), np.asarray(values, float)
-    if h.ndim != 1 or h.size < 3 or f.shape != h.shape or not (np.all(np.diff(h) < 0) and h[-1] > 0):
-        raise InputError("an extrapolation needs at least three values, on meshes of falling element size")
+    if (
+        h.ndim != 1
+        or h.size < 3
+        or f.shape != h.shape
+        or not (np.all(np.diff(h) < 0) and h[-1] > 0)
+    ):
+        raise InputError(
+            "an extrapolation needs at least three values, on meshes of falling element size"
+        )
     if not np.isfinite(f).all():
         raise InputError("an extrapolation needs values that are numbers")
     spread = 0.5 * float(np.ptp(f))
     if spread <= noise:
-        return Extrapolation(float(f[-1]), None, "no change", "changes are within the noise", spread)
+        return Extrapolation(
+            float(f[-1]), None, "no change", "changes are within the noise", spread
+        )
     p = observed_order(h[-3:], f[-3:])
     if p is not None and LOWEST <= p <= HIGHEST:
         limit = f[-1] + (f[-1] - f[-2]) / ((h[-2] / h[-1]) ** p - 1)

@@ -22,7 +22,10 @@ from validation.study import DATA, NAMES, Record, Row, Study, merged, of, record
 from weavecell.results import provenance
 
 KEPT = Path("results/studies")
-LONG_ENOUGH, MOST_RUNS = 0.6, 5  # [s] of CPU, after which a run that is timed is not repeated; most repeats
+LONG_ENOUGH, MOST_RUNS = (
+    0.6,
+    5,
+)  # [s] of CPU, after which a run that is timed is not repeated; most repeats
 NOTES = {
     "names": "of studies, or all",
     "quick": "few and short cases; the CSV goes to results/studies",
@@ -66,13 +69,23 @@ class Solver:
     def __call__(self, rows: Sequence[Row]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
         content = self.study.content
         warm = content.get("cost", {}).get("warm")
-        tables = {repr(table): table for row in rows for table in (row.keywords, row.reference) if table is not None}
+        tables = {
+            repr(table): table
+            for row in rows
+            for table in (row.keywords, row.reference)
+            if table is not None
+        }
         arguments = [
-            (content["run"], table, *([] if warm is None else [merged(table, warm)])) for table in tables.values()
+            (content["run"], table, *([] if warm is None else [merged(table, warm)]))
+            for table in tables.values()
         ]
-        found = run_cache.results(solve, arguments, folder=KEPT / self.study.name, report=self._tell, **self.options)
+        found = run_cache.results(
+            solve, arguments, folder=KEPT / self.study.name, report=self._tell, **self.options
+        )
         by_table = dict(zip(tables, found))
-        return [(by_table[repr(row.keywords)], by_table.get(repr(row.reference), {})) for row in rows]
+        return [
+            (by_table[repr(row.keywords)], by_table.get(repr(row.reference), {})) for row in rows
+        ]
 
     def _tell(self, done, total):
         if total > 2:
@@ -92,13 +105,22 @@ def run(study: Study, *, quick: bool = False, **options: Any) -> list[Record]:
     first = next(iter(records[0]))
     lookup = of(records)
     return records + [
-        {first: name} | {column: eval(expression, NAMES | {"of": lookup}) for column, expression in columns.items()}
+        {first: name}
+        | {
+            column: eval(expression, NAMES | {"of": lookup})
+            for column, expression in columns.items()
+        }
         for name, columns in fits.items()
     ]
 
 
 def main(
-    names: Sequence[str], *, quick: bool = False, jobs: int = 1, executor: str = "local", out: Path | None = None
+    names: Sequence[str],
+    *,
+    quick: bool = False,
+    jobs: int = 1,
+    executor: str = "local",
+    out: Path | None = None,
 ) -> int:
     """Run studies and write their CSVs; returns 1 where one does not come out as its file expects, else 0."""
     failed = 0
@@ -107,9 +129,8 @@ def main(
         records = run(chosen, quick=quick, jobs=jobs, executor=executor)
         path = (out or (KEPT if quick else DATA)) / f"{name}.csv"
         words = " --quick" if quick else ""
-        made = (
-            f"python -m validation study {name}{words}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}"
-        )
+        command = f"python -m validation study {name}{words}"
+        made = f"{command}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}"
         study.write(path, records, made, chosen.content.get("columns"))
         print(f"{name}: {len(records)} rows in {path}")
         for expression in [] if quick else study.unmet(chosen, records):

@@ -47,10 +47,13 @@ from validation import cases
 FOLDER = Path(__file__).parent / "studies"
 DATA = Path(__file__).parents[1] / "docs" / "reports" / "data"
 _NUMPY = (
-    "abs all any arange array corrcoef degrees diff exp interp isnan log max mean median min nan polyfit sqrt std sum"
+    "abs all any arange array corrcoef degrees diff exp interp isnan log max mean median min nan "
+    "polyfit sqrt std sum"
 )
 NAMES: dict[str, Any] = {name: getattr(np, name) for name in _NUMPY.split()} | {
-    "__builtins__": {"__import__": __import__},  # numpy imports parts of itself when they are first used
+    "__builtins__": {
+        "__import__": __import__
+    },  # numpy imports parts of itself when they are first used
     "float": float,
     "len": len,
     "round": round,
@@ -99,11 +102,22 @@ class Study:
 
     def _rows_of(self, case: Mapping[str, Any], base: Mapping[str, Any]) -> Iterator[Row]:
         varied = {**self.content.get("each", {}), **case.get("each", {})}
-        choices = [[dict(zip(keys(key), values(key, one))) for one in entries] for key, entries in varied.items()]
+        choices = [
+            [dict(zip(keys(key), values(key, one))) for one in entries]
+            for key, entries in varied.items()
+        ]
         for places in product(*choices):
-            yield self._row(case, base, varied, {key: value for place in places for key, value in place.items()})
+            yield self._row(
+                case, base, varied, {key: value for place in places for key, value in place.items()}
+            )
 
-    def _row(self, case: Mapping[str, Any], base: Mapping[str, Any], varied: Mapping[str, Any], chosen: Record) -> Row:
+    def _row(
+        self,
+        case: Mapping[str, Any],
+        base: Mapping[str, Any],
+        varied: Mapping[str, Any],
+        chosen: Record,
+    ) -> Row:
         other = None
         if "reference" in self.content:
             other = self._keywords(case, base, varied, chosen | self.content["reference"])
@@ -122,7 +136,10 @@ class Study:
                 found = merged(found, filled(labelled[value], chosen))
             elif key not in used:
                 *tables, last = key.split(".")
-                found = merged(found, reduce(lambda inner, table: {table: inner}, reversed(tables), {last: value}))
+                found = merged(
+                    found,
+                    reduce(lambda inner, table: {table: inner}, reversed(tables), {last: value}),
+                )
         return found
 
 
@@ -141,16 +158,26 @@ def merged(first: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
     both = dict(first)
     for key, value in changes.items():
         inner = both.get(key)
-        both[key] = merged(inner, value) if isinstance(value, Mapping) and isinstance(inner, Mapping) else value
+        both[key] = (
+            merged(inner, value)
+            if isinstance(value, Mapping) and isinstance(inner, Mapping)
+            else value
+        )
     return both
 
 
 def filled(
-    entry: Any, chosen: Mapping[str, Any], used: set[str] | None = None, shown: Callable[[Any], str] | None = None
+    entry: Any,
+    chosen: Mapping[str, Any],
+    used: set[str] | None = None,
+    shown: Callable[[Any], str] | None = None,
 ) -> Any:
     """An entry whose texts have the values of {key} in them, as `shown`; a text of a key alone becomes its value."""
     if isinstance(entry, Mapping):
-        return {filled(key, chosen, used, shown): filled(value, chosen, used, shown) for key, value in entry.items()}
+        return {
+            filled(key, chosen, used, shown): filled(value, chosen, used, shown)
+            for key, value in entry.items()
+        }
     if isinstance(entry, list):
         return [filled(value, chosen, used, shown) for value in entry]
     if not isinstance(entry, str):
@@ -186,9 +213,13 @@ def load(name: str) -> Study:
     return Study(name, content)
 
 
-def evaluated(expression: str, result: Mapping[str, Any], reference: Mapping[str, Any] | None = None) -> Any:
+def evaluated(
+    expression: str, result: Mapping[str, Any], reference: Mapping[str, Any] | None = None
+) -> Any:
     """Value of a quantity of a result."""
-    known = NAMES | dict(result) | ({} if reference is None else {"ref": SimpleNamespace(**reference)})
+    known = (
+        NAMES | dict(result) | ({} if reference is None else {"ref": SimpleNamespace(**reference)})
+    )
     return eval(expression, known)  # of a file of ours
 
 
@@ -198,14 +229,20 @@ def record(row: Row, result: Mapping[str, Any], reference: Mapping[str, Any]) ->
     if problem:
         return row.labels | dict.fromkeys(row.quantities) | {"problem": problem}
     known = dict(result) | {"row": row.labels}
-    return row.labels | {name: evaluated(expression, known, reference) for name, expression in row.quantities.items()}
+    return row.labels | {
+        name: evaluated(expression, known, reference) for name, expression in row.quantities.items()
+    }
 
 
 def of(records: Sequence[Record]) -> Callable[..., Any]:
     """of(column, where={}): the values of a column, where others have these values; numbers as an array."""
 
     def values_of(column: str, where: Mapping[str, Any] | None = None) -> Any:
-        chosen = [one for one in records if all(one.get(key) == value for key, value in (where or {}).items())]
+        chosen = [
+            one
+            for one in records
+            if all(one.get(key) == value for key, value in (where or {}).items())
+        ]
         found = [one[column] for one in chosen if one.get(column) not in (None, "")]
         return np.array(found) if all(isinstance(value, (int, float)) for value in found) else found
 
@@ -215,7 +252,9 @@ def of(records: Sequence[Record]) -> Callable[..., Any]:
 def unmet(study: Study, records: Sequence[Record]) -> list[str]:
     """Expectations of a study that its records do not meet."""
     known = NAMES | {"of": of(records)}
-    return [expression for expression in study.content.get("expect", []) if not eval(expression, known)]
+    return [
+        expression for expression in study.content.get("expect", []) if not eval(expression, known)
+    ]
 
 
 def text(value: Any) -> str:
@@ -226,10 +265,14 @@ def text(value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, (float, np.floating)):
         return f"{value:.5g}"
-    return " / ".join(map(text, value)) if isinstance(value, (list, tuple, np.ndarray)) else str(value)
+    return (
+        " / ".join(map(text, value)) if isinstance(value, (list, tuple, np.ndarray)) else str(value)
+    )
 
 
-def write(path: Path, records: Sequence[Record], made: str = "", headings: Mapping[str, str] | None = None) -> None:
+def write(
+    path: Path, records: Sequence[Record], made: str = "", headings: Mapping[str, str] | None = None
+) -> None:
     """Write records as CSV; `made`, if given, says how in a first line, and `headings` are those of columns."""
     columns = list(dict.fromkeys(column for one in records for column in one))
     with write_whole(path) as file:

@@ -17,7 +17,11 @@ from typing import TYPE_CHECKING, Any
 
 for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
     _found = importlib.util.find_spec(_name)
-    if _found is not None and _found.origin and Path(_found.origin).parent.parent != Path(__file__).parent.parent:
+    if (
+        _found is not None
+        and _found.origin
+        and Path(_found.origin).parent.parent != Path(__file__).parent.parent
+    ):
         raise ImportError(
             f"{_found.origin} hides the package {_name} of weavecell, which has the same name: "
             "rename it, or run from another folder"

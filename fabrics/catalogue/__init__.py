@@ -18,7 +18,16 @@ from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.fabric_tables import FAMILIES, OF_YARN, RANGED, STATUSES, Datum, FabricFile, Laws, Solids
+from fabrics.fabric_tables import (
+    FAMILIES,
+    OF_YARN,
+    RANGED,
+    STATUSES,
+    Datum,
+    FabricFile,
+    Laws,
+    Solids,
+)
 from fabrics.families.strain_rate import RateLaw
 from fabrics.ply_law import PlyLaw
 from fabrics.schema import read_toml, validated
@@ -54,7 +63,9 @@ def load(name_or_path: FilePath) -> Fabric:
         return read(_FOLDER / f"{text}.toml")
     if not text.endswith(".toml"):
         raise InputError(
-            key="fabric", value=text, allowed=f"one of {', '.join(list_names())}, or the path of a .toml file"
+            key="fabric",
+            value=text,
+            allowed=f"one of {', '.join(list_names())}, or the path of a .toml file",
         )
     return read(Path(text))
 
@@ -76,7 +87,9 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
         if problem.file is not None:
             raise
         value = sources.get(problem.key or "", {}).get("value", problem.value)  # as it is written
-        raise InputError(problem.message, file=path, key=problem.key, value=value, allowed=problem.allowed) from None
+        raise InputError(
+            problem.message, file=path, key=problem.key, value=value, allowed=problem.allowed
+        ) from None
 
 
 def _fabric(file, sources, path):
@@ -84,7 +97,10 @@ def _fabric(file, sources, path):
     thickness, areal_density = _value(file.thickness), _value(file.areal_density)
     crimp, computed = _crimps(file, thickness, sources)
     strengths: dict[str, list[str]] = {}
-    warp, weft = (_yarn(family, file.yarns[family], value, strengths) for family, value in zip(FAMILIES, crimp))
+    warp, weft = (
+        _yarn(family, file.yarns[family], value, strengths)
+        for family, value in zip(FAMILIES, crimp)
+    )
     weave = Weave(warp, weft, file.warp.count.value, file.weft.count.value)
     notes = [f"note: {' and '.join(names)}: {text}" for text, names in strengths.items() if text]
     notes += data_sheet.thickness_note(weave, thickness) if thickness else []
@@ -94,13 +110,21 @@ def _fabric(file, sources, path):
         file.compression,
         "compression",
         Laws,
-        lambda key, table: _made(CompressionLaw, key, table.a.value, table.b.value, table.form, path.name),
+        lambda key, table: _made(
+            CompressionLaw, key, table.a.value, table.b.value, table.form, path.name
+        ),
     )
-    solid = _of_both(file.solid, "solid", Solids, lambda key, table: _made(SolidLaw, key, **_values(table)))
+    solid = _of_both(
+        file.solid, "solid", Solids, lambda key, table: _made(SolidLaw, key, **_values(table))
+    )
     rate_law = None if file.strain_rate is None else RateLaw.from_table(file.strain_rate, path)
     length, own_length = data_sheet.entries()["failure_length"], file.failure_length
     if own_length is None:
-        sources["failure_length"] = {"value": length.written, "source": length.source, "status": length.status}
+        sources["failure_length"] = {
+            "value": length.written,
+            "source": length.source,
+            "status": length.status,
+        }
     fabric = Fabric(
         name=path.stem if file.name is None else file.name,
         weave=weave,
@@ -111,7 +135,9 @@ def _fabric(file, sources, path):
         areal_density_measured=_value(file.areal_density_measured),
         interlayer_gap=_value(file.interlayer_gap),
         effective_linear_density=None if None in effective else effective,
-        micrograph={family: _values(table) for family, table in file.micrograph or () if table is not None},
+        micrograph={
+            family: _values(table) for family, table in file.micrograph or () if table is not None
+        },
         sources=sources | ({} if rate_law is None else rate_law.sources()),
         assumed=("crimp",) * computed + ("failure_length",) * (own_length is None),
         failure_length=(own_length or length).value,
@@ -120,7 +146,9 @@ def _fabric(file, sources, path):
         thickness=thickness,
         strain_rate=rate_law,
         ranges={key: datum.ratios for key, datum in file.data() if datum.ratios is not None},
-        guessed=() if path.parent == _FOLDER else tuple(key for key, datum in file.data() if _guessed(key, datum)),
+        guessed=()
+        if path.parent == _FOLDER
+        else tuple(key for key, datum in file.data() if _guessed(key, datum)),
         family=file.family,
         notes=tuple(notes),
     )
@@ -135,7 +163,11 @@ def _fabric(file, sources, path):
 def _guessed(key, datum):
     """Whether a number without a range is a guess: assumed, or in [shear] or [solid] without a source."""
     sourced = datum.sourced or not key.startswith(("shear.", "solid."))
-    return datum.ratios is None and key.rpartition(".")[2] in RANGED and (datum.status == "assumed" or not sourced)
+    return (
+        datum.ratios is None
+        and key.rpartition(".")[2] in RANGED
+        and (datum.status == "assumed" or not sourced)
+    )
 
 
 def _value(datum):
@@ -154,7 +186,9 @@ def _made(kind, where, *args, **values):
         return kind(*args, **values)
     except InputError as problem:
         key = {"E": "modulus"}.get(problem.key, problem.key)
-        raise InputError(key=f"{where}.{key}", value=problem.value, allowed=problem.allowed) from None
+        raise InputError(
+            key=f"{where}.{key}", value=problem.value, allowed=problem.allowed
+        ) from None
 
 
 def _of_both(table, key, pair, build):
@@ -172,11 +206,18 @@ def _crimps(file, thickness, sources):
     known = tuple(_value(yarn.crimp) for yarn in file.yarns.values())
     if None not in known:
         return known, False
-    cells = 0.5 / file.weft.count.value, 0.5 / file.warp.count.value  # half cell lengths along warp and weft
+    cells = (
+        0.5 / file.weft.count.value,
+        0.5 / file.warp.count.value,
+    )  # half cell lengths along warp and weft
     crimp = data_sheet.crimps(cells, thickness, known)
     for family, given, value in zip(FAMILIES, known, crimp):
         if given is None:
-            entry = {"value": f"{100 * value:.3f} %", "source": data_sheet.FROM_THICKNESS, "status": "derived"}
+            entry = {
+                "value": f"{100 * value:.3f} %",
+                "source": data_sheet.FROM_THICKNESS,
+                "status": "derived",
+            }
             sources[f"{family}.crimp"] = entry
     return crimp, True
 
@@ -200,9 +241,13 @@ def _yarn(family, table, crimp, strengths):
     if not low <= reached <= high:
         bounds = f"{strains.bounds['']}, not {100 * reached:.3g} %"
         key = f"{family}.{'tenacity' if table.strength is None else 'strength'}"
-        raise InputError(key=key, allowed=f"a strength that this modulus reaches at a strain from {bounds}")
+        raise InputError(
+            key=key, allowed=f"a strength that this modulus reaches at a strain from {bounds}"
+        )
     yarn = _made(Yarn, family, linear_density, density, E, reached, crimp)
-    strengths.setdefault(data_sheet.strength_note(yarn, strain, strength.written), []).append(family)
+    strengths.setdefault(data_sheet.strength_note(yarn, strain, strength.written), []).append(
+        family
+    )
     return yarn
 
 

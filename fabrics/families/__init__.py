@@ -66,10 +66,15 @@ class Entry:
         """This entry with low / value and high / value to a power; as it is where it has no range."""
         if self.low == self.high:
             return self
-        low, high = (min(self.value * (end / self.value) ** power, self.most) for end in (self.low, self.high))
+        low, high = (
+            min(self.value * (end / self.value) ** power, self.most)
+            for end in (self.low, self.high)
+        )
         value = self.written.partition(" (")[0]
         number, _, unit = value.partition(" ")
-        ends = " .. ".join(f"{float(number) * end / self.value:.3g} {unit}".rstrip() for end in (low, high))
+        ends = " .. ".join(
+            f"{float(number) * end / self.value:.3g} {unit}".rstrip() for end in (low, high)
+        )
         return replace(self, low=low, high=high, written=f"{value} ({ends})")
 
 
@@ -106,7 +111,9 @@ class Family:
     def _at(self, table, key, end):
         return self.entries[f"{table}.{key}"].at(end, key in _SOFT_AT_HIGH)
 
-    def shear(self, weave: Weave, widths: Widths = (None, None), end: str = "nominal") -> TrellisShear:
+    def shear(
+        self, weave: Weave, widths: Widths = (None, None), end: str = "nominal"
+    ) -> TrellisShear:
         """The trellis law of a weave of these yarns, or that of an end of its range.
 
         Parameters
@@ -127,14 +134,25 @@ class Family:
     def solid_laws(self, end: str = "nominal") -> tuple[SolidLaw, SolidLaw]:
         """(warp, weft) solid laws, or those of an end of their range."""
         common = {key: self._at("solid", key, end) for key in _SOLID}
-        warp, weft = (SolidLaw(**common, Vf0=self._at("solid.Vf0", family, end)) for family in ("warp", "weft"))
+        warp, weft = (
+            SolidLaw(**common, Vf0=self._at("solid.Vf0", family, end))
+            for family in ("warp", "weft")
+        )
         return warp, weft
 
     def sources(self, table: str) -> dict[str, dict[str, str]]:
         """{dotted key: {"value", "source", "status"}} of "shear" or "solid", as `Fabric.sources` has them."""
-        of = f"{self.name}, its range to the power {self.power:g} for another fibre" if self.of_others else self.name
+        of = (
+            f"{self.name}, its range to the power {self.power:g} for another fibre"
+            if self.of_others
+            else self.name
+        )
         return {
-            key: {"value": entry.written, "source": f"{entry.source} ({of})", "status": entry.status}
+            key: {
+                "value": entry.written,
+                "source": f"{entry.source} ({of})",
+                "status": entry.status,
+            }
             for key, entry in self.entries.items()
             if key == table or key.startswith(f"{table}.")
         }
@@ -167,5 +185,9 @@ def entry(table: dict[str, Any], unit: str) -> Entry:
     written = str(table["value"])
     if "low" in table:
         written += f" ({table['low']} .. {table['high']})"
-    value, low, high = (si(table.get(key, table["value"]), unit) for key in ("value", "low", "high"))
-    return Entry(value, low, high, written, table["source"], table["status"], table.get("most", inf))
+    value, low, high = (
+        si(table.get(key, table["value"]), unit) for key in ("value", "low", "high")
+    )
+    return Entry(
+        value, low, high, written, table["source"], table["status"], table.get("most", inf)
+    )

@@ -47,15 +47,30 @@ class RateLaw:
     status: str = "user"
 
     def __post_init__(self) -> None:
-        if not self.rates or not all(a < b for a, b in zip((0.0, *self.rates), (*self.rates, np.inf))):
-            raise InputError(key="rates", value=list(self.rates), allowed="one rate above 0 or more, rising")
-        for key, count in (("strength", len(self.rates)), ("modulus", len(self.rates) if self.modulus else 0)):
+        if not self.rates or not all(
+            a < b for a, b in zip((0.0, *self.rates), (*self.rates, np.inf))
+        ):
+            raise InputError(
+                key="rates", value=list(self.rates), allowed="one rate above 0 or more, rising"
+            )
+        for key, count in (
+            ("strength", len(self.rates)),
+            ("modulus", len(self.rates) if self.modulus else 0),
+        ):
             ratios = getattr(self, key)
             if len(ratios) != count or not all(0 < ratio < np.inf for ratio in ratios):
-                raise InputError(key=key, value=list(ratios), allowed=f"{len(self.rates)} numbers above 0, one a rate")
+                raise InputError(
+                    key=key,
+                    value=list(ratios),
+                    allowed=f"{len(self.rates)} numbers above 0, one a rate",
+                )
 
-        if len({*self.strength}) > 1 and not all(a < b for a, b in zip(self.strength, self.strength[1:])):
-            raise InputError(key="strength", value=list(self.strength), allowed="rising, or all alike")
+        if len({*self.strength}) > 1 and not all(
+            a < b for a, b in zip(self.strength, self.strength[1:])
+        ):
+            raise InputError(
+                key="strength", value=list(self.strength), allowed="rising, or all alike"
+            )
 
     @classmethod
     def from_table(cls, table: Any, file: FilePath, default: str = "user") -> RateLaw:
@@ -67,7 +82,9 @@ class RateLaw:
         """
         if not isinstance(table, Mapping) or not set(table) <= set(_TABLE):
             wrong = ", ".join(table) if isinstance(table, Mapping) else table
-            raise InputError(file=file, key="strain_rate", value=wrong, allowed=f"a table of {', '.join(_TABLE)}")
+            raise InputError(
+                file=file, key="strain_rate", value=wrong, allowed=f"a table of {', '.join(_TABLE)}"
+            )
         if (status := table.get("status", default)) not in STATUSES:
             allowed = f"one of {', '.join(STATUSES)}"
             raise InputError(file=file, key="strain_rate.status", value=status, allowed=allowed)
@@ -75,13 +92,17 @@ class RateLaw:
         for key, unit in UNITS.items():
             texts, name = table.get(key, [] if key == "modulus" else None), f"strain_rate.{key}"
             if not isinstance(texts, list):
-                raise InputError(file=file, key=name, value=texts, allowed='a list such as ["30 / s"] or [1.0]')
+                raise InputError(
+                    file=file, key=name, value=texts, allowed='a list such as ["30 / s"] or [1.0]'
+                )
             columns[key] = tuple(si(text, unit, file=file, key=name) for text in texts)
         try:
             return cls(**columns, source=str(table.get("source", "")), status=status)
         except InputError as problem:
             key = f"strain_rate.{problem.key}"
-            raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+            raise InputError(
+                file=file, key=key, value=problem.value, allowed=problem.allowed
+            ) from None
 
     def strength_at(self, rate: float) -> float:
         """[-] strength over that of the data sheet at a strain rate [1/s]."""
@@ -106,11 +127,16 @@ class RateLaw:
         growth = np.log(rates[1:] / rates[:-1]) / np.diff(loads)
         first = rates[0] / (RAMP * loads[0])
         slopes = np.concatenate([[first], growth * rates[:-1], [0.0]])
-        return np.array([[(1 - RAMP) * loads[0], *loads], slopes / failure_strain, [0.0, *growth, 0.0]])
+        return np.array(
+            [[(1 - RAMP) * loads[0], *loads], slopes / failure_strain, [0.0, *growth, 0.0]]
+        )
 
     def sources(self) -> dict[str, dict[str, str]]:
         """{"strain_rate": {"value", "source", "status"}} as `Fabric.sources` has them."""
-        parts = [f"strength {_list(self.strength)}", *([f"modulus {_list(self.modulus)}"] if self.modulus else [])]
+        parts = [
+            f"strength {_list(self.strength)}",
+            *([f"modulus {_list(self.modulus)}"] if self.modulus else []),
+        ]
         value = f"{', '.join(parts)} at {_list(self.rates)} 1/s"
         return {"strain_rate": {"value": value, "source": self.source, "status": self.status}}
 

@@ -10,12 +10,20 @@ from fabrics.trellis import TrellisShear, locking_angle, locking_modulus, touchi
 from fabrics.weave import Weave
 
 Widths: TypeAlias = tuple[float | None, float | None]
-LEAST_RISE = 0.05  # [rad] between the angles, where the packed yarn is as wide as its spacing or nearly so
+LEAST_RISE = (
+    0.05  # [rad] between the angles, where the packed yarn is as wide as its spacing or nearly so
+)
 LARGEST = 0.49 * pi  # [rad]
 
 
 def from_weave(
-    weave: Weave, widths: Widths = (None, None), *, locking_share: float, G1_over_G2: float, gap: float, K_s: float
+    weave: Weave,
+    widths: Widths = (None, None),
+    *,
+    locking_share: float,
+    G1_over_G2: float,
+    gap: float,
+    K_s: float,
 ) -> TrellisShear:
     """The trellis law that follows from a weave.
 
@@ -37,15 +45,24 @@ def from_weave(
     InputError : the fabric has no thickness, since neither of its yarns is crimped
     """
     if not weave.thickness > 0:
-        raise InputError("the trellis law cannot be derived: neither yarn is crimped, so that the fabric is flat")
+        raise InputError(
+            "the trellis law cannot be derived: neither yarn is crimped, so that the fabric is flat"
+        )
     spacings = 2 * weave.w2, 2 * weave.w1  # of parallel warp yarns, of parallel weft yarns
-    G2 = 2 * locking_share * locking_modulus(weave.warp.E, weave.warp.A_s, weave.thickness, 2 * weave.w1)
+    G2 = (
+        2
+        * locking_share
+        * locking_modulus(weave.warp.E, weave.warp.A_s, weave.thickness, 2 * weave.w1)
+    )
     gamma1 = min(
         touching_angle(width, spacing) if width is not None and width < spacing else acos(1 - gap)
         for width, spacing in zip(widths, spacings)
     )
     gamma1 = min(gamma1, LARGEST - LEAST_RISE)
-    gamma2 = min(_locking(yarn.A_s, K_s, weave.thickness, spacing) for yarn, spacing in zip(weave.yarns, spacings))
+    gamma2 = min(
+        _locking(yarn.A_s, K_s, weave.thickness, spacing)
+        for yarn, spacing in zip(weave.yarns, spacings)
+    )
     return TrellisShear(G1_over_G2 * G2, G2, gamma1, min(max(gamma2, gamma1 + LEAST_RISE), LARGEST))
 
 

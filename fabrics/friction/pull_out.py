@@ -70,12 +70,20 @@ class PullOutLaw:
         if not (isinstance(self.c0, (int, float)) and isfinite(self.c0)):
             raise InputError(key="c0", value=self.c0, allowed="a finite force")
         if len(self.F_c) != len(self.T_f):
-            raise InputError(key="T_f", value=len(self.T_f), allowed=f"as many as contact forces, {len(self.F_c)}")
+            raise InputError(
+                key="T_f",
+                value=len(self.T_f),
+                allowed=f"as many as contact forces, {len(self.F_c)}",
+            )
         if not all(isfinite(value) and value >= 0 for value in self.F_c):
             raise InputError(key="F_c", value=self.F_c, allowed="zero or positive forces")
         low, high = self.friction_range
         if not 0 <= low < high:
-            raise InputError(key="friction_range", value=self.friction_range, allowed="two rising numbers from 0 on")
+            raise InputError(
+                key="friction_range",
+                value=self.friction_range,
+                allowed="two rising numbers from 0 on",
+            )
 
     def threshold(self, F_c: ArrayLike) -> FloatArray:
         """Threshold [N] at the contact force `F_c` [N]; never negative."""
@@ -94,11 +102,16 @@ class PullOutLaw:
         forces, thresholds = np.asarray(F_c, float), np.asarray(T_f, float)
         if forces.size < 2 or not np.ptp(forces) > 0:
             raise InputError(
-                key="F_c", value=forces.tolist(), allowed="at least two different contact forces for a fit"
+                key="F_c",
+                value=forces.tolist(),
+                allowed="at least two different contact forces for a fit",
             )
         slope, start = (float(part) for part in np.polyfit(forces, thresholds, 1))
         off = thresholds - start - slope * forces
-        samples, rms = (tuple(forces.tolist()), tuple(thresholds.tolist())), float(np.sqrt(np.mean(off**2)))
+        samples, rms = (
+            (tuple(forces.tolist()), tuple(thresholds.tolist())),
+            float(np.sqrt(np.mean(off**2))),
+        )
         return cls(start, max(slope, 0.0), *samples, residual_rms=rms, **others)
 
     def group(self) -> dict[str, Any]:
@@ -170,7 +183,9 @@ class PullOutLaw:
         except InputError as problem:
             if problem.file is None:
                 key = f"{GROUP}.{problem.key}"
-                raise InputError(file=path, key=key, value=problem.value, allowed=problem.allowed) from None
+                raise InputError(
+                    file=path, key=key, value=problem.value, allowed=problem.allowed
+                ) from None
             raise
         except (TypeError, ValueError):
             raise InputError("holds what is no number", file=path, key=GROUP) from None

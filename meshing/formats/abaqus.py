@@ -16,7 +16,9 @@ from meshing.mesh import YarnMesh
 
 TYPES = {"hex": "C3D8", "bar": "T3D2", "shell": "S4"}
 # Nodes (from 0) of the sides S1 .. S6.
-SIDES = np.array([(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)])
+SIDES = np.array(
+    [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
+)
 
 
 def write(mesh: YarnMesh, path: FilePath) -> None:
@@ -25,7 +27,9 @@ def write(mesh: YarnMesh, path: FilePath) -> None:
     with open(path, "w", encoding="ascii") as file:
         file.write("".join(f"** {line}\n" for line in numbered.header))
         file.write(f"*HEADING\n{numbered.header[0]}; SI units\n")
-        file.write("*NODE\n" + lines("%d,%.13E,%.13E,%.13E", range(1, len(mesh.points) + 1), mesh.points))
+        file.write(
+            "*NODE\n" + lines("%d,%.13E,%.13E,%.13E", range(1, len(mesh.points) + 1), mesh.points)
+        )
         for part in numbered.parts:
             file.write(f"*ELEMENT, TYPE={TYPES[part.kind]}, ELSET={part.name}\n")
             file.write(lines("%d" + ",%d" * part.nodes.shape[1], part.elements, part.nodes))
@@ -39,11 +43,16 @@ def _sets(mesh, numbered):
     for name, bars in numbered.bar_sets.items():
         yield f"*ELSET, ELSET={name}\n" + _listed(bars)
     nodes = {name: _listed(members) for name, members in numbered.node_sets.items()}
-    nodes |= {name: "".join(nodes[m] for m in members) for name, members in numbered.node_unions.items()}
+    nodes |= {
+        name: "".join(nodes[m] for m in members) for name, members in numbered.node_unions.items()
+    }
     for name, text in nodes.items():
         yield f"*NSET, NSET={name}\n{text}"
     sides = _surfaces(mesh, numbered)
-    sides |= {name: "".join(sides[m] for m in members) for name, members in numbered.surface_unions.items()}
+    sides |= {
+        name: "".join(sides[m] for m in members)
+        for name, members in numbered.surface_unions.items()
+    }
     for name, text in sides.items():
         yield f"*SURFACE, TYPE=ELEMENT, NAME={name}\n{text}"
 
@@ -59,7 +68,9 @@ def _surfaces(mesh, numbered):
     opposite corners and name it.
     """
     corners = mesh.hexes[:, SIDES].reshape(-1, 4) + 1
-    keys, order = np.unique(_key(corners), return_index=True)  # of inner faces either element will do: none is named
+    keys, order = np.unique(
+        _key(corners), return_index=True
+    )  # of inner faces either element will do: none is named
     found = {}
     for name, quads in numbered.surfaces.items():
         place = order[np.searchsorted(keys, _key(quads))]
@@ -85,7 +96,10 @@ def _materials(numbered):
     for yarn, m in zip(YARNS, numbered.materials):
         yield f"*MATERIAL, NAME={yarn}\n*DENSITY\n{m.solid_density:.9E},\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n"
         moduli = (m.axial, m.transverse, m.transverse)
-        yield ", ".join(f"{v:.9E}" for v in moduli) + f", 0., 0., 0., {m.shear:.9E}, {m.shear:.9E},\n{m.shear:.9E},\n"
+        yield (
+            ", ".join(f"{v:.9E}" for v in moduli)
+            + f", 0., 0., 0., {m.shear:.9E}, {m.shear:.9E},\n{m.shear:.9E},\n"
+        )
         yield f"*MATERIAL, NAME={yarn}_fibre\n*DENSITY\n{m.bar_density:.9E},\n*ELASTIC\n{m.fibre:.9E}, 0.\n"
         if numbered.of_kind("shell"):
             yield f"*MATERIAL, NAME={yarn}_shell\n*DENSITY\n{m.solid_density:.9E},\n*ELASTIC\n{m.packed:.9E}, 0.\n"

@@ -82,9 +82,12 @@ def material_number(family: int, kind: str) -> int:
 
 
 def set_lines(
-    numbered: Deck, keywords: Sequence[str], head: Callable[[str, int, str], str], per_line: int,
+    numbered: Deck,
+    keywords: Sequence[str],
+    head: Callable[[str, int, str], str],
+    per_line: int,
     quads: Callable[[np.ndarray], str],
-) -> Iterator[str]:  # fmt: skip
+) -> Iterator[str]:
     """Text of all sets, and of the unions of a family as sets of sets; numbered through, each kind from 1.
 
     Parameters
@@ -101,7 +104,9 @@ def set_lines(
 
     def union(keyword, unions, sets):
         number = {name: n for n, name in enumerate(sets, 1)}
-        return each(keyword, unions, lambda names: listed([number[name] for name in names]), 1 + len(sets))
+        return each(
+            keyword, unions, lambda names: listed([number[name] for name in names]), 1 + len(sets)
+        )
 
     def listed(members):
         return wrapped(members, per_line)
@@ -127,7 +132,9 @@ def deck(mesh: YarnMesh) -> Deck:
         header=_header(mesh),
         points=mesh.points,
         parts=[Part(number, *part) for number, part in enumerate(parts, 1)],
-        bar_sets={f"{yarn}_fibre": np.arange(a, b) for yarn, a, b in zip(mesh.names, bounds, bounds[1:])},
+        bar_sets={
+            f"{yarn}_fibre": np.arange(a, b) for yarn, a, b in zip(mesh.names, bounds, bounds[1:])
+        },
         node_sets={name: nodes for name, nodes in groups.items() if name not in surfaces},
         surfaces=surfaces,
         node_unions={name: members for name, members in unions.items() if not _is_surface(name)},
@@ -167,14 +174,28 @@ def _bars(mesh):
         _, group = np.unique(-np.round(areas[mine] / largest, SAME_AREA), return_inverse=True)
         for number in range(group.max() + 1):
             chosen = mine[group == number]
-            yield f"{yarn}_bars_{number + 1}", "bar", family, elements[chosen], pairs[chosen], areas[chosen].mean()
+            yield (
+                f"{yarn}_bars_{number + 1}",
+                "bar",
+                family,
+                elements[chosen],
+                pairs[chosen],
+                areas[chosen].mean(),
+            )
 
 
 def _shells(mesh):
     first = 1 + len(mesh.hexes) + sum(len(b) for b in mesh.bars)
     for name, quads in mesh.shells.items():
         family = mesh.families[mesh.names.index(name.rsplit("_", 1)[0])]
-        yield f"{name}_shell", "shell", family, np.arange(len(quads)) + first, quads + 1, mesh.end_shells
+        yield (
+            f"{name}_shell",
+            "shell",
+            family,
+            np.arange(len(quads)) + first,
+            quads + 1,
+            mesh.end_shells,
+        )
         first += len(quads)
 
 
@@ -189,7 +210,9 @@ def lines(template: str, *columns: ArrayLike) -> str:
 def wrapped(numbers: Iterable, per_line: int, template: str = "%10d", between: str = "") -> str:
     """Numbers in lines of at most `per_line`."""
     texts = [template % n for n in numbers]
-    return "".join(between.join(texts[i : i + per_line]) + "\n" for i in range(0, len(texts), per_line))
+    return "".join(
+        between.join(texts[i : i + per_line]) + "\n" for i in range(0, len(texts), per_line)
+    )
 
 
 def fields(template: str, *values: float | str) -> str:

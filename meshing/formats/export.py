@@ -42,7 +42,11 @@ def write(mesh: YarnMesh, path: FilePath) -> None:
     """
     path = Path(path)
     if path.suffix not in WRITERS:
-        raise InputError(key="mesh file", value=str(path), allowed=f"named {' or '.join('*' + s for s in WRITERS)}")
+        raise InputError(
+            key="mesh file",
+            value=str(path),
+            allowed=f"named {' or '.join('*' + s for s in WRITERS)}",
+        )
     with replace_whole(path) as beside:
         WRITERS[path.suffix](mesh, beside)
 
@@ -56,7 +60,9 @@ def _write_msh(mesh, path):
     with gmsh_session(mesh.fabric) as gmsh:
         volumes = [gmsh.model.addDiscreteEntity(3) for _ in mesh.names]
         for volume, nodes in zip(volumes, mesh.grids):
-            gmsh.model.mesh.addNodes(3, volume, nodes.ravel() + 1, mesh.points[nodes.ravel()].ravel())
+            gmsh.model.mesh.addNodes(
+                3, volume, nodes.ravel() + 1, mesh.points[nodes.ravel()].ravel()
+            )
         for name, bars in zip(mesh.names, mesh.bars):
             _add(gmsh, 1, gmsh.model.addDiscreteEntity(1), LINE, bars, f"{name}_fibre")
         for name, quads in mesh.faces.items():
@@ -68,7 +74,9 @@ def _write_msh(mesh, path):
         values = np.zeros(len(areas) + sum(len(q) for q in mesh.faces.values()) + len(mesh.hexes))
         values[: len(areas)] = areas
         view, tags = gmsh.view.add("bar_area"), np.arange(len(values)) + 1
-        gmsh.view.addHomogeneousModelData(view, 0, mesh.fabric, "ElementData", tags, values, numComponents=1)
+        gmsh.view.addHomogeneousModelData(
+            view, 0, mesh.fabric, "ElementData", tags, values, numComponents=1
+        )
         gmsh.option.setNumber("PostProcessing.SaveMesh", 0)
         gmsh.view.write(view, str(path), append=True)
 
@@ -92,7 +100,10 @@ def _write_vtu(mesh, path):
         cells.append(("quad", quads))
         yarn.append(np.full(len(quads), mesh.names.index(name.rsplit("_", 1)[0])))
         fibre.append(np.zeros((len(quads), 3)))
-    areas = [np.concatenate(mesh.bar_area) if kind == "line" else np.zeros(len(nodes)) for kind, nodes in cells]
+    areas = [
+        np.concatenate(mesh.bar_area) if kind == "line" else np.zeros(len(nodes))
+        for kind, nodes in cells
+    ]
     quality = [mesh.scaled_jacobian, *(np.full(len(nodes), np.nan) for _, nodes in cells[1:])]
     data = {
         "yarn": [part.astype(np.int32) for part in yarn],
@@ -103,4 +114,10 @@ def _write_vtu(mesh, path):
     meshio.Mesh(mesh.points, cells, point_data=marks, cell_data=data).write(path)
 
 
-WRITERS = {".msh": _write_msh, ".vtu": _write_vtu, ".k": ls_dyna.write, ".inp": abaqus.write, ".rad": radioss.write}
+WRITERS = {
+    ".msh": _write_msh,
+    ".vtu": _write_vtu,
+    ".k": ls_dyna.write,
+    ".inp": abaqus.write,
+    ".rad": radioss.write,
+}

@@ -20,7 +20,9 @@ def write(mesh: YarnMesh, path: FilePath) -> None:
     with open(path, "w", encoding="ascii") as file:
         file.write("*KEYWORD\n" + "".join(f"$ {line}\n" for line in numbered.header))
         file.write(f"*TITLE\n{numbered.header[0]}\n")
-        file.write("*NODE\n" + lines("%8d%16.9E%16.9E%16.9E", range(1, len(mesh.points) + 1), mesh.points))
+        file.write(
+            "*NODE\n" + lines("%8d%16.9E%16.9E%16.9E", range(1, len(mesh.points) + 1), mesh.points)
+        )
         file.writelines(_elements(numbered))
         file.writelines(_parts(numbered))
         file.writelines(_materials(numbered))
@@ -34,7 +36,9 @@ def _elements(numbered):
         if parts:
             yield f"*ELEMENT_{word}\n"
         for part in parts:
-            yield lines(f"%8d{part.number:8d}" + "%8d" * part.nodes.shape[1], part.elements, part.nodes)
+            yield lines(
+                f"%8d{part.number:8d}" + "%8d" * part.nodes.shape[1], part.elements, part.nodes
+            )
 
 
 def _parts(numbered):
@@ -42,7 +46,9 @@ def _parts(numbered):
     yield "*SECTION_SOLID\n" + _ids(1, 2)
     for part in numbered.parts:
         section = 1 if part.kind == "hex" else part.number
-        yield f"*PART\n{part.name}\n" + _ids(part.number, section, material_number(part.family, part.kind))
+        yield f"*PART\n{part.name}\n" + _ids(
+            part.number, section, material_number(part.family, part.kind)
+        )
         if part.kind == "bar":
             yield "*SECTION_BEAM\n" + _ids(section, 3) + _reals(part.size)
         elif part.kind == "shell":
@@ -57,16 +63,21 @@ def _materials(numbered):
         yield _reals(m.shear, m.shear, m.shear, 0) + _reals(0) * 2
         yield f"*MAT_ELASTIC_TITLE\n{yarn} fibres\n{bars}" + _reals(m.bar_density, m.fibre, 0)
         if numbered.of_kind("shell"):
-            yield f"*MAT_ELASTIC_TITLE\n{yarn} end shells\n{shells}" + _reals(m.solid_density, m.packed, 0)
+            yield f"*MAT_ELASTIC_TITLE\n{yarn} end shells\n{shells}" + _reals(
+                m.solid_density, m.packed, 0
+            )
 
 
 def _sets(numbered):
     keywords = "BEAM", "NODE_LIST", "NODE_ADD", "SEGMENT", "SEGMENT_ADD"
     head = "*SET_{}_TITLE\n{}\n{:10d}\n"
     return set_lines(
-        numbered, keywords, lambda keyword, number, name: head.format(keyword, name, number), 8,
+        numbered,
+        keywords,
+        lambda keyword, number, name: head.format(keyword, name, number),
+        8,
         lambda quads: lines("%10d" * 4, quads),
-    )  # fmt: skip
+    )
 
 
 def _ids(*numbers):

@@ -24,7 +24,10 @@ def write(mesh: YarnMesh, path: FilePath) -> None:
         file.write(f"/TITLE\n{numbered.header[0]}\n")
         file.writelines(_materials(numbered))
         file.writelines(_parts(numbered))
-        file.write("/NODE\n" + lines("%10d%20.12E%20.12E%20.12E", range(1, len(mesh.points) + 1), mesh.points))
+        file.write(
+            "/NODE\n"
+            + lines("%10d%20.12E%20.12E%20.12E", range(1, len(mesh.points) + 1), mesh.points)
+        )
         for part in numbered.parts:
             file.write(f"/{ELEMENTS[part.kind]}/{part.number}\n")
             file.write(lines("%10d" * (1 + part.nodes.shape[1]), part.elements, part.nodes))
@@ -36,13 +39,21 @@ def _materials(numbered):
     """Orthotropic solids (law 12, whose strengths left at 0 are infinite), elastic bars and shells (law 1)."""
     for family, (yarn, m) in enumerate(zip(YARNS, numbered.materials)):
         yield f"/MAT/LAW12/{material_number(family, 'hex')}\n{yarn}\n" + _reals(m.solid_density)
-        yield _reals(m.axial, m.transverse, m.transverse) + _reals(0, 0, 0) + _reals(m.shear, m.shear, m.shear)
+        yield (
+            _reals(m.axial, m.transverse, m.transverse)
+            + _reals(0, 0, 0)
+            + _reals(m.shear, m.shear, m.shear)
+        )
         yield _reals(0, 0, 0, 0) * 6
         yield (
-            f"/MAT/LAW1/{material_number(family, 'bar')}\n{yarn} fibres\n" + _reals(m.bar_density) + _reals(m.fibre, 0)
+            f"/MAT/LAW1/{material_number(family, 'bar')}\n{yarn} fibres\n"
+            + _reals(m.bar_density)
+            + _reals(m.fibre, 0)
         )
         if numbered.of_kind("shell"):
-            yield f"/MAT/LAW1/{material_number(family, 'shell')}\n{yarn} end shells\n" + _reals(m.solid_density)
+            yield f"/MAT/LAW1/{material_number(family, 'shell')}\n{yarn} end shells\n" + _reals(
+                m.solid_density
+            )
             yield _reals(m.packed, 0)
 
 
@@ -50,8 +61,16 @@ def _parts(numbered):
     """Parts and properties: one property for all solids, one for each area or thickness."""
     # Isolid, Ismstr, -, Icpre, Itetra10, Inpts, Itetra4, Iframe; viscosities; vector, skew, Ip, Iorth; angle, point;
     # time step.
-    yield "/PROP/TYPE6/1\nyarns, fibre from node 1 to node 2\n" + _ids(FULL, 0, 0, FULL_PRESSURE, 0, 0, 0, COROTATIONAL)
-    yield _reals(0, 0, 0) + _reals(0, 0, 0)[:-1] + _ids(0, EDGE_12, 0) + _reals(0, 0, 0, 0) + _reals(0)
+    yield "/PROP/TYPE6/1\nyarns, fibre from node 1 to node 2\n" + _ids(
+        FULL, 0, 0, FULL_PRESSURE, 0, 0, 0, COROTATIONAL
+    )
+    yield (
+        _reals(0, 0, 0)
+        + _reals(0, 0, 0)[:-1]
+        + _ids(0, EDGE_12, 0)
+        + _reals(0, 0, 0, 0)
+        + _reals(0)
+    )
     for part in numbered.parts:
         number = 1 if part.kind == "hex" else part.number
         if part.kind == "bar":
@@ -60,14 +79,19 @@ def _parts(numbered):
             # Flags; hourglass and damping; N, Istrain, thickness: defaults but one point through the thickness.
             yield f"/PROP/TYPE1/{number}\n{part.name}\n" + _ids(0, 0, 0, 0) + _reals(0, 0, 0, 0, 0)
             yield _ids(1, 0)[:-1] + _reals(part.size)
-        yield f"/PART/{part.number}\n{part.name}\n" + _ids(number, material_number(part.family, part.kind))
+        yield f"/PART/{part.number}\n{part.name}\n" + _ids(
+            number, material_number(part.family, part.kind)
+        )
 
 
 def _groups(numbered):
     return set_lines(
-        numbered, ("GRTRUS/TRUS", "GRNOD/NODE", "GRNOD/GRNOD", "SURF/SEG", "SURF/SURF"), "/{}/{}\n{}\n".format, 10,
+        numbered,
+        ("GRTRUS/TRUS", "GRNOD/NODE", "GRNOD/GRNOD", "SURF/SEG", "SURF/SURF"),
+        "/{}/{}\n{}\n".format,
+        10,
         lambda quads: lines("%10d" * 5, range(1, len(quads) + 1), quads),
-    )  # fmt: skip
+    )
 
 
 def _ids(*numbers):

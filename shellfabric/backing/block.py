@@ -31,15 +31,39 @@ from shellfabric.backing import contact_kernels as touch
 from shellfabric.backing.hex8 import Bricks
 from shellfabric.projectile.projectile import Projectile
 
-ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
+ENERGIES = (
+    "kinetic",
+    "elastic",
+    "plastic",
+    "hourglass",
+    "viscous",
+    "absorbed",
+    "eroded",
+    "contact",
+    "damped",
+)
 OUTER_BOUNDARIES = ("fixed", "absorbing", "free")
 CHECK_INTERVAL = 10  # steps from one look at what the flattened bricks bear to the next
 CFL = 0.8  # of the bound that a step of the block's own takes
 MAX_SUBSTEPS = 32
 _KEPT = (
-    "x", "v", "metric", "alpha", "last", "past", "gone", "energy", "_work", "_own", "_outer", "_drags", "_shot",
-    "_held", "_points", "_substeps",
-)  # fmt: skip
+    "x",
+    "v",
+    "metric",
+    "alpha",
+    "last",
+    "past",
+    "gone",
+    "energy",
+    "_work",
+    "_own",
+    "_outer",
+    "_drags",
+    "_shot",
+    "_held",
+    "_points",
+    "_substeps",
+)
 
 
 @dataclass(frozen=True)
@@ -89,9 +113,17 @@ class Backing:
 
     def __post_init__(self):
         if self.outer_boundary not in OUTER_BOUNDARIES:
-            raise InputError(key="outer_boundary", value=self.outer_boundary, allowed=" or ".join(OUTER_BOUNDARIES))
+            raise InputError(
+                key="outer_boundary",
+                value=self.outer_boundary,
+                allowed=" or ".join(OUTER_BOUNDARIES),
+            )
         if len(self.size) != 3 or not all(0 < 2 * self.min_size <= length for length in self.size):
-            raise InputError(key="size", value=self.size, allowed=f"three lengths of at least {2 * self.min_size:g} m")
+            raise InputError(
+                key="size",
+                value=self.size,
+                allowed=f"three lengths of at least {2 * self.min_size:g} m",
+            )
         for key in ("min_size", "refined_depth", "penalty", "ply_penalty", "points"):
             if not 0 < getattr(self, key) < np.inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
@@ -106,7 +138,10 @@ class Backing:
         """x, y, z [m] of the mesh planes of the modelled part."""
         half = (0.5 * self.size[0], 0.5 * self.size[1], self.size[2])
         found = [graded(length, self.min_size, self.refined_depth, self.growth) for length in half]
-        return tuple(x if bound else np.append(-x[:0:-1], x) for x, bound in zip(found, (*self.mirrors, True)))
+        return tuple(
+            x if bound else np.append(-x[:0:-1], x)
+            for x, bound in zip(found, (*self.mirrors, True))
+        )
 
     @property
     def count(self) -> tuple[int, ...]:
@@ -144,8 +179,12 @@ def graded(length: float, min_size: float, refined_depth: float, growth: float) 
         steps += 1
     if min_size * steps >= left:  # too little is left to grow
         return np.concatenate([places, places[-1] + left * np.arange(1, steps + 1) / steps])
-    factor = brentq(lambda g: min_size * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9)
-    return np.concatenate([places, places[-1] + min_size * np.cumsum(factor ** np.arange(1, steps + 1))])
+    factor = brentq(
+        lambda g: min_size * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9
+    )
+    return np.concatenate(
+        [places, places[-1] + min_size * np.cumsum(factor ** np.arange(1, steps + 1))]
+    )
 
 
 class Block:
@@ -161,7 +200,9 @@ class Block:
 
     def __init__(self, backing: Backing, dt: float) -> None:
         if not 0 < dt <= backing.longest_step:
-            raise InputError(key="dt", value=dt, allowed=f"above 0 and at most {backing.longest_step:.3g} s")
+            raise InputError(
+                key="dt", value=dt, allowed=f"above 0 and at most {backing.longest_step:.3g} s"
+            )
         self.backing, self.dt, self.time = backing, float(dt), 0.0
         self.shape = nx, ny, nz = backing.count
         grid = np.stack(np.meshgrid(*backing.lines, indexing="ij"), axis=-1)
@@ -177,11 +218,16 @@ class Block:
         self._edges = bricks.edges
         self._law = np.array(
             [
-                material.bulk, material.shear, material.yield_stress, material.hardening, material.erosion_strain,
-                material.rate_exponent, material.reference_rate,
+                material.bulk,
+                material.shear,
+                material.yield_stress,
+                material.hardening,
+                material.erosion_strain,
+                material.rate_exponent,
+                material.reference_rate,
                 backing.viscosity * material.density * material.wave_speed,
             ]
-        )  # fmt: skip
+        )
         self._boundaries(nodes, bricks)
         n, m = len(self.rest), nx * ny * nz
         self.x, self.v = self.rest.copy(), np.zeros((n, 3))
@@ -216,7 +262,9 @@ class Block:
                 self.free[face] = 0.0
             elif backing.outer_boundary == "absorbing":
                 places = self.rest[face]
-                edges = np.cross(places[1:, 1:] - places[:-1, :-1], places[:-1, 1:] - places[1:, :-1])
+                edges = np.cross(
+                    places[1:, 1:] - places[:-1, :-1], places[:-1, 1:] - places[1:, :-1]
+                )
                 quads = 0.125 * np.linalg.norm(edges, axis=-1)
                 area = np.zeros(face.shape)
                 for i in (0, 1):
@@ -226,7 +274,9 @@ class Block:
                 speeds[axis] = material.wave_speed
                 self._dashpot[face] += material.density * area[..., None] * speeds
         own = backing.penalty * material.bulk * bricks.volume / bricks.edges.min(axis=1) ** 2 / 8
-        self._stiffness = np.minimum(np.bincount(corners, np.repeat(own, 8)), 0.5 * self.mass / self.dt**2)
+        self._stiffness = np.minimum(
+            np.bincount(corners, np.repeat(own, 8)), 0.5 * self.mass / self.dt**2
+        )
         self._springs = 2 * backing.contact_damping * np.sqrt(self._stiffness * self.mass)
 
     def strike(self, position: FloatArray, speed: FloatArray, projectile: Projectile) -> np.ndarray:
@@ -238,19 +288,43 @@ class Block:
         projectile : Projectile, along z
         """
         shot = projectile
-        numbers = np.array([shot.number, shot.radius, shot.edge_radius, np.inf if shot.length is None else shot.length])
+        numbers = np.array(
+            [
+                shot.number,
+                shot.radius,
+                shot.edge_radius,
+                np.inf if shot.length is None else shot.length,
+            ]
+        )
         self._damped += touch.nose_forces(
-            self.shape, self.x, self.v, self.gone, (self._stiffness, self._springs), np.asarray(position, float),
-            np.asarray(speed, float), (shot.form, numbers), self._held, (self._outer, self._drags), self._shot,
-        )  # fmt: skip
-        push, drag = self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE], self._shot[touch.DAMPING_FORCE :]
+            self.shape,
+            self.x,
+            self.v,
+            self.gone,
+            (self._stiffness, self._springs),
+            np.asarray(position, float),
+            np.asarray(speed, float),
+            (shot.form, numbers),
+            self._held,
+            (self._outer, self._drags),
+            self._shot,
+        )
+        push, drag = (
+            self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE],
+            self._shot[touch.DAMPING_FORCE :],
+        )
         self._damp("shot", drag, np.asarray(speed, float))
         return push + drag
 
     def press(
-        self, places: FloatArray, velocities: FloatArray, stiffness: FloatArray, *, damping: FloatArray | None = None,
+        self,
+        places: FloatArray,
+        velocities: FloatArray,
+        stiffness: FloatArray,
+        *,
+        damping: FloatArray | None = None,
         thickness: float = 0.0,
-    ) -> np.ndarray:  # fmt: skip
+    ) -> np.ndarray:
         """Contact with points in this step; forces (s, 3) [N] on them. Always the same points, in the same order.
 
         Parameters
@@ -263,19 +337,35 @@ class Block:
         if self._columns is None:
             lines = self.backing.lines
             self._columns = np.stack(
-                [np.clip(np.searchsorted(lines[c], places[:, c]) - 1, 0, self.shape[c] - 1) for c in (0, 1)], axis=1
+                [
+                    np.clip(np.searchsorted(lines[c], places[:, c]) - 1, 0, self.shape[c] - 1)
+                    for c in (0, 1)
+                ],
+                axis=1,
             )
             self._memory = np.zeros((len(places), 2))
-            self._memory[:, 0] = places[:, 2] + thickness - self.backing.standoff  # as against the face at rest
+            self._memory[:, 0] = (
+                places[:, 2] + thickness - self.backing.standoff
+            )  # as against the face at rest
         forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
         points = (
-            places, np.ascontiguousarray(velocities, float), np.ascontiguousarray(stiffness, float),
+            places,
+            np.ascontiguousarray(velocities, float),
+            np.ascontiguousarray(stiffness, float),
             none if damping is None else np.ascontiguousarray(damping, float),
-        )  # fmt: skip
+        )
         touch.point_forces(
-            self.shape, (self.x, self.v, self.gone), points, float(thickness), self.dt, self._columns, self._memory,
-            (self._outer, self._drags), (forces, drags), self._points,
-        )  # fmt: skip
+            self.shape,
+            (self.x, self.v, self.gone),
+            points,
+            float(thickness),
+            self.dt,
+            self._columns,
+            self._memory,
+            (self._outer, self._drags),
+            (forces, drags),
+            self._points,
+        )
         self._damped += float(self._points[touch.LOST])
         self._damp("points", drags, np.asarray(velocities, float))
         return forces + drags
@@ -299,9 +389,13 @@ class Block:
             count = 1 if since == 0 else max(1, int(np.ceil(self.dt / (CFL * self.stable_step()))))
         self._substeps[:] = count, since + 1
         if count > MAX_SUBSTEPS:
-            raise self._unstable(f"a brick is flattened: the block needs {count} steps in one of the run")
+            raise self._unstable(
+                f"a brick is flattened: the block needs {count} steps in one of the run"
+            )
         step = self.dt / count
-        if self._kick not in (0.0, step) or count > 1:  # the impulse of a whole step of the run, in the first of these
+        if (
+            self._kick not in (0.0, step) or count > 1
+        ):  # the impulse of a whole step of the run, in the first of these
             whole = (self.dt if self._kick else 0.5 * self.dt) / (0.5 * (self._kick + step))
             self._outer *= whole
             self._drags *= whole
@@ -312,17 +406,33 @@ class Block:
 
     def _step(self, dt):
         kernels.forces(
-            self.shape, self.x, (self._gradient, self._volume, self._twist, self._control, self._edges), self._law,
-            self._kick, (self.metric, self.alpha, self.last, self.past, self.gone), self._own, self.energy,
-        )  # fmt: skip
+            self.shape,
+            self.x,
+            (self._gradient, self._volume, self._twist, self._control, self._edges),
+            self._law,
+            self._kick,
+            (self.metric, self.alpha, self.last, self.past, self.gone),
+            self._own,
+            self.energy,
+        )
         if np.isnan(self.energy[:, kernels.ELASTIC]).any():
             raise self._unstable(
-                "a brick is turned inside out", int(np.argmax(np.isnan(self.energy[:, kernels.ELASTIC])))
+                "a brick is turned inside out",
+                int(np.argmax(np.isnan(self.energy[:, kernels.ELASTIC]))),
             )
         kernels.move(
-            self.shape, self.x, self.v, self._own, self._outer, self._drags, (self.mass, self._dashpot, self.free),
-            0.5 * (self._kick + dt), dt, self.gone, self._work,
-        )  # fmt: skip
+            self.shape,
+            self.x,
+            self.v,
+            self._own,
+            self._outer,
+            self._drags,
+            (self.mass, self._dashpot, self.free),
+            0.5 * (self._kick + dt),
+            dt,
+            self.gone,
+            self._work,
+        )
         self._kick = dt
 
     def _unstable(self, what, brick=None):
@@ -341,11 +451,15 @@ class Block:
 
     def _bounds(self):
         """(m,) [m] step of each brick times the speed of its waves; infinite of those that are gone."""
-        f, g, h = np.moveaxis(self.x[self.bricks].transpose(0, 2, 1) @ self._gradient, 1, 0)  # rows of F
+        f, g, h = np.moveaxis(
+            self.x[self.bricks].transpose(0, 2, 1) @ self._gradient, 1, 0
+        )  # rows of F
         cofactors = np.stack([np.cross(g, h), np.cross(h, f), np.cross(f, g)], axis=1)
         with np.errstate(all="ignore"):
             gradient = (
-                cofactors @ self._gradient.transpose(0, 2, 1) / np.sum(f * cofactors[:, 0], axis=1)[:, None, None]
+                cofactors
+                @ self._gradient.transpose(0, 2, 1)
+                / np.sum(f * cofactors[:, 0], axis=1)[:, None, None]
             )
             return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
 
@@ -353,11 +467,16 @@ class Block:
         """ENERGIES [J] of the modelled part, at the last forces."""
         bricks = self.energy.sum(axis=0)
         values = (
-            self._work[:, 0].sum(), bricks[kernels.ELASTIC], bricks[kernels.PLASTIC], bricks[kernels.HOURGLASS],
-            bricks[kernels.VISCOUS], self._work[:, 1].sum(), bricks[kernels.ERODED],
+            self._work[:, 0].sum(),
+            bricks[kernels.ELASTIC],
+            bricks[kernels.PLASTIC],
+            bricks[kernels.HOURGLASS],
+            bricks[kernels.VISCOUS],
+            self._work[:, 1].sum(),
+            bricks[kernels.ERODED],
             self._shot[touch.CONTACT] + self._points[touch.CONTACT],
             self._damped + (self._work[:, 2] - self._work[:, 3]).sum(),
-        )  # fmt: skip
+        )
         return dict(zip(ENERGIES, map(float, values)))
 
     @property
@@ -384,7 +503,9 @@ class Block:
         gone, nz = self.gone.reshape(self.shape), self.shape[2]
         layers = np.where(gone.any(axis=2), nz - np.argmax(gone[:, :, ::-1], axis=2), 0)
         wide = np.pad(layers, 1, mode="edge")
-        beside = np.minimum(np.minimum(wide[1:, 1:], wide[:-1, 1:]), np.minimum(wide[1:, :-1], wide[:-1, :-1]))
+        beside = np.minimum(
+            np.minimum(wide[1:, 1:], wide[:-1, 1:]), np.minimum(wide[1:, :-1], wide[:-1, :-1])
+        )
         face = self.x[np.take_along_axis(self.nodes, beside[..., None], axis=2)[..., 0]].copy()
         face[..., 2] -= self.backing.standoff
         return face
@@ -404,7 +525,11 @@ class Block:
         self.time, self._kick, self._damped = map(float, arrays["clock"])
         if "columns" in arrays:
             self._columns, self._memory = np.array(arrays["columns"]), np.array(arrays["memory"])
-        self._before = {who: np.array(arrays[f"{who}_drag"]) for who in ("shot", "points") if f"{who}_drag" in arrays}
+        self._before = {
+            who: np.array(arrays[f"{who}_drag"])
+            for who in ("shot", "points")
+            if f"{who}_drag" in arrays
+        }
 
 
 def _corners(grid):

@@ -32,7 +32,9 @@ ELASTIC, PLASTIC, HOURGLASS, VISCOUS, ERODED = 0, 1, 2, 3, 4  # of the energies 
 CONTACT, ELASTIC_FORCE, DAMPING_FORCE = 0, 1, 4
 SWEEPS = 12  # of Jacobi's rotations; three or four are enough
 # corners
-CORNER_OFFSETS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+CORNER_OFFSETS = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+)
 
 
 @kernel()
@@ -144,7 +146,11 @@ def hencky(F, C, alpha, law, viscous, dt, P):
     inverse(F, Fi)
     if q > yields + H * alpha:
         step = flow_increment(q, G, yields + H * alpha, law, dt)
-        work = (yields + H * (alpha + 0.5 * step)) * step if law[5] == 0.0 else (q - 3.0 * G * step) * step
+        work = (
+            (yields + H * (alpha + 0.5 * step)) * step
+            if law[5] == 0.0
+            else (q - 3.0 * G * step) * step
+        )
         alpha += step
         keep = 1.0 - 3.0 * G * step / q
         d0, d1, d2, size = keep * d0, keep * d1, keep * d2, keep * size
@@ -222,7 +228,12 @@ def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
             if alpha[m] >= law[4]:
                 gone[m] = True
                 # its stress does no work any more, so half of the last step's was never done
-                rise = volume[m] * (stored + work + damped) + held - energy[m, ELASTIC] - energy[m, HOURGLASS]
+                rise = (
+                    volume[m] * (stored + work + damped)
+                    + held
+                    - energy[m, ELASTIC]
+                    - energy[m, HOURGLASS]
+                )
                 energy[m, ERODED] = volume[m] * stored + held - 0.5 * rise
                 energy[m, ELASTIC] = energy[m, HOURGLASS] = 0.0
                 own[m] = 0.0
@@ -254,9 +265,16 @@ def forces(counts, x, rest, law, dt, history, own, energy):
     metric, alpha, last, past, gone = history
     for i in prange(nx):
         forces_slice(
-            i, (nx, ny, nz), x, (gradient, volume, twist, control, edges), law, dt, (metric, alpha, last, past, gone),
-            own, energy,
-        )  # fmt: skip
+            i,
+            (nx, ny, nz),
+            x,
+            (gradient, volume, twist, control, edges),
+            law,
+            dt,
+            (metric, alpha, last, past, gone),
+            own,
+            energy,
+        )
 
 
 @kernel()
@@ -271,7 +289,11 @@ def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
                 total = outer[n, c] + drags[n, c]
                 for a in range(8):
                     # the brick of which this node is the corner a
-                    p, q, r = i - CORNER_OFFSETS[a, 0], j - CORNER_OFFSETS[a, 1], k - CORNER_OFFSETS[a, 2]
+                    p, q, r = (
+                        i - CORNER_OFFSETS[a, 0],
+                        j - CORNER_OFFSETS[a, 1],
+                        k - CORNER_OFFSETS[a, 2],
+                    )
                     if 0 <= p < nx and 0 <= q < ny and 0 <= r < nz:
                         m = (p * ny + q) * nz + r
                         if not gone[m]:
@@ -305,4 +327,6 @@ def move(counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
     """
     (nx, ny, nz), (mass, dashpot, free) = counts, nodes
     for i in prange(nx + 1):
-        move_slice(i, (nx, ny, nz), x, v, own, outer, drags, (mass, dashpot, free), kick, dt, gone, work)
+        move_slice(
+            i, (nx, ny, nz), x, v, own, outer, drags, (mass, dashpot, free), kick, dt, gone, work
+        )

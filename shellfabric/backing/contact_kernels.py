@@ -62,7 +62,12 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, held, force
     -------
     dropped : [J] of springs on nodes whose last brick has gone
     """
-    (nx, ny, nz), (stiffness, damping), (form, numbers), (outer, drags) = counts, springs, shape, forces
+    (nx, ny, nz), (stiffness, damping), (form, numbers), (outer, drags) = (
+        counts,
+        springs,
+        shape,
+        forces,
+    )
     sums[:] = 0.0
     widest, dropped = numbers[1] * numbers[1], 0.0
     for i in range(nx + 1):
@@ -83,7 +88,11 @@ def nose_forces(counts, x, v, gone, springs, position, speed, shape, held, force
                 )
                 if gap >= 0.0:
                     continue
-                opening = (v[n, 0] - speed[0]) * n0 + (v[n, 1] - speed[1]) * n1 + (v[n, 2] - speed[2]) * n2
+                opening = (
+                    (v[n, 0] - speed[0]) * n0
+                    + (v[n, 1] - speed[1]) * n1
+                    + (v[n, 2] - speed[2]) * n2
+                )
                 push = -stiffness[n] * gap
                 drag = max(-damping[n] * opening, -push)
                 held[n] = 0.5 * stiffness[n] * gap * gap
@@ -155,10 +164,22 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
             for m in range(4):
                 rx -= w[m] * x[nodes[m], 0]
                 ry -= w[m] * x[nodes[m], 1]
-            xa = 0.25 * ((1 - b) * (x[nodes[1], 0] - x[nodes[0], 0]) + (1 + b) * (x[nodes[2], 0] - x[nodes[3], 0]))
-            ya = 0.25 * ((1 - b) * (x[nodes[1], 1] - x[nodes[0], 1]) + (1 + b) * (x[nodes[2], 1] - x[nodes[3], 1]))
-            xb = 0.25 * ((1 - a) * (x[nodes[3], 0] - x[nodes[0], 0]) + (1 + a) * (x[nodes[2], 0] - x[nodes[1], 0]))
-            yb = 0.25 * ((1 - a) * (x[nodes[3], 1] - x[nodes[0], 1]) + (1 + a) * (x[nodes[2], 1] - x[nodes[1], 1]))
+            xa = 0.25 * (
+                (1 - b) * (x[nodes[1], 0] - x[nodes[0], 0])
+                + (1 + b) * (x[nodes[2], 0] - x[nodes[3], 0])
+            )
+            ya = 0.25 * (
+                (1 - b) * (x[nodes[1], 1] - x[nodes[0], 1])
+                + (1 + b) * (x[nodes[2], 1] - x[nodes[3], 1])
+            )
+            xb = 0.25 * (
+                (1 - a) * (x[nodes[3], 0] - x[nodes[0], 0])
+                + (1 + a) * (x[nodes[2], 0] - x[nodes[1], 0])
+            )
+            yb = 0.25 * (
+                (1 - a) * (x[nodes[3], 1] - x[nodes[0], 1])
+                + (1 + a) * (x[nodes[2], 1] - x[nodes[1], 1])
+            )
             det = xa * yb - xb * ya
             da, db = (yb * rx - xb * ry) / det, (xa * ry - ya * rx) / det
             a, b = min(max(a + da, -4.0), 4.0), min(max(b + db, -4.0), 4.0)
@@ -182,8 +203,12 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
 def tangents(a, b, x, nodes, A, B):
     """Slopes A, B : (3,) of a facet along its coordinates, four times over."""
     for c in range(3):
-        A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (x[nodes[2], c] - x[nodes[3], c])
-        B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (x[nodes[2], c] - x[nodes[1], c])
+        A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (
+            x[nodes[2], c] - x[nodes[3], c]
+        )
+        B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (
+            x[nodes[2], c] - x[nodes[1], c]
+        )
 
 
 @kernel()
@@ -282,7 +307,9 @@ def to_nodes(forces, weights, nj, found):
 
 
 @kernel()
-def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts):
+def find_contacts(
+    ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts
+):
     """Contacts of the points from the first to before the last of `ends` with the face of the block.
 
     Parameters
@@ -317,7 +344,10 @@ def find_contacts(ends, counts, block, points, thickness, dt, columns, memory, l
             lost[s] = 0.5 * stiffness[s] * (held * held - depth * depth)
         memory[s, 0], memory[s, 1] = inside, offset
         if depth > 0.0:
-            contacts[s, 0], contacts[s, 1] = depth, max(-damping[s] * opening, -stiffness[s] * depth)
+            contacts[s, 0], contacts[s, 1] = (
+                depth,
+                max(-damping[s] * opening, -stiffness[s] * depth),
+            )
             contacts[s, 2:5], contacts[s, 5:] = normal, w
 
 
@@ -343,7 +373,9 @@ def point_forces(counts, block, points, thickness, dt, columns, memory, forces, 
     size = (count + SLICES - 1) // SLICES
     for part in prange(SLICES):
         ends = part * size, min((part + 1) * size, count)
-        find_contacts(ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts)
+        find_contacts(
+            ends, counts, block, points, thickness, dt, columns, memory, lost, feet, contacts
+        )
     sums[:] = 0.0
     for s in range(count):
         depth, drag = contacts[s, 0], contacts[s, 1]

@@ -84,9 +84,16 @@ class BackingResult:
 def result_of(block: Block) -> BackingResult:
     """A block as it is."""
     return BackingResult(
-        block.backing.standoff, block.crater(0), block.crater(1), block.depth_map(), block.x.copy(), block.bricks,
-        block.alpha.copy(), block.gone.copy(), 0.5 ** sum(block.backing.mirrors),
-    )  # fmt: skip
+        block.backing.standoff,
+        block.crater(0),
+        block.crater(1),
+        block.depth_map(),
+        block.x.copy(),
+        block.bricks,
+        block.alpha.copy(),
+        block.gone.copy(),
+        0.5 ** sum(block.backing.mirrors),
+    )
 
 
 def radius_at(crater: FloatArray, share: float) -> float:
@@ -123,11 +130,17 @@ def check(panel: Any) -> None:
     if backing is None:
         return
     if panel.symmetry == "half":
-        raise InputError(key="symmetry", value=panel.symmetry, allowed="quarter or whole in front of a backing")
+        raise InputError(
+            key="symmetry", value=panel.symmetry, allowed="quarter or whole in front of a backing"
+        )
     shot = panel.shot.seen_from(-panel.weave_angle)
     if shot.roaming or shot.tilted:
-        raise InputError(key="obliquity", value=shot.obliquity, allowed="0, and no yaw or roll, before a backing")
-    if any(side < a + 2 * abs(x) for side, a, x in zip(backing.size, panel.opening, panel.impact_point)):
+        raise InputError(
+            key="obliquity", value=shot.obliquity, allowed="0, and no yaw or roll, before a backing"
+        )
+    if any(
+        side < a + 2 * abs(x) for side, a, x in zip(backing.size, panel.opening, panel.impact_point)
+    ):
         allowed = "a face that reaches as far from the impact point as the panel's opening"
         raise InputError(key="size", value=backing.size, allowed=allowed)
 
@@ -151,7 +164,11 @@ class BackingCoupling:
     """
 
     def __init__(self, backing: Backing, panel: Any, const: Any) -> None:
-        self.projectile, self.const, self.p = panel.shot.seen_from(-panel.weave_angle), const, backing.points
+        self.projectile, self.const, self.p = (
+            panel.shot.seen_from(-panel.weave_angle),
+            const,
+            backing.points,
+        )
         self._turn = axes(panel.weave_angle) if panel.weave_angle else None
         self.thickness = 0.5 * panel.weave.thickness
         standoff = self.thickness + backing.standoff
@@ -170,26 +187,35 @@ class BackingCoupling:
         self._none = np.zeros_like(self._rest)
         along = (np.arange(self.p) + 0.5) / self.p
         # (p p, 4) of the corners (0, 0), (1, 0), (0, 1), (1, 1) of an element
-        self._weights = np.array([((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t) for s in along for t in along])
+        self._weights = np.array(
+            [((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t) for s in along for t in along]
+        )
 
     def step(self, state: Any) -> None:
         """One step of the block under its contacts with fabric and projectile; stores the contact forces [N] in
         state.f_block_cloth and state.f_block_nose."""
         const, block = self.const, self.block
         to, back = self._turn, None if self._turn is None else self._turn.T
-        position, velocity = (turned_back(of, to) for of in (state.projectile_position, state.projectile_velocity))
+        position, velocity = (
+            turned_back(of, to) for of in (state.projectile_position, state.projectile_velocity)
+        )
         state.f_block_nose[:] = turned_back(block.strike(position, velocity, self.projectile), back)
         if state.counter[2] > 0:  # yarns have failed
             eroded = (self._nodal(state.element_flag)[:-1, :-1] & ERODED) != 0
-            self._loose[:] = np.broadcast_to(~eroded[..., None], (const.ni, const.nj, self.p**2)).ravel()
+            self._loose[:] = np.broadcast_to(
+                ~eroded[..., None], (const.ni, const.nj, self.p**2)
+            ).ravel()
         places, speeds = np.empty((2, self._loose.size, 3))
         touch.at_points(state.u, self._rest, self._weights, const.nj, places)
         touch.at_points(state.v, self._none, self._weights, const.nj, speeds)
         places, speeds = (turned_back(part, to) for part in (places, speeds))
         forces = block.press(
-            places, speeds, self._loose * self._stiffness, damping=self._loose * self._damping,
+            places,
+            speeds,
+            self._loose * self._stiffness,
+            damping=self._loose * self._damping,
             thickness=self.thickness,
-        )  # fmt: skip
+        )
         self._spread(turned_back(forces, back), state)
         block.advance()
 

@@ -9,7 +9,18 @@ import numpy as np
 
 from fabrics.checks import FloatArray
 
-CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
+CORNERS = np.array(
+    [
+        [-1, -1, -1],
+        [1, -1, -1],
+        [1, 1, -1],
+        [-1, 1, -1],
+        [-1, -1, 1],
+        [1, -1, 1],
+        [1, 1, 1],
+        [-1, 1, 1],
+    ]
+)
 XI, ETA, ZETA = CORNERS.T
 PATTERNS = np.array([ETA * ZETA, XI * ZETA, XI * ETA, XI * ETA * ZETA])  # (4, 8) h
 # per mode, the local directions along which it varies, and the mean square of its slope's pattern
@@ -67,7 +78,9 @@ class Bricks:
         found = np.empty((len(self.volume), 4, 3))
         for mode, (directions, square) in enumerate(SLOPES):
             for i in range(3):
-                stiff = sum((moduli[i] if i == c else shear) / self.edges[:, c] ** 2 for c in directions)
+                stiff = sum(
+                    (moduli[i] if i == c else shear) / self.edges[:, c] ** 2 for c in directions
+                )
                 found[:, mode, i] = self.volume * stiff * square / 16
         return found
 
@@ -75,7 +88,13 @@ class Bricks:
 def _slopes(point):
     """(8, 3) slopes of the shape functions along xi, eta, zeta at a point."""
     factors = 1 + CORNERS * point
-    return np.stack([CORNERS[:, i] * np.prod(np.delete(factors, i, axis=1), axis=1) for i in range(3)], axis=1) / 8
+    return (
+        np.stack(
+            [CORNERS[:, i] * np.prod(np.delete(factors, i, axis=1), axis=1) for i in range(3)],
+            axis=1,
+        )
+        / 8
+    )
 
 
 def _frame(along, across):

@@ -51,7 +51,9 @@ def to_strength(model: CellModel, ratio: Sequence[float], n: int = 241) -> CellP
     """
     parts = np.asarray(ratio, float)
     if not (parts.shape == (2,) and np.isfinite(parts).all() and parts.min() >= 0 < parts.max()):
-        raise InputError(key="ratio", value=tuple(parts), allowed="two numbers of at least 0, one of them above")
+        raise InputError(
+            key="ratio", value=tuple(parts), allowed="two numbers of at least 0, one of them above"
+        )
     parts = parts / parts.max()
     yarns = model.fabric.weave.yarns
     strengths = np.array([yarn.strength for yarn in yarns])
@@ -67,11 +69,15 @@ def to_strength(model: CellModel, ratio: Sequence[float], n: int = 241) -> CellP
     # a yarn that is straight and past its strength
     far = min(
         ((1 + yarn.crimp) * (1 + 1.01 * ultimate) - 1) / part
-        for yarn, ultimate, part in zip(yarns, model.ultimate_strains, parts) if part > 0
-    )  # fmt: skip
+        for yarn, ultimate, part in zip(yarns, model.ultimate_strains, parts)
+        if part > 0
+    )
     s = np.linspace(0, brentq(short_of_strength, 0.0, far, xtol=1e-12), n)
     response = state(s)
     last = np.array([response["T1"][-1], response["T2"][-1]]) / strengths
     return CellPath(
-        (float(parts[0]), float(parts[1])), s[:, None] * parts, response, ("warp", "weft")[int(np.argmax(last))]
+        (float(parts[0]), float(parts[1])),
+        s[:, None] * parts,
+        response,
+        ("warp", "weft")[int(np.argmax(last))],
     )

@@ -57,7 +57,9 @@ def bicubic(f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray) -> F
     return np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 16))
 
 
-def spline(f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray, rest: tuple[int, int]) -> FloatArray:
+def spline(
+    f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray, rest: tuple[int, int]
+) -> FloatArray:
     """(n1-1, n2-1, 9): c with f = sum c[3 p + q] s^p t^q, the quadratic B-spline next to nodal values and slopes.
 
     A quadratic from node 0 to node 1 has the control (f0 + f1) / 2 + (f0' - f1') / 4 in between, where the tangents at
@@ -94,4 +96,6 @@ def _controls(f, slope, axis):
     """Controls between the nodes along an axis, and one beyond each end, from values and slopes at the nodes."""
     f, slope = np.moveaxis(f, axis, 0), np.moveaxis(slope, axis, 0)
     inner = 0.5 * (f[:-1] + f[1:]) + 0.25 * (slope[:-1] - slope[1:])
-    return np.moveaxis(np.concatenate([inner[:1] - slope[:1], inner, inner[-1:] + slope[-1:]]), 0, axis)
+    return np.moveaxis(
+        np.concatenate([inner[:1] - slope[:1], inner, inner[-1:] + slope[-1:]]), 0, axis
+    )

@@ -26,7 +26,16 @@ none), the strain of its toe and its profile.
 
 import math
 
-from shellfabric.cell.yarn_kernels import COSINE, STRAIGHT, arc, arc_curvature, energy, free_height, tension, yarn_alone
+from shellfabric.cell.yarn_kernels import (
+    COSINE,
+    STRAIGHT,
+    arc,
+    arc_curvature,
+    energy,
+    free_height,
+    tension,
+    yarn_alone,
+)
 from shellfabric.jit.compile import entry, kernel
 
 EQUILIBRIUM, VARIATIONAL = 0, 1
@@ -146,14 +155,28 @@ def forces_of_cell(w1, w2, warp, weft, form, solution):
     F, h1, h2 = solution
     S1, dS1 = arc(w1, h1, warp[8])
     S2, dS2 = arc(w2, h2, weft[8])
-    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
+    T1, T2 = (
+        tension(S1, dS1, warp[1], warp[2], warp[7])[0],
+        tension(S2, dS2, weft[1], weft[2], weft[7])[0],
+    )
     W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
-    stored = compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
+    stored = compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(
+        F, weft[4], weft[5], weft[6]
+    )
     W += work_share(form, warp[8]) * stored
     if form == EQUILIBRIUM:
         return T1, T2, T1, T2, F, h1, h2, W
     # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
-    return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
+    return (
+        T1,
+        T2,
+        T1 * (S1 - h1 * dS1) / (2.0 * w1),
+        T2 * (S2 - h2 * dS2) / (2.0 * w2),
+        F,
+        h1,
+        h2,
+        W,
+    )
 
 
 @kernel()

@@ -93,7 +93,9 @@ def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
                 if found[0] > 0.0:
                     values = forces_of_cell(w1, w2, warp, weft, form, found)
                 else:
-                    values = cell(stretches1[i], stretches2[j], warp, weft, gap, form, coupled, guess)
+                    values = cell(
+                        stretches1[i], stretches2[j], warp, weft, gap, form, coupled, guess
+                    )
                     if values[4] < 0.0:
                         return False
                 guess = max(values[4], 1e-6)

@@ -74,7 +74,9 @@ class CellModel:
         for key, known in (("model", MODELS), ("form", FORMS), ("profile", PROFILES)):
             if getattr(self, key) not in known:
                 raise InputError(key=key, value=getattr(self, key), allowed=" or ".join(known))
-        if np.shape(self.toe) not in ((), (2,)) or not all(0 <= toe <= _LONGEST_TOE for toe in self.toes):
+        if np.shape(self.toe) not in ((), (2,)) or not all(
+            0 <= toe <= _LONGEST_TOE for toe in self.toes
+        ):
             allowed = f"a strain from 0 to {_LONGEST_TOE:g}, or two, of warp and weft"
             raise InputError(key="toe", value=self.toe, allowed=allowed)
         if not 1 <= self.reach < np.inf:
@@ -82,7 +84,9 @@ class CellModel:
         if not 0 <= self.gap <= sum(self.h0):
             raise InputError(key="gap", value=self.gap, allowed="at least 0 and at most h01 + h02")
         if self.laws is None and self.fabric.laws is None and self.model == "compressible":
-            raise InputError(f"fabric {self.fabric.name} has no compression law", allowed="given one")
+            raise InputError(
+                f"fabric {self.fabric.name} has no compression law", allowed="given one"
+            )
 
     @property
     def used_laws(self) -> tuple[CompressionLaw, ...]:
@@ -102,7 +106,9 @@ class CellModel:
         weave = self.fabric.weave
         if self.profile == "cosine":
             return weave.h0
-        return tuple(kernels.free_height(w, S0, PROFILES[self.profile]) for w, S0 in zip(weave.w, weave.S0))
+        return tuple(
+            kernels.free_height(w, S0, PROFILES[self.profile]) for w, S0 in zip(weave.w, weave.S0)
+        )
 
     @property
     def ultimate_strains(self) -> tuple[float, ...]:
@@ -124,7 +130,17 @@ class CellModel:
         weave, profile = self.fabric.weave, PROFILES[self.profile]
         rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws, self.toes)
         return tuple(
-            (w, S0, yarn.EA, h0, law.a, law.b, law.F0 if law.form == "regularised" else 0.0, toe, profile)
+            (
+                w,
+                S0,
+                yarn.EA,
+                h0,
+                law.a,
+                law.b,
+                law.F0 if law.form == "regularised" else 0.0,
+                toe,
+                profile,
+            )
             for w, S0, yarn, h0, law, toe in rows
         )
 
@@ -150,7 +166,9 @@ class CellModel:
         ------
         UnstableError : the closing force was not found
         """
-        stretch1, stretch2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
+        stretch1, stretch2 = np.broadcast_arrays(
+            np.asarray(stretch1, float), np.asarray(stretch2, float)
+        )
         out = np.empty((8, stretch1.size))
         if not kernels.solve_many(stretch1.ravel(), stretch2.ravel(), *self._arguments(), out):
             raise UnstableError("the crossover did not close", where=f"fabric {self.fabric.name}")
@@ -159,7 +177,9 @@ class CellModel:
     def range(self) -> tuple[tuple[float, float], ...]:
         """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
         weave, bounds = self.fabric.weave, []
-        for w, S0, crossing, ultimate in zip(weave.w, weave.S0, weave.yarns[::-1], self.ultimate_strains):
+        for w, S0, crossing, ultimate in zip(
+            weave.w, weave.S0, weave.yarns[::-1], self.ultimate_strains
+        ):
             lowest = max(self._contact_loss(w, S0), _dense_packing(w, crossing))
             # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
             bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * self.reach * ultimate)))
@@ -240,7 +260,9 @@ class CellTable:
         x, y = (coefficients.grid(lowest, highest, n) for lowest, highest in model.range())
         out = np.empty((8, n, n))
         if not fill_kernels.fill(x, y, *model._arguments(), out):
-            raise UnstableError("the crossover did not close", where=f"the table of fabric {model.fabric.name}")
+            raise UnstableError(
+                "the crossover did not close", where=f"the table of fabric {model.fabric.name}"
+            )
         return cls.of_values(model, x, y, dict(zip(COLUMNS, out)))
 
     @classmethod
@@ -251,11 +273,15 @@ class CellTable:
         weave = model.fabric.weave
         tensions = [yarn.EA * strain for yarn, strain in zip(weave.yarns, strains)]
         energy = sum(w * T * strain for w, T, strain in zip(weave.w, tensions, strains))
-        values = {"W": energy} | {f"{letter}{k + 1}": T for k, T in enumerate(tensions) for letter in "TN"}
+        values = {"W": energy} | {
+            f"{letter}{k + 1}": T for k, T in enumerate(tensions) for letter in "TN"
+        }
         return cls.of_values(model, x, y, values)
 
     @classmethod
-    def of_values(cls, model: CellModel, x: FloatArray, y: FloatArray, values: dict[str, FloatArray]) -> CellTable:
+    def of_values(
+        cls, model: CellModel, x: FloatArray, y: FloatArray, values: dict[str, FloatArray]
+    ) -> CellTable:
         """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of them, (n, n) each."""
         w1, w2 = model.fabric.weave.w
         if model.form == "variational":
@@ -266,9 +292,15 @@ class CellTable:
 
     @classmethod
     def of(
-        cls, model: Any, x: FloatArray, y: FloatArray, values: dict[str, FloatArray], fx: FloatArray, fy: FloatArray,
+        cls,
+        model: Any,
+        x: FloatArray,
+        y: FloatArray,
+        values: dict[str, FloatArray],
+        fx: FloatArray,
+        fy: FloatArray,
         residual: float = 0.0,
-    ) -> CellTable:  # fmt: skip
+    ) -> CellTable:
         """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per cell of the grid."""
         W, fx, fy = values["W"].copy(), fx.copy(), fy.copy()
         # the mixed slope from both sides; it is the same function where W is smooth

@@ -41,9 +41,16 @@ def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
     found, weave = [], table.model.fabric.weave
     spline = table.spline.reshape(-1, 3, 3)  # of p^a q^b at [a, b]
     for family, values in enumerate((table.tension1, table.tension2)):
-        scale, tensions, bounds = 2 * weave.w[family] * table.steps[family], values.reshape(-1, 4), []
+        scale, tensions, bounds = (
+            2 * weave.w[family] * table.steps[family],
+            values.reshape(-1, 4),
+            [],
+        )
         for begin in range(0, len(spline), _PIECE):
-            W, T = (np.ascontiguousarray(np.moveaxis(x[begin : begin + _PIECE], 0, -1)) for x in (spline, tensions))
+            W, T = (
+                np.ascontiguousarray(np.moveaxis(x[begin : begin + _PIECE], 0, -1))
+                for x in (spline, tensions)
+            )
             W, T = (W, T) if family == 0 else (W.swapaxes(0, 1), T[[0, 2, 1, 3]])
             force = np.stack([W[1], W[1] + 2 * W[2]]) / scale
             none = np.zeros_like(T[0])
@@ -60,14 +67,18 @@ def _bounds(force, tension):
     its own, along which both are linear. A quadratic lies between the least and most of its Bernstein coefficients.
     """
     found, excess, tensions = map(_bernstein, (force, tension - force, tension))
-    return np.stack([found.min((0, 1)), found.max((0, 1)), excess.max((0, 1)), tensions.max((0, 1))])
+    return np.stack(
+        [found.min((0, 1)), found.max((0, 1)), excess.max((0, 1)), tensions.max((0, 1))]
+    )
 
 
 def _ceiling(low, high, over, top):
     """((steps, 2) [N], [N]) see `crossover_kernels.tension_bound_table`, and the width of its steps."""
     most = max(high.max(), top.max())
     unit, rounding, steps = most / _STEPS, 1e-9 * most, np.empty((_STEPS + 1, 2))
-    crossover_kernels.tension_bound_table(low - rounding, high + rounding, over + rounding, top + rounding, unit, steps)
+    crossover_kernels.tension_bound_table(
+        low - rounding, high + rounding, over + rounding, top + rounding, unit, steps
+    )
     return steps, unit
 
 

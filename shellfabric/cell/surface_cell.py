@@ -35,7 +35,10 @@ from shellfabric.cell.model import CellModel, CellTable
 FORMS = ("variational", "direct")
 _SLACK = 1e-4  # share of the strength below which a sampled force counts as none
 _FLOOR = 0.05  # share of the strength below which differences count as if the force were that
-_TRUST, _TRUSTED = 0.03, 4e-3  # least weight of the extension, and [-] the stretch over which it falls to 1 / e
+_TRUST, _TRUSTED = (
+    0.03,
+    4e-3,
+)  # least weight of the extension, and [-] the stretch over which it falls to 1 / e
 _LEAST_FADE = 2e-3  # [-] stretch over which contact is lost at the least
 
 
@@ -63,11 +66,15 @@ class SurfaceCell:
         if self.form not in FORMS:
             raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
         if self.surface.fabric and self.surface.fabric != self.fabric.name:
-            raise InputError(key="surface", value=self.surface.fabric, allowed=f"one of {self.fabric.name}")
+            raise InputError(
+                key="surface", value=self.surface.fabric, allowed=f"one of {self.fabric.name}"
+            )
         for name, axis in (("d1", self.surface.d1), ("d2", self.surface.d2)):
             if not axis[0] <= 0 < axis[-1]:
                 given = f"{axis[0]:.3g} .. {axis[-1]:.3g} m"
-                raise InputError(key=f"surface.{name}", value=given, allowed="a range that begins at or below 0")
+                raise InputError(
+                    key=f"surface.{name}", value=given, allowed="a range that begins at or below 0"
+                )
 
     @property
     def region(self) -> tuple[tuple[float, float], ...]:
@@ -88,16 +95,24 @@ class SurfaceCell:
         """
         from scipy.interpolate import PchipInterpolator
 
-        stretches, weave = (np.asarray(stretch1, float), np.asarray(stretch2, float)), self.fabric.weave
+        stretches, weave = (
+            (np.asarray(stretch1, float), np.asarray(stretch2, float)),
+            self.fabric.weave,
+        )
         clamped = [np.clip(x, *bounds) for x, bounds in zip(stretches, self.region)]
-        phi = self._contact(0, stretches[0], clamped[1]) * self._contact(1, stretches[1], clamped[0]).T
+        phi = (
+            self._contact(0, stretches[0], clamped[1])
+            * self._contact(1, stretches[1], clamped[0]).T
+        )
         values = {}
         for m, (name, sampled) in enumerate((("T1", self.surface.T1), ("T2", self.surface.T2))):
             strength = weave.yarns[m].strength
             sampled = np.where(np.abs(sampled) < _SLACK * strength, 0.0, sampled)
             inside = PchipInterpolator(self.surface.d1, sampled)((clamped[0] - 1) * weave.w1)
             inside = PchipInterpolator(self.surface.d2, inside, axis=1)((clamped[1] - 1) * weave.w2)
-            here, there = (np.expand_dims(self._alone(m, x[m]), 1 - m) for x in (stretches, clamped))
+            here, there = (
+                np.expand_dims(self._alone(m, x[m]), 1 - m) for x in (stretches, clamped)
+            )
             values[name] = np.maximum(here + phi * (inside - there), 0.0)
         return values
 
@@ -108,12 +123,20 @@ class SurfaceCell:
         values = self.solve(x, y)
         w1, w2 = self.fabric.weave.w
         per = 2 * w1 * (x[1] - x[0]), 2 * w2 * (y[1] - y[0])
-        floor = np.array([_FLOOR * p * yarn.strength for p, yarn in zip(per, self.fabric.weave.yarns)])
-        beyond = [np.abs(axis - np.clip(axis, *bounds)) for axis, bounds in zip((x, y), self.region)]
+        floor = np.array(
+            [_FLOOR * p * yarn.strength for p, yarn in zip(per, self.fabric.weave.yarns)]
+        )
+        beyond = [
+            np.abs(axis - np.clip(axis, *bounds)) for axis, bounds in zip((x, y), self.region)
+        ]
         trust = np.maximum(np.exp(-np.maximum(beyond[0][:, None], beyond[1]) / _TRUSTED), _TRUST)
         W, fx, fy, residual = potential(values["T1"] * per[0], values["T2"] * per[1], floor, trust)
         kept = self.form == "variational"
-        values |= {"W": W, "N1": fx / per[0] if kept else values["T1"], "N2": fy / per[1] if kept else values["T2"]}
+        values |= {
+            "W": W,
+            "N1": fx / per[0] if kept else values["T1"],
+            "N2": fy / per[1] if kept else values["T2"],
+        }
         return CellTable.of(self, x, y, values, fx, fy, residual)
 
     def _alone(self, m, stretch):
@@ -134,7 +157,11 @@ class SurfaceCell:
         low, high = 0.5, weave.S0[m] / (2 * weave.w[m])
         for _ in range(60):  # the length at this height rises with the stretch
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if arc_length(middle * weave.w[m], height) < weave.S0[m] else (low, middle)
+            low, high = (
+                (middle, high)
+                if arc_length(middle * weave.w[m], height) < weave.S0[m]
+                else (low, middle)
+            )
         return low
 
 
@@ -165,9 +192,14 @@ def potential(
     trusted = np.concatenate(
         [np.minimum(trust[:-1], trust[1:]).ravel(), np.minimum(trust[:, :-1], trust[:, 1:]).ravel()]
     )
-    weight = np.concatenate([1 / (np.abs(part).ravel() + least) for part, least in zip(rises, floor)]) * trusted
+    weight = (
+        np.concatenate([1 / (np.abs(part).ravel() + least) for part, least in zip(rises, floor)])
+        * trusted
+    )
     sides = np.arange(low.size)
-    G = coo_matrix((np.r_[-weight, weight], (np.r_[sides, sides], np.r_[low, high])), (low.size, fx.size)).tocsc()
+    G = coo_matrix(
+        (np.r_[-weight, weight], (np.r_[sides, sides], np.r_[low, high])), (low.size, fx.size)
+    ).tocsc()
     free = np.flatnonzero((fx.ravel() != 0) | (fy.ravel() != 0))
     W, part = np.zeros(fx.size), G[:, free]
     W[free] = spsolve((part.T @ part).tocsc(), part.T @ (weight * rise))
@@ -175,7 +207,12 @@ def potential(
     first, second = (c.reshape(r.shape) for c, r in zip(np.split(change, [rises[0].size]), rises))
     full = trusted == 1.0
     residual = float(np.sqrt(np.mean(change[full] ** 2) / np.mean(rise[full] ** 2)))
-    return W.reshape(fx.shape), _corrected(fx, fy, first), _corrected(fy.T, fx.T, second.T).T, residual
+    return (
+        W.reshape(fx.shape),
+        _corrected(fx, fy, first),
+        _corrected(fy.T, fx.T, second.T).T,
+        residual,
+    )
 
 
 def _rises(f):

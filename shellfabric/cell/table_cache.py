@@ -54,7 +54,10 @@ def table(model: CellModel, n: int = 201) -> CellTable:
 
 def trim(place: Path, most: float) -> None:
     """Remove the files of a folder that were used longest ago, until the others have at most `most` bytes."""
-    files = sorted((file.stat().st_mtime, file.stat().st_size, file) for file in place.glob(f"*.{ARRAYS.suffix}"))
+    files = sorted(
+        (file.stat().st_mtime, file.stat().st_size, file)
+        for file in place.glob(f"*.{ARRAYS.suffix}")
+    )
     excess = sum(size for _, size, _ in files) - most
     for _, size, file in files:
         if excess <= 0:
@@ -77,4 +80,6 @@ def _split(array):
     return array[0].copy(), array[1].copy(), array[2:].reshape(len(COLUMNS), n, n)
 
 
-ARRAYS = Format("npy", lambda content, file: np.save(file, content), partial(np.load, allow_pickle=False))
+ARRAYS = Format(
+    "npy", lambda content, file: np.save(file, content), partial(np.load, allow_pickle=False)
+)

@@ -58,7 +58,11 @@ def arc_curvature(w, h, profile):
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     # S'' = (pi / w) d/dk (E - K) / k, with dE/dk = (E - K) / k and dK/dk = (E / (1 + k^2) - K) / k
-    return math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k)) if k > 0.0 else 0.25 * math.pi**2 / w
+    return (
+        math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+        if k > 0.0
+        else 0.25 * math.pi**2 / w
+    )
 
 
 @kernel()

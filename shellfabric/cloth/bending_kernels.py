@@ -88,7 +88,15 @@ def end_bending(state, const, family, own, kind, B, acting):
     # in a clamp 2 B (1 - t.axis); by a plane of symmetry B / 2 (1 - t.image), with t.image = 2 (t.axis)^2 - 1
     if acting:
         add_bending_force(
-            state, const, family, own, 2.0 * B * (1.0 if kind == CLAMPED_END else along), t, length, axis, along
+            state,
+            const,
+            family,
+            own,
+            2.0 * B * (1.0 if kind == CLAMPED_END else along),
+            t,
+            length,
+            axis,
+            along,
         )
     return 2.0 * B * (1.0 - along) if kind == CLAMPED_END else B * (1.0 - along * along)
 
@@ -99,7 +107,9 @@ def family_bending(state, const, family, first, last, acting):
 
     A node's forces reach the nodes beside it.
     """
-    step, n, lines = (const.row_stride, const.ni, const.nj) if family == 0 else (1, const.nj, const.ni)
+    step, n, lines = (
+        (const.row_stride, const.ni, const.nj) if family == 0 else (1, const.nj, const.ni)
+    )
     intact, total = state.intact_fraction[family], 0.0
     for i in range(first, last + 1):
         for j in range(const.nj + 1):
@@ -108,7 +118,11 @@ def family_bending(state, const, family, first, last, acting):
             low = np.uint64(np.int64(k) - step)
             B = node_stiffness(const.bending, family, k, line == 0 or line == lines)
             if at == 0 or at == n:
-                own, kind = (k, const.yarn_ends[family, 0]) if at == 0 else (low, const.yarn_ends[family, 1])
+                own, kind = (
+                    (k, const.yarn_ends[family, 0])
+                    if at == 0
+                    else (low, const.yarn_ends[family, 1])
+                )
                 if kind != FREE_END and intact[own] > 0.0:
                     total += end_bending(state, const, family, own, kind, B * intact[own], acting)
                 continue

@@ -38,10 +38,14 @@ def update_slip_nodes(state, const, time):
             after = max(free - most, 0.0) if free > 0.0 else min(free + most, 0.0)
             force = mass * (free - after) / const.dt
             kinetic += 0.5 * mass * before * after
-            state.slip_energy[CLAMP_FRICTION] += 0.5 * const.dt * before * (state.slip_force[m] + force)
+            state.slip_energy[CLAMP_FRICTION] += (
+                0.5 * const.dt * before * (state.slip_force[m] + force)
+            )
         else:
             after = (pull * slip_fraction(time + const.dt, start, end) - state.u[c][k]) / const.dt
-            state.slip_energy[BOUNDARY_WORK] += 0.5 * const.dt * before * (state.slip_force[m] + force)
+            state.slip_energy[BOUNDARY_WORK] += (
+                0.5 * const.dt * before * (state.slip_force[m] + force)
+            )
         state.slip_force[m] = force
         state.v[c][k] = after
     state.slip_energy[KINETIC] = kinetic

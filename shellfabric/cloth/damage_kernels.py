@@ -24,7 +24,9 @@ def damage_near(flags, k, s, before, behind):
     for row in range(-before, behind + 1):
         m = k + row * s
         if m >= 0:
-            whole = movemask(equal_bytes(flags, max(m - 1, 0), 0)) & movemask(equal_bytes(flags, m + 1, 0))
+            whole = movemask(equal_bytes(flags, max(m - 1, 0), 0)) & movemask(
+                equal_bytes(flags, m + 1, 0)
+            )
             if whole != _ALL:
                 return True
     return False
@@ -45,7 +47,9 @@ def crossing_weight(split, k, before, alone):
 def _crossing_weight(split, k, before, alone):
     if isinstance(split, types.Float):
         return lambda split, k, before, alone: 1.0
-    return lambda split, k, before, alone: 1.0 if alone else 2.0 * (split[k] if before else 1.0 - split[k])
+    return lambda split, k, before, alone: (
+        1.0 if alone else 2.0 * (split[k] if before else 1.0 - split[k])
+    )
 
 
 @kernel()
@@ -82,7 +86,9 @@ def damaged_means(const, state, family, first, last, shift, x, mean):
             if not edges_damaged(const, state, family, i, start):
                 continue
             for j in range(start, min(start + WIDTH, columns)):
-                _, present, total = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], x, shift)
+                _, present, total = sum_crossing(
+                    const, family, i, j, state.intact_fraction[1 - family], x, shift
+                )
                 if present > 0.0:
                     mean[np.uint64(i * const.row_stride + j - shift)] = total / present
 
@@ -101,7 +107,9 @@ def damaged_forces(const, state, family, first, last, shift, L, F):
                 if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
                     F[m] = 0.0
                     continue
-                count, present, _ = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], L, shift)
+                count, present, _ = sum_crossing(
+                    const, family, i, j, state.intact_fraction[1 - family], L, shift
+                )
                 if present < count:
                     crossed = present / count
                     alone = yarn_alone(L[m], w, S0, EA)[0]
@@ -113,7 +121,10 @@ def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N
     """The variational force of damaged edges: own share, and, of each crossing edge, the share `shared` that it
     gives."""
     w, S0, EA = yarn_properties(const, family)
-    other, columns = state.intact_fraction[1 - family], const.row_stride if family == WARP else const.nj
+    other, columns = (
+        state.intact_fraction[1 - family],
+        const.row_stride if family == WARP else const.nj,
+    )
     for i in range(first, last):
         for start in range(0, columns, WIDTH):
             if not edges_damaged(const, state, family, i, start):
@@ -138,7 +149,10 @@ def damaged_trellis(const, state, first, last, shift, turn1, turn2, cross):
             if not damage_near(state.element_flag, i * s + start, s, 0, 0):
                 continue
             for j in range(start, min(start + WIDTH, const.nj)):
-                m, left = i * s + j - shift, trellis_intact_fraction(const, state, np.uint64(i * s + j))
+                m, left = (
+                    i * s + j - shift,
+                    trellis_intact_fraction(const, state, np.uint64(i * s + j)),
+                )
                 turn1[m] *= left
                 turn2[m] *= left
                 cross[m] *= left

@@ -42,7 +42,9 @@ def kinetic_energy(const, state, i):
         for c in range(3):
             v, f = (
                 load(state.v[c], k),
-                load(state.f_int[c], k) + load(state.f_int_above[c], k) + load(state.f_contact[c], k),
+                load(state.f_int[c], k)
+                + load(state.f_int_above[c], k)
+                + load(state.f_contact[c], k),
             )
             if const.has_backing:
                 f = f + load(state.f_block_cloth[c], k)
@@ -60,12 +62,22 @@ def yarn_energy(const, state, family, i, begin, end):
         k = i * s + j
         if family == WARP:
             mean = mean_crossing_warp(
-                const.mean_weight2, k, load(other, k - 1), load(other, k), load(other, k + s - 1), load(other, k + s)
+                const.mean_weight2,
+                k,
+                load(other, k - 1),
+                load(other, k),
+                load(other, k + s - 1),
+                load(other, k + s),
             )
             l1, l2 = load(own, k), mean
         else:
             mean = mean_crossing_weft(
-                const.mean_weight1, k, load(other, k - s), load(other, k - s + 1), load(other, k), load(other, k + 1)
+                const.mean_weight1,
+                k,
+                load(other, k - s),
+                load(other, k - s + 1),
+                load(other, k),
+                load(other, k + 1),
             )
             l1, l2 = mean, load(own, k)
         p, q = maximum((l1 - x0) * rx, 0.0), maximum((l2 - y0) * ry, 0.0)
@@ -78,7 +90,9 @@ def yarn_energy(const, state, family, i, begin, end):
             q - cell2,
         )
         over1, over2 = maximum(p - 1.0, 0.0), maximum(q - 1.0, 0.0)
-        W = potential_at(minimum(p, 1.0), minimum(q, 1.0), over1, over2, table, level, const.table_beyond)
+        W = potential_at(
+            minimum(p, 1.0), minimum(q, 1.0), over1, over2, table, level, const.table_beyond
+        )
         found = found + where(head_mask(end - j), load(state.yarn_length[family], k) * W, 0.0)
     return 0.25 / w * reduce_add(found)
 
@@ -87,13 +101,21 @@ def yarn_energy(const, state, family, i, begin, end):
 def trellis_energy(const, state, i):
     """[J] of the quadrilaterals of row i."""
     s, G1, G2, gamma1, gamma2 = const.row_stride, const.G1, const.G2, const.gamma1, const.gamma2
-    found, span, L1, L2 = broadcast(0.0), const.gamma2 - const.gamma1, state.stretch[0], state.stretch[1]
+    found, span, L1, L2 = (
+        broadcast(0.0),
+        const.gamma2 - const.gamma1,
+        state.stretch[0],
+        state.stretch[1],
+    )
     for j in range(0, const.nj, WIDTH):
         k, dot = i * s + j, broadcast(0.0)
         for c in range(3):
             u = state.u[c]
             rise, run = load(u, k + s + 1) - load(u, k), load(u, k + s) - load(u, k + 1)
-            a, b = load_or_broadcast(const.inv_dx, k) * (rise + run), load_or_broadcast(const.inv_dy, k) * (rise - run)
+            a, b = (
+                load_or_broadcast(const.inv_dx, k) * (rise + run),
+                load_or_broadcast(const.inv_dy, k) * (rise - run),
+            )
             dot = fma(a + (2.0 if c == 0 else 0.0), b + (2.0 if c == 1 else 0.0), dot)
         one, other = (
             regularized_stretch(load(L1, k) + load(L1, k + 1))[0],
@@ -104,5 +126,7 @@ def trellis_energy(const, state, i):
         middle, beyond = minimum(maximum(angle - gamma1, 0.0), span), maximum(angle - gamma2, 0.0)
         U = (0.5 * G1) * angle * angle + ((G2 - G1) / (6.0 * span)) * middle * middle * middle
         U = U + (0.5 * (G2 - G1)) * beyond * (beyond + span)
-        found = found + where(head_mask(const.nj - j), load_or_broadcast(const.trellis_volume, k) * U, 0.0)
+        found = found + where(
+            head_mask(const.nj - j), load_or_broadcast(const.trellis_volume, k) * U, 0.0
+        )
     return reduce_add(found)

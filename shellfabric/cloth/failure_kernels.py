@@ -27,7 +27,13 @@ import numpy as np
 
 from shellfabric.cell.crossover_kernels import yarn_alone
 from shellfabric.cloth import energy_kernels, strength_kernels
-from shellfabric.cloth.damage_kernels import WARP, WEFT, sum_crossing, trellis_intact_fraction, yarn_properties
+from shellfabric.cloth.damage_kernels import (
+    WARP,
+    WEFT,
+    sum_crossing,
+    trellis_intact_fraction,
+    yarn_properties,
+)
 from shellfabric.cloth.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED
 from shellfabric.cloth.table_kernels import max_value, potential
 from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
@@ -73,7 +79,11 @@ def find_failures(const, state, family, first, last):
     lowest = const.half_strength1
     if family == WEFT:
         lines, columns, lowest = const.weft_lines, const.nj, const.half_strength2
-    tension, slow, intact = state.T[family], state.filtered_tension[family], state.intact_fraction[family]
+    tension, slow, intact = (
+        state.T[family],
+        state.filtered_tension[family],
+        state.intact_fraction[family],
+    )
     for i in range(first, last):
         watched = min(state.peak_tension[family], lowest)
         if not state.warm_rows[family, i] and max_value(i * s, columns, tension) <= watched:
@@ -82,19 +92,26 @@ def find_failures(const, state, family, first, last):
         for j in range(columns):
             k, (line, place) = np.uint64(i * s + j), (j, i) if family == WARP else (i, j)
             half = lines.half_strength[line]
-            if intact[k] == 0.0 or (slow[k] <= half and tension[k] <= min(state.peak_tension[family], half)):
+            if intact[k] == 0.0 or (
+                slow[k] <= half and tension[k] <= min(state.peak_tension[family], half)
+            ):
                 continue
             mean = mean_tension(const, state, family, i, j)
             if max(mean, slow[k]) > half:
                 slow[k] = max(half, slow[k] + lines.filter_factor[place] * (mean - slow[k]))
             if min(mean, slow[k]) > state.peak_tension[family]:
                 state.peak_tension[family] = min(mean, slow[k])
-                state.peak_segment[family, 0], state.peak_segment[family, 1] = k, state.counter[0] + 1
+                state.peak_segment[family, 0], state.peak_segment[family, 1] = (
+                    k,
+                    state.counter[0] + 1,
+                )
             if slow[k] <= half:
                 continue
             state.warm_rows[family, i] = True
             load = slow[k] / lines.strength[line]
-            damage = strength_kernels.damage(const.rate_law, family, const.dt, state.rate_damage[family], k, load)
+            damage = strength_kernels.damage(
+                const.rate_law, family, const.dt, state.rate_damage[family], k, load
+            )
             strength_kernels.keep_damage(const.rate_law, state.rate_damage[family], k, damage)
             if load > strength_kernels.highest_load(const.rate_law) or damage >= 1.0:
                 state.failure_sums[0] += 1.0
@@ -158,7 +175,9 @@ def stored_energy(const, state, first, last):
             if left > 0.0:
                 sine = shear_sine(const, state, k)
                 V = item_or_scalar(const.trellis_volume, k)
-                trellis += left * shear_energy(sine, V, const.G1, const.G2, const.gamma1, const.gamma2)
+                trellis += left * shear_energy(
+                    sine, V, const.G1, const.G2, const.gamma1, const.gamma2
+                )
     return cells, trellis
 
 
@@ -178,13 +197,19 @@ def edge_energy(const, state, family, i, j):
         return 0.0
     L = state.stretch[family][k]
     other = 1 - family
-    count, present, total = sum_crossing(const, family, i, j, state.intact_fraction[other], state.stretch[other], 0)
+    count, present, total = sum_crossing(
+        const, family, i, j, state.intact_fraction[other], state.stretch[other], 0
+    )
     crossed, found = present / count, 0.0
     if crossed > 0.0:
         pair = (L, total / present) if family == WARP else (total / present, L)
         W = potential(
-            *pair, const.table_grid, const.potential_coefficients, const.table_beyond, const.potential_constant
-        )  # fmt: skip
+            *pair,
+            const.table_grid,
+            const.potential_coefficients,
+            const.table_beyond,
+            const.potential_constant,
+        )
         found += 0.5 * y / (2.0 * w) * crossed * W
     if crossed < 1.0:
         found += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
@@ -217,4 +242,7 @@ def shear_sine(const, state, k):
         a = item_or_scalar(const.inv_dx, k) * (u10 - u00 + u11 - u01) + (2.0 if c == 0 else 0.0)
         b = item_or_scalar(const.inv_dy, k) * (u01 - u00 + u11 - u10) + (2.0 if c == 1 else 0.0)
         dot += a * b
-    return dot / (regularized_stretch_scalar(L1[k] + L1[k + ONE]) * regularized_stretch_scalar(L2[k] + L2[k + s]))
+    return dot / (
+        regularized_stretch_scalar(L1[k] + L1[k + ONE])
+        * regularized_stretch_scalar(L2[k] + L2[k + s])
+    )

@@ -31,7 +31,11 @@ def family_jamming(state, const, number, first, last, acting):
             if yarn == 0.0:
                 continue
             t, length = segment_tangent(state, const, number, k)
-            rest = rest_length(const.dx, const.inv_dx, k) if number == 0 else rest_length(const.dy, const.inv_dy, k)
+            rest = (
+                rest_length(const.dx, const.inv_dx, k)
+                if number == 0
+                else rest_length(const.dy, const.inv_dy, k)
+            )
             stretch = length / rest
             if stretch >= limit:
                 continue
@@ -56,4 +60,6 @@ def jamming_forces(law, state, const, first, last, acting):
         return 0.0
     if law[0] == 0.0:
         return 0.0
-    return family_jamming(state, const, 0, first, last, acting) + family_jamming(state, const, 1, first, last, acting)
+    return family_jamming(state, const, 0, first, last, acting) + family_jamming(
+        state, const, 1, first, last, acting
+    )

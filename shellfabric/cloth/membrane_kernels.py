@@ -44,7 +44,12 @@ from shellfabric.jit.simd import (
 )
 
 ONE = np.uint64(1)
-WARP_FAILED, WEFT_FAILED, ERODED, WINDOW = 1, 2, 4, 8  # of state.element_flag; WINDOW: sliding yarns drawn apart
+WARP_FAILED, WEFT_FAILED, ERODED, WINDOW = (
+    1,
+    2,
+    4,
+    8,
+)  # of state.element_flag; WINDOW: sliding yarns drawn apart
 
 
 def mean_crossing_warp(split, k, a, b, c, d):
@@ -116,7 +121,11 @@ def edge_vectors(k0, m0, n, s, u, inv_length, A, B, l1, i1, l2, i2):
         k, m = k0 + j, m0 + j
         x, y, z, r = next_x, next_y, next_z, load_or_broadcast(rx, k)
         next_x, next_y, next_z = load(u[0], k + WIDTH), load(u[1], k + WIDTH), load(u[2], k + WIDTH)
-        a, b, c = fma(load(u[0], k + s) - x, r, 1.0), r * (load(u[1], k + s) - y), r * (load(u[2], k + s) - z)
+        a, b, c = (
+            fma(load(u[0], k + s) - x, r, 1.0),
+            r * (load(u[1], k + s) - y),
+            r * (load(u[2], k + s) - z),
+        )
         store(A[0], m, a)
         store(A[1], m, b)
         store(A[2], m, c)
@@ -159,7 +168,13 @@ def crossing_means_warp(k0, m0, n, s, split, x, mean):
     """For n warp edges the mean of x over the weft edges that cross them: four, or two at the ends of a row."""
     for j in range(m0, m0 + n, WIDTH):
         k = k0 + j - m0
-        store(mean, j, mean_crossing_warp(split, k, load(x, j - 1), load(x, j), load(x, j + s - 1), load(x, j + s)))
+        store(
+            mean,
+            j,
+            mean_crossing_warp(
+                split, k, load(x, j - 1), load(x, j), load(x, j + s - 1), load(x, j + s)
+            ),
+        )
     for j in range(m0, m0 + n, s):
         end = j + s - 1
         mean[j], mean[end] = 0.5 * (x[j] + x[j + s]), 0.5 * (x[end - 1] + x[end + s - 1])
@@ -170,7 +185,13 @@ def crossing_means_weft(k0, m0, n, s, split, x, mean):
     """For n weft edges the mean of x over the warp edges that cross them; rows beyond the panel repeat its last."""
     for j in range(m0, m0 + n, WIDTH):
         k = k0 + j - m0
-        store(mean, j, mean_crossing_weft(split, k, load(x, j - s), load(x, j - s + 1), load(x, j), load(x, j + 1)))
+        store(
+            mean,
+            j,
+            mean_crossing_weft(
+                split, k, load(x, j - s), load(x, j - s + 1), load(x, j), load(x, j + 1)
+            ),
+        )
     for j in range(m0 + s - 1, m0 + n, s):
         mean[j] = 1.0
 
@@ -228,7 +249,9 @@ def yarn_forces(k0, m0, n, back, again, r, cv, edges, y, kept, on):
         part = length * d if left >= WIDTH else where(head_mask(left), length * d, 0.0)
         work = fma(part, force + load(P, k), work)
         viscous = fma(scale_terms(cv, k, part), d + last, viscous)
-        pull = length * fma(load_or_broadcast(cv, k), d, force) - (load(turned, m) + load(turned, m - back))
+        pull = length * fma(load_or_broadcast(cv, k), d, force) - (
+            load(turned, m) + load(turned, m - back)
+        )
         store(on, m, load_or_broadcast(r, k) * load(inverse, m) * pull)
         masked_store(L, k, stretch, left)
         masked_store(P, k, force, left)
@@ -257,9 +280,15 @@ def scatter_forces(k0, m0, n, s, inv_length, A, B, on1, on2, cross, f_next_row, 
         for j in range(start, start + length, WIDTH):
             k, m, left, r = k0 + j, m0 + j, start + length - j, load_or_broadcast(rx, k0 + j)
             pulls = load(cross, m), load(on1, m), load(on2, m)
-            last_x = scatter_component(k, m, s, left, r, ry, pulls, A[0], B[0], f_next_row[0], f_int[0], last_x)
-            last_y = scatter_component(k, m, s, left, r, ry, pulls, A[1], B[1], f_next_row[1], f_int[1], last_y)
-            last_z = scatter_component(k, m, s, left, r, ry, pulls, A[2], B[2], f_next_row[2], f_int[2], last_z)
+            last_x = scatter_component(
+                k, m, s, left, r, ry, pulls, A[0], B[0], f_next_row[0], f_int[0], last_x
+            )
+            last_y = scatter_component(
+                k, m, s, left, r, ry, pulls, A[1], B[1], f_next_row[1], f_int[1], last_y
+            )
+            last_z = scatter_component(
+                k, m, s, left, r, ry, pulls, A[2], B[2], f_next_row[2], f_int[2], last_z
+            )
 
 
 @kernel(_nrt=False, forceinline=True)

@@ -62,7 +62,11 @@ def relative_velocity(state, const, i, j):
     i, sign_x = mirror_index(i, const.ni, const.mirror_x)
     j, sign_y = mirror_index(j, const.nj, const.mirror_y)
     k, speed = np.uint64(i * const.row_stride + j), state.projectile_velocity
-    return sign_x * state.v[0][k] - speed[0], sign_y * state.v[1][k] - speed[1], state.v[2][k] - speed[2]
+    return (
+        sign_x * state.v[0][k] - speed[0],
+        sign_y * state.v[1][k] - speed[1],
+        state.v[2][k] - speed[2],
+    )
 
 
 @kernel()
@@ -139,7 +143,10 @@ def torn_shape_functions(state, const, i, j, found):
     for q in range(2):
         for r in range(2):
             quadratic1, quadratic2 = quadratic_directions(state, const, i, j, q, r)
-            warp, weft = const.shape_functions[1 if quadratic1 else 0], const.shape_functions[1 if quadratic2 else 0]
+            warp, weft = (
+                const.shape_functions[1 if quadratic1 else 0],
+                const.shape_functions[1 if quadratic2 else 0],
+            )
             for a in range(q * low, high + q * low):
                 for b in range(r * low, high + r * low):
                     k, part = a * p + b, 1.0
@@ -165,7 +172,12 @@ def interpolate(shares, k, x):
 @kernel(forceinline=True)
 def load_shape_functions(shares, row, k):
     """Load four rows of the shape functions of eight points."""
-    return load(shares[row], k), load(shares[row + 1], k), load(shares[row + 2], k), load(shares[row + 3], k)
+    return (
+        load(shares[row], k),
+        load(shares[row + 1], k),
+        load(shares[row + 2], k),
+        load(shares[row + 3], k),
+    )
 
 
 @kernel(forceinline=True)
@@ -193,7 +205,14 @@ def scatter_force(shares, k, push, f_x, f_y, f_z):
 def column_boxes(lines, count, low, high):
     """Bounding box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
     for c in range(3):
-        x0, x1, x2, x3, below, above = lines[0, c], lines[1, c], lines[2, c], lines[3, c], low[c], high[c]
+        x0, x1, x2, x3, below, above = (
+            lines[0, c],
+            lines[1, c],
+            lines[2, c],
+            lines[3, c],
+            low[c],
+            high[c],
+        )
         for m in range(count):
             below[m] = min(min(x0[m], x1[m]), min(x2[m], x3[m]))
             above[m] = max(max(x0[m], x1[m]), max(x2[m], x3[m]))
@@ -216,7 +235,12 @@ def box_misses_nose(low, high, m, R):
 @kernel()
 def neighbourhood_intact(state, const, i, j):
     """Whether element (i, j) is inside the panel and all yarns of it and its eight neighbours are whole."""
-    if (i == 0 and not const.mirror_x) or (j == 0 and not const.mirror_y) or i + 1 == const.ni or j + 1 == const.nj:
+    if (
+        (i == 0 and not const.mirror_x)
+        or (j == 0 and not const.mirror_y)
+        or i + 1 == const.ni
+        or j + 1 == const.nj
+    ):
         return False
     for m in range(max(i - 1, 0), i + 2):
         for n in range(max(j - 1, 0), j + 2):
@@ -248,7 +272,12 @@ def quadratic_directions(state, const, i, j, q, r):
 @kernel()
 def edge_intact(state, const, family, i, j):
     """Whether the edge that begins at node (i, j) has an intact yarn; beyond an edge of the panel there is none."""
-    if (i < 0 and not const.mirror_x) or (j < 0 and not const.mirror_y) or i > const.ni or j > const.nj:
+    if (
+        (i < 0 and not const.mirror_x)
+        or (j < 0 and not const.mirror_y)
+        or i > const.ni
+        or j > const.nj
+    ):
         return False
     if i < 0:
         i = -1 - i if family == WARP else -i

@@ -31,7 +31,9 @@ def damage(law, family, dt, kept, k, load):
         return 0.0
     for m in range(law.shape[2] - 1):
         if law[family, 0, m] < load <= law[family, 0, m + 1]:
-            return kept[k] + dt * law[family, 1, m] * math.exp(law[family, 2, m] * (load - law[family, 0, m]))
+            return kept[k] + dt * law[family, 1, m] * math.exp(
+                law[family, 2, m] * (load - law[family, 0, m])
+            )
     return kept[k]
 
 

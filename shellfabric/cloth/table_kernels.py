@@ -65,7 +65,9 @@ def bilinear_tensions(m0, n, l1, l2, grid, table, reaches, T):
             q = minimum(q, 1.0) + saturated(maximum(q - 1.0, 0.0), reaches[1])[0]
         tension = fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0]))
         store(T, m, tension)
-        greatest = maximum(greatest, tension if n - j >= WIDTH else where(head_mask(n - j), tension, 0.0))
+        greatest = maximum(
+            greatest, tension if n - j >= WIDTH else where(head_mask(n - j), tension, 0.0)
+        )
     return reduce_max(greatest)
 
 
@@ -90,9 +92,19 @@ def gradient_beyond(p, q, c, beyond):
     over1, over2 = maximum(p - 1.0, 0.0), maximum(q - 1.0, 0.0)
     p, q = minimum(p, 1.0), minimum(q, 1.0)
     force1, force2 = gradient(p, q, c)
-    (far1, slope1), (far2, slope2), both = saturated(over1, reach1), saturated(over2, reach2), mixed(p, q, c)
-    force1 = where(greater(over1, 0.0), slope1 * (force1 - t1) + (t1 + k1 * over1), force1) + slope1 * far2 * both
-    force2 = where(greater(over2, 0.0), slope2 * (force2 - t2) + (t2 + k2 * over2), force2) + slope2 * far1 * both
+    (far1, slope1), (far2, slope2), both = (
+        saturated(over1, reach1),
+        saturated(over2, reach2),
+        mixed(p, q, c),
+    )
+    force1 = (
+        where(greater(over1, 0.0), slope1 * (force1 - t1) + (t1 + k1 * over1), force1)
+        + slope1 * far2 * both
+    )
+    force2 = (
+        where(greater(over2, 0.0), slope2 * (force2 - t2) + (t2 + k2 * over2), force2)
+        + slope2 * far1 * both
+    )
     return force1, force2
 
 
@@ -164,7 +176,7 @@ def potential(l1, l2, grid, table, beyond, level):
     m, p, q = np.int64(cell1 * across + cell2), p - cell1, q - cell2
     return potential_at(
         min(p, 1.0), min(q, 1.0), max(p - 1.0, 0.0), max(q - 1.0, 0.0), table[m], level[m], beyond
-    )  # fmt: skip
+    )
 
 
 @kernel()

@@ -131,7 +131,9 @@ def trellis_forces(k0, m0, n, s, A, B, stretches, V, law, turn1, turn2, cross):
     for j in range(m0, m0 + n, WIDTH):
         sine, share, along, over = next_sine, next_share, next_along, next_over
         next_sine, next_share, next_along, next_over = shear_sines(j + WIDTH, s, A, B, l1, l2)
-        crossed = load_or_broadcast(V, k0 + j - m0) * shear_slope(sine, G1, G2, gamma1, gamma2) * share
+        crossed = (
+            load_or_broadcast(V, k0 + j - m0) * shear_slope(sine, G1, G2, gamma1, gamma2) * share
+        )
         turned = crossed * sine
         store(cross, j, crossed)
         if any_lane(greater(2.0 * FADE_STRETCH, minimum(along, over))):

@@ -56,9 +56,15 @@ class State:
 
 
 def relax(
-    forces: Callable, x: FloatArray, held: BoolArray, *, tolerance: float = 1e-4, force_floor: float = 0.0,
-    max_iterations: int = 50_000, load: float = 1.0,
-) -> State:  # fmt: skip
+    forces: Callable,
+    x: FloatArray,
+    held: BoolArray,
+    *,
+    tolerance: float = 1e-4,
+    force_floor: float = 0.0,
+    max_iterations: int = 50_000,
+    load: float = 1.0,
+) -> State:
     """Relax a body from x.
 
     Parameters
@@ -99,15 +105,25 @@ def relax(
         x += v
     scale = max(reaction, force_floor)
     residual = out / scale if scale > 0 or np.isnan(scale) else float(out > 0)
-    return State(load, x, np.where(held[:, None], -f, 0.0), energies, np.array(history), residual, settled)
+    return State(
+        load, x, np.where(held[:, None], -f, 0.0), energies, np.array(history), residual, settled
+    )
 
 
 def relax_path(
-    body: Any, x: FloatArray, held: BoolArray, path: Callable, loads: Sequence[float] | FloatArray, *,
-    tolerance: float = 1e-4, force_floor: float = 0.0, max_iterations: int = 50_000,
-    hooks: Iterable[Callable[[State], object]] = (), progress: Callable[..., object] | None = None,
+    body: Any,
+    x: FloatArray,
+    held: BoolArray,
+    path: Callable,
+    loads: Sequence[float] | FloatArray,
+    *,
+    tolerance: float = 1e-4,
+    force_floor: float = 0.0,
+    max_iterations: int = 50_000,
+    hooks: Iterable[Callable[[State], object]] = (),
+    progress: Callable[..., object] | None = None,
     done: Iterable[State] = (),
-) -> tuple[tuple[State, ...], bool]:  # fmt: skip
+) -> tuple[tuple[State, ...], bool]:
     """Move the supports of a body step by step and relax it at each.
 
     Each step starts from the last two states, extrapolated; the first, and one after a body that carried nothing and so
@@ -140,12 +156,19 @@ def relax_path(
         start = _start(body, x, held, states, load, target, force_floor)
         start[held] = target[held]
         state = relax(
-            body.forces, start, held, tolerance=tolerance, force_floor=force_floor, max_iterations=max_iterations,
+            body.forces,
+            start,
+            held,
+            tolerance=tolerance,
+            force_floor=force_floor,
+            max_iterations=max_iterations,
             load=load,
-        )  # fmt: skip
+        )
         try:
             if not np.isfinite(state.residual):
-                raise UnstableError("the forces are no longer finite", when=f"at {load:.3g} of the load")
+                raise UnstableError(
+                    "the forces are no longer finite", when=f"at {load:.3g} of the load"
+                )
             answers = [hook(state) for hook in hooks]
             ended = any(answers)
             if not state.settled:
@@ -164,8 +187,12 @@ def relax_path(
 def _start(body, x, held, states, load, target, force_floor):
     """(n, d) [m] from where a load step begins: see `relax_path`."""
     done, last = (states[-1].load, states[-1].x) if states else (0.0, np.array(x, float))
-    if states and states[-1].history[-1, 1] > force_floor:  # it carried a load, and so had a definite shape
-        before, earlier = (states[-2].load, states[-2].x) if len(states) > 1 else (0.0, np.array(x, float))
+    if (
+        states and states[-1].history[-1, 1] > force_floor
+    ):  # it carried a load, and so had a definite shape
+        before, earlier = (
+            (states[-2].load, states[-2].x) if len(states) > 1 else (0.0, np.array(x, float))
+        )
         return last + (load - done) / (done - before) * (last - earlier)
     return last + body.spread(np.where(held[:, None], target - last, 0.0), held)
 

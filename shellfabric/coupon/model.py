@@ -65,8 +65,12 @@ class Coupon:
 
     def __post_init__(self):
         if self.table.model.form != "variational":
-            raise InputError(key="form", value=self.table.model.form, allowed="variational in a quasi-static run")
-        object.__setattr__(self, "_scratch", np.empty((2, 5, max(len(edges) for edges in self.edges))))
+            raise InputError(
+                key="form", value=self.table.model.form, allowed="variational in a quasi-static run"
+            )
+        object.__setattr__(
+            self, "_scratch", np.empty((2, 5, max(len(edges) for edges in self.edges)))
+        )
 
     @property
     def weave(self) -> Weave:
@@ -76,15 +80,34 @@ class Coupon:
     def _arguments(self):
         table, weave = self.table, self.weave
         (rx, ry), shear = (1 / step for step in table.steps), self.table.model.fabric.shear
-        grid = table.stretch1[0], rx, table.stretch1.size - 2, table.stretch2[0], ry, table.stretch2.size - 2
+        grid = (
+            table.stretch1[0],
+            rx,
+            table.stretch1.size - 2,
+            table.stretch2[0],
+            ry,
+            table.stretch2.size - 2,
+        )
         rows = zip(weave.w, weave.S0, weave.yarns, table.model.toes)
         yarns = tuple((w, S0, yarn.EA, toe) for w, S0, yarn, toe in rows)
         V = self.spacing[0] * self.spacing[1] * weave.thickness
         law = (
-            (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2) if self.trellis and shear else (0.0, 0.0, 0.0, 0.5, 1.0)
+            (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2)
+            if self.trellis and shear
+            else (0.0, 0.0, 0.0, 0.5, 1.0)
         )
         potential = table.potential.reshape(-1, 16)
-        return self.edges, self.cells, self.across, self.quads, self.spacing, potential, grid, yarns, law
+        return (
+            self.edges,
+            self.cells,
+            self.across,
+            self.quads,
+            self.spacing,
+            potential,
+            grid,
+            yarns,
+            law,
+        )
 
     def forces(self, x: FloatArray) -> tuple[FloatArray, FloatArray, tuple[float, float]]:
         """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis) [J] at x (n, 2)."""
@@ -98,7 +121,9 @@ class Coupon:
         joined = (joined + joined.T).tocsr()
         laplace = (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsr()
         out, free = np.array(u, float), np.flatnonzero(~held)
-        out[free] = splu(laplace[free][:, free].tocsc()).solve(joined[free][:, np.flatnonzero(held)] @ out[held])
+        out[free] = splu(laplace[free][:, free].tocsc()).solve(
+            joined[free][:, np.flatnonzero(held)] @ out[held]
+        )
         return out
 
     def shear_angles(self, x: FloatArray) -> FloatArray:
@@ -121,7 +146,9 @@ class Coupon:
             mean = np.where(there, other[self.across[m]], 0.0).sum(axis=1) / np.maximum(count, 1)
             alone = model.alone(m, own)
             pair = (own, mean) if m == 0 else (mean, own)
-            crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[("T1", "T2")[m]]
+            crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[
+                ("T1", "T2")[m]
+            ]
             found.append(np.where(count > 0, crossed, alone))
         return tuple(found)
 
@@ -138,7 +165,9 @@ class Coupon:
             along = (self.points[edges[0, 1]] - self.points[edges[0, 0]]) / self.spacing[family]
             middles, side = self.points[edges].mean(axis=1), self.spacing[1 - family]
             away = middles - middles[0]
-            places = np.rint(np.stack([away @ along / self.spacing[family], away @ (-along[1], along[0]) / side]))
+            places = np.rint(
+                np.stack([away @ along / self.spacing[family], away @ (-along[1], along[0]) / side])
+            )
             reach = int(length / side) + 1
             first, weights = mean_weights(side * np.arange(2 * reach + 1), length, mirrored=False)
             beside = first[reach] + np.arange(weights.shape[1])  # of the line in the middle
@@ -154,9 +183,16 @@ class Coupon:
 
 
 def mesh_coupon(
-    table: CellTable, outline: Callable, reach: float, *, angle: float = 0.0, elements_per_crossover: int = 1,
-    offset: tuple[float, float] = (0.0, 0.0), woven: Callable | None = None, trellis: bool = True,
-) -> Coupon:  # fmt: skip
+    table: CellTable,
+    outline: Callable,
+    reach: float,
+    *,
+    angle: float = 0.0,
+    elements_per_crossover: int = 1,
+    offset: tuple[float, float] = (0.0, 0.0),
+    woven: Callable | None = None,
+    trellis: bool = True,
+) -> Coupon:
     """Mesh a coupon about the origin, cut out of the weave.
 
     Parameters
@@ -183,12 +219,15 @@ def mesh_coupon(
     points = (2 * half[0] + 1) * (2 * half[1] + 1)
     memory.check(GRID_POINT * points, f"a grid of {points:,} points", "length", reach)
     X, Y = np.meshgrid(
-        *(side * (np.arange(-n, n + 1) + shift) for side, n, shift in zip(spacing, half, offset)), indexing="ij"
+        *(side * (np.arange(-n, n + 1) + shift) for side, n, shift in zip(spacing, half, offset)),
+        indexing="ij",
     )
     c, s = np.cos(angle), np.sin(angle)
     x, y = c * X - s * Y, s * X + c * Y
     present = _present_yarns(x, y, outline, woven)
-    count = _beside(*present)  # an edge stands for half of each element beside it in which its yarn is present
+    count = _beside(
+        *present
+    )  # an edge stands for half of each element beside it in which its yarn is present
     number, edges = -np.ones(X.shape, int), []
     used = np.zeros(X.shape, bool)
     for part, (di, dj) in zip(count, ((1, 0), (0, 1))):
@@ -203,9 +242,14 @@ def mesh_coupon(
     both = present[0] & present[1]
     memory.check(ELEMENT * both.sum(), f"{both.sum():,} elements", "length", reach)
     is_crossed = [(part > 0)[edge[:2]] for part, edge in zip(_beside(both, both), edges)]
-    across = tuple(_meeting(lines[k], is_crossed[k], lines[1 - k], is_crossed[1 - k], used.sum()) for k in (0, 1))
+    across = tuple(
+        _meeting(lines[k], is_crossed[k], lines[1 - k], is_crossed[1 - k], used.sum())
+        for k in (0, 1)
+    )
     i, j = np.nonzero(both)
-    quads = np.stack([number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]], axis=1)
+    quads = np.stack(
+        [number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]], axis=1
+    )
     points = np.stack([x[used], y[used]], axis=1)
     cells = tuple(part[part > 0] / (2 * m * m) for part in count)
     return Coupon(table, points, tuple(lines), cells, across, quads, spacing, trellis)
@@ -221,7 +265,10 @@ def _present_yarns(x, y, outline, woven):
 
 def _beside(warp, weft):
     """Number of elements with warp beside each warp edge, and of elements with weft beside each weft edge."""
-    count = [np.zeros((warp.shape[0], warp.shape[1] + 1), int), np.zeros((weft.shape[0] + 1, weft.shape[1]), int)]
+    count = [
+        np.zeros((warp.shape[0], warp.shape[1] + 1), int),
+        np.zeros((weft.shape[0] + 1, weft.shape[1]), int),
+    ]
     count[0][:, :-1] += warp
     count[0][:, 1:] += warp
     count[1][:-1, :] += weft

@@ -60,7 +60,9 @@ class PullOut:
 
     def __post_init__(self):
         if self.crossings < 8 or self.crossings % 2:
-            raise InputError(key="crossings", value=self.crossings, allowed="an even number of at least 8")
+            raise InputError(
+                key="crossings", value=self.crossings, allowed="an even number of at least 8"
+            )
         if not 0 < self.velocity < inf:
             raise InputError(key="velocity", value=self.velocity, allowed="above 0")
         if not 0 <= self.pre_tension < self.table.model.fabric.weave.weft.strength:
@@ -73,9 +75,17 @@ class PullOut:
         opening = ((self.crossings + 0.5) * 2 * w1, (2 * BESIDE + 0.5) * 2 * w2)
         small = Projectile(radius=0.4 * min(w1, w2), edge_radius=0.1 * min(w1, w2))
         return SlidingPanel(
-            self.table, opening, small, "whole", 1, "free", self.numerics, trellis=False, failure=False,
+            self.table,
+            opening,
+            small,
+            "whole",
+            1,
+            "free",
+            self.numerics,
+            trellis=False,
+            failure=False,
             friction=self.friction,
-        )  # fmt: skip
+        )
 
     def stretch(self) -> float:
         """[-] stretch of the crossing yarns under the pre-tension: the pulled yarn without tension, where yarns resist
@@ -155,20 +165,30 @@ class PullOutSolver(PackSolver):
         grid(self.slip.x[1], panel)[:, :-1] = stretch
         grid(state.stretch[1], panel)[:, :-1] = stretch
         self.node, middle = const.ni * const.row_stride + const.nj // 2, const.nj // 2
-        warp, weft = (grid(mobile, panel) for mobile in self.slip.mobility)  # other yarns stay where they are
+        warp, weft = (
+            grid(mobile, panel) for mobile in self.slip.mobility
+        )  # other yarns stay where they are
         pulled = slice(None) if self.coupon.together else slice(middle, middle + 1)
         yarns = warp[:, pulled].copy()
         warp[:], weft[:] = 0, 0
         warp[:, pulled], grid(self.slip.part, panel)[:, pulled] = yarns, 1
         for array, value in (
-            (self.slip.mass[0], CROSSHEAD), (self.slip.mobility[0], 1 / CROSSHEAD), (self.slip.part, 0),
-            (self.slip.q[0], self.coupon.velocity), (self.slip.q_before[0], self.coupon.velocity),
-        ):  # fmt: skip
+            (self.slip.mass[0], CROSSHEAD),
+            (self.slip.mobility[0], 1 / CROSSHEAD),
+            (self.slip.part, 0),
+            (self.slip.q[0], self.coupon.velocity),
+            (self.slip.q_before[0], self.coupon.velocity),
+        ):
             grid(array, panel)[-1, pulled] = value
         share, inverse, x = (
-            grid(each[0], panel)[:-1, pulled] for each in (self.slip.share, self.slip.inv_share, self.slip.x)
+            grid(each[0], panel)[:-1, pulled]
+            for each in (self.slip.share, self.slip.inv_share, self.slip.x)
         )
-        share[:], inverse[:], x[:] = self.coupon.drawn_in(), 1 / self.coupon.drawn_in(), 1 / self.coupon.drawn_in()
+        share[:], inverse[:], x[:] = (
+            self.coupon.drawn_in(),
+            1 / self.coupon.drawn_in(),
+            1 / self.coupon.drawn_in(),
+        )
         self.slip.row_slips[const.ni] = True
         return slips
 
@@ -204,4 +224,6 @@ def run(coupon: PullOut, end_time: float, *, interval: float = 1e-6) -> PullOutR
     mean, moved = 0.5 * (table[1:, 2] + table[:-1, 2]), np.diff(table[:, 1])
     work = max(float(np.sum(mean * moved)), 1e-30)
     error = float(np.max(np.abs(solver.sample("error")))) / work
-    return PullOutResult(coupon, table[:, 0], table[:, 1], table[:, 2], table[:, 3].astype(int), error)
+    return PullOutResult(
+        coupon, table[:, 0], table[:, 1], table[:, 2], table[:, 3].astype(int), error
+    )

@@ -74,7 +74,7 @@ class PullOutCurve:
 
 def follow(
     coupon: PullOut, displacement: float, *, samples: int = 500, hooks: Iterable[Hook] = ()
-) -> PullOutCurve:  # fmt: skip
+) -> PullOutCurve:
     """Pull the yarn until the crosshead has moved by `displacement` [m].
 
     Parameters
@@ -101,9 +101,16 @@ def follow(
         slip, middle = running.slip, running.const.nj // 2
         gone = int(np.count_nonzero(grid(slip.removed[0], running.panel)[:, middle]))
         moved = float(slip.passed[0][running.node])
-        rows.append((
-            running.time, moved, running.load(), running.sliding_crossovers(), gone, float(slip.work[0])
-        ))  # fmt: skip
+        rows.append(
+            (
+                running.time,
+                moved,
+                running.load(),
+                running.sliding_crossovers(),
+                gone,
+                float(slip.work[0]),
+            )
+        )
 
     record(solver)
     return run_to_end(solver, (record, *hooks), lambda: _curve(coupon, solver, np.array(rows)))
@@ -118,4 +125,4 @@ def _curve(coupon, solver, rows):
     error = float(errors.max() / work[-1]) if work[-1] > 0 else 0.0
     return PullOutCurve(
         coupon, time, moved, load, sliding.astype(int), left.astype(int), friction, work, error
-    )  # fmt: skip
+    )

@@ -24,9 +24,16 @@ BANDS = 3.0  # `concentration` above which shear is in bands; a coupon that shea
 
 
 def bias_extension(
-    table: CellTable, *, length: float = 0.1435, width: float = 0.074, elongation: float = 0.010, steps: int = 20,
-    elements_per_crossover: int = 1, trellis: bool = True, **relaxing: Any,
-) -> Result:  # fmt: skip
+    table: CellTable,
+    *,
+    length: float = 0.1435,
+    width: float = 0.074,
+    elongation: float = 0.010,
+    steps: int = 20,
+    elements_per_crossover: int = 1,
+    trellis: bool = True,
+    **relaxing: Any,
+) -> Result:
     """Pull a coupon whose yarns run at 45 degrees to the load; yarns do not fail (thesis section 4.4.3).
 
     The load runs along y. In a weave with equal counts length and width are rounded to whole diagonals of an element,
@@ -45,7 +52,9 @@ def bias_extension(
     InputError : a coupon that is not longer than wide
     UnstableError : shear in bands, yarns that passed one another, no equilibrium; its attribute `result` holds the run
     """
-    coupon, grips, (length, width) = bias_coupon(table, length, width, elements_per_crossover, trellis)
+    coupon, grips, (length, width) = bias_coupon(
+        table, length, width, elements_per_crossover, trellis
+    )
     inextensible_shear(length, width, elongation)  # refuses what aligned yarns would not allow
     y, centre = coupon.points[:, 1], zones(coupon, length, width) == ZONES.index("C")
 
@@ -68,13 +77,20 @@ def bias_extension(
 
 
 def bias_coupon(
-    table: CellTable, length: float, width: float, elements_per_crossover: int = 1, trellis: bool = True
+    table: CellTable,
+    length: float,
+    width: float,
+    elements_per_crossover: int = 1,
+    trellis: bool = True,
 ) -> tuple[Coupon, IntArray, tuple[float, float]]:
     """(Coupon, (n,) its grips, (length, width) [m] as meshed) of a bias test; arguments as of `bias_extension`."""
     if not length > width > 0:
         raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
     length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
-    slack, row = 1e-6 * width, 1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover
+    slack, row = (
+        1e-6 * width,
+        1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover,
+    )
     coupon = mesh_coupon(
         table,
         lambda x, y: (np.abs(y) < length / 2 + row / 2 + slack) & (np.abs(x) < width / 2 + slack),
@@ -85,7 +101,11 @@ def bias_coupon(
         trellis=trellis,
     )
     y = coupon.points[:, 1]
-    return coupon, np.where(y > length / 2 - slack, 1, np.where(y < -length / 2 + slack, 2, 0)), (length, width)
+    return (
+        coupon,
+        np.where(y > length / 2 - slack, 1, np.where(y < -length / 2 + slack, 2, 0)),
+        (length, width),
+    )
 
 
 def zones(coupon: Coupon, length: float, width: float) -> IntArray:
@@ -117,23 +137,33 @@ def inextensible_shear(length: float, width: float, elongation: float) -> float:
     """
     sine = (1 + elongation / (length - width)) ** 2 - 1
     if not 0 <= sine <= 1:
-        raise InputError(key="elongation", value=elongation, allowed="within what aligned yarns allow")
+        raise InputError(
+            key="elongation", value=elongation, allowed="within what aligned yarns allow"
+        )
     return asin(sine)
 
 
 def picture_frame(
-    table: CellTable, *, cells: int = 8, shear_angle: float = 0.6, steps: int = 12, elements_per_crossover: int = 1,
+    table: CellTable,
+    *,
+    cells: int = 8,
+    shear_angle: float = 0.6,
+    steps: int = 12,
+    elements_per_crossover: int = 1,
     **relaxing: Any,
-) -> Result:  # fmt: skip
+) -> Result:
     """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
     if not 0 < shear_angle < pi / 2:
         raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
     half = [cells * w for w in table.model.fabric.weave.w]
     slack = 1e-6 * min(half)
     coupon = mesh_coupon(
-        table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
-        elements_per_crossover=elements_per_crossover, offset=_about((cells, cells), elements_per_crossover),
-    )  # fmt: skip
+        table,
+        lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack),
+        max(half),
+        elements_per_crossover=elements_per_crossover,
+        offset=_about((cells, cells), elements_per_crossover),
+    )
     x, y = coupon.points.T
     grips = ((np.abs(x) > half[0] - slack) | (np.abs(y) > half[1] - slack)).astype(int)
 
@@ -147,18 +177,30 @@ def picture_frame(
 def frame_stress(result: Result) -> FloatArray:
     """(steps,) [Pa] shear stress of a picture frame test: work of the frame for a change of angle, over the volume."""
     x, y = result.coupon.points.T
-    volume = len(result.coupon.quads) * np.prod(result.coupon.spacing) * result.coupon.weave.thickness
+    volume = (
+        len(result.coupon.quads) * np.prod(result.coupon.spacing) * result.coupon.weave.thickness
+    )
     stress = []
     for gamma, state in zip(result.prescribed, result.states):
         c, s = 0.5 * np.cos(0.5 * gamma), 0.5 * np.sin(0.5 * gamma)
-        stress.append(np.sum(state.reaction * np.stack([-s * x + c * y, c * x - s * y], axis=1)) / volume)
+        stress.append(
+            np.sum(state.reaction * np.stack([-s * x + c * y, c * x - s * y], axis=1)) / volume
+        )
     return np.array(stress)
 
 
 def uniaxial(
-    table: CellTable, *, direction: str = "warp", length: float = 0.10, width: float = 0.03, strain: float = 0.03,
-    steps: int = 15, failure: bool = True, elements_per_crossover: int = 1, **relaxing: Any,
-) -> Result:  # fmt: skip
+    table: CellTable,
+    *,
+    direction: str = "warp",
+    length: float = 0.10,
+    width: float = 0.03,
+    strain: float = 0.03,
+    steps: int = 15,
+    failure: bool = True,
+    elements_per_crossover: int = 1,
+    **relaxing: Any,
+) -> Result:
     """Pull a strip along x, the direction of its warp or weft yarns, between clamps, with free sides.
 
     Ends where a yarn reaches its strength, unless `failure` is False. Sizes are rounded to whole crossovers.
@@ -171,10 +213,13 @@ def uniaxial(
     half = [n * w for n, w in zip(many, pitch)]
     slack = 1e-6 * min(half)
     coupon = mesh_coupon(
-        table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
-        angle=turn[direction], elements_per_crossover=elements_per_crossover,
+        table,
+        lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack),
+        max(half),
+        angle=turn[direction],
+        elements_per_crossover=elements_per_crossover,
         offset=_about(many if direction == "warp" else many[::-1], elements_per_crossover),
-    )  # fmt: skip
+    )
     x, y = coupon.points.T
     grips = np.where(x > half[0] - slack, 1, np.where(x < -half[0] + slack, 2, 0))
 
@@ -186,10 +231,17 @@ def uniaxial(
 
 
 def biaxial(
-    table: CellTable, *, strain: Sequence[float] | Callable[[float], Sequence[float]] = (0.01, 0.01), centre: int = 12,
-    arm: int = 8, cross_yarns_removed: bool = True, steps: int = 12, failure: bool = True,
-    elements_per_crossover: int = 1, **relaxing: Any,
-) -> Result:  # fmt: skip
+    table: CellTable,
+    *,
+    strain: Sequence[float] | Callable[[float], Sequence[float]] = (0.01, 0.01),
+    centre: int = 12,
+    arm: int = 8,
+    cross_yarns_removed: bool = True,
+    steps: int = 12,
+    failure: bool = True,
+    elements_per_crossover: int = 1,
+    **relaxing: Any,
+) -> Result:
     """Pull a cross-shaped specimen by its four arms, the warp along x (thesis section 5.3, Figure 5-58).
 
     The grips are moved as if the whole specimen stretched by `strain` (warp, weft), or along a path of such strains,
@@ -213,18 +265,25 @@ def biaxial(
         return np.abs(y) < half[1], np.abs(x) < half[0]
 
     coupon = mesh_coupon(
-        table, outline, max(full), woven=woven if cross_yarns_removed else None,
-        elements_per_crossover=elements_per_crossover, offset=_about((centre, centre), elements_per_crossover),
-    )  # fmt: skip
+        table,
+        outline,
+        max(full),
+        woven=woven if cross_yarns_removed else None,
+        elements_per_crossover=elements_per_crossover,
+        offset=_about((centre, centre), elements_per_crossover),
+    )
     x, y = coupon.points.T
     grips = np.select(
-        [x > full[0] - slack, x < -full[0] + slack, y > full[1] - slack, y < -full[1] + slack], [1, 2, 3, 4]
+        [x > full[0] - slack, x < -full[0] + slack, y > full[1] - slack, y < -full[1] + slack],
+        [1, 2, 3, 4],
     )
 
     along = strain if callable(strain) else lambda load: load * np.asarray(strain)
 
     def path(load):
-        return coupon.points * (1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1))
+        return coupon.points * (
+            1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1)
+        )
 
     hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
     return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)
@@ -233,7 +292,10 @@ def biaxial(
 def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:
     """(steps, 2) [-] strains along warp and weft of the part |X| < half[0], |Y| < half[1] [m] of a coupon."""
     coupon, found = result.coupon, []
-    inside = [np.all(np.abs(coupon.points[edges].mean(axis=1)) < np.asarray(half), axis=1) for edges in coupon.edges]
+    inside = [
+        np.all(np.abs(coupon.points[edges].mean(axis=1)) < np.asarray(half), axis=1)
+        for edges in coupon.edges
+    ]
     for state in result.states:
         found.append([L[part].mean() - 1 for L, part in zip(coupon.stretches(state.x), inside)])
     return np.array(found)

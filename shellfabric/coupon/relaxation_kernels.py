@@ -30,9 +30,17 @@ from shellfabric.jit.compile import entry, kernel
 def powers(p):
     """1, p, p^2, p^3 with slopes and curvatures; above 1 each goes on as its parabola: tensions go on straight."""
     if p <= 1.0:
-        return (1.0, p, p * p, p * p * p), (0.0, 1.0, 2.0 * p, 3.0 * p * p), (0.0, 0.0, 2.0, 6.0 * p)
+        return (
+            (1.0, p, p * p, p * p * p),
+            (0.0, 1.0, 2.0 * p, 3.0 * p * p),
+            (0.0, 0.0, 2.0, 6.0 * p),
+        )
     e = p - 1.0
-    return (1.0, p, p * p, 1.0 + 3.0 * e * (1.0 + e)), (0.0, 1.0, 2.0 * p, 3.0 + 6.0 * e), (0.0, 0.0, 2.0, 6.0)
+    return (
+        (1.0, p, p * p, 1.0 + 3.0 * e * (1.0 + e)),
+        (0.0, 1.0, 2.0 * p, 3.0 + 6.0 * e),
+        (0.0, 0.0, 2.0, 6.0),
+    )
 
 
 @kernel()
@@ -48,7 +56,12 @@ def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
     m = i1 * (top2 + 1) + i2
     W, W1, W2, W11, W12, W22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(4):
-        c0, c1, c2, c3 = table[m, 4 * k], table[m, 4 * k + 1], table[m, 4 * k + 2], table[m, 4 * k + 3]
+        c0, c1, c2, c3 = (
+            table[m, 4 * k],
+            table[m, 4 * k + 1],
+            table[m, 4 * k + 2],
+            table[m, 4 * k + 3],
+        )
         value = c0 + c1 * Q[1] + c2 * Q[2] + c3 * Q[3]
         slope = c1 + c2 * dQ[2] + c3 * dQ[3]
         W += P[k] * value
@@ -187,21 +200,55 @@ def forces(x, edges, cells, across, quads, spacing, table, grid, yarns, shear, w
     (warp, weft), (dX, dY) = edges, spacing
     f, bound = np.zeros_like(x), np.zeros(x.shape[0])
     n1, n2 = warp.shape[0], weft.shape[0]
-    L1, tx1, ty1, pull1, row1 = work[0, 0, :n1], work[0, 1, :n1], work[0, 2, :n1], work[0, 3, :n1], work[0, 4, :n1]
-    L2, tx2, ty2, pull2, row2 = work[1, 0, :n2], work[1, 1, :n2], work[1, 2, :n2], work[1, 3, :n2], work[1, 4, :n2]
+    L1, tx1, ty1, pull1, row1 = (
+        work[0, 0, :n1],
+        work[0, 1, :n1],
+        work[0, 2, :n1],
+        work[0, 3, :n1],
+        work[0, 4, :n1],
+    )
+    L2, tx2, ty2, pull2, row2 = (
+        work[1, 0, :n2],
+        work[1, 1, :n2],
+        work[1, 2, :n2],
+        work[1, 3, :n2],
+        work[1, 4, :n2],
+    )
     work[:, 3:] = 0.0
     stretch_edges(x, warp, dX, L1, tx1, ty1)
     stretch_edges(x, weft, dY, L2, tx2, ty2)
     stored = edge_forces(
-        True, L1, L2, cells[0], across[0], (dX, dY), table, grid, yarns[0], (pull1, pull2), (row1, row2)
+        True,
+        L1,
+        L2,
+        cells[0],
+        across[0],
+        (dX, dY),
+        table,
+        grid,
+        yarns[0],
+        (pull1, pull2),
+        (row1, row2),
     )
     stored += edge_forces(
-        False, L2, L1, cells[1], across[1], (dY, dX), table, grid, yarns[1], (pull2, pull1), (row2, row1)
+        False,
+        L2,
+        L1,
+        cells[1],
+        across[1],
+        (dY, dX),
+        table,
+        grid,
+        yarns[1],
+        (pull2, pull1),
+        (row2, row1),
     )
     scatter_edge_forces(warp, dX, L1, tx1, ty1, pull1, row1, f, bound)
     scatter_edge_forces(weft, dY, L2, tx2, ty2, pull2, row2, f, bound)
     V, G1, G2, gamma1, gamma2 = shear
-    sheared = trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound) if V > 0.0 else 0.0
+    sheared = (
+        trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound) if V > 0.0 else 0.0
+    )
     return f, bound, stored, sheared
 
 

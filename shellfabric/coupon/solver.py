@@ -53,10 +53,18 @@ class Result:
 
 
 def run(
-    coupon: Coupon, grips: IntArray, path: Callable[[float], FloatArray], size: float, steps: int,
-    hooks: Iterable[Callable[..., object]], *, tolerance: float = 1e-4, max_iterations: int = 50_000,
-    progress: Callable[..., object] | None = None, done: Iterable[State] = (),
-) -> Result:  # fmt: skip
+    coupon: Coupon,
+    grips: IntArray,
+    path: Callable[[float], FloatArray],
+    size: float,
+    steps: int,
+    hooks: Iterable[Callable[..., object]],
+    *,
+    tolerance: float = 1e-4,
+    max_iterations: int = 50_000,
+    progress: Callable[..., object] | None = None,
+    done: Iterable[State] = (),
+) -> Result:
     """Pull a coupon and pack the result.
 
     Parameters
@@ -79,13 +87,29 @@ def run(
     force_floor = FLOOR * strength * sqrt(held.sum())
 
     def pack(states, outcome):
-        return Result(coupon, grips, states, size * np.array([state.load for state in states]), outcome, force_floor)
+        return Result(
+            coupon,
+            grips,
+            states,
+            size * np.array([state.load for state in states]),
+            outcome,
+            force_floor,
+        )
 
     try:
         states, ended = dynamic_relaxation.relax_path(
-            coupon, coupon.points, held, path, np.arange(1, steps + 1) / steps, tolerance=tolerance,
-            force_floor=force_floor, max_iterations=max_iterations, hooks=hooks, progress=progress, done=done,
-        )  # fmt: skip
+            coupon,
+            coupon.points,
+            held,
+            path,
+            np.arange(1, steps + 1) / steps,
+            tolerance=tolerance,
+            force_floor=force_floor,
+            max_iterations=max_iterations,
+            hooks=hooks,
+            progress=progress,
+            done=done,
+        )
     except UnstableError as problem:
         problem.result = pack(problem.states, "unstable")  # type: ignore[attr-defined]
         raise

@@ -24,10 +24,16 @@ def speed_limit(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
     strike_velocity : [m/s]
     yarns : of the fabric
     """
-    return SPEED_FACTOR * max(strike_velocity, *(yarn.failure_strain * yarn.wave_speed for yarn in yarns))
+    return SPEED_FACTOR * max(
+        strike_velocity, *(yarn.failure_strain * yarn.wave_speed for yarn in yarns)
+    )
 
 
 def energy_gain_message(taken: float, strike_energy: float) -> str:
     """Message for a contact that has taken in `taken` [J]; "" unless it has given more than ENERGY_GAIN_LIMIT."""
     share = -taken / strike_energy
-    return f"has given {100 * share:.2g} % of the strike energy that it never took" if share > ENERGY_GAIN_LIMIT else ""
+    return (
+        f"has given {100 * share:.2g} % of the strike energy that it never took"
+        if share > ENERGY_GAIN_LIMIT
+        else ""
+    )

@@ -15,7 +15,9 @@ def free() -> float:
         import resource
 
         with open("/proc/meminfo", encoding="ascii") as file:
-            available = 1024.0 * next(int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
+            available = 1024.0 * next(
+                int(line.split()[1]) for line in file if line.startswith("MemAvailable")
+            )
         with open("/proc/self/statm", encoding="ascii") as file:
             used = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
     except (ImportError, OSError, StopIteration):  # not Linux

@@ -29,12 +29,21 @@ from shellfabric.driver.guards import energy_gain_message
 from shellfabric.jit import barrier
 
 Result = TypeVar("Result")
-Hook: TypeAlias = Callable[[Any], object]  # called with the solver after a sample; what it returns is not read
+Hook: TypeAlias = Callable[
+    [Any], object
+]  # called with the solver after a sample; what it returns is not read
 
-RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(5)  # why a kernel ends its steps; as the step kernels have it
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
+    5
+)  # why a kernel ends its steps; as the step kernels have it
 OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
-ENERGY_CHECK_SHARE = 0.05  # of the strike energy that may be exchanged from one check of the energy to the next
-BUSY_TIME, BUSY_SHARE = 0.05, 0.75  # [s] of steps with several threads after which the main thread must have had so
+ENERGY_CHECK_SHARE = (
+    0.05  # of the strike energy that may be exchanged from one check of the energy to the next
+)
+BUSY_TIME, BUSY_SHARE = (
+    0.05,
+    0.75,
+)  # [s] of steps with several threads after which the main thread must have had so
 # much of the processor that the run goes on with them
 
 
@@ -84,12 +93,26 @@ class ExplicitSolver:
     state: Any
 
     def __init__(
-        self, projectile: Any, strike_velocity: float, end_time: float, *, interval: float, energy_error_limit: float
+        self,
+        projectile: Any,
+        strike_velocity: float,
+        end_time: float,
+        *,
+        interval: float,
+        energy_error_limit: float,
     ) -> None:
-        for key, value in (("strike_velocity", strike_velocity), ("end_time", end_time), ("interval", interval)):
+        for key, value in (
+            ("strike_velocity", strike_velocity),
+            ("end_time", end_time),
+            ("interval", interval),
+        ):
             if not 0 < value < np.inf:
                 raise InputError(key=key, value=value, allowed="above 0")
-        self.projectile, self.strike_velocity, self.end_time = projectile, float(strike_velocity), float(end_time)
+        self.projectile, self.strike_velocity, self.end_time = (
+            projectile,
+            float(strike_velocity),
+            float(end_time),
+        )
         self.interval, self.energy_error_limit = float(interval), energy_error_limit
         self.samples: list[FloatArray] = []
         self.step_history: list[FloatArray] = []
@@ -335,14 +358,19 @@ class ExplicitSolver:
         self.guard_model()
         error = abs(row[self.energy_names[-1]]) / self.strike_energy
         if error > self.energy_error_limit:
-            self.stop(f"the energy balance is off by {100 * error:.2g} % of the strike energy", self.where(*place))
+            self.stop(
+                f"the energy balance is off by {100 * error:.2g} % of the strike energy",
+                self.where(*place),
+            )
 
     def stop(self, message: str, where: str, when: str | None = None) -> NoReturn:
         """End the run: raises UnstableError."""
         raise UnstableError(message, where=where, when=when or self.when)
 
 
-def run_to_end(solver: ExplicitSolver, hooks: Iterable[Hook], collect_result: Callable[[], Result]) -> Result:
+def run_to_end(
+    solver: ExplicitSolver, hooks: Iterable[Hook], collect_result: Callable[[], Result]
+) -> Result:
     """Run to the end and return collect_result(); an UnstableError carries it as `error.result`."""
     try:
         solver.run(hooks)

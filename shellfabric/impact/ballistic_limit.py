@@ -33,7 +33,9 @@ from shellfabric.solver.pack_solver import PackSolver
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
 _AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them
 _GUESS = 0.17  # of the velocity that fails a lone yarn at once, for one ply, which rises with their number to the power
-_RISES = 1 / 3  # (177 and 237 m/s of two and four plies of S-728, 140 of one); only the number of shots depends on them
+_RISES = (
+    1 / 3
+)  # (177 and 237 m/s of two and four plies of S-728, 140 of one); only the number of shots depends on them
 
 
 @dataclass(frozen=True)
@@ -100,12 +102,16 @@ class Limit:
     @property
     def highest_stop(self) -> float:
         """[m/s] strike velocity of the fastest shot that stopped, of all shots."""
-        return max((shot.strike_velocity for shot in self.shots if not shot.perforated), default=self.low)
+        return max(
+            (shot.strike_velocity for shot in self.shots if not shot.perforated), default=self.low
+        )
 
     @property
     def lowest_perforation(self) -> float:
         """[m/s] strike velocity of the slowest shot that perforated, of all shots."""
-        return min((shot.strike_velocity for shot in self.shots if shot.perforated), default=self.high)
+        return min(
+            (shot.strike_velocity for shot in self.shots if shot.perforated), default=self.high
+        )
 
     @property
     def mixed_zone(self) -> tuple[float, float] | None:
@@ -124,15 +130,25 @@ def first_guess(panel: Panel | Pack) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
     plies = Pack.of(panel).plies
     own = {id(ply.fabric): ply.fabric for ply in plies}.values()
-    alone = min(striking_velocity(y.wave_speed, y.failure_strain) for fabric in own for y in fabric.weave.yarns)
+    alone = min(
+        striking_velocity(y.wave_speed, y.failure_strain)
+        for fabric in own
+        for y in fabric.weave.yarns
+    )
     return _GUESS * alone * len(plies) ** _RISES
 
 
 def critical_velocity(
-    panel: Panel | Pack, *, tolerance: float = 1.0, guess: float | None = None, step: float = STEP,
-    highest: float = 1000.0, executor: str | Executor = "local", jobs: int = 1,
+    panel: Panel | Pack,
+    *,
+    tolerance: float = 1.0,
+    guess: float | None = None,
+    step: float = STEP,
+    highest: float = 1000.0,
+    executor: str | Executor = "local",
+    jobs: int = 1,
     report: Callable[..., object] | None = None,
-) -> Limit:  # fmt: skip
+) -> Limit:
     """Bisect for the critical velocity of a panel or pack.
 
     Parameters
@@ -166,7 +182,9 @@ def critical_velocity(
         while bracket.width > tolerance:
             if bracket.exhausted:
                 found = "stops the projectile" if bracket.low > 0 else "lets the projectile through"
-                raise InputError(f"the panel {found} at any velocity from {tolerance:g} to {highest:g} m/s")
+                raise InputError(
+                    f"the panel {found} at any velocity from {tolerance:g} to {highest:g} m/s"
+                )
             wanted = bracket.ahead(jobs, tolerance)
             shooting.only(wanted)
             shots.append(_result(shooting, wanted[0], shots))
@@ -177,9 +195,14 @@ def critical_velocity(
 
 
 def shoot(
-    panel: Panel | Pack, velocities: Sequence[float] | FloatArray, *, executor: str | Executor = "local", jobs: int = 1,
-    report: Callable[..., object] | None = None, stops_below: float = 0.0,
-) -> tuple[Shot, ...]:  # fmt: skip
+    panel: Panel | Pack,
+    velocities: Sequence[float] | FloatArray,
+    *,
+    executor: str | Executor = "local",
+    jobs: int = 1,
+    report: Callable[..., object] | None = None,
+    stops_below: float = 0.0,
+) -> tuple[Shot, ...]:
     """Fire shots at given velocities; a tuple of Shot, in their order.
 
     Parameters
@@ -216,7 +239,10 @@ def _done(bracket, tolerance):
     if not bracket.closed:
         return 0.05
     first = bracket.guess * (STEP - 1)
-    return min(1.0, max(0.1, 1 - log(max(bracket.width / tolerance, 1.0)) / log(max(first / tolerance, 2.0))))
+    return min(
+        1.0,
+        max(0.1, 1 - log(max(bracket.width / tolerance, 1.0)) / log(max(first / tolerance, 2.0))),
+    )
 
 
 def _result(shooting, velocity, before):
@@ -269,8 +295,13 @@ class _Range:
         for velocity in velocities:
             if velocity not in self.pending:
                 give_up = threading.Event() if self.threads else None
-                fire = partial(_fire, stops_below=self.stops_below) if self.stops_below > 0 else _fire
-                self.pending[velocity] = self.pool.submit(fire, self.panel, velocity, give_up), give_up
+                fire = (
+                    partial(_fire, stops_below=self.stops_below) if self.stops_below > 0 else _fire
+                )
+                self.pending[velocity] = (
+                    self.pool.submit(fire, self.panel, velocity, give_up),
+                    give_up,
+                )
 
     def result(self, velocity):
         """Wait for a shot."""
@@ -292,8 +323,9 @@ def _round_trip(panel):
     """[s] of a stress wave from the impact point to the further edge and back: sqrt 2 longer than along a lone yarn."""
     return max(
         2 * sqrt(2) * abs(x).max() / yarn.wave_speed
-        for ply in Pack.of(panel).plies for x, yarn in zip(ply.lines(), ply.weave.yarns)
-    )  # fmt: skip
+        for ply in Pack.of(panel).plies
+        for x, yarn in zip(ply.lines(), ply.weave.yarns)
+    )
 
 
 def _fire(panel, velocity, give_up, stops_below=0.0):
@@ -312,14 +344,18 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
     solver.run((hook,))
     if solver.outcome == "in flight":
         problem = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
-        raise UndecidedError(f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity")
+        raise UndecidedError(
+            f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity"
+        )
     return Shot(
         strike_velocity=float(velocity),
         residual_velocity=solver.residual_velocity,
         outcome=solver.outcome,
         time=solver.time,
         cut_yarns=float(solver.sample("cut_yarns")[-1]),
-        peak_tension=tuple(max(float(state.peak_tension[k]) for _, _, state in solver.parts) for k in (0, 1)),
+        peak_tension=tuple(
+            max(float(state.peak_tension[k]) for _, _, state in solver.parts) for k in (0, 1)
+        ),
         balance=float(abs(solver.sample("error")).max()) / solver.strike_energy,
         wall_time=solver.wall_time,
         checks=quality.of_solver(solver),

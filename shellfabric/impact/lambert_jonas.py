@@ -59,7 +59,11 @@ class LambertJonas:
             value = getattr(self, name)
             low, high = interval or (0.0, 0.0)
             within = f"({low:.3g} to {high:.3g})" if interval else f"(at its bound {value:.3g})"
-            texts.append(f"{name} = {value:.3g} {within}" if low > 0.5 * value else f"{name} not determined {within}")
+            texts.append(
+                f"{name} = {value:.3g} {within}"
+                if low > 0.5 * value
+                else f"{name} not determined {within}"
+            )
         return between.join(texts)
 
 
@@ -70,7 +74,11 @@ def curve(strike_velocity: FloatArray, a: float, p: float, limit: float) -> Floa
 
 
 def fit(
-    strike_velocity: ArrayLike, residual_velocity: ArrayLike, *, limit: float | None = None, confidence: float = 0.95
+    strike_velocity: ArrayLike,
+    residual_velocity: ArrayLike,
+    *,
+    limit: float | None = None,
+    confidence: float = 0.95,
 ) -> LambertJonas:
     """Least squares of the curve to shots.
 
@@ -100,16 +108,23 @@ def fit(
     found = min(
         (
             least_squares(
-                lambda x: curve(vs, *full(x)) - vr, start, bounds=(low, high), x_scale=scale,
-                xtol=1e-15, ftol=1e-15, gtol=1e-15,
+                lambda x: curve(vs, *full(x)) - vr,
+                start,
+                bounds=(low, high),
+                x_scale=scale,
+                xtol=1e-15,
+                ftol=1e-15,
+                gtol=1e-15,
             )
             for start in starts
         ),
         key=lambda solution: solution.cost,
-    )  # fmt: skip
+    )
     a, p, at = (float(value) for value in full(found.x))
     intervals = _intervals(found, dict(zip(free, zip(low, high))), len(vs), confidence)
-    return LambertJonas(a, p, at, intervals, confidence, float(np.sqrt(np.mean(found.fun**2))), len(vs))
+    return LambertJonas(
+        a, p, at, intervals, confidence, float(np.sqrt(np.mean(found.fun**2))), len(vs)
+    )
 
 
 def _check(vs, vr, limit, confidence, parameters):
@@ -125,7 +140,9 @@ def _check(vs, vr, limit, confidence, parameters):
     slowest = float(vs[vr > 0].min())
     if limit is not None and not 0 < limit < slowest:
         raise InputError(
-            key="limit", value=limit, allowed=f"above 0 and below the slowest perforation, {slowest:g} m/s"
+            key="limit",
+            value=limit,
+            allowed=f"above 0 and below the slowest perforation, {slowest:g} m/s",
         )
     if not 0 < confidence < 1:
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
@@ -134,7 +151,11 @@ def _check(vs, vr, limit, confidence, parameters):
 
 def _intervals(found, bounds, points, confidence):
     """Linearised intervals; a parameter on its bound has none, and the others are found with it held."""
-    inner = [k for k, (low, high) in enumerate(bounds.values()) if low < found.x[k] < high and not found.active_mask[k]]
+    inner = [
+        k
+        for k, (low, high) in enumerate(bounds.values())
+        if low < found.x[k] < high and not found.active_mask[k]
+    ]
     intervals = dict.fromkeys(bounds)
     J, freedom = found.jac[:, inner], points - len(inner)
     if not inner:

@@ -51,7 +51,9 @@ class ScanRange:
             raise InputError(key="below", value=self.below, allowed="at least 0 and below 1")
         if not 0 < self.step < inf or max(self.above, self.below) > MOST_STEPS * self.step:
             raise InputError(
-                key="step", value=self.step, allowed=f"above 0, and a range at most {MOST_STEPS} steps wide"
+                key="step",
+                value=self.step,
+                allowed=f"above 0, and a range at most {MOST_STEPS} steps wide",
             )
 
     def ladder(self, limit: Limit) -> list[float]:
@@ -61,13 +63,20 @@ class ScanRange:
         bottom = (1 - self.below) * limit.lowest_perforation
         rungs_up, rungs_down = int((top - limit.high) / step), int((limit.low - bottom) / step)
         down = [limit.low - k * step for k in range(rungs_down, 0, -1)]
-        return [v for v in (*down, *(limit.high + k * step for k in range(1, rungs_up + 1))) if v > 0]
+        return [
+            v for v in (*down, *(limit.high + k * step for k in range(1, rungs_up + 1))) if v > 0
+        ]
 
 
 def scan(
-    panel: Panel | Pack, limit: Limit, velocities: ScanRange | None = None, *, executor: str | Executor = "local",
-    jobs: int = 1, report: Callable[..., object] | None = None,
-) -> Limit:  # fmt: skip
+    panel: Panel | Pack,
+    limit: Limit,
+    velocities: ScanRange | None = None,
+    *,
+    executor: str | Executor = "local",
+    jobs: int = 1,
+    report: Callable[..., object] | None = None,
+) -> Limit:
     """Fire shots below and above a bracket until the zone of mixed outcomes, if there is one, is enclosed.
 
     Parameters

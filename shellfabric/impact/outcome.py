@@ -48,7 +48,11 @@ class Outcome:
             t, force = self.step_history[:, 0], self.step_history[:, 3]
             held = held_force(t, force, 0.5 * bar.period)
             return rigid_is_enough(
-                contact_time(t, force, bar.period), bar.period, held, bar.yield_force, elastic=shot.bar is not None
+                contact_time(t, force, bar.period),
+                bar.period,
+                held,
+                bar.yield_force,
+                elastic=shot.bar is not None,
             )
         except InputError:
             return None

@@ -37,7 +37,12 @@ from shellfabric.plies import memory
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding.model import WINDOWING_FRICTION, CrossoverFriction, SlidingPanel, SlipSummary
+from shellfabric.sliding.model import (
+    WINDOWING_FRICTION,
+    CrossoverFriction,
+    SlidingPanel,
+    SlipSummary,
+)
 from shellfabric.solver.pack_solver import PLY_SAMPLES, PackSolver, begin_compiling
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
@@ -45,7 +50,9 @@ MOST_ELEMENTS = 8  # a crossover, by default
 RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
 PACK_ELEMENTS = 2  # per crossover, of packs that have no graded mesh
 OFF_CROSSOVER = 0.25  # [spacings] from a crossover along warp and weft: impact point of one sliding ply, by default
-UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
+UNFAILING = (
+    20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
+)
 
 
 @dataclass(frozen=True)
@@ -151,9 +158,15 @@ class ImpactSetup:
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):
-            raise InputError(key="plies", value=self.plies, allowed=f"{len(self.lay_up)}, as many as the lay-up has")
+            raise InputError(
+                key="plies",
+                value=self.plies,
+                allowed=f"{len(self.lay_up)}, as many as the lay-up has",
+            )
         if self.lay_up and self.surface is not None:
-            raise InputError(key="surface", value="given", allowed="left out with plies of a lay-up")
+            raise InputError(
+                key="surface", value="given", allowed="left out with plies of a lay-up"
+            )
 
     @property
     def title(self) -> str:
@@ -218,9 +231,12 @@ class ImpactSetup:
         x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
         alone, off, mu = self.plies == 1, max(x, y) > 1e-6, self.crossovers.mu
         lines = {
-            f"{self.symmetry} model of sliding yarns: symmetry can decide the outcome": self.symmetry != "whole",
-            "one sliding ply is struck on a crossover: the limit may be overstated": alone and not off,
-            f"one sliding ply is struck {x:.2g} mm along warp, {y:.2g} mm along weft off a crossover": alone and off,
+            f"{self.symmetry} model of sliding yarns: symmetry can decide the outcome": self.symmetry
+            != "whole",
+            "one sliding ply is struck on a crossover: the limit may be overstated": alone
+            and not off,
+            f"one sliding ply is struck {x:.2g} mm along warp, {y:.2g} mm along weft off a crossover": alone
+            and off,
             f"window possible, limit not conservative: one ply, its yarns slide with friction {mu:g}, below "
             f"{WINDOWING_FRICTION:g}": alone and mu < WINDOWING_FRICTION,
         }
@@ -279,16 +295,29 @@ class ImpactSetup:
         ------
         InputError : as `panel`
         """
-        wanted = (2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics)
-        count = max(ceil(max(wanted) - 1e-9), *(one.resolved_elements_per_crossover for one in self.kinds))
+        wanted = (
+            2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics
+        )
+        count = max(
+            ceil(max(wanted) - 1e-9), *(one.resolved_elements_per_crossover for one in self.kinds)
+        )
         count = min(count, MOST_ELEMENTS)
         fine = [replace(one, elements_per_crossover=count) for one in self.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
-            fine += [replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1]) for one in fine]
-        plain = [one.panel(one.plain_table()) for one in fine]  # the reach does not depend on the values of the table
+            fine += [
+                replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1])
+                for one in fine
+            ]
+        plain = [
+            one.panel(one.plain_table()) for one in fine
+        ]  # the reach does not depend on the values of the table
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
-        reaches = [ceil(far / side) + 1 for panel in plain for far, side in zip(panel.reach(), panel.spacing)]
+        reaches = [
+            ceil(far / side) + 1
+            for panel in plain
+            for far, side in zip(panel.reach(), panel.spacing)
+        ]
         near, side = ceil(max(reaches) / count), Fraction(1, count)
         zones = []
         while side < longest:
@@ -305,7 +334,9 @@ class ImpactSetup:
     @property
     def sample_interval(self) -> float:
         """[s] between samples, which are as frequent as what is recorded."""
-        return min(self.audit_interval, self.history.interval) if self.history else self.audit_interval
+        return (
+            min(self.audit_interval, self.history.interval) if self.history else self.audit_interval
+        )
 
     def cell(self) -> CellModel | SurfaceCell:
         """The crossover's cell."""
@@ -314,7 +345,9 @@ class ImpactSetup:
         reach, fabric = 1.0 if self.failure else UNFAILING, self.fabric
         if self.rate_dependence and fabric.strain_rate is not None:
             reach, fabric = max(reach, *fabric.strain_rate.strength), fabric.at_high_rate()
-        return CellModel(fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
+        return CellModel(
+            fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach
+        )
 
     def table(self, kept: bool = False) -> CellTable:
         """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
@@ -356,10 +389,22 @@ class ImpactSetup:
         if self.meshed is not self:
             return self.meshed.panel(table)
         shared = {entry.name for entry in fields(Panel)} & {entry.name for entry in fields(self)}
-        own: dict[str, Any] = {name: getattr(self, name) for name in shared} | {"impact_point": self.struck_at}
-        own |= {name: tuple(np.broadcast_to(getattr(self, name), 2).tolist()) for name in ("opening", "bending")}
-        own |= {"table": table or self.table(), "elements_per_crossover": self.resolved_elements_per_crossover}
-        return Panel(**own) if self.crossovers is None else SlidingPanel(**own, friction=self.crossovers)
+        own: dict[str, Any] = {name: getattr(self, name) for name in shared} | {
+            "impact_point": self.struck_at
+        }
+        own |= {
+            name: tuple(np.broadcast_to(getattr(self, name), 2).tolist())
+            for name in ("opening", "bending")
+        }
+        own |= {
+            "table": table or self.table(),
+            "elements_per_crossover": self.resolved_elements_per_crossover,
+        }
+        return (
+            Panel(**own)
+            if self.crossovers is None
+            else SlidingPanel(**own, friction=self.crossovers)
+        )
 
     def target(self, table: CellTable | None = None) -> Pack:
         """What the projectile strikes, of one ply or several; `table` as of `panel`.
@@ -372,19 +417,30 @@ class ImpactSetup:
         if self.lay_up:
             used = self.meshed
             kinds = [
-                replace(one, grading=used.grading, elements_per_crossover=used.elements_per_crossover)
+                replace(
+                    one, grading=used.grading, elements_per_crossover=used.elements_per_crossover
+                )
                 for one in self.kinds
             ]
             panels = [panel, *(one.panel() for one in kinds[1:])]
-            numbers = [kinds.index(replace(kinds[0], fabric=ply.fabric, laws=ply.laws)) for ply in self.lay_up]
+            numbers = [
+                kinds.index(replace(kinds[0], fabric=ply.fabric, laws=ply.laws))
+                for ply in self.lay_up
+            ]
             return Pack.laid_up(
                 [(panels[number], ply.angle) for number, ply in zip(numbers, self.lay_up)],
-                gaps=[ply.gap for ply in self.lay_up[:-1]], contact=self.contact, friction=self.ply_friction,
-            )  # fmt: skip
+                gaps=[ply.gap for ply in self.lay_up[:-1]],
+                contact=self.contact,
+                friction=self.ply_friction,
+            )
         return Pack.stacked(
-            panel, self.plies, stacking=self.stacking, gap=self.ply_gap, contact=self.contact,
+            panel,
+            self.plies,
+            stacking=self.stacking,
+            gap=self.ply_gap,
+            contact=self.contact,
             friction=self.ply_friction,
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True)
@@ -485,9 +541,13 @@ class ImpactResult(Outcome):
 
 
 def run(
-    setup: ImpactSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None,
+    setup: ImpactSetup,
+    *,
+    hooks: Iterable[Hook] = (),
+    resume: FilePath | None = None,
+    table: CellTable | None = None,
     target: Pack | None = None,
-) -> ImpactResult:  # fmt: skip
+) -> ImpactResult:
     """Run an impact.
 
     Parameters
@@ -515,7 +575,9 @@ def run(
         own.append(histories.Recorder([panel for panel, _, _ in solver.parts], setup.history))
     if setup.snapshot_interval is not None:
         if not setup.snapshot_interval > 0:
-            raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
+            raise InputError(
+                key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0"
+            )
         own.append(Snapshots(setup.snapshot_interval))
     if resume is not None:
         checkpoint.read(solver, resume)

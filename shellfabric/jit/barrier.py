@@ -13,8 +13,14 @@ from numba.extending import intrinsic
 
 from shellfabric.jit.compile import kernel
 
-MIN_ELEMENTS_THREADED = 10_000  # elements below which the threads would wait for each other longer than they save
-COUNTER, STOP, SLOTS = 0, 16, 32  # slots of the shared array: far from each other, in cache lines of their own
+MIN_ELEMENTS_THREADED = (
+    10_000  # elements below which the threads would wait for each other longer than they save
+)
+COUNTER, STOP, SLOTS = (
+    0,
+    16,
+    32,
+)  # slots of the shared array: far from each other, in cache lines of their own
 _SPINS = 2000  # at the counter before others get the processor
 _WORD = ir.IntType(64)
 
@@ -23,7 +29,9 @@ def threads_for(given, elements):
     """Number of threads of a run: as given, or all that the process may use if the panel is large enough."""
     if given is not None:
         return given
-    allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    allowed = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    )
     return allowed if elements >= MIN_ELEMENTS_THREADED else 1
 
 

@@ -37,7 +37,9 @@ class Items:
         if len(kinds) != 1:
             raise TypeError(f"{len(kinds)} types in one list")
         (self.kind,) = kinds
-        self._numba_type_ = ItemsType(self.kind)  # where numba looks first: a call costs no search for it
+        self._numba_type_ = ItemsType(
+            self.kind
+        )  # where numba looks first: a call costs no search for it
         self._memory = [_in_memory(self.kind, value) for value in self.values]
         self._addresses = np.array([memory.ctypes.data for memory in self._memory], np.int64)
         self.address, self.count = self._addresses.ctypes.data, len(self.values)
@@ -66,7 +68,9 @@ def _places(kind):
     whole = _data_type(kind)
     if hasattr(whole, "element"):  # an array of members of one kind
         return [k * _size(member) for k, member in enumerate(kind)]
-    return [whole.get_element_offset(cpu_target.target_context.target_data, k) for k in range(len(kind))]
+    return [
+        whole.get_element_offset(cpu_target.target_context.target_data, k) for k in range(len(kind))
+    ]
 
 
 def _write(kind, value, memory, start):
@@ -111,19 +115,31 @@ def _unbox(kind, items, c):
         member = c.pyapi.object_getattr_string(items, name)
         value = c.unbox(number, member).value
         c.pyapi.decref(member)
-        setattr(found, name, c.builder.inttoptr(value, cgutils.voidptr_t) if name == "address" else value)
-    return NativeValue(found._getvalue(), is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()))
+        setattr(
+            found,
+            name,
+            c.builder.inttoptr(value, cgutils.voidptr_t) if name == "address" else value,
+        )
+    return NativeValue(
+        found._getvalue(), is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred())
+    )
 
 
 @infer_global(len)
 class _Len(AbstractTemplate):
     def generic(self, args, kws):
-        return signature(types.intp, *args) if len(args) == 1 and isinstance(args[0], ItemsType) else None
+        return (
+            signature(types.intp, *args)
+            if len(args) == 1 and isinstance(args[0], ItemsType)
+            else None
+        )
 
 
 @lower_builtin(len, ItemsType)
 def _len(context, builder, signature, arguments):
-    return cgutils.create_struct_proxy(signature.args[0])(context, builder, value=arguments[0]).count
+    return cgutils.create_struct_proxy(signature.args[0])(
+        context, builder, value=arguments[0]
+    ).count
 
 
 @intrinsic
@@ -138,6 +154,8 @@ def borrowed_item(typing, items, number):
         if isinstance(signature.return_type, Reference):
             return place
         model = context.data_model_manager[kind.kind]
-        return model.load_from_data_pointer(builder, builder.bitcast(place, model.get_data_type().as_pointer()))
+        return model.load_from_data_pointer(
+            builder, builder.bitcast(place, model.get_data_type().as_pointer())
+        )
 
     return referred(items.kind)(items, number), codegen

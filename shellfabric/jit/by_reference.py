@@ -49,7 +49,11 @@ def by_reference(*classes):
 
 def referred(kind):
     """The type of a reference to a named tuple, where its class is passed so; else the type itself."""
-    return Reference(kind) if isinstance(kind, types.BaseNamedTuple) and kind.instance_class in _VIA else kind
+    return (
+        Reference(kind)
+        if isinstance(kind, types.BaseNamedTuple) and kind.instance_class in _VIA
+        else kind
+    )
 
 
 @register_model(Reference)
@@ -68,14 +72,18 @@ def _layout(context, kind):
         if isinstance(data, ir.ArrayType):  # of members of one kind
             offsets = [k * context.get_abi_sizeof(data.element) for k in range(len(kind.inner))]
         else:
-            offsets = [data.get_element_offset(context.target_data, k) for k in range(len(kind.inner))]
+            offsets = [
+                data.get_element_offset(context.target_data, k) for k in range(len(kind.inner))
+            ]
         _places[key] = offsets, context.get_abi_sizeof(data)
     return _places[key]
 
 
 def _pointer(context, builder, kind, value, index):
     place = builder.gep(value, [ir.Constant(ir.IntType(64), _layout(context, kind)[0][index])])
-    return builder.bitcast(place, context.data_model_manager[kind.inner[index]].get_data_type().as_pointer())
+    return builder.bitcast(
+        place, context.data_model_manager[kind.inner[index]].get_data_type().as_pointer()
+    )
 
 
 @infer_getattr
@@ -101,7 +109,9 @@ def _member(context, builder, kind, value, name):
     builder.load = invariant
     try:
         model = context.data_model_manager[kind.inner[index]]
-        found = model.load_from_data_pointer(builder, _pointer(context, builder, kind, value, index))
+        found = model.load_from_data_pointer(
+            builder, _pointer(context, builder, kind, value, index)
+        )
     finally:
         del builder.load
     return impl_ret_borrowed(context, builder, kind.inner[index], found)
@@ -122,7 +132,10 @@ def _unbox(kind, tuple_, c):
         found.append((member, native))
     # what is behind the pointer is hidden, or an invariant load could be moved before these stores
     launder = ir.InlineAsm(
-        ir.FunctionType(cgutils.voidptr_t, [cgutils.voidptr_t]), "", "=r,0,~{memory}", side_effect=True
+        ir.FunctionType(cgutils.voidptr_t, [cgutils.voidptr_t]),
+        "",
+        "=r,0,~{memory}",
+        side_effect=True,
     )
     hidden = builder.call(launder, [base])
 

@@ -75,8 +75,15 @@ class _Inner(CPUDispatcher):
         if not hasattr(self, "_twin"):
             inner = self.py_func
             twin = FunctionType(
-                inner.__code__, inner.__globals__, inner.__name__, inner.__defaults__, inner.__closure__
+                inner.__code__,
+                inner.__globals__,
+                inner.__name__,
+                inner.__defaults__,
+                inner.__closure__,
             )
-            twin.__module__, twin.__qualname__ = inner.__module__, inner.__qualname__ + ENTRY_SUFFIX  # names its file
+            twin.__module__, twin.__qualname__ = (
+                inner.__module__,
+                inner.__qualname__ + ENTRY_SUFFIX,
+            )  # names its file
             self._twin = entry(**self.entry_options)(twin)
         return self._twin

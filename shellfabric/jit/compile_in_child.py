@@ -29,16 +29,25 @@ from fabrics.kernel_cache import compiling
 
 # numba types of arguments that are no tuples
 INDEX, NUMBER, VECTOR, HISTORY, COUNTERS = (
-    types.int64, types.float64, types.float64[::1], types.float64[:, ::1], types.int64[::1],
-)  # fmt: skip
+    types.int64,
+    types.float64,
+    types.float64[::1],
+    types.float64[:, ::1],
+    types.int64[::1],
+)
 # scalars and arrays among the arguments; one array takes a dozen instructions wherever it is passed on
 MIN_MEMBERS = 50
-MODULES = ("shellfabric.", "validation.models.")  # that a child can import; a kernel of a test it could not
+MODULES = (
+    "shellfabric.",
+    "validation.models.",
+)  # that a child can import; a kernel of a test it could not
 ENTRY_SUFFIX = "_from_python"  # ending of the name of a kernel's way in from Python (`compile`)
 _CHILD_CODE = "from shellfabric.jit.compile_in_child import child; child()"
 
 
-_pending: list[tuple[threading.Event, list]] = []  # children that `start` has planned: set at their end, what for
+_pending: list[
+    tuple[threading.Event, list]
+] = []  # children that `start` has planned: set at their end, what for
 
 
 class ChildCompileCache(FunctionCache):
@@ -71,7 +80,10 @@ def start(*stages):
     """
     planned = []
     for parts in stages:
-        found = [[(kernel.py_func, kinds) for kernel, kinds in part if not kept(kernel, kinds)] for part in parts]
+        found = [
+            [(kernel.py_func, kinds) for kernel, kinds in part if not kept(kernel, kinds)]
+            for part in parts
+        ]
         planned.append([(threading.Event(), missing) for missing in found if missing])
     for done, missing in (part for stage in planned for part in stage):
         _pending.append((done, [(function.__qualname__, kinds) for function, kinds in missing]))
@@ -107,7 +119,10 @@ def type_of(value: Any) -> Any:
 def kept(kernel, kinds):
     """Whether the machine code of a kernel is in its cache, or it has none."""
     try:
-        return kernel._cache._index_key(kinds, kernel.targetctx.codegen()) in kernel._cache._cache_file._load_index()
+        return (
+            kernel._cache._index_key(kinds, kernel.targetctx.codegen())
+            in kernel._cache._cache_file._load_index()
+        )
     except (OSError, AttributeError):
         return True
 
@@ -122,7 +137,9 @@ def is_cold(kernel):
 
 def members(kinds):
     """How many scalars and arrays there are in numba types: tuples and lists count what they hold."""
-    kinds = getattr(kinds, "kind", getattr(kinds, "inner", kinds))  # of `Items`; of a reference to a named tuple
+    kinds = getattr(
+        kinds, "kind", getattr(kinds, "inner", kinds)
+    )  # of `Items`; of a reference to a named tuple
     return sum(map(members, kinds)) if isinstance(kinds, (tuple, types.BaseTuple)) else 1
 
 
@@ -146,9 +163,11 @@ def _child(wanted):
         # -P: the folder that the user is in is not among the paths, if it is not here
         process = subprocess.Popen(
             [sys.executable, "-P", "-c", _CHILD_CODE],
-            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
             env=os.environ | {"PYTHONPATH": paths},
-        )  # fmt: skip
+        )
         with process.stdin as pipe:
             pipe.write(given)
     except (OSError, pickle.PicklingError, TypeError, AttributeError):

@@ -13,14 +13,21 @@ from shellfabric.jit.numba_internals import KNOWN
 
 _PREFIX, _ENTRY = "_ZN11shellfabric", "_ZN7cpython"
 if KNOWN:
-    _full, _finish = codegen.CPUCodeLibrary._optimize_final_module, codegen.CPUCodeLibrary._finalize_final_module
+    _full, _finish = (
+        codegen.CPUCodeLibrary._optimize_final_module,
+        codegen.CPUCodeLibrary._finalize_final_module,
+    )
     _object_code = codegen.JITCodeLibrary.serialize_using_object_code
 
 
 def _inner(library):
     """Whether a library has kernels of this package and none that Python calls."""
     if not hasattr(library, "_is_inner"):
-        names = [function.name for function in library._final_module.functions if not function.is_declaration]
+        names = [
+            function.name
+            for function in library._final_module.functions
+            if not function.is_declaration
+        ]
         library._is_inner = any(name.startswith(_PREFIX) for name in names) and not any(
             name.startswith(_ENTRY) for name in names
         )
@@ -32,7 +39,10 @@ def _optimize_final_module(self):
         return _full(self)
     generator = self._codegen
     manager, builder = generator._module_pass_manager(
-        loop_vectorize=generator._loopvect, slp_vectorize=False, opt=generator._opt_level, cost="cheap"
+        loop_vectorize=generator._loopvect,
+        slp_vectorize=False,
+        opt=generator._opt_level,
+        cost="cheap",
     )
     return manager.run(self._final_module, builder)
 

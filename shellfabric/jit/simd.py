@@ -76,7 +76,9 @@ def _broadcast(builder, value, kind):
     """Broadcast a float to all lanes; a vector as it is."""
     if kind is FLOAT64X8:
         return value
-    one = builder.insert_element(ir.Constant(_FLOAT64X8, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
+    one = builder.insert_element(
+        ir.Constant(_FLOAT64X8, ir.Undefined), value, ir.Constant(ir.IntType(32), 0)
+    )
     return builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
 
 
@@ -111,9 +113,13 @@ def _function(name, count):
     """An LLVM function of `count` numbers that works lane by lane."""
 
     def codegen(context, builder, signature, arguments):
-        values = [_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args)]
+        values = [
+            _broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args)
+        ]
         kind = ir.FunctionType(_FLOAT64X8, [_FLOAT64X8] * count)
-        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), values)
+        return builder.call(
+            cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), values
+        )
 
     return codegen
 
@@ -140,8 +146,12 @@ def rsqrt(typing, a):
     def codegen(context, builder, signature, arguments):
         (a,) = arguments
         small = ir.VectorType(ir.FloatType(), WIDTH)
-        root = cgutils.get_or_insert_function(builder.module, ir.FunctionType(small, [small]), f"llvm.sqrt.v{WIDTH}f32")
-        guess = builder.fdiv(ir.Constant(small, [1.0] * WIDTH), builder.call(root, [builder.fptrunc(a, small)]))
+        root = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(small, [small]), f"llvm.sqrt.v{WIDTH}f32"
+        )
+        guess = builder.fdiv(
+            ir.Constant(small, [1.0] * WIDTH), builder.call(root, [builder.fptrunc(a, small)])
+        )
         guess = builder.fpext(guess, _FLOAT64X8)
         kind = ir.FunctionType(_FLOAT64X8, [_FLOAT64X8] * 3)
         fuse = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{WIDTH}f64")
@@ -207,7 +217,9 @@ def any_lane(typing, mask):
     """Whether any lane of a mask is set."""
 
     def codegen(context, builder, signature, arguments):
-        return builder.icmp_unsigned("!=", builder.bitcast(arguments[0], ir.IntType(8)), ir.Constant(ir.IntType(8), 0))
+        return builder.icmp_unsigned(
+            "!=", builder.bitcast(arguments[0], ir.IntType(8)), ir.Constant(ir.IntType(8), 0)
+        )
 
     return types.boolean(mask), codegen
 
@@ -240,9 +252,15 @@ def equal_bytes(typing, array, k, value):
     def codegen(context, builder, signature, arguments):
         part = ir.VectorType(ir.IntType(8), WIDTH)
         array, k, value = arguments
-        found = builder.load(_pointer(context, builder, signature.args[0], array, k, part), align=1, **_load_type(part))
+        found = builder.load(
+            _pointer(context, builder, signature.args[0], array, k, part),
+            align=1,
+            **_load_type(part),
+        )
         one = builder.insert_element(
-            ir.Constant(part, ir.Undefined), builder.trunc(value, ir.IntType(8)), ir.Constant(ir.IntType(32), 0)
+            ir.Constant(part, ir.Undefined),
+            builder.trunc(value, ir.IntType(8)),
+            ir.Constant(ir.IntType(32), 0),
         )
         every = builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
         return builder.icmp_unsigned("==", found, every)
@@ -256,7 +274,9 @@ def head_mask(typing, count):
 
     def codegen(context, builder, signature, arguments):
         one = builder.insert_element(
-            ir.Constant(_INT64X8, ir.Undefined), builder.sext(arguments[0], _INT), ir.Constant(ir.IntType(32), 0)
+            ir.Constant(_INT64X8, ir.Undefined),
+            builder.sext(arguments[0], _INT),
+            ir.Constant(ir.IntType(32), 0),
         )
         every = builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
         return builder.icmp_signed("<", ir.Constant(_INT64X8, list(range(WIDTH))), every)
@@ -269,7 +289,10 @@ def where(typing, mask, a, b):
     """a where the mask holds, else b."""
 
     def codegen(context, builder, signature, arguments):
-        a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments[1:], signature.args[1:]))
+        a, b = (
+            _broadcast(builder, value, kind)
+            for value, kind in zip(arguments[1:], signature.args[1:])
+        )
         return builder.select(arguments[0], a, b)
 
     return FLOAT64X8(mask, a, b), codegen
@@ -321,7 +344,9 @@ def store(typing, array, k, value):
         small = kind.dtype == types.float32
         part = ir.VectorType(ir.FloatType(), WIDTH) if small else _FLOAT64X8
         value = builder.fptrunc(value, part) if small else value
-        builder.store(value, _pointer(context, builder, kind, array, k, part), align=4 if small else 8)
+        builder.store(
+            value, _pointer(context, builder, kind, array, k, part), align=4 if small else 8
+        )
         return context.get_dummy_value()
 
     return types.void(array, k, value), codegen
@@ -332,7 +357,9 @@ def shift_in_prev(typing, last, x):
     """Shift by one lane towards higher lanes: lane 0 comes from lane 7 of `last`, the vector before x."""
 
     def codegen(context, builder, signature, arguments):
-        return builder.shuffle_vector(*arguments, ir.Constant(_INT32X8, list(range(WIDTH - 1, 2 * WIDTH - 1))))
+        return builder.shuffle_vector(
+            *arguments, ir.Constant(_INT32X8, list(range(WIDTH - 1, 2 * WIDTH - 1)))
+        )
 
     return FLOAT64X8(last, x), codegen
 
@@ -405,7 +432,9 @@ def store_int32(typing, array, k, cell):
 
     def codegen(context, builder, signature, arguments):
         array, k, cell = arguments
-        builder.store(cell, _pointer(context, builder, signature.args[0], array, k, _INT32X8), align=4)
+        builder.store(
+            cell, _pointer(context, builder, signature.args[0], array, k, _INT32X8), align=4
+        )
         return context.get_dummy_value()
 
     return types.void(array, k, cell), codegen
@@ -419,7 +448,10 @@ def gather8_indexed(typing, table, array, k):
         table, array, k = arguments
         data = context.make_array(signature.args[1])(context, builder, array).data
         numbers = [
-            builder.load(builder.gep(data, [builder.add(k, ir.Constant(_INT, lane))]), **_load_type(ir.IntType(32)))
+            builder.load(
+                builder.gep(data, [builder.add(k, ir.Constant(_INT, lane))]),
+                **_load_type(ir.IntType(32)),
+            )
             for lane in range(WIDTH)
         ]
         found = _numbered_rows(context, builder, signature.args[0], table, numbers, 8)
@@ -439,7 +471,9 @@ def gather(typing, array, cell):
         for lane in range(WIDTH):
             number = ir.Constant(ir.IntType(32), lane)
             place = builder.gep(data, [builder.zext(builder.extract_element(cell, number), _INT)])
-            found = builder.insert_element(found, builder.load(place, **_load_type(_DOUBLE)), number)
+            found = builder.insert_element(
+                found, builder.load(place, **_load_type(_DOUBLE)), number
+            )
         return found
 
     return FLOAT64X8(array, cell), codegen
@@ -470,7 +504,9 @@ def gather_rows8(typing, table, cell):
 def _table_rows(context, builder, kind, arguments, count):
     """The rows of a table of `count` columns, each as a vector."""
     table, cell = arguments
-    numbers = [builder.extract_element(cell, ir.Constant(ir.IntType(32), lane)) for lane in range(WIDTH)]
+    numbers = [
+        builder.extract_element(cell, ir.Constant(ir.IntType(32), lane)) for lane in range(WIDTH)
+    ]
     return _numbered_rows(context, builder, kind, table, numbers, count)
 
 
@@ -523,7 +559,10 @@ def _tree_reduction(symbol):
     def fold(typing, a):
         def codegen(context, builder, signature, arguments):
             (vector,) = arguments
-            parts = [builder.extract_element(vector, ir.Constant(ir.IntType(32), lane)) for lane in range(WIDTH)]
+            parts = [
+                builder.extract_element(vector, ir.Constant(ir.IntType(32), lane))
+                for lane in range(WIDTH)
+            ]
             while len(parts) > 1:
                 half = len(parts) // 2
                 if symbol == "+":

@@ -64,7 +64,9 @@ def write(solver: ExplicitSolver, path: FilePath) -> None:
             file[f"records/{name}"] = np.array(rows)
         for name, array in solver.checkpoint_extra().items():
             file[f"extra/{name}"] = array
-        file["steps"] = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
+        file["steps"] = np.concatenate(
+            [np.empty((0, solver.history_columns)), *solver.step_history]
+        )
         file["chunks"] = np.array([len(part) for part in solver.step_history], np.int64)
         for number, snapshot in enumerate(solver.snapshots):
             _store_snapshot(file, f"snapshots/{number:05d}", snapshot)
@@ -98,7 +100,9 @@ def _restore(solver, file):
 def _arrays(solver):
     """(name, array) of all arrays of the state; entries of a named tuple that are numbers follow from the run."""
     for group, value in solver.checkpoint_arrays().items():
-        for name, entry in zip(value._fields, value) if hasattr(value, "_fields") else (("", value),):
+        for name, entry in (
+            zip(value._fields, value) if hasattr(value, "_fields") else (("", value),)
+        ):
             for number, array in enumerate(entry if isinstance(entry, tuple) else (entry,)):
                 if isinstance(array, np.ndarray):
                     yield f"{group}/{name}/{number}", array

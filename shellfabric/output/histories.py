@@ -29,7 +29,12 @@ if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
 
 FAMILIES = ("warp", "weft")
-EDGES = ("warp_high", "warp_low", "weft_high", "weft_low")  # at highest and lowest x, at highest and lowest y
+EDGES = (
+    "warp_high",
+    "warp_low",
+    "weft_high",
+    "weft_low",
+)  # at highest and lowest x, at highest and lowest y
 PULL, LIFT = 0, 1
 
 
@@ -59,8 +64,12 @@ class HistoryRequest:
         for family in FAMILIES:
             if not all(abs(distance) < inf for distance in getattr(self, family)):
                 raise InputError(key=family, value=getattr(self, family), allowed="distances in m")
-        if self.plies is not None and (not self.plies or any(ply != int(ply) or ply < 1 for ply in self.plies)):
-            raise InputError(key="plies", value=self.plies, allowed="numbers of plies, the first is 1")
+        if self.plies is not None and (
+            not self.plies or any(ply != int(ply) or ply < 1 for ply in self.plies)
+        ):
+            raise InputError(
+                key="plies", value=self.plies, allowed="numbers of plies, the first is 1"
+            )
 
     def chosen(self, count: int) -> Sequence[int]:
         """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has not."""
@@ -123,7 +132,11 @@ class Histories:
 
     def through(self, family: str) -> YarnHistory | None:
         """The yarn of a family that is nearest the impact point."""
-        return min((yarn for yarn in self.yarns if yarn.family == family), key=lambda y: abs(y.offset), default=None)
+        return min(
+            (yarn for yarn in self.yarns if yarn.family == family),
+            key=lambda y: abs(y.offset),
+            default=None,
+        )
 
 
 class Recorder(Every):
@@ -178,7 +191,10 @@ def rows(panel: Panel, measure: HistoryRequest) -> list[tuple[str, int, int]]:
 def _record(panel, c, state, chosen, sides, neighbours):
     """Numbers of one ply: tension, places and deflections of each yarn, then the edges' forces."""
     tension = yarn_tensions(c, state)
-    u = [component[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride) for component in state.u]
+    u = [
+        component[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
+        for component in state.u
+    ]
     parts = []
     for family, element, node in chosen:
         along = np.s_[:, node] if family == "warp" else np.s_[node, :]
@@ -214,7 +230,9 @@ def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
         on, normals = _stepped_sides(panel)
     else:
         on, normals = np.zeros((4, *shape), bool), np.array([(1, 0), (-1, 0), (0, 1), (0, -1)])
-        for side, line, missing in zip(on, (np.s_[-1, :], np.s_[0, :], np.s_[:, -1], np.s_[:, 0]), mirrored):
+        for side, line, missing in zip(
+            on, (np.s_[-1, :], np.s_[0, :], np.s_[:, -1], np.s_[:, 0]), mirrored
+        ):
             side[line] = not missing
     share = np.where(on, 1 / panel.share / np.maximum(on.sum(axis=0), 1), 0.0)
     # a side whose opposite is its mirror stands for both: half of what its weight completes
@@ -228,10 +246,14 @@ def _stepped_sides(panel):
     c, s = axes(panel.weave_angle)[0]
     x, y = in_frame(panel) / (0.5 * np.array(panel.opening))[:, None, None]
     nearest = np.where(np.abs(x) > np.abs(y) - 1e-9, np.where(x > 0, 0, 1), np.where(y > 0, 2, 3))
-    return ~loose(panel) & (nearest == np.arange(4)[:, None, None]), np.array([(c, -s), (-c, s), (s, c), (-s, -c)])
+    return ~loose(panel) & (nearest == np.arange(4)[:, None, None]), np.array(
+        [(c, -s), (-c, s), (s, c), (-s, -c)]
+    )
 
 
-def unpack(recording: Sequence[FloatArray], plies: Sequence[Panel], measure: HistoryRequest) -> tuple[Histories, ...]:
+def unpack(
+    recording: Sequence[FloatArray], plies: Sequence[Panel], measure: HistoryRequest
+) -> tuple[Histories, ...]:
     """Name the numbers of a recording, a list of rows: the Histories of each ply that has been followed."""
     table = np.array(recording)
     at = 1
@@ -241,10 +263,14 @@ def unpack(recording: Sequence[FloatArray], plies: Sequence[Panel], measure: His
         at += count
         return table[:, at - count : at]
 
-    return tuple(_unpacked(table[:, 0], take, plies[p], measure) for p in measure.chosen(len(plies)))
+    return tuple(
+        _unpacked(table[:, 0], take, plies[p], measure) for p in measure.chosen(len(plies))
+    )
 
 
-def _unpacked(t: FloatArray, take: Callable[[int], FloatArray], panel: Panel, measure: HistoryRequest) -> Histories:
+def _unpacked(
+    t: FloatArray, take: Callable[[int], FloatArray], panel: Panel, measure: HistoryRequest
+) -> Histories:
     """Histories of one ply; take(count) gives the next columns of the recording."""
     weave, lines, yarns = panel.weave, panel.lines(), []
     for family, element, _ in rows(panel, measure):

@@ -28,7 +28,9 @@ class Every:
         It depends on the run alone, so that a resumed run acts at the same instants.
         """
         before = solver.samples[-2][0] if len(solver.samples) > 1 else 0.0
-        numbers = [int((t + 0.5 * solver.sample_spacing) / self.interval) for t in (before, solver.time)]
+        numbers = [
+            int((t + 0.5 * solver.sample_spacing) / self.interval) for t in (before, solver.time)
+        ]
         before_end = numbers[1] * self.interval < (1 - 1e-9) * solver.end_time
         return solver.ended or (numbers[1] > numbers[0] and before_end)
 
@@ -63,4 +65,7 @@ class Progress:
         self.report = report
 
     def __call__(self, solver: ExplicitSolver) -> None:
-        self.report(1.0 if solver.ended else solver.time / solver.end_time, float(solver.state.projectile_velocity[2]))
+        self.report(
+            1.0 if solver.ended else solver.time / solver.end_time,
+            float(solver.state.projectile_velocity[2]),
+        )

@@ -51,7 +51,11 @@ class Snapshot:
 
 
 def snapshot(
-    panel: Panel, state: State, t: float, pressing: Sequence[FloatArray] = (), passed: Sequence[FloatArray] = ()
+    panel: Panel,
+    state: State,
+    t: float,
+    pressing: Sequence[FloatArray] = (),
+    passed: Sequence[FloatArray] = (),
 ) -> Snapshot:
     """Take a snapshot of a panel's state at the time `t` [s].
 
@@ -71,9 +75,17 @@ def snapshot(
     lost = _stacked(panel, state.failed) * np.stack(panel.segments, axis=2)
     pressure = _stacked(panel, pressing) / panel.areas[..., None]
     return Snapshot(
-        t, z, position, panel.in_pack(nodes), yarn_tensions(c, state), broken, pressure.astype(np.float32),
-        panel.areas, lost.astype(np.float32), _stacked(panel, passed),
-    )  # fmt: skip
+        t,
+        z,
+        position,
+        panel.in_pack(nodes),
+        yarn_tensions(c, state),
+        broken,
+        pressure.astype(np.float32),
+        panel.areas,
+        lost.astype(np.float32),
+        _stacked(panel, passed),
+    )
 
 
 def _stacked(panel, arrays):
@@ -92,7 +104,9 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
         one = snapshot(panel, state, solver.time, *touched)
         one.nodes[..., 2] += z
         nose = found[0].projectile_position if found else one.projectile_position
-        found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy()))
+        found.append(
+            replace(one, nose_position=one.nose_position + z, projectile_position=nose.copy())
+        )
     return tuple(found)
 
 
@@ -108,7 +122,9 @@ def yarn_tensions(c: Any, state: Any) -> FloatArray:
         (part * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
         for part, T in zip(state.intact_fraction, state.T)
     )
-    return np.stack([0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2)
+    return np.stack(
+        [0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2
+    )
 
 
 def deflection_profile(
@@ -124,7 +140,10 @@ def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, .
     """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share` of the highest."""
     profiles = deflection_profile(panel, shot)
     highest = max(float(z.max()) for _, z in profiles)
-    return tuple(float(np.abs(x[z > share * highest]).max(initial=0.0)) if highest > 0 else 0.0 for x, z in profiles)
+    return tuple(
+        float(np.abs(x[z > share * highest]).max(initial=0.0)) if highest > 0 else 0.0
+        for x, z in profiles
+    )
 
 
 def quads(panel: Panel) -> IntArray:

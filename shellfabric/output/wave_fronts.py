@@ -23,7 +23,10 @@ from fabrics.checks import FloatArray
 from shellfabric.output.histories import FAMILIES, Histories, YarnHistory
 
 TOE = 0.01  # of the yarn's strength: the threshold that is called the arrival of the longitudinal front
-WINDOW = (0.15, 0.85)  # part of the yarn, from the impact point to its end, within which speeds are fitted
+WINDOW = (
+    0.15,
+    0.85,
+)  # part of the yarn, from the impact point to its end, within which speeds are fitted
 _HIGH, _LOW = 0.75, 0.25  # of the height of the profile
 
 
@@ -59,7 +62,11 @@ def fronts(histories: Histories) -> tuple[Front, ...]:
 
 
 def longitudinal(
-    yarn: YarnHistory, t: FloatArray, *, threshold: float | None = None, window: tuple[float, float] = WINDOW
+    yarn: YarnHistory,
+    t: FloatArray,
+    *,
+    threshold: float | None = None,
+    window: tuple[float, float] = WINDOW,
 ) -> Front:
     """Arrivals of the longitudinal front.
 
@@ -71,7 +78,9 @@ def longitudinal(
     """
     threshold = TOE * yarn.strength if threshold is None else threshold
     side = yarn.X > 0
-    tension = np.vstack([np.zeros(side.sum()), yarn.tension[:, side]])  # at the strike there is none yet
+    tension = np.vstack(
+        [np.zeros(side.sum()), yarn.tension[:, side]]
+    )  # at the strike there is none yet
     clock = np.concatenate([[0.0], t])
     reached = (tension >= threshold).any(axis=0)
     k = np.argmax(tension >= threshold, axis=0)[reached]

@@ -92,11 +92,15 @@ def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
     families = edge if isinstance(edge, tuple) else (edge, edge)
     pairs = tuple(family if isinstance(family, tuple) else (family, family) for family in families)
     if [len(pair) for pair in pairs] != [2, 2]:
-        raise InputError(key="edge", value=edge, allowed="one side, or (warp, weft) of one or two sides each")
+        raise InputError(
+            key="edge", value=edge, allowed="one side, or (warp, weft) of one or two sides each"
+        )
     for pair in pairs:
         for side in pair:
             if side not in ("clamped", "free") and not isinstance(side, (PullIn, Grip)):
-                raise InputError(key="edge", value=side, allowed="clamped, free, a PullIn or a Grip")
+                raise InputError(
+                    key="edge", value=side, allowed="clamped, free, a PullIn or a Grip"
+                )
     return pairs
 
 
@@ -107,31 +111,52 @@ def slips(edge: Any) -> bool:
 
 def pull_in(edge: Any) -> tuple[float, ...]:
     """(warp, weft) [m] by which fabric slips into the panel at most, of edges without grips."""
-    return tuple(max(side.length if isinstance(side, PullIn) else 0.0 for side in pair) for pair in sides(edge))
+    return tuple(
+        max(side.length if isinstance(side, PullIn) else 0.0 for side in pair)
+        for pair in sides(edge)
+    )
 
 
 def check(panel: Panel) -> None:
     """InputError where the edges do not go with the panel's symmetry or with its oblique weave."""
     given = sides(panel.edge)
     if any(mirrored and low != high for (low, high), mirrored in zip(given, panel.mirrors)):
-        raise InputError(key="edge", value=panel.edge, allowed="alike at both ends of mirrored yarns")
+        raise InputError(
+            key="edge", value=panel.edge, allowed="alike at both ends of mirrored yarns"
+        )
     if any(offset and mirrored for offset, mirrored in zip(panel.impact_point, panel.mirrors)):
         allowed = "0 across planes of symmetry, or symmetry = whole"
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if panel.round and len(set(panel.opening)) > 1:
-        raise InputError(key="opening", value=panel.opening, allowed="one diameter of a round opening")
+        raise InputError(
+            key="opening", value=panel.opening, allowed="one diameter of a round opening"
+        )
     if stepped(panel) and any(side != "clamped" for pair in given for side in pair):
-        what = "turned in its pack" if panel.ply_angle else "oblique" if panel.weave_angle else "in a round opening"
+        what = (
+            "turned in its pack"
+            if panel.ply_angle
+            else "oblique"
+            if panel.weave_angle
+            else "in a round opening"
+        )
         raise InputError(key="edge", value=panel.edge, allowed=f"clamped where the weave is {what}")
     room = [0.5 * side - 2 * panel.projectile.radius for side in panel.opening]
-    inside = np.hypot(*panel.impact_point) < room[0] if panel.round else np.all(np.abs(panel.impact_point) < room)
+    inside = (
+        np.hypot(*panel.impact_point) < room[0]
+        if panel.round
+        else np.all(np.abs(panel.impact_point) < room)
+    )
     if any(panel.impact_point) and not inside:
         allowed = "within the opening, two radii of the projectile from its edge"
         raise InputError(key="impact_point", value=panel.impact_point, allowed=allowed)
     if not abs(panel.weave_angle) < 1.5708:
         raise InputError(key="weave_angle", value=panel.weave_angle, allowed="within a right angle")
     if panel.weave_angle and any(panel.mirrors):
-        what = "a ply is turned by another angle than 90 deg" if panel.ply_angle else "the weave is oblique"
+        what = (
+            "a ply is turned by another angle than 90 deg"
+            if panel.ply_angle
+            else "the weave is oblique"
+        )
         raise InputError(key="symmetry", value=panel.symmetry, allowed=f"whole where {what}")
 
 
@@ -163,10 +188,17 @@ def shown(panel: Panel) -> list[FloatArray]:
     if not stepped(panel):
         return places
     at, half = in_frame(panel), 0.5 * np.array(panel.opening)[:, None, None]
-    onto = at * (half[0] / np.maximum(np.hypot(*at), half[0])) if panel.round else np.clip(at, -half, half)
+    onto = (
+        at * (half[0] / np.maximum(np.hypot(*at), half[0]))
+        if panel.round
+        else np.clip(at, -half, half)
+    )
     (x, y), (c, s) = onto - np.array(panel.impact_point)[:, None, None], axes(panel.weave_angle)[0]
     beyond = np.any(onto != at, axis=0)
-    return [np.where(beyond, moved, place) for moved, place in zip((c * x + s * y, c * y - s * x), places)]
+    return [
+        np.where(beyond, moved, place)
+        for moved, place in zip((c * x + s * y, c * y - s * x), places)
+    ]
 
 
 def loose(panel: Panel) -> BoolArray:
@@ -181,7 +213,9 @@ def loose(panel: Panel) -> BoolArray:
     if stepped(panel):
         place, slack = in_frame(panel), 1e-9 * min(panel.spacing)
         across, along = np.abs(place)
-        inside = (across < 0.5 * panel.opening[0] - slack) & (along < 0.5 * panel.opening[1] - slack)
+        inside = (across < 0.5 * panel.opening[0] - slack) & (
+            along < 0.5 * panel.opening[1] - slack
+        )
         free &= np.hypot(across, along) < 0.5 * panel.opening[0] - slack if panel.round else inside
     return free
 
@@ -227,7 +261,9 @@ def rim(panel: Panel) -> tuple[IntArray, IntArray, FloatArray]:
                 row[:, 3] = side.force * share
             else:
                 inwards = 1.0 if end == 0 else -1.0
-                row[:, 0] = inwards * side.length * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
+                row[:, 0] = (
+                    inwards * side.length * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
+                )
                 row[:, 1:3] = side.start, side.end
             nodes.append(np.moveaxis(numbers, axis, 0)[end][keep])
             axes.append(np.full(keep.sum(), axis))
@@ -237,7 +273,12 @@ def rim(panel: Panel) -> tuple[IntArray, IntArray, FloatArray]:
 
 def yarn_ends(panel: Panel) -> IntArray:
     """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels` has it."""
-    ends = np.array([[FREE_END if side == "free" else CLAMPED_END for side in pair] for pair in sides(panel.edge)])
+    ends = np.array(
+        [
+            [FREE_END if side == "free" else CLAMPED_END for side in pair]
+            for pair in sides(panel.edge)
+        ]
+    )
     for family, mirrored in enumerate(panel.mirrors):
         if mirrored:
             ends[family, 0] = SYMMETRY_END

@@ -17,7 +17,9 @@ from fabrics.checks import FloatArray, IntArray
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
 
-WATCHED = 0.5  # of the strength: below it a tension is followed without a delay, above it low-passed
+WATCHED = (
+    0.5  # of the strength: below it a tension is followed without a delay, above it low-passed
+)
 
 # of the lines of one family
 FailureLines = namedtuple("FailureLines", "strength half_strength first weights filter_factor")
@@ -28,7 +30,9 @@ def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
     x, sides, families = panel.lines(), panel.element_sides, []
     factors = panel.strength_factors or tuple(np.ones(count) for count in panel.yarn_counts)
     law = panel.rate_law
-    for own, (yarn, count) in enumerate(zip(panel.weave.yarns, (panel.weave.warp_count, panel.weave.weft_count))):
+    for own, (yarn, count) in enumerate(
+        zip(panel.weave.yarns, (panel.weave.warp_count, panel.weave.weft_count))
+    ):
         across = 1 - own
         strength = yarn.strength * np.asarray(factors[own], float)[panel.nearest_yarns[across]]
         strength = strength if panel.failure else np.full_like(strength, inf)
@@ -36,7 +40,9 @@ def lines_of(panel: Panel) -> tuple[FailureLines, FailureLines]:
         wave_speed = (yarn.EA * count / panel.weave.areal_density) ** 0.5
         times = 2 * np.maximum(panel.fabric.failure_length, sides[own]) / wave_speed
         half = WATCHED * (1.0 if law is None else law[own, 0, 0]) * strength
-        families.append(FailureLines(strength, half, first, weights, -np.expm1(-panel.time_step / times)))
+        families.append(
+            FailureLines(strength, half, first, weights, -np.expm1(-panel.time_step / times))
+        )
     return families[0], families[1]
 
 

@@ -65,10 +65,14 @@ def check(grading: Any) -> None:
         raise InputError(key="grading", value=grading, allowed=allowed)
     ends = [0.0, *(until for until, _ in zones)]
     if not all(a < b for a, b in pairwise(ends)):
-        raise InputError(key="grading", value=grading, allowed="zones further and further from the impact point")
+        raise InputError(
+            key="grading", value=grading, allowed="zones further and further from the impact point"
+        )
     sides = [exact(side) for _, side in zones]
     if any(after % before for before, after in pairwise(sides)):
-        raise InputError(key="grading", value=grading, allowed="sides each a multiple of that before it")
+        raise InputError(
+            key="grading", value=grading, allowed="sides each a multiple of that before it"
+        )
 
 
 def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
@@ -124,7 +128,11 @@ def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
 
 
 def covers(
-    zone: Sequence[int], lines: Sequence[FloatArray], nose: FloatArray, reach: Sequence[float], mirrors: Sequence[bool]
+    zone: Sequence[int],
+    lines: Sequence[FloatArray],
+    nose: FloatArray,
+    reach: Sequence[float],
+    mirrors: Sequence[bool],
 ) -> bool:
     """Whether a zone of elements holds all fabric within `reach` of the nose.
 
@@ -154,9 +162,12 @@ def split(sides: FloatArray) -> FloatArray:
 
 
 def slots(
-    sides: tuple[FloatArray, ...], finest: tuple[float, ...], thickness: float, viscosity: Sequence[float],
+    sides: tuple[FloatArray, ...],
+    finest: tuple[float, ...],
+    thickness: float,
+    viscosity: Sequence[float],
     room: Callable[..., Any],
-) -> dict[str, FloatArray]:  # fmt: skip
+) -> dict[str, FloatArray]:
     """What is a float of a plain panel and changes from slot to slot of a graded one: {name of Constants: (slots,)}.
 
     The viscosity grows with the element, so that its highest mode is damped by the same ratio everywhere.
@@ -173,7 +184,9 @@ def slots(
     ni, nj = a.size, b.size
 
     def spread(row, column, factor=1.0):
-        grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))[: ni + 1, : nj + 1]
+        grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))[
+            : ni + 1, : nj + 1
+        ]
         flat = room(1, (ni + 2) * (nj + 1) + 32)[0]
         flat[:] = factor * grid[0, 0]
         flat[16 : 16 + grid.size] = factor * grid.ravel()
@@ -192,7 +205,10 @@ def slots(
 
 
 def bending(
-    sides: Sequence[FloatArray], yarns: Sequence[float], stiffness: Sequence[float], room: Callable[..., Any]
+    sides: Sequence[FloatArray],
+    yarns: Sequence[float],
+    stiffness: Sequence[float],
+    room: Callable[..., Any],
 ) -> tuple[FloatArray, ...]:
     """(warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L the mean of its two segments.
 
@@ -215,7 +231,10 @@ def bending(
 
 
 def line_offsets(
-    lines: tuple[FloatArray, ...], origin: tuple[float, ...], finest: tuple[float, ...], room: Callable[..., Any]
+    lines: tuple[FloatArray, ...],
+    origin: tuple[float, ...],
+    finest: tuple[float, ...],
+    room: Callable[..., Any],
 ) -> dict[str, FloatArray]:
     """What a graded grid has in place of x0 + i dx: {name of Constants: (lines + 16,) [m]}.
 

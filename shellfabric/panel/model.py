@@ -96,26 +96,50 @@ class Panel:
         even = [*map(self.shot.mirrored, (0, 1))]
         fits = [name for name, planes in SYMMETRIES.items() if all(map(ge, even, planes))]
         if self.symmetry not in fits:
-            raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(fits) + " for this shot")
+            raise InputError(
+                key="symmetry", value=self.symmetry, allowed=" or ".join(fits) + " for this shot"
+            )
         boundary.check(self)
         coupling.check(self)
-        if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in an impact
-            raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
+        if self.failure and any(
+            self.table.model.toes
+        ):  # a yarn whose crossings have failed is linear in an impact
+            raise InputError(
+                key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail"
+            )
         self._check_strength()
         if self.grading is not None:
             grading.check(self.grading)
         if self.elements_per_crossover < 1:
-            raise InputError(key="elements_per_crossover", value=self.elements_per_crossover, allowed="1, 2, 3, ...")
+            raise InputError(
+                key="elements_per_crossover",
+                value=self.elements_per_crossover,
+                allowed="1, 2, 3, ...",
+            )
         if not all(0 <= EI < inf for EI in self.bending):
             raise InputError(key="bending", value=self.bending, allowed="at least 0")
         if len(self.jam) != 2 or not (0 <= self.jam[0] < inf and 0 < self.jam[1] <= 1):
-            raise InputError(key="jam", value=self.jam, allowed="a force of at least 0 and a stretch of at most 1")
-        for family, given, count in zip(("warp", "weft"), self.strength_factors or (), self.yarn_counts):
-            if np.shape(given) != (count,) or not np.all(np.isfinite(given) & (np.asarray(given) > 0)):
-                raise InputError(key=f"strength_factors of the {family}", allowed=f"{count} numbers above 0")
+            raise InputError(
+                key="jam",
+                value=self.jam,
+                allowed="a force of at least 0 and a stretch of at most 1",
+            )
+        for family, given, count in zip(
+            ("warp", "weft"), self.strength_factors or (), self.yarn_counts
+        ):
+            if np.shape(given) != (count,) or not np.all(
+                np.isfinite(given) & (np.asarray(given) > 0)
+            ):
+                raise InputError(
+                    key=f"strength_factors of the {family}", allowed=f"{count} numbers above 0"
+                )
         for length, w in zip(self.opening, self.weave.w):
             if not length / 2 >= max(2 * self.projectile.radius, 4 * w):
-                raise InputError(key="opening", value=length, allowed="wider than two projectiles and four crossovers")
+                raise InputError(
+                    key="opening",
+                    value=length,
+                    allowed="wider than two projectiles and four crossovers",
+                )
         if self.grading is not None:
             self._check_grading()
 
@@ -124,22 +148,32 @@ class Panel:
             allowed = f"false: fabric {self.fabric.name} has no strain_rate"
             raise InputError(key="rate_dependence", value=True, allowed=allowed)
         if self.rate_dependence and not self.failure:
-            raise InputError(key="rate_dependence", value=True, allowed="false where yarns do not fail")
+            raise InputError(
+                key="rate_dependence", value=True, allowed="false where yarns do not fail"
+            )
 
     def _check_grading(self):
         given = self.elements_per_crossover
         if given != 1:
             allowed = f"none, but a side 1/{given} in grading"
             raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
-        gripped = any(isinstance(side, boundary.Grip) for pair in boundary.sides(self.edge) for side in pair)
+        gripped = any(
+            isinstance(side, boundary.Grip) for pair in boundary.sides(self.edge) for side in pair
+        )
         if gripped or self.grid_middle != self.impact_point:
             allowed = "clamped, free or a pull-in on a graded panel, clamped where it is struck off the middle"
             raise InputError(key="edge", value=self.edge, allowed=allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
-            least = int(np.ceil(reach / step)) + 1  # and what the smooth surface of the last element has beside it
+            least = (
+                int(np.ceil(reach / step)) + 1
+            )  # and what the smooth surface of the last element has beside it
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
-                raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")
+                raise InputError(
+                    key="grading",
+                    value=self.grading,
+                    allowed=f"{allowed}, all that comes under the nose",
+                )
 
     @property
     def fabric(self) -> Fabric:
@@ -194,7 +228,10 @@ class Panel:
     @property
     def _half(self):
         """(along warp, along weft) crossovers from the middle of the grid to an edge."""
-        return tuple(int(length / 2 / (2 * w) + 1e-9) for length, w in zip(boundary.extent(self), self.weave.w))
+        return tuple(
+            int(length / 2 / (2 * w) + 1e-9)
+            for length, w in zip(boundary.extent(self), self.weave.w)
+        )
 
     @cached_property
     def sides(self) -> tuple[FloatArray, ...] | None:
@@ -211,8 +248,12 @@ class Panel:
         """(along warp, along weft) elements of the first zone from the impact point outwards."""
         if self.sides is None:
             return tuple(half * self.lines_per_crossover // self.finest for half in self._half)
-        alike = (np.abs(sides - step) < 1e-9 * step for sides, step in zip(self.sides, self.spacing))
-        return tuple(int(each.sum()) // (1 if mirrored else 2) for each, mirrored in zip(alike, self.mirrors))
+        alike = (
+            np.abs(sides - step) < 1e-9 * step for sides, step in zip(self.sides, self.spacing)
+        )
+        return tuple(
+            int(each.sum()) // (1 if mirrored else 2) for each, mirrored in zip(alike, self.mirrors)
+        )
 
     def first_zone(self) -> tuple[int, ...]:
         """Rows and columns (i0, i1, j0, j1) of elements that the projectile may touch: of a graded panel those of the
@@ -256,15 +297,23 @@ class Panel:
     @property
     def critical_step(self) -> float:
         """[s] 2 / w of the undamped fabric."""
-        m, shares = self.weave.areal_density, zip(self.yarns_a_line, self.bending, self.spacing, self.spacing[::-1])
+        m, shares = (
+            self.weave.areal_density,
+            zip(self.yarns_a_line, self.bending, self.spacing, self.spacing[::-1]),
+        )
         membrane = self.membrane_stiffness / (m * min(self.spacing) ** 2)
         # a yarn that turns to and fro at every node has the energy 1/2 n EI / L (4 w / L)^2 a node
-        return (membrane + sum(4 * n * EI / (m * d**4 * across) for n, EI, d, across in shares)) ** -0.5
+        return (
+            membrane + sum(4 * n * EI / (m * d**4 * across) for n, EI, d, across in shares)
+        ) ** -0.5
 
     @property
     def yarns_a_line(self) -> tuple[float, ...]:
         """(warp, weft) yarns that a grid line stands for at the impact point."""
-        return tuple(count * d for count, d in zip((self.weave.warp_count, self.weave.weft_count), self.spacing[::-1]))
+        return tuple(
+            count * d
+            for count, d in zip((self.weave.warp_count, self.weave.weft_count), self.spacing[::-1])
+        )
 
     @property
     def time_step(self) -> float:
@@ -288,7 +337,10 @@ class Panel:
     def lines(self) -> tuple[FloatArray, ...]:
         """((ni+1,), (nj+1,)) [m] places x and y of the lines of the grid at rest."""
         if self.sides is None:
-            return tuple(x0 + d * np.arange(n + 1) for x0, d, n in zip(self.origin, self.spacing, self.counts))
+            return tuple(
+                x0 + d * np.arange(n + 1)
+                for x0, d, n in zip(self.origin, self.spacing, self.counts)
+            )
         found = []
         for sides, mirrored in zip(self.sides, self.mirrors):
             x = np.insert(np.cumsum(sides), 0, 0.0)
@@ -299,7 +351,10 @@ class Panel:
     def _yarns(self):
         """(rows, columns) `grading.nearest_yarns` of the grid lines along the weft and along the warp."""
         per = self.lines_per_crossover
-        places = (np.rint(x / d) if per > 1 else np.arange(x.size) for x, d in zip(self.lines(), self.spacing))
+        places = (
+            np.rint(x / d) if per > 1 else np.arange(x.size)
+            for x, d in zip(self.lines(), self.spacing)
+        )
         return tuple(grading.nearest_yarns(place, per) for place in places)
 
     @property
@@ -332,7 +387,10 @@ class Panel:
         There the smallest are where they would be then, and nothing else is looked for by its place.
         """
         off = (middle - struck for middle, struck in zip(self.grid_middle, self.impact_point))
-        return tuple(0.0 if m else c - 0.5 * n * d for m, n, d, c in zip(self.mirrors, self.counts, self.spacing, off))
+        return tuple(
+            0.0 if m else c - 0.5 * n * d
+            for m, n, d, c in zip(self.mirrors, self.counts, self.spacing, off)
+        )
 
     @property
     def nearest_lines(self) -> tuple[int, ...]:
@@ -386,7 +444,9 @@ class Panel:
     def masses(self) -> FloatArray:
         """(ni+1, nj+1) [kg] of the nodes."""
         (ni, nj), (dx, dy) = self.counts, self.spacing
-        corner = 0.25 * self.weave.areal_density * (dx if self.sides is None else self.sides[0][:, None])
+        corner = (
+            0.25 * self.weave.areal_density * (dx if self.sides is None else self.sides[0][:, None])
+        )
         corner = corner * (dy if self.sides is None else self.sides[1])
         mass = np.zeros((ni + 1, nj + 1))
         for i in (slice(None, -1), slice(1, None)):
@@ -400,7 +460,9 @@ class Panel:
         if not self.rate_dependence:
             return None
         assert self.fabric.strain_rate is not None  # checked by _check_strength
-        return np.array([self.fabric.strain_rate.table(yarn.failure_strain) for yarn in self.weave.yarns])
+        return np.array(
+            [self.fabric.strain_rate.table(yarn.failure_strain) for yarn in self.weave.yarns]
+        )
 
     def reach(self) -> tuple[float, ...]:
         """(along warp, along weft) [m] from the projectile's middle that fabric can come from to be under it.

@@ -82,9 +82,21 @@ def move_rows(state, const, first, last):
     row = first
     while row < last:
         met = row > 0 and row % const.rows_per_block == 0
-        end = row + 1 if met else min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
+        end = (
+            row + 1 if met else min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
+        )
         k0, n = row * const.row_stride, (end - row) * const.row_stride
-        move_nodes(k0, n, const.dt, state.dt_over_mass, state.f_int, state.f_int_above, met, state.v, state.u)
+        move_nodes(
+            k0,
+            n,
+            const.dt,
+            state.dt_over_mass,
+            state.f_int,
+            state.f_int_above,
+            met,
+            state.v,
+            state.u,
+        )
         row = end
 
 

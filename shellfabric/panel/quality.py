@@ -70,13 +70,21 @@ class Indicator:
         """[-] value over limit."""
         if not isfinite(self.value):
             return float("inf")
-        return self.value / self.limit if self.limit > 0 else (float("inf") if self.value > self.limit else 0.0)
+        return (
+            self.value / self.limit
+            if self.limit > 0
+            else (float("inf") if self.value > self.limit else 0.0)
+        )
 
     @property
     def number(self) -> str:
         """The value with two decimals or three digits; with more where it passes the limit by less."""
         for decimals in range(2, 9):
-            text = f"{self.value:.{decimals}f}" if self.value >= 1 else f"{self.value:#.{decimals + 1}g}"
+            text = (
+                f"{self.value:.{decimals}f}"
+                if self.value >= 1
+                else f"{self.value:#.{decimals + 1}g}"
+            )
             if self.ok or float(text) > self.limit:
                 break
         return text
@@ -100,24 +108,79 @@ def status(indicators: Iterable[Indicator]) -> str:
 LIMITS = {
     "time step": (1.0, "", "time step over the stability limit of the explicit integration"),
     "energy error": (0.005, "", "largest error of the energy balance over the strike energy"),
-    "energy gained in contact": (0.008, "", "energy that contact forces created, over the strike energy"),
-    "viscous energy": (0.15, "", "energy dissipated by viscosity over the energy absorbed, until a yarn first fails"),
-    "formulation energy": (0.1, "", "work of the cell's forces that no potential stores, over the energy absorbed"),
-    "tension oscillation": (0.07, "", "rms oscillation of the tension from node to node over the rms tension"),
-    "nose penetration": (1.8, "", "largest penetration of the projectile into the fabric over its edge radius"),
-    "contact point spacing": (1.2, "", "spacing of the contact points over the projectile's edge radius"),
+    "energy gained in contact": (
+        0.008,
+        "",
+        "energy that contact forces created, over the strike energy",
+    ),
+    "viscous energy": (
+        0.15,
+        "",
+        "energy dissipated by viscosity over the energy absorbed, until a yarn first fails",
+    ),
+    "formulation energy": (
+        0.1,
+        "",
+        "work of the cell's forces that no potential stores, over the energy absorbed",
+    ),
+    "tension oscillation": (
+        0.07,
+        "",
+        "rms oscillation of the tension from node to node over the rms tension",
+    ),
+    "nose penetration": (
+        1.8,
+        "",
+        "largest penetration of the projectile into the fabric over its edge radius",
+    ),
+    "contact point spacing": (
+        1.2,
+        "",
+        "spacing of the contact points over the projectile's edge radius",
+    ),
     "element side": (1.0, "", "longest element side over the projectile's radius"),
-    "element over failure length": (2.0, "", "where yarns fail, element side over the failure length"),
+    "element over failure length": (
+        2.0,
+        "",
+        "where yarns fail, element side over the failure length",
+    ),
     "yarns an element": (1.0, "", "yarns per element side under the projectile"),
-    "tension over cell table": (1.0, "", "peak tension over the largest tension tabulated for the unit cell"),
-    "tension over sampled surface": (1.0, "", "peak tension over the largest tension sampled for the response surface"),
-    "contact force over fitted range": (1.0, "", "force between yarns over the largest that the law was fitted to"),
-    "swelling under contact": (1e-3, "", "growth of a yarn's thickness under a light contact force over its thickness"),
+    "tension over cell table": (
+        1.0,
+        "",
+        "peak tension over the largest tension tabulated for the unit cell",
+    ),
+    "tension over sampled surface": (
+        1.0,
+        "",
+        "peak tension over the largest tension sampled for the response surface",
+    ),
+    "contact force over fitted range": (
+        1.0,
+        "",
+        "force between yarns over the largest that the law was fitted to",
+    ),
+    "swelling under contact": (
+        1e-3,
+        "",
+        "growth of a yarn's thickness under a light contact force over its thickness",
+    ),
     "relaxation residual": (1.0, "", "out-of-balance force over the tolerance of the relaxation"),
-    "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
-    "ply penetration": (0.75, "", "largest loaded penetration of a ply into the next over the ply's thickness"),
+    "node alternation": (
+        0.01,
+        "",
+        "displacements that alternate from node to node over the yarn's thickness",
+    ),
+    "ply penetration": (
+        0.75,
+        "",
+        "largest loaded penetration of a ply into the next over the ply's thickness",
+    ),
 }
-NOTES = {"viscous energy": 0.1, "element over failure length": 0.5}  # name: value above which the indicator is noted
+NOTES = {
+    "viscous energy": 0.1,
+    "element over failure length": 0.5,
+}  # name: value above which the indicator is noted
 
 
 def indicator(name: str, value: float) -> Indicator:
@@ -157,7 +220,9 @@ class Monitor:
         parts = solver.parts
         if len(solver.samples) % EVERY or any(state.counter[FAILURES] for _, _, state in parts):
             return
-        for (_, const, state), row, (i, j), light in zip(parts, self.found, self._places, self._light):
+        for (_, const, state), row, (i, j), light in zip(
+            parts, self.found, self._places, self._light
+        ):
             sample(state, const, i, j, *light, row)
         if len(parts) > 1:
             self.found[:-1, -1] = solver.deepest
@@ -185,7 +250,9 @@ def split_viscous(cut_yarns: FloatArray, energies: Mapping[str, FloatArray]) -> 
     recoil : [J] dissipated by viscosity after the split; 0 where no yarn fails
     """
     viscous, kinetic = energies["viscous"], energies["kinetic_projectile"]
-    split = int(np.argmax(cut_yarns > 0)) - 1  # the first sample has none: without a cut this is the last sample
+    split = (
+        int(np.argmax(cut_yarns > 0)) - 1
+    )  # the first sample has none: without a cut this is the last sample
     lost = max(kinetic[0] - kinetic[split], 1e-3 * kinetic[0])
     return float(viscous[split] / lost), float(viscous[-1] - viscous[split])
 
@@ -196,24 +263,34 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
 
     panel, const, shot = solver.panel, solver.const, solver.panel.projectile
     strike = solver.strike_energy
-    energies, cut_yarns = {name: solver.sample(name) for name in solver.energy_names}, solver.sample("cut_yarns")
+    energies, cut_yarns = (
+        {name: solver.sample(name) for name in solver.energy_names},
+        solver.sample("cut_yarns"),
+    )
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
     nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.cfl
-    given = max(float(np.max(-energies[name])) for name in ("contact", "ply_contact", "ply_guard") if name in energies)
+    given = max(
+        float(np.max(-energies[name]))
+        for name in ("contact", "ply_contact", "ply_guard")
+        if name in energies
+    )
     found = [
         indicator("time step", const.dt / bound),
         indicator("energy error", float(np.max(np.abs(energies["error"]))) / strike),
         indicator("energy gained in contact", max(given, 0.0) / strike),
         indicator("viscous energy", split_viscous(cut_yarns, energies)[0]),
-        indicator("formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed),
+        indicator(
+            "formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed
+        ),
         indicator("tension oscillation", solver.monitor.oscillation),
         indicator("nose penetration", depth / nose),
         indicator("contact point spacing", max(const.dx, const.dy) / const.points_per_side / nose),
         indicator("element side", max(panel.spacing) / shot.radius),
         indicator(
-            "element over failure length", float(cut_yarns[-1] > 0) * max(panel.spacing) / panel.fabric.failure_length
+            "element over failure length",
+            float(cut_yarns[-1] > 0) * max(panel.spacing) / panel.fabric.failure_length,
         ),
         indicator("yarns an element", float(panel.finest)),
         *_extrapolation(solver),
@@ -228,7 +305,11 @@ def _extrapolation(solver):
     peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
     table, found = solver.panel.table, []
     if not solver.panel.failure:
-        found.append(indicator("tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))))
+        found.append(
+            indicator(
+                "tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))
+            )
+        )
     else:  # the step in which a yarn fails may go beyond its strength, and no further
         peaks = np.minimum(peaks, [yarn.strength for yarn in solver.panel.weave.yarns])
     return (*found, *of_cell(table, peaks))
@@ -261,7 +342,9 @@ def _swelling(law, force, height):
     return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height if force + shift > 0 else 0.0
 
 
-def of_coupon(table: Any, tensions: Sequence[float], residual: float, tolerance: float) -> tuple[Indicator, ...]:
+def of_coupon(
+    table: Any, tensions: Sequence[float], residual: float, tolerance: float
+) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a quasi-static test.
 
     Parameters
@@ -271,7 +354,10 @@ def of_coupon(table: Any, tensions: Sequence[float], residual: float, tolerance:
     residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation was to reach
     """
     over = max(peak / float(table.values[T].max()) for peak, T in zip(tensions, _T))
-    found = (indicator("relaxation residual", residual / tolerance), indicator("tension over cell table", over))
+    found = (
+        indicator("relaxation residual", residual / tolerance),
+        indicator("tension over cell table", over),
+    )
     return (*found, *of_cell(table, tensions))
 
 

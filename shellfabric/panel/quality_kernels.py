@@ -4,7 +4,10 @@ from shellfabric.jit.compile import entry
 
 ALTERNATION, SQUARES, DEPTH = range(3)  # columns of quality.Monitor.found
 SAMPLED_YARNS = 4  # yarns of each family, from the impact point outwards, whose tension is sampled
-FRONT_NODES, MIN_NODES = 6, 8  # nodes of a wave front that are left out, and the least number of nodes behind it
+FRONT_NODES, MIN_NODES = (
+    6,
+    8,
+)  # nodes of a wave front that are left out, and the least number of nodes behind it
 LOADED_FRACTION = 0.02  # of the largest tension of a yarn: what the wave has reached
 
 

@@ -20,7 +20,10 @@ from typing import Any
 
 _SHEARED = 0.965  # of the form's bound, what taut fabric was seen to bear
 _TAUT = 0.5  # of the largest stiffness of the table, at rest
-_RING, _DAMPED = 0.63, 0.0025  # share of the step that follows a ring, and the viscosity that leaves none
+_RING, _DAMPED = (
+    0.63,
+    0.0025,
+)  # share of the step that follows a ring, and the viscosity that leaves none
 
 
 def share(table: Any, viscosity: float) -> float:

@@ -15,7 +15,10 @@ from shellfabric.panel.arrays import Constants, State
 from shellfabric.plies.frame_kernels import TALL, WIDE
 from shellfabric.plies.near_kernels import NEAR
 
-_PAIRS, _ENTRIES = 60, 20  # room for pairs of tiles, of a tile, and of facets, of a node, in the mean
+_PAIRS, _ENTRIES = (
+    60,
+    20,
+)  # room for pairs of tiles, of a tile, and of facets, of a node, in the mean
 
 PackContact = namedtuple(
     "PackContact",
@@ -28,7 +31,8 @@ PackContact = namedtuple(
     "node_step node_list root cluster count guard",
 )
 Stack = namedtuple(
-    "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity turns"
+    "Stack",
+    "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity turns",
 )
 # what does not follow from the plies, of a checkpoint
 KEPT = ["force", "window", "closest_a", "closest_b", "dropped", "energy", "work", "guard"]
@@ -37,9 +41,13 @@ by_reference(PackContact, Stack)
 
 
 def pack_contact(
-    consts: Sequence[Constants], states: Sequence[State], rest: Sequence[FloatArray], thicknesses: Sequence[float],
-    turns: FloatArray, **of_points: Any,
-) -> PackContact:  # fmt: skip
+    consts: Sequence[Constants],
+    states: Sequence[State],
+    rest: Sequence[FloatArray],
+    thicknesses: Sequence[float],
+    turns: FloatArray,
+    **of_points: Any,
+) -> PackContact:
     """The contact between plies at rest.
 
     Parameters
@@ -79,7 +87,9 @@ def pack_contact(
         guard_window=none,
         thickness=np.array(thicknesses),
         thickest=float(max(thicknesses)),
-        longest=max(float(np.linalg.norm(nodes[1:, 1:] - nodes[:-1, :-1], axis=-1).max()) for nodes in rest),
+        longest=max(
+            float(np.linalg.norm(nodes[1:, 1:] - nodes[:-1, :-1], axis=-1).max()) for nodes in rest
+        ),
         has_planes=bool(consts[0].mirror_x or consts[0].mirror_y),
         tile_ply=np.repeat(np.arange(plies), np.diff(first)),
         first_tile=first,
@@ -122,7 +132,9 @@ def _grids(consts, states, rest, shape, slots, base):
             if mirrored:
                 lines[0] = lines[2] * np.where(np.arange(3) == axis, -1, 1)
         x[:, p * slots :][:, : grid[..., 0].size] = grid.reshape(-1, 3).T
-        numbers = base[p] + np.add.outer(np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride))
+        numbers = base[p] + np.add.outer(
+            np.arange(const.ni + 1) * shape[p, 0], np.arange(const.row_stride)
+        )
         kick[numbers] = state.dt_over_mass[: numbers.size].reshape(numbers.shape)
         mirror[numbers[0]] |= np.uint8(const.mirror_x)
         mirror[numbers[:, 0]] |= np.uint8(2 * const.mirror_y)

@@ -12,7 +12,16 @@ the nodes that they follow from. A turn is (c, s), cosine and sine of the angle 
 
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.jit.compile import kernel
-from shellfabric.jit.simd import WIDTH, broadcast, fma, head_mask, load, masked_store, reduce_add, where
+from shellfabric.jit.simd import (
+    WIDTH,
+    broadcast,
+    fma,
+    head_mask,
+    load,
+    masked_store,
+    reduce_add,
+    where,
+)
 from shellfabric.panel.motion_kernels import FAILURES
 
 STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of contact.shape
@@ -41,7 +50,11 @@ def place(state, const, contact, p):
     first, last = state.active_rows[0], state.active_rows[1]
     for i in range(first, last + 1):
         for j in range(0, width, WIDTH):
-            k, g, left = i * width + j, contact.base[p] + i * contact.shape[p, STRIDE] + j, width - j
+            k, g, left = (
+                i * width + j,
+                contact.base[p] + i * contact.shape[p, STRIDE] + j,
+                width - j,
+            )
             u_x, u_y = load(state.u[0], k), load(state.u[1], k)
             v_x, v_y = load(state.v[0], k), load(state.v[1], k)
             masked_store(x[0], g, load(rest[0], g) + (c * u_x - s * u_y), left)
@@ -69,7 +82,9 @@ def place_ghosts(contact, x, p, first, last):
             x[c, g + nj + 1] = 2.0 * x[c, g + nj] - x[c, g + nj - 1]
         if first <= 1:
             for g in range(base - 1, base + nj + 2):
-                x[c, g - stride] = ghost(contact.shape[p, MIRROR_X], c == 0, x[c, g], x[c, g + stride])
+                x[c, g - stride] = ghost(
+                    contact.shape[p, MIRROR_X], c == 0, x[c, g], x[c, g + stride]
+                )
         if last >= ni - 1:
             for g in range(base + ni * stride - 1, base + ni * stride + nj + 2):
                 x[c, g + stride] = 2.0 * x[c, g] - x[c, g - stride]
@@ -95,11 +110,15 @@ def look_at_torn(state, const, contact, p):
             if flag == 0:
                 continue
             g, stride = contact.base[p] + i * contact.shape[p, STRIDE] + j, contact.shape[p, STRIDE]
-            contact.torn[g] = contact.torn[g + 1] = contact.torn[g + stride] = contact.torn[g + stride + 1] = 1
+            contact.torn[g] = contact.torn[g + 1] = contact.torn[g + stride] = contact.torn[
+                g + stride + 1
+            ] = 1
             cut = warp[k] + warp[k + 1] == 0.0 or weft[k] + weft[k + s] == 0.0
             if contact.dropped[g] or cut or flag & ERODED or is_drawn_out(contact, g, stride):
                 contact.dropped[g] = 1
-                contact.holes[contact.first_tile[p] + i // TALL * contact.tiles_across[p] + j // WIDE] = 1
+                contact.holes[
+                    contact.first_tile[p] + i // TALL * contact.tiles_across[p] + j // WIDE
+                ] = 1
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -168,11 +187,20 @@ def take_from_ghost(f, g, inwards, mirrored, normal):
 def take_from_nodes(contact, p, side):
     """Move the forces on the nodes of a grid to the nodal forces of the ply."""
     f, force, window = contact.f[p, side], contact.force[p, side], contact.grid_window[p, side]
-    c, s, width, stride = contact.turns[p, 0], contact.turns[p, 1], contact.shape[p, NJ] + 1, contact.shape[p, STRIDE]
+    c, s, width, stride = (
+        contact.turns[p, 0],
+        contact.turns[p, 1],
+        contact.shape[p, NJ] + 1,
+        contact.shape[p, STRIDE],
+    )
     none = broadcast(0.0)
     for i in range(window[0], window[1]):
         for j in range(window[2], window[3], WIDTH):
-            k, g, left = i * width + j, contact.base[p] - p * contact.slots + i * stride + j, window[3] - j
+            k, g, left = (
+                i * width + j,
+                contact.base[p] - p * contact.slots + i * stride + j,
+                window[3] - j,
+            )
             f_x, f_y = load(f[0], g), load(f[1], g)
             masked_store(force[0], k, c * f_x + s * f_y, left)
             masked_store(force[1], k, c * f_y - s * f_x, left)

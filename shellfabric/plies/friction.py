@@ -35,7 +35,9 @@ def check(friction: float, cfl: float) -> None:
     if not 0 <= friction < inf:
         raise InputError(key="ply_friction", value=friction, allowed="at least 0")
     if friction > 0 and cfl > MAX_CFL:
-        raise InputError(key="cfl", value=cfl, allowed=f"at most {MAX_CFL} with friction between plies")
+        raise InputError(
+            key="cfl", value=cfl, allowed=f"at most {MAX_CFL} with friction between plies"
+        )
 
 
 def stick_damping(cfl: float, mass: float, step: float) -> float:

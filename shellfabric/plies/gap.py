@@ -60,8 +60,14 @@ def ply_gap(fabric: Fabric, law: PlyLaw | None = None) -> PlyGap:
 def gap_between(front: Fabric, rear: Fabric) -> PlyGap:
     """The gap between plies of two fabrics with their own contact laws: the mean of both."""
     one, other = (ply_gap(fabric, PlyLaw.of(fabric)) for fabric in (front, rear))
-    value, low, high = (0.5 * (getattr(one, key) + getattr(other, key)) for key in ("value", "low", "high"))
-    source = one.source if one.source == other.source else f"mean of two fabrics: {one.source}; {other.source}"
+    value, low, high = (
+        0.5 * (getattr(one, key) + getattr(other, key)) for key in ("value", "low", "high")
+    )
+    source = (
+        one.source
+        if one.source == other.source
+        else f"mean of two fabrics: {one.source}; {other.source}"
+    )
     return PlyGap(value, low, high, source)
 
 
@@ -71,7 +77,9 @@ def _closure(fabric):
     if fabric.interlayer_gap is not None:
         gap = fabric.interlayer_gap
         source = fabric.sources.get("interlayer_gap", {}).get("source", "")
-        return PlyGap(gap, gap, gap, f"of the fabric file ({source})" if source else "of the fabric")
+        return PlyGap(
+            gap, gap, gap, f"of the fabric file ({source})" if source else "of the fabric"
+        )
     try:
         if fabric.areal_density_measured is not None:
             gap = compression_gap(fabric.areal_density_measured)
@@ -81,4 +89,6 @@ def _closure(fabric):
         pass
     thickness = fabric.weave.thickness if fabric.thickness is None else fabric.thickness
     gap, low, high = (share * thickness for share in (one.value, one.low, one.high))
-    return PlyGap(gap, low, high, f"assumed: {one.value:g} of the thickness {1e3 * thickness:.3g} mm")
+    return PlyGap(
+        gap, low, high, f"assumed: {one.value:g} of the thickness {1e3 * thickness:.3g} mm"
+    )

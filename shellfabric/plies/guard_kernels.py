@@ -22,7 +22,10 @@ from shellfabric.jit.compile import kernel
 
 PLANE_X, PLANE_Y = -1, -2
 SWEEPS = 30
-KEPT, NEAREST = 0.2, 0.05  # share of the distance that stays, thicknesses within which all of it does
+KEPT, NEAREST = (
+    0.2,
+    0.05,
+)  # share of the distance that stays, thicknesses within which all of it does
 _SLACK = 1e-3  # share of the distance by which a row may be missed
 _MASS, _MOMENTUM, _FIXED = 0, 1, 4  # of the sums of a cluster
 
@@ -54,7 +57,11 @@ def mobility(contact, k, n):
     """[s/kg] way along n that an impulse along n makes of a node in a step; 0 of one that is held."""
     if k < 0:
         return 0.0
-    free = 1.0 - (n[0] * n[0] if contact.mirror[k] & 1 else 0.0) - (n[1] * n[1] if contact.mirror[k] & 2 else 0.0)
+    free = (
+        1.0
+        - (n[0] * n[0] if contact.mirror[k] & 1 else 0.0)
+        - (n[1] * n[1] if contact.mirror[k] & 2 else 0.0)
+    )
     return contact.kick[k] * max(free, 0.0)
 
 
@@ -115,13 +122,18 @@ def join_violated(contact, rows):
     found = False
     for row in range(rows):
         nodes = contact.row_nodes[row]
-        if worst(contact.y, nodes, contact.row_normal[row])[0] >= (1.0 - 2.0 * _SLACK) * contact.row_need[row]:
+        if (
+            worst(contact.y, nodes, contact.row_normal[row])[0]
+            >= (1.0 - 2.0 * _SLACK) * contact.row_need[row]
+        ):
             continue
         found = True
         first = root_of(contact, nodes[3])
         for i in range(6):
             if nodes[i] < 0:  # what would go through a plane of symmetry keeps to it from then on
-                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | (1 if nodes[i] == PLANE_X else 2)
+                contact.cluster[first, _FIXED] = int(contact.cluster[first, _FIXED]) | (
+                    1 if nodes[i] == PLANE_X else 2
+                )
                 continue
             other = root_of(contact, nodes[i])
             if other != first:
@@ -146,7 +158,9 @@ def move_clusters(contact, nodes):
             continue
         contact.cluster[r, _MASS] += 1.0 / contact.kick[k]
         for c in range(3):
-            contact.cluster[r, _MOMENTUM + c] += (contact.y[c, k] - contact.x[c, k]) / contact.kick[k]
+            contact.cluster[r, _MOMENTUM + c] += (contact.y[c, k] - contact.x[c, k]) / contact.kick[
+                k
+            ]
     for m in range(nodes):
         k = contact.node_list[m]
         r = root_of(contact, k)

@@ -31,7 +31,9 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     """
     counts, backing = [ply.elements for ply in plies], plies[0].backing
     larger = len(plies) > 1 or isinstance(plies[0], SlidingPanel)
-    run = sum(counts) * (LARGER if larger else ELEMENT) + (BRICK * prod(backing.count) if backing else 0.0)
+    run = sum(counts) * (LARGER if larger else ELEMENT) + (
+        BRICK * prod(backing.count) if backing else 0.0
+    )
     return max(run, WRITTEN * max(counts) if written else 0.0) + SNAPSHOT * snapshots * sum(counts)
 
 

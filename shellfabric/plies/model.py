@@ -71,33 +71,54 @@ class Pack:
         if not self.plies:
             raise InputError(key="plies", value=0, allowed="at least 1")
         if len(self.gaps) != len(self.plies) - 1:
-            raise InputError(key="gaps", value=len(self.gaps), allowed=f"{len(self.plies) - 1} of them")
+            raise InputError(
+                key="gaps", value=len(self.gaps), allowed=f"{len(self.plies) - 1} of them"
+            )
         for gap in self.gaps:
             if not 0 <= gap < inf:
                 raise InputError(key="ply_gap", value=gap, allowed="at least 0")
         if not self.laws:
-            own = {id(ply): PlyLaw.of(ply.fabric) for ply in self.plies[: len(self.plies) if self.gaps else 0]}
+            own = {
+                id(ply): PlyLaw.of(ply.fabric)
+                for ply in self.plies[: len(self.plies) if self.gaps else 0]
+            }
             laws = tuple(own[id(a)].between(own[id(b)]) for a, b in zip(self.plies, self.plies[1:]))
             object.__setattr__(self, "laws", laws)
         if len(self.laws) != len(self.gaps):
-            raise InputError(key="laws", value=len(self.laws), allowed=f"{len(self.gaps)} of them, or none")
+            raise InputError(
+                key="laws", value=len(self.laws), allowed=f"{len(self.gaps)} of them, or none"
+            )
         first = self.plies[0]
         for key in ("symmetry", "projectile", "opening", "round", "impact_point"):
             if any(getattr(ply, key) != getattr(first, key) for ply in self.plies):
                 raise InputError(f"the plies of a pack must have one {key}")
         if any(ply.grading != first.grading for ply in self.plies):
             raise InputError("the plies of a pack must have one grading")
-        if len({ply.table.model.form for ply in self.plies}) > 1 or len({ply.trellis for ply in self.plies}) > 1:
+        if (
+            len({ply.table.model.form for ply in self.plies}) > 1
+            or len({ply.trellis for ply in self.plies}) > 1
+        ):
             raise InputError("the plies of a pack must have cells of one form")
         if len({isinstance(ply, SlidingPanel) for ply in self.plies}) > 1:
-            raise InputError(key="crossovers", value="sliding", allowed="sliding in all plies of a pack, or in none")
+            raise InputError(
+                key="crossovers",
+                value="sliding",
+                allowed="sliding in all plies of a pack, or in none",
+            )
         friction.check(self.friction, first.numerics.cfl)
 
     @classmethod
     def stacked(
-        cls, ply: Panel, plies: int, *, stacking: str = "aligned", gap: float | None = None,
-        contact: PlyContact | None = None, friction: float = 0.0, law: PlyLaw | None = None,
-    ) -> Pack:  # fmt: skip
+        cls,
+        ply: Panel,
+        plies: int,
+        *,
+        stacking: str = "aligned",
+        gap: float | None = None,
+        contact: PlyContact | None = None,
+        friction: float = 0.0,
+        law: PlyLaw | None = None,
+    ) -> Pack:
         """A pack of one fabric.
 
         Parameters
@@ -127,9 +148,13 @@ class Pack:
 
     @classmethod
     def laid_up(
-        cls, plies: Sequence[tuple[Panel, float]], *, gaps: Sequence[float | None], contact: PlyContact | None = None,
+        cls,
+        plies: Sequence[tuple[Panel, float]],
+        *,
+        gaps: Sequence[float | None],
+        contact: PlyContact | None = None,
         friction: float = 0.0,
-    ) -> Pack:  # fmt: skip
+    ) -> Pack:
         """A pack of any plies.
 
         Parameters
@@ -150,7 +175,12 @@ class Pack:
             gap_between(front.fabric, rear.fabric).value if gap is None else gap
             for gap, (front, _), (rear, _) in zip(gaps, plies, plies[1:])
         )
-        return cls(tuple(made[id(panel), angle] for panel, angle in plies), chosen, contact or PlyContact(), friction)
+        return cls(
+            tuple(made[id(panel), angle] for panel, angle in plies),
+            chosen,
+            contact or PlyContact(),
+            friction,
+        )
 
     @classmethod
     def of(cls, target: Panel | Pack) -> Pack:
@@ -181,7 +211,10 @@ class Pack:
     @cached_property
     def time_step(self) -> float:
         """[s] the shortest of the plies' steps and of those of their contact (`PlyContact`)."""
-        steps = [self.contact.courant * (self._density(p) / self._steepest(p)) ** 0.5 for p in range(len(self.laws))]
+        steps = [
+            self.contact.courant * (self._density(p) / self._steepest(p)) ** 0.5
+            for p in range(len(self.laws))
+        ]
         return min(*(ply.time_step for ply in self.plies), *steps, inf)
 
     def _density(self, p):
@@ -229,11 +262,15 @@ class Pack:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
         count, shot = len(self.plies), self.plies[0].shot
         stack = Stack(
-            awake=np.zeros(count, np.bool_), waits_for_plies=np.zeros(count, np.bool_), counter=np.zeros(3, np.int64),
-            projectile_position=np.zeros((count, 3)), f_contact_nose=np.zeros((count, 3)),
-            ply_counters=np.tile([AT_REST, 0, 0], (count, 1)), projectile_velocity=strike_velocity * shot.flight,
+            awake=np.zeros(count, np.bool_),
+            waits_for_plies=np.zeros(count, np.bool_),
+            counter=np.zeros(3, np.int64),
+            projectile_position=np.zeros((count, 3)),
+            f_contact_nose=np.zeros((count, 3)),
+            ply_counters=np.tile([AT_REST, 0, 0], (count, 1)),
+            projectile_velocity=strike_velocity * shot.flight,
             turns=self.turns,
-        )  # fmt: skip
+        )
         states = []
         for p, ply in enumerate(self.plies):
             state = self._in_step(ply).state(strike_velocity)
@@ -246,11 +283,15 @@ class Pack:
                     projectile_position=stack.projectile_position[p],
                     f_contact_nose=stack.f_contact_nose[p],
                     counter=stack.ply_counters[p],
-                    projectile_velocity=stack.projectile_velocity if p == 0 else state.projectile_velocity,
+                    projectile_velocity=stack.projectile_velocity
+                    if p == 0
+                    else state.projectile_velocity,
                     **self._foreseen(state.mass.size),
                 )
             )
-            states[p] = states[p]._replace(**{name: getattr(states[0], name) for name in dynamics.STATE})
+            states[p] = states[p]._replace(
+                **{name: getattr(states[0], name) for name in dynamics.STATE}
+            )
         return tuple(states), stack
 
     def works(self) -> tuple[Work, ...]:
@@ -264,7 +305,11 @@ class Pack:
 
     def slips(self, states: Sequence[State]) -> tuple[Slip, ...]:
         """(plies,) slip of sliding crossovers, at rest; empty of pinned ones."""
-        return tuple(ply.slip(state) for ply, state in zip(self.plies, states) if isinstance(ply, SlidingPanel))
+        return tuple(
+            ply.slip(state)
+            for ply, state in zip(self.plies, states)
+            if isinstance(ply, SlidingPanel)
+        )
 
     def plies_contact(self, consts: Sequence[Constants], states: Sequence[State]) -> PackContact:
         """The contact between the plies, at rest."""
@@ -278,17 +323,31 @@ class Pack:
         smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
         densities = [self._density(p) for p in range(len(self.gaps))]
         laws, law_step = law_tables(self.laws, smallest, densities, knobs)
-        feet = [np.concatenate([np.ravel(at[axis]) for at in places] + [np.zeros(WIDTH)]) for axis in (0, 1)]
+        feet = [
+            np.concatenate([np.ravel(at[axis]) for at in places] + [np.zeros(WIDTH)])
+            for axis in (0, 1)
+        ]
         first = lambda counts: np.concatenate([[0], np.cumsum(counts)])  # noqa: E731
         return pack_contact(
-            consts, states, rest, [ply.weave.thickness for ply in self.plies], self.turns,
-            points=points, first_point=first([at[0].size for at in places]), closest_a=feet[0], closest_b=feet[1],
+            consts,
+            states,
+            rest,
+            [ply.weave.thickness for ply in self.plies],
+            self.turns,
+            points=points,
+            first_point=first([at[0].size for at in places]),
+            closest_a=feet[0],
+            closest_b=feet[1],
             first_element=first([area.size for area in areas]),
             area=np.concatenate([np.ravel(area) for area in areas] + [np.zeros(WIDTH)]),
-            laws=laws, law_step=law_step, friction=float(self.friction),
-            stick_damping=np.array([self._stick_damping(d * a) for d, a in zip(densities, smallest)]),
+            laws=laws,
+            law_step=law_step,
+            friction=float(self.friction),
+            stick_damping=np.array(
+                [self._stick_damping(d * a) for d, a in zip(densities, smallest)]
+            ),
             side_by_side=np.array([abs(a - b) < 1e-12 for a, b in pairwise(self.angles)]),
-        )  # fmt: skip
+        )
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
@@ -303,7 +362,9 @@ class Pack:
         slides through the nodes."""
         sliding = [ply for ply in self.plies if isinstance(ply, SlidingPanel)]
         mass *= min((min(ply.own_masses) for ply in sliding if not ply.friction.pins), default=1.0)
-        return friction.stick_damping(self._in_step(self.plies[0]).numerics.cfl, mass, self.time_step)
+        return friction.stick_damping(
+            self._in_step(self.plies[0]).numerics.cfl, mass, self.time_step
+        )
 
     def _first_places(self, p):
         """(along, across) [elements], each (ni, points, points, nj): where the points of ply p lie on the next at rest.
@@ -314,11 +375,16 @@ class Pack:
         front, rear, n = self.plies[p], self.plies[p + 1], self.contact.points
         sub = (np.arange(n) + 0.5) / n
         along, across = (np.arange(count)[:, None] + sub for count in front.counts)
-        lines = [np.interp(at, np.arange(line.size), line) for at, line in zip((along, across), front.lines())]
+        lines = [
+            np.interp(at, np.arange(line.size), line)
+            for at, line in zip((along, across), front.lines())
+        ]
         x, y = np.broadcast_arrays(lines[0][:, :, None, None], lines[1].T[None, None])
         angle = self.angles[p + 1] - self.angles[p]
         x, y = cos(angle) * x + sin(angle) * y, cos(angle) * y - sin(angle) * x
-        return tuple(np.interp(at, line, np.arange(line.size)) for at, line in zip((x, y), rear.lines()))
+        return tuple(
+            np.interp(at, line, np.arange(line.size)) for at, line in zip((x, y), rear.lines())
+        )
 
     def _areas(self, p, places):
         """(ni, nj) [-] areas that the points of an element of ply p stand for, over that of its smallest: its own, or
@@ -328,14 +394,24 @@ class Pack:
         places : of `_first_places`
         """
         front, rear = self.plies[p : p + 2]
-        own, other = (np.multiply.outer(*(np.diff(line) for line in ply.lines())) for ply in (front, rear))
-        if own.shape == other.shape and np.array_equal(own, other) and self.angles[p] == self.angles[p + 1]:
+        own, other = (
+            np.multiply.outer(*(np.diff(line) for line in ply.lines())) for ply in (front, rear)
+        )
+        if (
+            own.shape == other.shape
+            and np.array_equal(own, other)
+            and self.angles[p] == self.angles[p + 1]
+        ):
             return own / np.prod(front.spacing)
         wide = np.pad(other, 1, mode="edge")
         (m, n), shifts = other.shape, [(a, b) for a in range(3) for b in range(3)]
         least = np.min([wide[a : a + m, b : b + n] for a, b in shifts], axis=0)
-        at = np.minimum(places.astype(np.int64), np.array(other.shape)[:, None, None, None, None] - 1)
-        return np.minimum(own, self.contact.points**2 * least[at[0], at[1]].min(axis=(1, 2))) / np.prod(front.spacing)
+        at = np.minimum(
+            places.astype(np.int64), np.array(other.shape)[:, None, None, None, None] - 1
+        )
+        return np.minimum(
+            own, self.contact.points**2 * least[at[0], at[1]].min(axis=(1, 2))
+        ) / np.prod(front.spacing)
 
 
 def _slower(ply, step):
@@ -352,16 +428,29 @@ def turned(panel: Panel) -> Panel:
     InputError : an oblique weave, or a cell that comes from a response surface
     """
     if panel.weave_angle:
-        raise InputError(key="stacking", value="alternating", allowed="aligned where the weave is oblique")
+        raise InputError(
+            key="stacking", value="alternating", allowed="aligned where the weave is oblique"
+        )
     model = panel.table.model
     if not isinstance(model, CellModel):
-        raise InputError(key="stacking", value="alternating", allowed="aligned where the cell is a response surface")
-    model = replace(model, fabric=rotated_90(model.fabric), laws=model.laws and model.laws[::-1], toe=model.toes[::-1])
+        raise InputError(
+            key="stacking",
+            value="alternating",
+            allowed="aligned where the cell is a response surface",
+        )
+    model = replace(
+        model,
+        fabric=rotated_90(model.fabric),
+        laws=model.laws and model.laws[::-1],
+        toe=model.toes[::-1],
+    )
     factors = panel.strength_factors
     return replace(
-        panel, table=CellTable.fill(model, panel.table.stretch1.size), bending=panel.bending[::-1],
+        panel,
+        table=CellTable.fill(model, panel.table.stretch1.size),
+        bending=panel.bending[::-1],
         strength_factors=factors and factors[::-1],
-    )  # fmt: skip
+    )
 
 
 def at_angle(panel: Panel, angle: float) -> Panel:

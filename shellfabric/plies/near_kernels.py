@@ -87,7 +87,10 @@ def list_tiles(contact):
             b = order[m]
             if contact.box[b, 0] > contact.box[a, 3] + reach:
                 break
-            if contact.tile_ply[a] != contact.tile_ply[b] and boxes_apart(contact.box[a], contact.box[b]) <= reach:
+            if (
+                contact.tile_ply[a] != contact.tile_ply[b]
+                and boxes_apart(contact.box[a], contact.box[b]) <= reach
+            ):
                 if found == contact.pair_due.size:
                     contact.guard[FAILED] = NO_ROOM
                     break
@@ -102,7 +105,9 @@ def list_tiles(contact):
 @kernel(_nrt=False, forceinline=True)
 def guarded_distance(contact, a, b):
     """[m] within which facets of two tiles have to stay on their sides: they could meet in the coming step."""
-    thickness = 0.5 * (contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]])
+    thickness = 0.5 * (
+        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
+    )
     return max(NEAR * thickness, _FASTER * (contact.way[a] + contact.way[b]))
 
 
@@ -157,7 +162,13 @@ def tiles_apart(contact, a, b):
 def list_facets(contact, state, t, side):
     """The facets of a tile, into contact.facets[side]; their number."""
     p, i0, i1, j0, j1 = tile_bounds(contact, t)
-    s, ni, nj, first, found = contact.shape[p, STRIDE], contact.shape[p, NI], contact.shape[p, NJ], contact.base[p], 0
+    s, ni, nj, first, found = (
+        contact.shape[p, STRIDE],
+        contact.shape[p, NI],
+        contact.shape[p, NJ],
+        contact.base[p],
+        0,
+    )
     for i in range(i0, i1):
         for j in range(j0, j1):
             g = first + i * s + j
@@ -194,7 +205,9 @@ def add_facet(contact, side, found, a, b, c):
 def list_near_facets(contact, m, first, second):
     """List the pairs within reach of `first` and `second` facets of pair of tiles m, with when they can be near."""
     a, b = contact.pair_tiles[m]
-    thickness = 0.5 * (contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]])
+    thickness = 0.5 * (
+        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
+    )
     limit, found = guarded_distance(contact, a, b), contact.count[ENTRIES]
     reach = limit + _REACH * thickness
     contact.pair_due[m] = contact.travel[a] + contact.travel[b] + _REACH * thickness
@@ -239,7 +252,9 @@ def add_row(contact, nodes, n, distance, thickness):
 def look_at_entry(contact, e):
     """A row of the guard of pair of facets e, where they are near; else when they can be."""
     a, b = contact.pair_tiles[contact.entry_pair[e]]
-    thickness = 0.5 * (contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]])
+    thickness = 0.5 * (
+        contact.thickness[contact.tile_ply[a]] + contact.thickness[contact.tile_ply[b]]
+    )
     nodes, limit = contact.entry_nodes[e], guarded_distance(contact, a, b)
     apart = lower_bound(contact.x, nodes)
     if apart <= limit:
@@ -285,7 +300,9 @@ def list_pressed(contact):
     torn = list_neighbours(contact, contact.count[STEP])
     for m in range(contact.count[PAIRS] if torn else 0):
         front, rear = ordered(contact, m)
-        if contact.tile_ply[rear] > contact.tile_ply[front] + 1 and may_touch(contact, m, front, rear):
+        if contact.tile_ply[rear] > contact.tile_ply[front] + 1 and may_touch(
+            contact, m, front, rear
+        ):
             add_pressed(contact, front, rear)
 
 
@@ -302,12 +319,18 @@ def list_neighbours(contact, now):
         if contact.holes[rear]:
             contact.open[front], torn = now, True
         apart = contact.pair_seen[m] + contact.clearance[front]
-        if contact.looked_at[front] != now and contact.travel[front] + contact.travel[rear] >= apart:
+        if (
+            contact.looked_at[front] != now
+            and contact.travel[front] + contact.travel[rear] >= apart
+        ):
             contact.looked_at[front] = now
             add_pressed(contact, front, rear)
     for m in range(contact.count[PAIRS]):
         front, rear = ordered(contact, m)
-        if contact.looked_at[front] == now and contact.tile_ply[rear] == contact.tile_ply[front] + 1:
+        if (
+            contact.looked_at[front] == now
+            and contact.tile_ply[rear] == contact.tile_ply[front] + 1
+        ):
             contact.pair_seen[m] = contact.travel[front] + contact.travel[rear]
     return torn
 
@@ -341,7 +364,9 @@ def may_touch(contact, m, front, rear):
         return False
     refresh_box(contact, front)
     refresh_box(contact, rear)
-    thickness = 0.5 * (contact.thickness[contact.tile_ply[front]] + contact.thickness[contact.tile_ply[rear]])
+    thickness = 0.5 * (
+        contact.thickness[contact.tile_ply[front]] + contact.thickness[contact.tile_ply[rear]]
+    )
     apart = tiles_apart(contact, front, rear)
     contact.pair_seen[m] = travel + max(apart - thickness, 0.0)
     return apart <= thickness

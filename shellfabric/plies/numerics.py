@@ -74,5 +74,7 @@ def law_tables(
         at = np.linspace(0.0, law.travel, cells + 1)
         slope = np.append(np.diff(scaled.pressure_at(at)) / np.diff(at), scaled.stiffness)
         damping = contact.damping * np.sqrt(slope * density)
-        table[:] = area * np.stack([scaled.pressure_at(at), slope, damping, scaled.energy_at(at)], axis=1)
+        table[:] = area * np.stack(
+            [scaled.pressure_at(at), slope, damping, scaled.energy_at(at)], axis=1
+        )
     return tables, np.array([law.travel / cells for law in laws])

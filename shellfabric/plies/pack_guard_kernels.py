@@ -72,7 +72,10 @@ def follow(state, const, contact, p):
     s, across = const.row_stride, contact.tiles_across[p]
     down, speed = (const.ni + near.TALL - 1) // near.TALL, contact.block_speed[p]
     for i in range(down + 1):
-        begin, end = max(i * near.TALL, state.active_rows[0]), min((i + 1) * near.TALL, state.active_rows[1] + 1)
+        begin, end = (
+            max(i * near.TALL, state.active_rows[0]),
+            min((i + 1) * near.TALL, state.active_rows[1] + 1),
+        )
         for j in range(across + 1):
             square, own = broadcast(0.0), head_mask(s - j * near.WIDE)
             for row in range(begin, end if j * near.WIDE < s else begin):
@@ -83,7 +86,9 @@ def follow(state, const, contact, p):
     for i in range(down):
         for j in range(across):
             b = i * (across + 1) + j
-            square = max(max(speed[b], speed[b + 1]), max(speed[b + across + 1], speed[b + across + 2]))
+            square = max(
+                max(speed[b], speed[b + 1]), max(speed[b + across + 1], speed[b + across + 2])
+            )
             t = contact.first_tile[p] + i * across + j
             contact.way[t] = const.dt * math.sqrt(square)
             contact.travel[t] += contact.way[t]
@@ -104,7 +109,9 @@ def look_at_tiles(states, contact):
             contact.pair_due[m] = contact.travel[a] + contact.travel[b] + apart - limit
         else:
             first = near.list_facets(contact, borrowed_item(states, p), a, 0)
-            near.list_near_facets(contact, m, first, near.list_facets(contact, borrowed_item(states, q), b, 1))
+            near.list_near_facets(
+                contact, m, first, near.list_facets(contact, borrowed_item(states, q), b, 1)
+            )
     for t in range(contact.travel.size if contact.has_planes else 0):
         if contact.plane_due[t] <= contact.travel[t] + contact.way[t]:
             near.look_at_planes(contact, t)
@@ -152,7 +159,11 @@ def predict(states, consts, contact):
                 contact.count[near.NODES] += 1
                 p = g // contact.slots
                 v = next_velocity(
-                    borrowed_item(states, p), borrowed_item(consts, p), contact, p, own_number(contact, g)
+                    borrowed_item(states, p),
+                    borrowed_item(consts, p),
+                    contact,
+                    p,
+                    own_number(contact, g),
                 )
                 v_x, v_y = turned_back(contact.turns[p], v[0], v[1])
                 for c, speed in enumerate((v_x, v_y, v[2])):
@@ -201,6 +212,10 @@ def give_forces(contact):
         )
         if x != 0.0 or y != 0.0 or z != 0.0:
             f_x, f_y = turned(contact.turns[p], x, y)
-            contact.guard_force[p, 0, k], contact.guard_force[p, 1, k], contact.guard_force[p, 2, k] = f_x, f_y, z
+            (
+                contact.guard_force[p, 0, k],
+                contact.guard_force[p, 1, k],
+                contact.guard_force[p, 2, k],
+            ) = f_x, f_y, z
             i, j = divmod(k, contact.shape[p, NJ] + 1)
             extend_window(contact.guard_window[p], i, i + 1, j, j + 1)

@@ -46,7 +46,16 @@ from shellfabric.jit.simd import (
     sqrt,
     where,
 )
-from shellfabric.plies.frame_kernels import BEFORE, BEHIND, MIRROR_X, MIRROR_Y, NI, NJ, STRIDE, extend_window
+from shellfabric.plies.frame_kernels import (
+    BEFORE,
+    BEHIND,
+    MIRROR_X,
+    MIRROR_Y,
+    NI,
+    NJ,
+    STRIDE,
+    extend_window,
+)
 from shellfabric.plies.law_kernels import law_at, law_at8
 from shellfabric.plies.near_kernels import PRESSED, tile_bounds
 from shellfabric.plies.separation_kernels import cross, difference, dot
@@ -139,7 +148,10 @@ def press_through_hole(contact, tile, other, p, q):
                     )
                     if dot(u, u) >= nearest or contact.dropped[k]:
                         continue
-                    if max(height_over(contact, g, s, k, S), height_over(contact, k, S, g, s)) <= thickness:
+                    if (
+                        max(height_over(contact, g, s, k, S), height_over(contact, k, S, g, s))
+                        <= thickness
+                    ):
                         nearest, a, b = dot(u, u), m + 0.5, n + 0.5
             for m in range(points if nearest < reach else 0):
                 press_point(contact, p, q, i * points + m, j, a, b, other)
@@ -185,7 +197,11 @@ def newton_step(w, slopes, second, thickness):
     apart = dot(w, w) * square - (bb * r_a * r_a - 2.0 * (ab * r_a * r_b) + aa * r_b * r_b)
     near = thickness * thickness * square > apart
     if near:
-        curved_aa, curved_ab, curved_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
+        curved_aa, curved_ab, curved_bb = (
+            aa - dot(w, second[0]),
+            ab - dot(w, second[1]),
+            bb - dot(w, second[2]),
+        )
         curved = curved_aa * curved_bb - curved_ab * curved_ab
         if curved > 0.1 * square and curved_aa > 0.0:
             aa, ab, bb, square = curved_aa, curved_ab, curved_bb, curved
@@ -211,9 +227,15 @@ def offset_after(w, slopes, second, a, b):
     """Offset w of a point [m] from the surface after a step of its closest point by (a, b), to second order."""
     (y_a, y_b), (y_aa, y_ab, y_bb) = slopes, second
     return (
-        w[0] - (y_a[0] + 0.5 * (a * y_aa[0] + b * y_ab[0])) * a - (y_b[0] + 0.5 * (a * y_ab[0] + b * y_bb[0])) * b,
-        w[1] - (y_a[1] + 0.5 * (a * y_aa[1] + b * y_ab[1])) * a - (y_b[1] + 0.5 * (a * y_ab[1] + b * y_bb[1])) * b,
-        w[2] - (y_a[2] + 0.5 * (a * y_aa[2] + b * y_ab[2])) * a - (y_b[2] + 0.5 * (a * y_ab[2] + b * y_bb[2])) * b,
+        w[0]
+        - (y_a[0] + 0.5 * (a * y_aa[0] + b * y_ab[0])) * a
+        - (y_b[0] + 0.5 * (a * y_ab[0] + b * y_bb[0])) * b,
+        w[1]
+        - (y_a[1] + 0.5 * (a * y_aa[1] + b * y_ab[1])) * a
+        - (y_b[1] + 0.5 * (a * y_ab[1] + b * y_bb[1])) * b,
+        w[2]
+        - (y_a[2] + 0.5 * (a * y_aa[2] + b * y_ab[2])) * a
+        - (y_b[2] + 0.5 * (a * y_ab[2] + b * y_bb[2])) * b,
     )
 
 
@@ -262,13 +284,18 @@ def closest_point(contact, q, x, a, b, thickness):
         J, zb, db, cb = weights_at(torn, b, contact.shape[q, NJ])
         K = contact.base[q] + I * S + J
         y, y_a = vector_at(contact.x, K, S, za, zb), vector_at(contact.x, K, S, da, zb)
-        w, slopes = (x[0] - y[0], x[1] - y[1], x[2] - y[2]), (y_a, vector_at(contact.x, K, S, za, db))
+        w, slopes = (
+            (x[0] - y[0], x[1] - y[1], x[2] - y[2]),
+            (y_a, vector_at(contact.x, K, S, za, db)),
+        )
         y_aa, y_ab = vector_at(contact.x, K, S, ca, zb), vector_at(contact.x, K, S, da, db)
         second = y_aa, y_ab, vector_at(contact.x, K, S, za, cb)
         step_a, step_b, near = newton_step(w, slopes, second, thickness)
         low, high = bounds(contact, q, torn, I, J)
         go, turn = bounded_step(w, slopes, (step_a, step_b), (a, b), low, high)
-        if torn and not searched and (go != step_a or turn != step_b):  # beside the facet: another may be nearer
+        if (
+            torn and not searched and (go != step_a or turn != step_b)
+        ):  # beside the facet: another may be nearer
             a, b = nearest_place(contact, q, a, b, x[0], x[1], x[2])
             searched = True
             continue
@@ -300,7 +327,10 @@ def touches_next(contact, p, row, j, x):
 @kernel(_nrt=False, forceinline=True)
 def has_dropped(contact, p, a, b):
     """Whether the element of ply p at the place (a, b) is no fabric any more."""
-    i, j = min(max(int(a), 0), contact.shape[p, NI] - 1), min(max(int(b), 0), contact.shape[p, NJ] - 1)
+    i, j = (
+        min(max(int(a), 0), contact.shape[p, NI] - 1),
+        min(max(int(b), 0), contact.shape[p, NJ] - 1),
+    )
     return contact.dropped[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
 
 
@@ -317,7 +347,10 @@ def bounds(contact, p, torn, i, j):
     of torn fabric."""
     if torn:
         return (float(i), float(j)), (i + 1.0, j + 1.0)
-    low_a, low_b = (-0.5 if contact.shape[p, MIRROR_X] else 0.0), (-0.5 if contact.shape[p, MIRROR_Y] else 0.0)
+    low_a, low_b = (
+        (-0.5 if contact.shape[p, MIRROR_X] else 0.0),
+        (-0.5 if contact.shape[p, MIRROR_Y] else 0.0),
+    )
     return (low_a, low_b), (float(contact.shape[p, NI]), float(contact.shape[p, NJ]))
 
 
@@ -352,7 +385,9 @@ def push(contact, p, q, at, k, wa, wb, closest, n, closure):
     row[FRICTION] += contact.dt * rub * speed * speed
     extend_window(contact.grid_window[p, BEHIND], i, i + 3, j, j + 3)
     extend_window(contact.grid_window[q, BEFORE], I, I + 3, J, J + 3)
-    scatter(contact.f[p, BEHIND], k - p * contact.slots, s, (-force[0], -force[1], -force[2]), wa, wb)
+    scatter(
+        contact.f[p, BEHIND], k - p * contact.slots, s, (-force[0], -force[1], -force[2]), wa, wb
+    )
     scatter(contact.f[q, BEFORE], K - q * contact.slots, S, force, za, zb)
 
 
@@ -373,7 +408,11 @@ def diagonals8(x, k, s):
 @kernel(_nrt=False, forceinline=True)
 def difference8(x, a, b):
     """The vectors from the eight nodes from slot a on to those from b on."""
-    return load(x[0], b) - load(x[0], a), load(x[1], b) - load(x[1], a), load(x[2], b) - load(x[2], a)
+    return (
+        load(x[0], b) - load(x[0], a),
+        load(x[1], b) - load(x[1], a),
+        load(x[2], b) - load(x[2], a),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -393,36 +432,72 @@ def press_points8(contact, p, row, j, q, count):
     A, B = load(contact.closest_a, q), load(contact.closest_b, q)
     fit = whole8(contact, p, k + s + 1, q, all_of, count)
     n_a, n_b = contact.shape[p + 1, NI], contact.shape[p + 1, NJ]
-    I, J = floor(minimum(maximum(A + 0.5, 0.0), float(n_a))), floor(minimum(maximum(B + 0.5, 0.0), float(n_b)))
+    I, J = (
+        floor(minimum(maximum(A + 0.5, 0.0), float(n_a))),
+        floor(minimum(maximum(B + 0.5, 0.0), float(n_b))),
+    )
     chosen = mask_from_bits(fit)
-    I0, J0 = -reduce_max(where(chosen, 0.0 - I, -_FAR)), -reduce_max(where(chosen, lanes - J, -_FAR))
+    I0, J0 = (
+        -reduce_max(where(chosen, 0.0 - I, -_FAR)),
+        -reduce_max(where(chosen, lanes - J, -_FAR)),
+    )
     if fit == 0:
         return all_of, _FAR
     K = contact.base[p + 1] + (int(I0) - 1) * S + int(J0) - 1
     r, t, I, J = A - I, B - J, I - I0, J - lanes - J0
     fit &= ~movemask(greater(maximum(I, J), 1.5))
     tall = any_lane(greater(where(mask_from_bits(fit), I, 0.0), 0.5))
-    (za, da, ca), (zb, db, cb) = spline_weights8(r, greater(I, 0.5)), spline_weights8(t, greater(J, 0.5))
+    (za, da, ca), (zb, db, cb) = (
+        spline_weights8(r, greater(I, 0.5)),
+        spline_weights8(t, greater(J, 0.5)),
+    )
     X, X_a, X_b = surface_patch8(x[0], K, S, za, zb, da, db, tall)
     Y, Y_a, Y_b = surface_patch8(x[1], K, S, za, zb, da, db, tall)
     Z, Z_a, Z_b = surface_patch8(x[2], K, S, za, zb, da, db, tall)
-    w = point_mean8(x[0], k, s, wa, wb) - X, point_mean8(x[1], k, s, wa, wb) - Y, point_mean8(x[2], k, s, wa, wb) - Z
+    w = (
+        point_mean8(x[0], k, s, wa, wb) - X,
+        point_mean8(x[1], k, s, wa, wb) - Y,
+        point_mean8(x[2], k, s, wa, wb) - Z,
+    )
     slopes, weights = ((X_a, Y_a, Z_a), (X_b, Y_b, Z_b)), ((za, da, ca), (zb, db, cb))
     go, turn, second, near, fit = newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit)
     longest = maximum(fabs(go), fabs(turn))
     fit &= ~(movemask(greater(longest, _LAST_FAR)) | near & movemask(greater(longest, _LAST)))
     A, B = A + go, B + turn
     fit &= within8(contact, p + 1, A, B)
-    masked_store(contact.closest_a, q, where(mask_from_bits(fit), A, load(contact.closest_a, q)), count)
-    masked_store(contact.closest_b, q, where(mask_from_bits(fit), B, load(contact.closest_b, q)), count)
+    masked_store(
+        contact.closest_a, q, where(mask_from_bits(fit), A, load(contact.closest_a, q)), count
+    )
+    masked_store(
+        contact.closest_b, q, where(mask_from_bits(fit), B, load(contact.closest_b, q)), count
+    )
     w = offset_after(w, slopes, second, go, turn)
     distance = sqrt(dot(w, w))
-    touching = fit & near & movemask(greater(thickness, distance)) & movemask(greater(distance, 1e-9 * thickness))
-    clear = -reduce_max(where(mask_from_bits(fit & ~touching), 0.0 - distance, -_FAR)) - _BERTH * thickness
+    touching = (
+        fit
+        & near
+        & movemask(greater(thickness, distance))
+        & movemask(greater(distance, 1e-9 * thickness))
+    )
+    clear = (
+        -reduce_max(where(mask_from_bits(fit & ~touching), 0.0 - distance, -_FAR))
+        - _BERTH * thickness
+    )
     if touching:
         n = w[0] / (0.0 - distance), w[1] / (0.0 - distance), w[2] / (0.0 - distance)
         closest = int(I0) - 1, int(J0) - 1, K, za, zb, tall
-        push8(contact, p, (row // contact.points**2, j, i, j0), k, wa, wb, closest, n, thickness - distance, touching)
+        push8(
+            contact,
+            p,
+            (row // contact.points**2, j, i, j0),
+            k,
+            wa,
+            wb,
+            closest,
+            n,
+            thickness - distance,
+            touching,
+        )
         clear = 0.0
     return all_of & ~fit, clear
 
@@ -442,7 +517,9 @@ def newton_steps8(x, K, S, weights, tall, w, slopes, thickness, fit):
         second = second_of8(x, K, S, weights, tall)
         c_aa, c_ab, c_bb = aa - dot(w, second[0]), ab - dot(w, second[1]), bb - dot(w, second[2])
         curved = c_aa * c_bb - c_ab * c_ab
-        sure = mask_from_bits(near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0)))
+        sure = mask_from_bits(
+            near & movemask(greater(curved, 0.1 * square)) & movemask(greater(c_aa, 0.0))
+        )
         aa, ab, bb = where(sure, c_aa, aa), where(sure, c_ab, ab), where(sure, c_bb, bb)
         square = where(sure, curved, square)
     return (bb * r_a - ab * r_b) / square, (aa * r_b - ab * r_a) / square, second, near, fit
@@ -486,7 +563,9 @@ def push8(contact, p, at, k, wa, wb, closest, n, closure, touching):
     area = load(contact.area, contact.first_element[p] + e_i * contact.shape[p, NJ] + e_j)
     if contact.failures[p] > 0:
         k_e = contact.base[p] + e_i * s + e_j
-        area = area * minimum(2.0 * diagonals8(contact.x, k_e, s) / diagonals8(contact.rest, k_e, s), 1.0)
+        area = area * minimum(
+            2.0 * diagonals8(contact.x, k_e, s) / diagonals8(contact.rest, k_e, s), 1.0
+        )
     spring, damping, energy = law_at8(contact.laws[p], contact.law_step[p], closure)
     v = (
         point_mean8(contact.v[0], k, s, wa, wb) - interpolate8(contact.v[0], K, S, za, zb, tall),
@@ -510,9 +589,17 @@ def push8(contact, p, at, k, wa, wb, closest, n, closure, touching):
     nj, NJ_rear = contact.shape[p, NJ], contact.shape[p + 1, NJ]
     extend_window(contact.grid_window[p, BEHIND], i, i + 3, j, min(j + WIDTH + 2, nj + 2))
     extend_window(
-        contact.grid_window[p + 1, BEFORE], I, I + (4 if tall else 3), max(J, -1), min(J + WIDTH + 3, NJ_rear + 2)
+        contact.grid_window[p + 1, BEFORE],
+        I,
+        I + (4 if tall else 3),
+        max(J, -1),
+        min(J + WIDTH + 3, NJ_rear + 2),
     )
     wa, wb = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
     for c in range(3):
-        scatter_to_points8(contact.f[p, BEHIND, c], k - p * contact.slots, s, 0.0 - force[c], wa, wb)
-        scatter8(contact.f[p + 1, BEFORE, c], K - (p + 1) * contact.slots, S, force[c], za, zb, tall)
+        scatter_to_points8(
+            contact.f[p, BEHIND, c], k - p * contact.slots, s, 0.0 - force[c], wa, wb
+        )
+        scatter8(
+            contact.f[p + 1, BEFORE, c], K - (p + 1) * contact.slots, S, force[c], za, zb, tall
+        )

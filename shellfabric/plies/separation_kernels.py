@@ -102,7 +102,9 @@ def separation(x, nodes):
                 least, best = dot(way, way), (-way[0], -way[1], -way[2])
     for i in range(1 if nodes[1] == nodes[2] else 3):
         for j in range(1 if nodes[4] == nodes[5] else 3):
-            way = between_edges(x, nodes[i], nodes[(i + 1) % 3], nodes[3 + j], nodes[3 + (j + 1) % 3])
+            way = between_edges(
+                x, nodes[i], nodes[(i + 1) % 3], nodes[3 + j], nodes[3 + (j + 1) % 3]
+            )
             if dot(way, way) < least:
                 least, best = dot(way, way), way
     size = math.sqrt(least)

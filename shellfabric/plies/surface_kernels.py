@@ -25,7 +25,12 @@ def spline_weights(a, n):
     i = min(max(int(a + 0.5), 0), n)
     r = a - i
     low, high = 0.5 - r, 0.5 + r
-    return i - 1, (0.5 * low * low, 0.75 - r * r, 0.5 * high * high), (-low, -2.0 * r, high), (1.0, -2.0, 1.0)
+    return (
+        i - 1,
+        (0.5 * low * low, 0.75 - r * r, 0.5 * high * high),
+        (-low, -2.0 * r, high),
+        (1.0, -2.0, 1.0),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -47,7 +52,10 @@ def is_torn(contact, p, a, b):
     """Whether a torn element is among those that shape the spline of ply p at the place (a, b)."""
     if contact.failures[p] == 0:
         return False
-    i, j = min(max(int(a + 0.5), 0), contact.shape[p, NI]), min(max(int(b + 0.5), 0), contact.shape[p, NJ])
+    i, j = (
+        min(max(int(a + 0.5), 0), contact.shape[p, NI]),
+        min(max(int(b + 0.5), 0), contact.shape[p, NJ]),
+    )
     return contact.torn[contact.base[p] + i * contact.shape[p, STRIDE] + j] != 0
 
 
@@ -64,7 +72,11 @@ def interpolate(x, k, s, wa, wb):
 @kernel(_nrt=False, forceinline=True)
 def vector_at(x, k, s, wa, wb):
     """`interpolate` of the three components of a vector."""
-    return interpolate(x[0], k, s, wa, wb), interpolate(x[1], k, s, wa, wb), interpolate(x[2], k, s, wa, wb)
+    return (
+        interpolate(x[0], k, s, wa, wb),
+        interpolate(x[1], k, s, wa, wb),
+        interpolate(x[2], k, s, wa, wb),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -93,7 +105,10 @@ def nearest_place(contact, p, a, b, x, y, z):
                 square = 0.0
                 for c, at in enumerate((x, y, z)):
                     u = contact.x[c]
-                    low, high = u[k] + g * (u[k + 1] - u[k]), u[k + s] + g * (u[k + s + 1] - u[k + s])
+                    low, high = (
+                        u[k] + g * (u[k + 1] - u[k]),
+                        u[k + s] + g * (u[k + s + 1] - u[k + s]),
+                    )
                     square += (low + f * (high - low) - at) ** 2
                 if square < least:
                     least, found_a, found_b = square, i + f, j + g
@@ -106,7 +121,11 @@ def spline_weights8(r, moved):
     are the last three, of the others the first three. Returns (values, slopes, second slopes)."""
     low, high = 0.5 - r, 0.5 + r
     values = select_nodes(moved, 0.5 * low * low, 0.75 - r * r, 0.5 * high * high)
-    return values, select_nodes(moved, 0.0 - low, -2.0 * r, high), select_nodes(moved, 1.0, -2.0, 1.0)
+    return (
+        values,
+        select_nodes(moved, 0.0 - low, -2.0 * r, high),
+        select_nodes(moved, 1.0, -2.0, 1.0),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -134,7 +153,12 @@ def interpolate_rows8(x, k, s, w, tall):
     last = broadcast(0.0)
     if tall:
         last = interpolate_row8(x, k + 3 * s, w)
-    return interpolate_row8(x, k, w), interpolate_row8(x, k + s, w), interpolate_row8(x, k + 2 * s, w), last
+    return (
+        interpolate_row8(x, k, w),
+        interpolate_row8(x, k + s, w),
+        interpolate_row8(x, k + 2 * s, w),
+        last,
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -188,7 +212,9 @@ def point_mean8(x, k, s, wa, wb):
     """`interpolate` at eight points side by side whose weights of three by three nodes are alike."""
     total = broadcast(0.0)
     for n in range(3):
-        row = fma(wa[0], load(x, k + n), fma(wa[1], load(x, k + s + n), wa[2] * load(x, k + 2 * s + n)))
+        row = fma(
+            wa[0], load(x, k + n), fma(wa[1], load(x, k + s + n), wa[2] * load(x, k + 2 * s + n))
+        )
         total = fma(wb[n], row, total)
     return total
 

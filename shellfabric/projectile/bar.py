@@ -46,7 +46,9 @@ class Bar:
 
     def __post_init__(self):
         if not self.sections or not all(length > 0 and area > 0 for length, area in self.sections):
-            raise InputError(key="sections", value=self.sections, allowed="lengths and areas above 0")
+            raise InputError(
+                key="sections", value=self.sections, allowed="lengths and areas above 0"
+            )
         if self.elements < 2 * len(self.sections):
             raise InputError(key="elements", value=self.elements, allowed="at least 2 a section")
         if not 0 < self.cfl <= 1:
@@ -54,9 +56,15 @@ class Bar:
 
     @classmethod
     def cylinder(
-        cls, mass: float | None = None, *, diameter: float | None = None, length: float | None = None,
-        bore_diameter: float | None = None, material: Isotropic | None = None, **changes: Any,
-    ) -> Bar:  # fmt: skip
+        cls,
+        mass: float | None = None,
+        *,
+        diameter: float | None = None,
+        length: float | None = None,
+        bore_diameter: float | None = None,
+        material: Isotropic | None = None,
+        **changes: Any,
+    ) -> Bar:
         """A cylinder bored from its tail to a given mass; the defaults are those of the thesis.
 
         Raises
@@ -67,14 +75,21 @@ class Bar:
         material = load("steel") if material is None else material
         mass, diameter, length, bore = (
             source[key] if value is None else value
-            for key, value in (("mass", mass), ("diameter", diameter), ("length", length), ("bore", bore_diameter))
+            for key, value in (
+                ("mass", mass),
+                ("diameter", diameter),
+                ("length", length),
+                ("bore", bore_diameter),
+            )
         )
         full, tube = pi / 4 * diameter**2, pi / 4 * (diameter**2 - bore**2)
         solid = material.density * full * length
         depth = (solid - mass) / (material.density * (full - tube))
         if not 0 <= depth < length:
             least = material.density * tube * length
-            raise InputError(key="mass", value=mass, allowed=f"above {least:.4g} and at most {solid:.4g} kg")
+            raise InputError(
+                key="mass", value=mass, allowed=f"above {least:.4g} and at most {solid:.4g} kg"
+            )
         sections = ((length - depth, full), (depth, tube)) if depth > 0 else ((length, full),)
         return cls(sections, material, **changes)
 
@@ -149,7 +164,9 @@ class Bar:
         number %= len(mass)
         from scipy.linalg import eigh_tridiagonal
 
-        return float(eigh_tridiagonal(diagonal, beside, True, select="i", select_range=(number, number))[0])
+        return float(
+            eigh_tridiagonal(diagonal, beside, True, select="i", select_range=(number, number))[0]
+        )
 
 
 @dataclass(frozen=True)
@@ -172,20 +189,28 @@ class Rigidity:
     elastic: bool = False
 
     def __str__(self):
-        times = (
-            f"contact lasts {1e6 * self.contact_time:.3g} us, {self.contact_time / self.period:.3g} periods of the bar"
-        )
+        periods = self.contact_time / self.period
+        times = f"contact lasts {1e6 * self.contact_time:.3g} us, {periods:.3g} periods of the bar"
         times = f"{times} ({1e6 * self.period:.3g} us)"
-        advice = "a rigid projectile is not enough" if self.elastic else "use the elastic projectile"
+        advice = (
+            "a rigid projectile is not enough" if self.elastic else "use the elastic projectile"
+        )
         if self.force > self.yield_force:
             forces = f"{self.force:.0f} N press on it, and its thinnest section yields at {self.yield_force:.0f} N"
             return f"{times}; {forces}: {advice}"
-        verdict = "a rigid projectile is enough" if self.enough else f"tip and tail move apart: {advice}"
+        verdict = (
+            "a rigid projectile is enough" if self.enough else f"tip and tail move apart: {advice}"
+        )
         return f"{times}: {verdict} (from {ENOUGH:g} periods on)"
 
 
 def rigid_is_enough(
-    contact_time: float, bar_period: float, force: float = 0.0, yield_force: float = inf, *, elastic: bool = False
+    contact_time: float,
+    bar_period: float,
+    force: float = 0.0,
+    yield_force: float = inf,
+    *,
+    elastic: bool = False,
 ) -> Rigidity:
     """Compare the time of contact with the period of the bar, both [s]; see ENOUGH. And the force, `held_force`, with
     that at which it yields, both [N]: a wall that is squeezed takes energy that a rigid body would have to keep.

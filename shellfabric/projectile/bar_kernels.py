@@ -107,7 +107,11 @@ def axial_force(state, const):
     """[N] force of a ply, and of what lies behind it, on the projectile along its axis."""
     force = 0.0
     for c in range(3):
-        force += const.frame[2, c] * const.free_dofs[c] * (state.f_contact_nose[c] + state.f_block_nose[c])
+        force += (
+            const.frame[2, c]
+            * const.free_dofs[c]
+            * (state.f_contact_nose[c] + state.f_block_nose[c])
+        )
     return force
 
 
@@ -124,9 +128,19 @@ def advance_bar(state, const, force):
         rigid += const.frame[2, c] * state.projectile_velocity[c]
     before = state.bar_u[0]
     advance(
-        state.bar_u, state.bar_v, const.bar_mass, const.bar_h, const.bar_area, const.bar_law, state.bar_plastic,
-        state.bar_stress, state.bar_energy, force, const.dt, const.bar_substeps,
-    )  # fmt: skip
+        state.bar_u,
+        state.bar_v,
+        const.bar_mass,
+        const.bar_h,
+        const.bar_area,
+        const.bar_law,
+        state.bar_plastic,
+        state.bar_stress,
+        state.bar_energy,
+        force,
+        const.dt,
+        const.bar_substeps,
+    )
     tip = (state.bar_u[0] - before) / const.dt
     for c in range(3):
         state.projectile_velocity[c] += const.frame[2, c] * (tip - rigid)
@@ -150,4 +164,6 @@ def normal_velocity(state, const):
     tip = 0.0
     for c in range(3):
         tip += const.frame[2, c] * state.projectile_velocity[c]
-    return state.projectile_velocity[2] + const.frame[2, 2] * (mass_average(const.bar_mass, state.bar_v) - tip)
+    return state.projectile_velocity[2] + const.frame[2, 2] * (
+        mass_average(const.bar_mass, state.bar_v) - tip
+    )

@@ -13,7 +13,10 @@ from shellfabric.cloth import spline_kernels
 from shellfabric.jit.simd import WIDTH
 from shellfabric.projectile import contact_kernels
 
-PREDICTED = ("dv_other", "dv_contact")  # of the nodes, where the nose foresees what the other forces will do
+PREDICTED = (
+    "dv_other",
+    "dv_contact",
+)  # of the nodes, where the nose foresees what the other forces will do
 # constants of the contact law of a point, with which kernels call `contact_kernels.implicit_penalty_force`
 PointLaw = namedtuple("PointLaw", "stiffness damping mass implicit_factor")
 Scratch = namedtuple(
@@ -22,7 +25,9 @@ Scratch = namedtuple(
 )
 
 
-def constants(points: int, mass: float, dt: float, penalty: float, damping: float) -> dict[str, Any]:
+def constants(
+    points: int, mass: float, dt: float, penalty: float, damping: float
+) -> dict[str, Any]:
     """Constants of the points, by the names that the kernels know; an explicit spring (`implicit_factor` 0).
 
     Parameters
@@ -46,7 +51,9 @@ def constants(points: int, mass: float, dt: float, penalty: float, damping: floa
     }
 
 
-def contact_state(near: Sequence[int], points: int, shares: FloatArray, friction: float) -> dict[str, Any]:
+def contact_state(
+    near: Sequence[int], points: int, shares: FloatArray, friction: float
+) -> dict[str, Any]:
     """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the kernels know."""
     count = (near[1] - near[0]) * (near[3] - near[2])
     return {

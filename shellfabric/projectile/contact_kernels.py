@@ -69,7 +69,9 @@ def contact_window(state, const, work):
     for i in range(i0 - 1, i0 + 2):
         spline_kernels.row_positions(state, const, i, j0 - 1, j1 + 1, work.node_rows[i & 3])
     for i in range(i0, i1):
-        spline_kernels.row_positions(state, const, i + 2, j0 - 1, j1 + 1, work.node_rows[(i + 2) & 3])
+        spline_kernels.row_positions(
+            state, const, i + 2, j0 - 1, j1 + 1, work.node_rows[(i + 2) & 3]
+        )
         spline_kernels.column_boxes(work.node_rows, j1 - j0 + 3, work.box_low, work.box_high)
         for j in range(j0, j1):
             e = (
@@ -105,7 +107,9 @@ def clear_forces(state, const):
         power += state.f_contact_nose[c] * state.projectile_velocity[c]
         state.f_contact_nose[c] = 0.0
         for i in range(i0, i1 + 1):
-            for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+            for k in range(
+                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
+            ):
                 power += state.f_contact[c][k] * state.v[c][k]
                 state.f_contact[c][k] = 0.0
     return 0.5 * const.dt * power
@@ -126,7 +130,14 @@ def contact_element(state, const, i, j, e, work):
 
     Eight points are looked at together; those that touch, or did a step ago, are few and dealt with one by one.
     """
-    taken, spring, hit, x, v, at = 0.0, 0.0, False, work.node_position, work.node_velocity, work.point_data
+    taken, spring, hit, x, v, at = (
+        0.0,
+        0.0,
+        False,
+        work.node_position,
+        work.node_velocity,
+        work.point_data,
+    )
     column = j - state.contact_window[2]
     for m in range(4):
         slot = (i - 1 + m) & 3
@@ -141,7 +152,10 @@ def contact_element(state, const, i, j, e, work):
     for first in range(0, last.size, WIDTH):
         p_x, p_y, p_z = spline_kernels.interpolate(shares, first, x)
         # below 0 within the cylinder's radius and behind the foremost point
-        outside = maximum(p_z, fma(p_x, p_x, fma(p_y, p_y, 0.0 - const.projectile_radius * const.projectile_radius)))
+        outside = maximum(
+            p_z,
+            fma(p_x, p_x, fma(p_y, p_y, 0.0 - const.projectile_radius * const.projectile_radius)),
+        )
         if not any_lane(greater(maximum(load(last, first), 0.0 - outside), 0.0)):
             continue
         if not hit:
@@ -163,7 +177,9 @@ def contact_element(state, const, i, j, e, work):
                 store(at[9 + 3 * n], 0, v_z)
         for m in range(WIDTH):
             if at[6, m] < 0.0 or last[first + m] != 0.0:
-                point_taken, point_spring = contact_point(state, const, i, j, e, first + m, m, shares, work)
+                point_taken, point_spring = contact_point(
+                    state, const, i, j, e, first + m, m, shares, work
+                )
                 taken += point_taken
                 spring += point_spring
     if hit:
@@ -195,9 +211,15 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
     at, last, k = work.point_data, state.last_contact_force[e], np.uint64(i * const.row_stride + j)
     before = last[number]
     depth, n_x, n_y, n_z = sdf_kernels.distance(
-        const.nose_shape, at[0, m], at[1, m], at[2, m], const.projectile_radius, const.edge_radius,
-        const.projectile_length, const.nose_parameters,
-    )  # fmt: skip
+        const.nose_shape,
+        at[0, m],
+        at[1, m],
+        at[2, m],
+        const.projectile_radius,
+        const.edge_radius,
+        const.projectile_length,
+        const.nose_parameters,
+    )
     if depth >= 0.0 and before == 0.0:
         return 0.0, 0.0
     part = 1.0
@@ -222,21 +244,34 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
             hard, drag = factor * stiffness, math.sqrt(factor) * damping
             away = n_x * (v_x + at[7, m]) + n_y * (v_y + at[8, m]) + n_z * (v_z + at[9, m])
             gave = n_x * at[10, m] + n_y * at[11, m] + n_z * at[12, m]
-            f = implicit_penalty_force(const, hard, drag, depth, away, gave, before, state.force_scale[0])
+            f = implicit_penalty_force(
+                const, hard, drag, depth, away, gave, before, state.force_scale[0]
+            )
             spring = -0.5 * depth * min(f, -hard * depth)
         else:
             f = max(0.0, -damping * (n_x * v_x + n_y * v_y + n_z * v_z) - stiffness * depth)
             spring = 0.5 * stiffness * depth * depth
         state.in_contact[e] = True
         if part == 1.0:
-            state.contact_energy[MAX_PENETRATION] = max(state.contact_energy[MAX_PENETRATION], -depth)
+            state.contact_energy[MAX_PENETRATION] = max(
+                state.contact_energy[MAX_PENETRATION], -depth
+            )
     f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
     last[number], rubbed = f, 0.0
     if const.friction > 0.0:
         t_x, t_y, t_z, rubbed, held = friction_kernels.friction_force(
-            state.friction_state[e, number], const.friction * f, stiffness, damping, const.dt, n_x, n_y, n_z, v_x, v_y,
+            state.friction_state[e, number],
+            const.friction * f,
+            stiffness,
+            damping,
+            const.dt,
+            n_x,
+            n_y,
+            n_z,
+            v_x,
+            v_y,
             v_z,
-        )  # fmt: skip
+        )
         state.contact_energy[FRICTION] += rubbed
         state.contact_energy[FRICTION_SPRING] += held
         f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z

@@ -18,7 +18,13 @@ if TYPE_CHECKING:
     from shellfabric.projectile.projectile import Projectile
 
 RIGID = ("z", "v", "force")  # columns of the step history, `solver.step_kernels.record_step`
-STATE = ("bar_u", "bar_v", "bar_plastic", "bar_stress", "bar_energy")  # fields of a State that are the body's
+STATE = (
+    "bar_u",
+    "bar_v",
+    "bar_plastic",
+    "bar_stress",
+    "bar_energy",
+)  # fields of a State that are the body's
 BAR = (*RIGID, "tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
 
 
@@ -65,7 +71,9 @@ class BarHistory:
 def history(t: FloatArray, fine: FloatArray, state: Any, bar: Bar) -> BarHistory:
     """The history of a bar from the columns BAR of a run, and from its state at the end."""
     named = {name: fine[:, BAR.index(name)] for name in BAR[len(RIGID) :]}
-    return BarHistory(t, **named, period=bar.period, shortening=-float(np.expm1(state.bar_plastic) @ bar.mesh[0]))
+    return BarHistory(
+        t, **named, period=bar.period, shortening=-float(np.expm1(state.bar_plastic) @ bar.mesh[0])
+    )
 
 
 def columns(projectile: Projectile) -> tuple[str, ...]:
@@ -77,13 +85,22 @@ def constants(projectile: Projectile, share: float, dt: float) -> dict[str, Any]
     """What the kernels need to know of the body, by name; without elements where it is rigid."""
     if projectile.bar is None:
         none = np.zeros(0)
-        return {"bar_mass": none, "bar_h": none, "bar_area": none, "bar_law": none, "bar_substeps": 0}
+        return {
+            "bar_mass": none,
+            "bar_h": none,
+            "bar_area": none,
+            "bar_law": none,
+            "bar_substeps": 0,
+        }
     bar, (h, area) = projectile.bar, projectile.bar.mesh
     law = np.array([bar.material.modulus, bar.material.yield_stress, bar.material.hardening])
     return {
-        "bar_mass": share * bar.nodal_mass, "bar_h": h, "bar_area": share * area, "bar_law": law,
+        "bar_mass": share * bar.nodal_mass,
+        "bar_h": h,
+        "bar_area": share * area,
+        "bar_law": law,
         "bar_substeps": bar.substeps(dt),
-    }  # fmt: skip
+    }
 
 
 def state(projectile: Projectile, strike_velocity: float) -> dict[str, FloatArray]:
@@ -92,9 +109,12 @@ def state(projectile: Projectile, strike_velocity: float) -> dict[str, FloatArra
     along = strike_velocity * float(projectile.flight @ projectile.frame[2])
     nodes = n + 1 if n else 0
     return {
-        "bar_u": np.zeros(nodes), "bar_v": np.full(nodes, along), "bar_plastic": np.zeros(n), "bar_stress": np.zeros(n),
+        "bar_u": np.zeros(nodes),
+        "bar_v": np.full(nodes, along),
+        "bar_plastic": np.zeros(n),
+        "bar_stress": np.zeros(n),
         "bar_energy": np.zeros(2),
-    }  # fmt: skip
+    }
 
 
 def audit(state: Any, const: Any, force: FloatArray) -> tuple[float, float, float, float]:
@@ -104,16 +124,36 @@ def audit(state: Any, const: Any, force: FloatArray) -> tuple[float, float, floa
     kick = const.dt * force * const.free_dofs / const.projectile_mass
     speed = state.projectile_velocity
     if const.bar_mass.size == 0:
-        return 0.5 * const.projectile_mass * float(speed @ (speed + kick)), 0.0, 0.0, float(speed[2] + 0.5 * kick[2])
+        return (
+            0.5 * const.projectile_mass * float(speed @ (speed + kick)),
+            0.0,
+            0.0,
+            float(speed[2] + 0.5 * kick[2]),
+        )
     axis, out = const.frame[2], np.empty(2)
     across, pushed = speed - axis * (axis @ speed), kick - axis * (axis @ kick)
     bar_kernels.energies(
-        state.bar_v, const.bar_mass, const.bar_h, const.bar_area, const.bar_law[0], state.bar_stress, out
+        state.bar_v,
+        const.bar_mass,
+        const.bar_h,
+        const.bar_area,
+        const.bar_law[0],
+        state.bar_stress,
+        out,
     )
     beside = 0.5 * const.projectile_mass * float(across @ (across + pushed))
-    velocity = across[2] + 0.5 * pushed[2] + axis[2] * bar_kernels.mass_average(const.bar_mass, state.bar_v)
+    velocity = (
+        across[2]
+        + 0.5 * pushed[2]
+        + axis[2] * bar_kernels.mass_average(const.bar_mass, state.bar_v)
+    )
     plastic = float(state.bar_energy[bar_kernels.PLASTIC])
-    return float(out[bar_kernels.KINETIC]) + beside, float(out[bar_kernels.ELASTIC]), plastic, float(velocity)
+    return (
+        float(out[bar_kernels.KINETIC]) + beside,
+        float(out[bar_kernels.ELASTIC]),
+        plastic,
+        float(velocity),
+    )
 
 
 def velocity(state: Any, const: Any) -> FloatArray:

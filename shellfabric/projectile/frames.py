@@ -16,4 +16,8 @@ def axes(angle: float) -> FloatArray:
 
 def turned_back(vectors: FloatArray, rows: FloatArray | None) -> FloatArray:
     """Vectors (..., 2) or (..., 3) of a frame with such axes, in the frame that it is turned from; None: one frame."""
-    return vectors if rows is None else np.concatenate([vectors[..., :2] @ rows, vectors[..., 2:]], axis=-1)
+    return (
+        vectors
+        if rows is None
+        else np.concatenate([vectors[..., :2] @ rows, vectors[..., 2:]], axis=-1)
+    )

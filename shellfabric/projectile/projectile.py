@@ -25,7 +25,9 @@ from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.solid import Solid
 
-STEEPEST = radians(75)  # of flight and axis against the normal: beyond, the shot passes along the panel
+STEEPEST = radians(
+    75
+)  # of flight and axis against the normal: beyond, the shot passes along the panel
 
 
 def _no_form(shot):
@@ -57,10 +59,18 @@ SHAPES = {
     "chisel": (
         sdf_kernels.CHISEL,
         _chisel,
-        lambda shot: shot.edge_radius + (shot.radius - shot.edge_radius - _chisel(shot)[0]) * tan(shot.flat_angle),
+        lambda shot: (
+            shot.edge_radius
+            + (shot.radius - shot.edge_radius - _chisel(shot)[0]) * tan(shot.flat_angle)
+        ),
         ("flat_width", "flat_angle"),
     ),
-    "stl": (sdf_kernels.STL, lambda shot: shot.solid.form, lambda shot: shot.solid.shoulder, ("solid",)),
+    "stl": (
+        sdf_kernels.STL,
+        lambda shot: shot.solid.form,
+        lambda shot: shot.solid.shoulder,
+        ("solid",),
+    ),
 }
 
 
@@ -124,9 +134,13 @@ class Projectile:
             if not abs(getattr(self, key)) <= 2 * pi:
                 raise InputError(key=key, value=getattr(self, key), allowed="at most a full turn")
         if not 0 <= self.obliquity <= STEEPEST:
-            raise InputError(key="obliquity", value=self.obliquity, allowed=f"from 0 to {STEEPEST:.4g} rad")
+            raise InputError(
+                key="obliquity", value=self.obliquity, allowed=f"from 0 to {STEEPEST:.4g} rad"
+            )
         if not abs(self.obliquity + self.yaw) <= STEEPEST:
-            raise InputError(key="yaw", value=self.yaw, allowed=f"with the obliquity within {STEEPEST:.4g} rad")
+            raise InputError(
+                key="yaw", value=self.yaw, allowed=f"with the obliquity within {STEEPEST:.4g} rad"
+            )
         self._check_body()
 
     def _check_body(self):
@@ -142,11 +156,15 @@ class Projectile:
             )
         if self.body == "elastic_bar" and self.shape != "flat":
             raise InputError(
-                key="body", value=self.body, allowed=f"rigid, or a Bar of its own sections, for a {self.shape}"
+                key="body",
+                value=self.body,
+                allowed=f"rigid, or a Bar of its own sections, for a {self.shape}",
             )
         bar = self.bar
         if bar is not None and not abs(bar.mass / self.mass - 1) < 1e-9:
-            raise InputError(key="mass", value=self.mass, allowed=f"that of the bar, {bar.mass:.6g} kg")
+            raise InputError(
+                key="mass", value=self.mass, allowed=f"that of the bar, {bar.mass:.6g} kg"
+            )
 
     @cached_property
     def bar(self) -> Bar | None:
@@ -162,14 +180,23 @@ class Projectile:
         ------
         InputError : a mass that the solid cylinder has not, or that the bore cannot leave
         """
-        return Bar.cylinder(self.mass, diameter=2 * self.radius, length=self.length, bore_diameter=self.bore_diameter)
+        return Bar.cylinder(
+            self.mass,
+            diameter=2 * self.radius,
+            length=self.length,
+            bore_diameter=self.bore_diameter,
+        )
 
     def _check_lengths(self):
         for key in ("mass", "radius", "edge_radius"):
             if not 0 < getattr(self, key) < inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         if self.shape != "sphere" and self.edge_radius > self.radius:
-            raise InputError(key="edge_radius", value=self.edge_radius, allowed=f"at most the radius {self.radius:g}")
+            raise InputError(
+                key="edge_radius",
+                value=self.edge_radius,
+                allowed=f"at most the radius {self.radius:g}",
+            )
 
     def _check_form(self):
         for shape, (_, _, _, keys) in SHAPES.items():
@@ -182,13 +209,23 @@ class Projectile:
                     raise InputError(key=key, value=value, allowed=f"left out, being of a {shape}")
         if self.shape == "cone":
             if not self.half_angle < 0.5 * pi:
-                raise InputError(key="half_angle", value=self.half_angle, allowed="below a right angle")
-            most = (self.radius - self.edge_radius * (1 - cos(self.half_angle))) / cos(self.half_angle)
+                raise InputError(
+                    key="half_angle", value=self.half_angle, allowed="below a right angle"
+                )
+            most = (self.radius - self.edge_radius * (1 - cos(self.half_angle))) / cos(
+                self.half_angle
+            )
             if not self.tip_radius < most:
-                raise InputError(key="tip_radius", value=self.tip_radius, allowed=f"below {most:.4g}, to leave a flank")
+                raise InputError(
+                    key="tip_radius",
+                    value=self.tip_radius,
+                    allowed=f"below {most:.4g}, to leave a flank",
+                )
         if self.shape == "chisel":
             if not self.flat_angle < 0.5 * pi:
-                raise InputError(key="flat_angle", value=self.flat_angle, allowed="below a right angle")
+                raise InputError(
+                    key="flat_angle", value=self.flat_angle, allowed="below a right angle"
+                )
             if not 0 < _chisel(self)[0] < self.radius - self.edge_radius:
                 allowed = "above the rounding of its edges and below the diameter"
                 raise InputError(key="flat_width", value=self.flat_width, allowed=allowed)
@@ -201,7 +238,11 @@ class Projectile:
             if self.shape == "sphere":
                 raise InputError(key="length", value=self.length, allowed="left out for a sphere")
             if not least <= self.length < inf:
-                raise InputError(key="length", value=self.length, allowed=f"at least nose and rear edge, {least:.4g}")
+                raise InputError(
+                    key="length",
+                    value=self.length,
+                    allowed=f"at least nose and rear edge, {least:.4g}",
+                )
 
     def energy(self, speed: float) -> float:
         """[J] kinetic energy at a speed [m/s]."""
@@ -268,7 +309,12 @@ class Projectile:
         frame = self.frame
         length = inf if self.length is None else self.length
         depth, *normal = sdf_kernels.distance(
-            self.number, *(frame @ np.asarray(point)), self.radius, self.edge_radius, length, self.form
+            self.number,
+            *(frame @ np.asarray(point)),
+            self.radius,
+            self.edge_radius,
+            length,
+            self.form,
         )
         return depth, frame.T @ normal
 
@@ -301,7 +347,9 @@ class Projectile:
         set_back : [m] along the axis
         rise, around : rays from the side to the tip, and in a ring
         """
-        end = 2 * self.radius if self.shape == "sphere" else min(self.length or inf, 6 * self.radius)
+        end = (
+            2 * self.radius if self.shape == "sphere" else min(self.length or inf, 6 * self.radius)
+        )
         length = inf if self.shape == "sphere" else end
         deep = self.radius if self.solid is None else min(self.radius, 0.5 * end)
         slopes, depths = np.linspace(0, 0.5 * pi, rise), np.linspace(deep, end - deep, rise // 5)
@@ -310,10 +358,14 @@ class Projectile:
         slope = np.concatenate([slopes[::-1], np.zeros(rise // 5), -slopes])
         turn = np.linspace(0, 2 * pi, around)
         away = np.cos(slope)[:, None] * np.array([np.cos(turn), np.sin(turn)])[:, None, :]
-        rays = np.stack([*away, np.broadcast_to(np.sin(slope)[:, None], away[0].shape)], axis=-1).reshape(-1, 3)
+        rays = np.stack(
+            [*away, np.broadcast_to(np.sin(slope)[:, None], away[0].shape)], axis=-1
+        ).reshape(-1, 3)
         points = np.zeros_like(rays)
         points[:, 2] = np.repeat(origin, around)
-        sdf_kernels.trace(self.number, self.radius, self.edge_radius, length, self.form, points, rays)
+        sdf_kernels.trace(
+            self.number, self.radius, self.edge_radius, length, self.form, points, rays
+        )
         return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around, 3)
 
     def mirrored(self, axis: int) -> bool:

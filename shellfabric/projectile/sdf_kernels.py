@@ -155,14 +155,24 @@ def chisel(x, y, z, R, rho, form):
     length = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
     if length == 0.0:  # on the boundary of K but for rounding
         return -rho, 0.0, 0.0, 1.0
-    return length - rho, math.copysign(n_x / length, x), math.copysign(n_y / length, y), n_z / length
+    return (
+        length - rho,
+        math.copysign(n_x / length, x),
+        math.copysign(n_y / length, y),
+        n_z / length,
+    )
 
 
 @kernel()
 def b_spline(t):
     """Weights of the four cubic B-splines at a share t of the interval between the middle two, and their slopes."""
     a = 1.0 - t
-    w = (a * a * a / 6.0, 2.0 / 3.0 - 0.5 * t * t * (1.0 + a), 2.0 / 3.0 - 0.5 * a * a * (1.0 + t), t * t * t / 6.0)
+    w = (
+        a * a * a / 6.0,
+        2.0 / 3.0 - 0.5 * t * t * (1.0 + a),
+        2.0 / 3.0 - 0.5 * a * a * (1.0 + t),
+        t * t * t / 6.0,
+    )
     return w, (-0.5 * a * a, 0.5 * t * (3.0 * t - 4.0), 0.5 * a * (4.0 - 3.0 * a), 0.5 * t * t)
 
 
@@ -185,10 +195,24 @@ def sampled(x, y, z, form):
     for a in range(4):
         for b in range(4):
             row = STL_HEAD + ((i - 1 + a) * ny + j - 1 + b) * nz + k - 1
-            along = w[0] * form[row] + w[1] * form[row + 1] + w[2] * form[row + 2] + w[3] * form[row + 3]
-            slope = dw[0] * form[row] + dw[1] * form[row + 1] + dw[2] * form[row + 2] + dw[3] * form[row + 3]
+            along = (
+                w[0] * form[row]
+                + w[1] * form[row + 1]
+                + w[2] * form[row + 2]
+                + w[3] * form[row + 3]
+            )
+            slope = (
+                dw[0] * form[row]
+                + dw[1] * form[row + 1]
+                + dw[2] * form[row + 2]
+                + dw[3] * form[row + 3]
+            )
             depth += u[a] * v[b] * along
-            n_x, n_y, n_z = n_x + du[a] * v[b] * along, n_y + u[a] * dv[b] * along, n_z + u[a] * v[b] * slope
+            n_x, n_y, n_z = (
+                n_x + du[a] * v[b] * along,
+                n_y + u[a] * dv[b] * along,
+                n_z + u[a] * v[b] * slope,
+            )
     o_x, o_y, o_z = p_x - q_x, p_y - q_y, p_z - q_z
     off = math.sqrt(o_x * o_x + o_y * o_y + o_z * o_z)
     if off > 0.0:

@@ -15,7 +15,10 @@ from fabrics.checks import FloatArray
 
 MARGIN = 2  # samples beyond the body on each side
 _SIDES = 16
-_NEAR, _EVEN = 3.0, 0.3  # [spacings] from the surface, within which two mirrored distances are the same
+_NEAR, _EVEN = (
+    3.0,
+    0.3,
+)  # [spacings] from the surface, within which two mirrored distances are the same
 
 
 def volume(points: FloatArray, faces: np.ndarray) -> float:
@@ -48,7 +51,10 @@ class Solid:
         """Places (i,), (j,), (k,) [m] of samples that reach beyond points (n, 3) [m] of a surface."""
         half = [int(np.ceil(np.abs(points[:, c]).max() / spacing)) + MARGIN for c in (0, 1)]
         back = int(np.ceil(-points[:, 2].min() / spacing)) + MARGIN
-        return (*(spacing * np.arange(-n, n + 1) for n in half), spacing * np.arange(-back, MARGIN + 1))
+        return (
+            *(spacing * np.arange(-n, n + 1) for n in half),
+            spacing * np.arange(-back, MARGIN + 1),
+        )
 
     @cached_property
     def form(self) -> FloatArray:

@@ -15,7 +15,12 @@ COVERED, BARE = 1.1, 2.0
 @kernel()
 def window_bounds(state):
     """Contact window: first and end row, and column, of elements."""
-    return state.contact_window[0], state.contact_window[1], state.contact_window[2], state.contact_window[3]
+    return (
+        state.contact_window[0],
+        state.contact_window[1],
+        state.contact_window[2],
+        state.contact_window[3],
+    )
 
 
 @kernel()
@@ -41,9 +46,15 @@ def move_window(state, const):
         torn = torn or state.block_damage[block] != 0
     for m in range(const.slip_node.size):
         slip = max(slip, abs(state.u[const.slip_axis[m]][const.slip_node[m]]))
-    back = min((state.projectile_position[2] + const.body_depth) / const.frame[2, 2], const.projectile_length)
+    back = min(
+        (state.projectile_position[2] + const.body_depth) / const.frame[2, 2],
+        const.projectile_length,
+    )
     for c, start, step in ((0, const.x0, const.dx), (1, const.y0, const.dy)):
-        nose, foot = state.projectile_position[c], state.projectile_position[c] - back * const.frame[2, c]
+        nose, foot = (
+            state.projectile_position[c],
+            state.projectile_position[c] - back * const.frame[2, c],
+        )
         low, high = min(nose, foot) - start, max(nose, foot) - start
         low, high = low - const.draw_in_reach[c] - slip, high + const.draw_in_reach[c] + slip
         first, count = const.window_limits[2 * c], const.window_limits[2 * c + 1]
@@ -83,7 +94,11 @@ def erode(state, const, i, j):
 @kernel()
 def intact_at_point(state, const, k, s, t):
     """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to it."""
-    warp, weft, row = state.intact_fraction[0], state.intact_fraction[1], np.uint64(const.row_stride)
+    warp, weft, row = (
+        state.intact_fraction[0],
+        state.intact_fraction[1],
+        np.uint64(const.row_stride),
+    )
     near = warp[k] if t < 0.5 else warp[k + np.uint64(1)]
     other = weft[k] if s < 0.5 else weft[k + row]
     if t == 0.5:
@@ -116,6 +131,9 @@ def cloth_ahead_of_nose(state, const):
             for m in range(4):
                 x, y, z = spline_kernels.node_position(state, const, i + (m & 1), j + (m >> 1))
                 p_x, p_y, p_z = p_x + 0.25 * x, p_y + 0.25 * y, p_z + 0.25 * z
-            if p_z > -const.shoulder and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius:
+            if (
+                p_z > -const.shoulder
+                and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius
+            ):
                 return True
     return False

@@ -52,7 +52,9 @@ def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
     return 4 * w / pi * E, slope
 
 
-def heights(yarn: tuple[float, ...], bending: float, stretch: FloatArray, force: FloatArray) -> FloatArray:
+def heights(
+    yarn: tuple[float, ...], bending: float, stretch: FloatArray, force: FloatArray
+) -> FloatArray:
     """(stretches, forces) [m] height of a yarn at the stretches and under the contact forces [N].
 
     Parameters
@@ -67,7 +69,10 @@ def heights(yarn: tuple[float, ...], bending: float, stretch: FloatArray, force:
     for _ in range(BISECTIONS):  # the force that a yarn carries rises with its height
         h = 0.5 * (low + high)
         S, slope = cosine(w, h)
-        above = EA * np.maximum(S / S0 - 1, 0) * slope + stiffness * (h - h0) > work_share(VARIATIONAL, COSINE) * force
+        above = (
+            EA * np.maximum(S / S0 - 1, 0) * slope + stiffness * (h - h0)
+            > work_share(VARIATIONAL, COSINE) * force
+        )
         low, high = np.where(above, low, h), np.where(above, h, high)
     return 0.5 * (low + high)
 
@@ -75,11 +80,17 @@ def heights(yarn: tuple[float, ...], bending: float, stretch: FloatArray, force:
 def compression(yarn: tuple[float, ...], force: FloatArray) -> FloatArray:
     """[m] of a yarn at the contact forces [N]."""
     a, b, shift = yarn[4:7]
-    return np.zeros_like(force) if a == 0 else a - b * (np.maximum(force, 1e-300) + shift) ** (-1 / 3)
+    return (
+        np.zeros_like(force) if a == 0 else a - b * (np.maximum(force, 1e-300) + shift) ** (-1 / 3)
+    )
 
 
 def contact_forces(
-    model: CellModel, bending: tuple[float, float], stretch1: FloatArray, stretch2: FloatArray, largest: float
+    model: CellModel,
+    bending: tuple[float, float],
+    stretch1: FloatArray,
+    stretch2: FloatArray,
+    largest: float,
 ) -> FloatArray:
     """(n1, n2) [N] contact force of the cell at all pairs of stretches of warp and weft.
 
@@ -91,11 +102,16 @@ def contact_forces(
     """
     force = largest * np.linspace(0, 1, FORCES) ** 2
     warp, weft = model.yarn_tuples
-    h1, h2 = (heights(yarn, B, x, force) for yarn, B, x in zip((warp, weft), bending, (stretch1, stretch2)))
+    h1, h2 = (
+        heights(yarn, B, x, force)
+        for yarn, B, x in zip((warp, weft), bending, (stretch1, stretch2))
+    )
     own = h1 + compression(warp, force) + model.gap - sum(model.h0)
     other = h2 + compression(weft, force)
     found = np.empty((stretch1.size, stretch2.size))
-    for row, out in zip(own, found):  # of what closes the cell, which rises with the force: where it is zero
+    for row, out in zip(
+        own, found
+    ):  # of what closes the cell, which rises with the force: where it is zero
         r = row + other
         n = np.clip(np.argmax(r > 0, axis=1), 1, None)
         n[r[:, -1] <= 0] = force.size - 1
@@ -111,7 +127,9 @@ def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArr
     model, slack = table.model, table.stretch1[:1]
     weft = model.yarn_tuples[1]
     force = contact_forces(model, bending, slack, table.stretch2, _largest(table))[0]
-    h = np.array([heights(weft, bending[1], x[None], F[None])[0, 0] for x, F in zip(table.stretch2, force)])
+    h = np.array(
+        [heights(weft, bending[1], x[None], F[None])[0, 0] for x, F in zip(table.stretch2, force)]
+    )
     S, _ = cosine(weft[0] * table.stretch2, h)
     return weft[2] * np.maximum(S / weft[1] - 1, 0)
 
@@ -125,4 +143,6 @@ def stiff_table(table: CellTable, bending: tuple[float, float]) -> FloatArray:
 
 def _largest(table):
     """[N] above every contact force of a table."""
-    return float(table.values["F"].max()) + 2 * max(yarn.strength for yarn in table.model.fabric.weave.yarns)
+    return float(table.values["F"].max()) + 2 * max(
+        yarn.strength for yarn in table.model.fabric.weave.yarns
+    )

@@ -22,7 +22,11 @@ from shellfabric.panel.motion_kernels import FAILURES
 from shellfabric.projectile import window_kernels
 
 WARP, WEFT = 0, 1
-EMPTIED, PULLED_OUT, TAILS = 0, 1, 2  # of slip.counter: a tail is used up, segments pulled out, ends of yarn
+EMPTIED, PULLED_OUT, TAILS = (
+    0,
+    1,
+    2,
+)  # of slip.counter: a tail is used up, segments pulled out, ends of yarn
 REMOVED_NOW = np.uint8(2)  # of slip.removed: in this step; 1 in an earlier one
 
 
@@ -76,7 +80,9 @@ def move_tails(state, const, slip):
                 if slip.q[family][k] == 0.0:
                     continue
                 back = np.int64(k) - step
-                if state.intact_fraction[family][k] == 0.0:  # slot s further: one before the first is there too
+                if (
+                    state.intact_fraction[family][k] == 0.0
+                ):  # slot s further: one before the first is there too
                     near[np.uint64(np.int64(k) + s)] += per * slip.q[family][k]
                     if near[np.uint64(np.int64(k) + s)] < 0.0:
                         slip.counter[EMPTIED] = 1
@@ -112,7 +118,11 @@ def open_windows(state, const, slip):
         for j in range(j0, j1):
             k = np.uint64(i * const.row_stride + j)
             most1, most2 = max(L1[k], L1[k + one]), max(L2[k], L2[k + s])
-            if state.element_flag[k] & ERODED or most1 <= window_kernels.COVERED or most2 <= window_kernels.COVERED:
+            if (
+                state.element_flag[k] & ERODED
+                or most1 <= window_kernels.COVERED
+                or most2 <= window_kernels.COVERED
+            ):
                 continue
             if not state.element_flag[k] & WINDOW:
                 state.element_flag[k] |= WINDOW
@@ -127,7 +137,9 @@ def new_tails(state, const, slip):
     s = const.row_stride
     for family in range(2):
         near, far = slip.tail[family]
-        for k in range(np.uint64(state.active_rows[0] * s), np.uint64((state.active_rows[1] + 1) * s)):
+        for k in range(
+            np.uint64(state.active_rows[0] * s), np.uint64((state.active_rows[1] + 1) * s)
+        ):
             if state.failed[family][k] != 0 and slip.removed[family][k] == 0:
                 slip.removed[family][k] = REMOVED_NOW
                 slip.counter[TAILS] += 1

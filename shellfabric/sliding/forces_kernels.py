@@ -70,9 +70,19 @@ def edge_stretches(state, const, slip, first, last, thin, works):
     low = max(first - 1, 0)
     m0, n = (low - first + 2) * s, (last - low + 1) * s
     membrane_kernels.edge_vectors(
-        low * s, m0, n, s, state.u, (const.inv_dx, const.inv_dy), w.A, w.B, w.stretch1, w.inv_stretch1, w.stretch2,
+        low * s,
+        m0,
+        n,
+        s,
+        state.u,
+        (const.inv_dx, const.inv_dy),
+        w.A,
+        w.B,
+        w.stretch1,
+        w.inv_stretch1,
+        w.stretch2,
         w.inv_stretch2,
-    )  # fmt: skip
+    )
     membrane_kernels.reset_idle_slots(m0, n, s, w.B, w.stretch2, w.inv_stretch2)
     for j in range(0, n, WIDTH):
         k, m = low * s + j, m0 + j
@@ -107,18 +117,31 @@ def yarn_forces(state, const, slip, block, k0, n, n2, works):
     c, (w, e), s = const, works, const.row_stride
     again = state.block_damage[block] == REDO
     work1, viscous1 = family_forces(
-        k0, 2 * s, n, 1, again, (c.inv_dx, c.cv1, c.dx, slip.lateral, slip.closest), (2.0 * c.w1, c.S01, c.EA1 / c.S01),
+        k0,
+        2 * s,
+        n,
+        1,
+        again,
+        (c.inv_dx, c.cv1, c.dx, slip.lateral, slip.closest),
+        (2.0 * c.w1, c.S01, c.EA1 / c.S01),
         (w.stretch1, w.inv_stretch1, e.stretch1, w.trellis_f1, w.N1),
         (state.stretch[0], state.N[0], state.dstretch[0], state.yarn_length[0]),
-        (slip.x[0], slip.share[0], slip.inv_share[0], slip.config[0]), w.f_over_stretch1,
-    )  # fmt: skip
+        (slip.x[0], slip.share[0], slip.inv_share[0], slip.config[0]),
+        w.f_over_stretch1,
+    )
     work2, viscous2 = family_forces(
-        k0, 2 * s, n2, s, again, (c.inv_dy, c.cv2, c.dy, slip.lateral, slip.closest),
+        k0,
+        2 * s,
+        n2,
+        s,
+        again,
+        (c.inv_dy, c.cv2, c.dy, slip.lateral, slip.closest),
         (2.0 * c.w2, c.S02, c.EA2 / c.S02),
         (w.stretch2, w.inv_stretch2, e.stretch2, w.trellis_f2, w.N2),
         (state.stretch[1], state.N[1], state.dstretch[1], state.yarn_length[1]),
-        (slip.x[1], slip.share[1], slip.inv_share[1], slip.config[1]), w.f_over_stretch2,
-    )  # fmt: skip
+        (slip.x[1], slip.share[1], slip.inv_share[1], slip.config[1]),
+        w.f_over_stretch2,
+    )
     if not again:
         state.energy_sums[block, WORK] += work1 + work2
         state.energy_sums[block, VISCOUS] += viscous1 + viscous2
@@ -159,7 +182,9 @@ def family_forces(k0, m0, n, back, again, sides, yarn, edges, kept, slipping, on
             pull = load(effective, m)
             store(effective, m, x)
         store(on, m, r * load(inverse, m) * pull)
-        masked_store(config, k, per_side * (x * inv * drive - (0.5 / cell) * length * alone * slack), left)
+        masked_store(
+            config, k, per_side * (x * inv * drive - (0.5 / cell) * length * alone * slack), left
+        )
         masked_store(L, k, stretch, left)
         masked_store(X, k, x, left)
         masked_store(P, k, force, left)
@@ -199,8 +224,14 @@ def gained_energy(state, const, slip, first, last):
     """[J] sum (share - 1) U(x) of the edges in the element rows first .. last - 1 and the weft at their far end."""
     total = 0.0
     for family in range(2):
-        cell, S0, EA = (2.0 * const.w1, const.S01, const.EA1) if family == 0 else (2.0 * const.w2, const.S02, const.EA2)
-        for k in range(np.uint64(first * const.row_stride), np.uint64((last + 1) * const.row_stride)):
+        cell, S0, EA = (
+            (2.0 * const.w1, const.S01, const.EA1)
+            if family == 0
+            else (2.0 * const.w2, const.S02, const.EA2)
+        )
+        for k in range(
+            np.uint64(first * const.row_stride), np.uint64((last + 1) * const.row_stride)
+        ):
             length, gained = state.yarn_length[family][k], slip.share[family][k] - 1.0
             if length > 0.0 and gained != 0.0:
                 slack = max(cell * slip.x[family][k] - S0, 0.0)

@@ -32,11 +32,15 @@ from shellfabric.panel.model import Panel
 from shellfabric.sliding import contact_force
 from shellfabric.sliding.flow_kernels import PULLED_OUT
 
-DATA = tomllib.loads((Path(__file__).parent / "friction.toml").read_text("utf-8"))  # values, ranges, sources, status
+DATA = tomllib.loads(
+    (Path(__file__).parent / "friction.toml").read_text("utf-8")
+)  # values, ranges, sources, status
 HEXAGONAL = pi / sqrt(12)  # densest packing of round fibres
 LEAST = 0.9  # of the closest distance: yarn between two neighbours that touch, stretched and pressed together
 MOST_CLOSEST = 0.9  # of the spacing: fabric at rest is not in lateral contact
-WINDOWING_FRICTION = DATA["windowing_friction"]["value"]  # below it a nose may pass between the yarns of one ply
+WINDOWING_FRICTION = DATA["windowing_friction"][
+    "value"
+]  # below it a nose may pass between the yarns of one ply
 
 Slip = namedtuple(
     "Slip",
@@ -73,7 +77,9 @@ class CrossoverFriction:
                 name = f"crossover_{'friction' if key == 'mu' else key}"
                 raise InputError(key=name, value=getattr(self, key), allowed="at least 0")
         if len(self.bending) != 2 or not all(0 <= B < inf for B in self.bending):
-            raise InputError(key="bending", value=self.bending, allowed="two stiffnesses of at least 0")
+            raise InputError(
+                key="bending", value=self.bending, allowed="two stiffnesses of at least 0"
+            )
 
     @property
     def pins(self) -> bool:
@@ -100,9 +106,16 @@ class SlidingPanel(Panel):
     def __post_init__(self):
         super().__post_init__()
         words = "with sliding crossovers"
-        led = any(isinstance(side, boundary.PullIn) for pair in boundary.sides(self.edge) for side in pair)
+        led = any(
+            isinstance(side, boundary.PullIn) for pair in boundary.sides(self.edge) for side in pair
+        )
         for key, value, met, allowed in (
-            ("elements_per_crossover", self.elements_per_crossover, self.elements_per_crossover == 1, "1"),
+            (
+                "elements_per_crossover",
+                self.elements_per_crossover,
+                self.elements_per_crossover == 1,
+                "1",
+            ),
             ("grading", self.grading, self.grading is None, "left out"),
             ("weave_angle", self.weave_angle, self.weave_angle == 0, "0"),
             ("opening_shape", "round", not self.round, "rectangular"),
@@ -112,7 +125,7 @@ class SlidingPanel(Panel):
             ("backing", "a block", self.backing is None, "left out"),
             ("form", self.table.model.form, self.table.model.form == "variational", "variational"),
             ("surface", "a response surface", "F" in self.table.values, "left out"),
-        ):  # fmt: skip
+        ):
             if not met:
                 raise InputError(key=key, value=value, allowed=f"{allowed} {words}")
 
@@ -177,7 +190,9 @@ class SlidingPanel(Panel):
             each[:] = 1.0
         mass, pull, mobility, coupling = self._node_constants(state, slots)
         pins = self.friction.pins
-        mu, cohesion = (0.0, 0.0) if pins else (float(self.friction.mu), float(self.friction.cohesion))
+        mu, cohesion = (
+            (0.0, 0.0) if pins else (float(self.friction.mu), float(self.friction.cohesion))
+        )
         part = aligned_zeros(1, slots)[0]
         part[:] = state.mass / (self.weave.areal_density * self.spacing[0] * self.spacing[1])
         grip = aligned_zeros(1, slots)[0]
@@ -194,28 +209,57 @@ class SlidingPanel(Panel):
         for mine, stretch in zip(stretches, state.stretch):
             mine[:] = stretch
         removed = tuple(np.zeros(slots, np.uint8) for _ in range(2))
-        counter = np.array([0, 0, any("free" in pair for pair in boundary.sides(self.edge))], np.int64)
+        counter = np.array(
+            [0, 0, any("free" in pair for pair in boundary.sides(self.edge))], np.int64
+        )
         return Slip(
-            active=not pins, cohesion=cohesion, mu=mu,
-            table=coefficients.bilinear(contact_force.stiff_table(self.table, self.friction.bending)).reshape(-1, 4),
-            lateral=0.0 if pins else self.closest**2 * min(yarn.EA for yarn in self.weave.yarns), closest=self.closest,
+            active=not pins,
+            cohesion=cohesion,
+            mu=mu,
+            table=coefficients.bilinear(
+                contact_force.stiff_table(self.table, self.friction.bending)
+            ).reshape(-1, 4),
+            lateral=0.0 if pins else self.closest**2 * min(yarn.EA for yarn in self.weave.yarns),
+            closest=self.closest,
             least=LEAST * self.closest,
-            share=ones[:2], inv_share=ones[2:], x=stretches, config=zeros[0:2], q=zeros[2:4],
-            q_before=zeros[4:6], friction=zeros[6:8], stop=zeros[8:10], residual=zeros[10:12], mass=mass, pull=pull,
-            mobility=mobility, coupling=coupling, part=part, grip=grip,
-            row_slips=np.zeros(self.counts[0] + 2, np.bool_), tail=(tails[:2], tails[2:]), removed=removed,
-            passed=zeros[12:14], counter=counter, work=np.zeros(3),
-        )  # fmt: skip
+            share=ones[:2],
+            inv_share=ones[2:],
+            x=stretches,
+            config=zeros[0:2],
+            q=zeros[2:4],
+            q_before=zeros[4:6],
+            friction=zeros[6:8],
+            stop=zeros[8:10],
+            residual=zeros[10:12],
+            mass=mass,
+            pull=pull,
+            mobility=mobility,
+            coupling=coupling,
+            part=part,
+            grip=grip,
+            row_slips=np.zeros(self.counts[0] + 2, np.bool_),
+            tail=(tails[:2], tails[2:]),
+            removed=removed,
+            passed=zeros[12:14],
+            counter=counter,
+            work=np.zeros(3),
+        )
 
     def _node_constants(self, state, slots):
         """Of each family: mass of its yarn, that over the node's free mass, 1 / reduced mass; and m1 m2 / m."""
-        mass, pull, mobility = aligned_zeros(2, slots), aligned_zeros(2, slots), aligned_zeros(2, slots)
+        mass, pull, mobility = (
+            aligned_zeros(2, slots),
+            aligned_zeros(2, slots),
+            aligned_zeros(2, slots),
+        )
         size = (self.counts[0] + 1) * (self.counts[1] + 1)
         for family, (share, mobile) in enumerate(zip(self.own_masses, self.mobile())):
             mass[family][:] = share * state.mass
             pull[family][:] = mass[family] * state.inverse_mass
             reduced = (mass[family] * (1 - pull[family]))[:size]
-            mobility[family][:size] = np.where(mobile.ravel(), 1.0, 0.0) / np.where(reduced > 0, reduced, inf)
+            mobility[family][:size] = np.where(mobile.ravel(), 1.0, 0.0) / np.where(
+                reduced > 0, reduced, inf
+            )
         coupling = aligned_zeros(1, slots)[0]
         coupling[:] = mass[0] * mass[1] * state.inverse_mass
         return mass, pull, mobility, coupling
@@ -256,10 +300,30 @@ class SlipSummary:
 
 def slip_arrays(slip: Slip, folder: str) -> dict[str, Any]:
     """{name in a checkpoint: array} of what a ply's slip has become."""
-    names = ("share", "inv_share", "x", "config", "q", "q_before", "friction", "stop", "residual", "removed", "passed")
-    found = {f"{folder}/{name}/{n}": part for name in names for n, part in enumerate(getattr(slip, name))}
-    found |= {f"{folder}/tail/{n}{m}": part for n, pair in enumerate(slip.tail) for m, part in enumerate(pair)}
-    return found | {f"{folder}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")}
+    names = (
+        "share",
+        "inv_share",
+        "x",
+        "config",
+        "q",
+        "q_before",
+        "friction",
+        "stop",
+        "residual",
+        "removed",
+        "passed",
+    )
+    found = {
+        f"{folder}/{name}/{n}": part for name in names for n, part in enumerate(getattr(slip, name))
+    }
+    found |= {
+        f"{folder}/tail/{n}{m}": part
+        for n, pair in enumerate(slip.tail)
+        for m, part in enumerate(pair)
+    }
+    return found | {
+        f"{folder}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")
+    }
 
 
 def grid(array: FloatArray, panel: Panel) -> FloatArray:

@@ -9,7 +9,11 @@ import numpy as np
 from shellfabric.jit.compile import kernel
 
 WARP, WEFT = 0, 1
-FRICTION, STOPS, RESIDUAL = 0, 1, 2  # of slip.work: of friction, of the bounds of a flux, left by the iteration
+FRICTION, STOPS, RESIDUAL = (
+    0,
+    1,
+    2,
+)  # of slip.work: of friction, of the bounds of a flux, left by the iteration
 
 
 @kernel(_nrt=False)
@@ -29,14 +33,24 @@ def kinetic_energy(state, const, slip):
                     f = state.f_int[c][k] + state.f_int_above[c][k] + state.f_contact[c][k]
                     along += t[c] * state.v[c][k]
                     moved += t[c] * (state.v[c][k] + kick * f)
-                total += 0.5 * slip.mass[family][k] * (along * after + moved * before + before * after)
+                total += (
+                    0.5 * slip.mass[family][k] * (along * after + moved * before + before * after)
+                )
     return total
 
 
 @kernel(_nrt=False)
 def unit_tangent(state, const, family, i, j):
     """Unit tangent of a yarn at node (i, j), as `slip_kernels.tangents` has it; zero where the yarn has left."""
-    return chord(state, const, family, i, j, state.intact_fraction[family], (state.intact_fraction[family], 0.0))
+    return chord(
+        state,
+        const,
+        family,
+        i,
+        j,
+        state.intact_fraction[family],
+        (state.intact_fraction[family], 0.0),
+    )
 
 
 @kernel(_nrt=False)
@@ -91,7 +105,11 @@ def leave_removed(state, const, slip):
     """
     lost, s = 0.0, const.row_stride
     for family in range(2):
-        step, removed, whole = s if family == WARP else 1, slip.removed[family], state.intact_fraction[family]
+        step, removed, whole = (
+            s if family == WARP else 1,
+            slip.removed[family],
+            state.intact_fraction[family],
+        )
         for i in range(const.ni + 1):
             for j in range(s):
                 k, inner = np.uint64(i * s + j), (i if family == WARP else j) > 0
@@ -100,7 +118,9 @@ def leave_removed(state, const, slip):
                     continue
                 lost += slip.mass[family][k] * q * along(state, const, slip, (family, i, j), True)
                 if whole[k] > 0.0 or (inner and whole[behind] > 0.0):
-                    lost -= slip.mass[family][k] * q * along(state, const, slip, (family, i, j), False)
+                    lost -= (
+                        slip.mass[family][k] * q * along(state, const, slip, (family, i, j), False)
+                    )
                     continue
                 lost += slip.mass[family][k] * 0.5 * q * q
                 end_flux(const, slip, family, k)

@@ -43,7 +43,9 @@ from shellfabric.jit.simd import (
 )
 from shellfabric.sliding.slip_energy_kernels import FRICTION, RESIDUAL, STOPS
 
-SWEEPS = 3  # Gauss-Seidel: leaves (t1 . t2)^5 of the fluxes' change, t1 . t2 being 0.4 in locked fabric
+SWEEPS = (
+    3  # Gauss-Seidel: leaves (t1 . t2)^5 of the fluxes' change, t1 . t2 being 0.4 in locked fabric
+)
 # of t1 . t2 in that iteration: where yarns lie along each other a common flux of both would have no mass
 MOST_COSINE = 0.7
 FASTEST = 1e9  # [m/s]: no bound
@@ -82,19 +84,36 @@ def slip_row(state, const, slip, i):
             continue
         mobile1 = load(slip.mobility[0], k) * minimum(b1[0] + b1[1], 1.0)
         mobile2 = load(slip.mobility[1], k) * minimum(b2[0] + b2[1], 1.0)
-        along = directions(state.u, k, up, down, b1, b2, (const.dx * (b1[0] + b1[1]), const.dy * (b2[0] + b2[1])))
+        along = directions(
+            state.u, k, up, down, b1, b2, (const.dx * (b1[0] + b1[1]), const.dy * (b2[0] + b2[1]))
+        )
         t1, per1 = unit(*along[0])
         t2, per2 = unit(*along[1])
         drive1 = C1 - load(slip.pull[0], k) * dot(t1, f)
         drive2 = C2 - load(slip.pull[1], k) * dot(t2, f)
-        most = maximum(where(greater(mobile1, 0.0), fabs(drive1), 0.0), where(greater(mobile2, 0.0), fabs(drive2), 0.0))
+        most = maximum(
+            where(greater(mobile1, 0.0), fabs(drive1), 0.0),
+            where(greater(mobile2, 0.0), fabs(drive2), 0.0),
+        )
         if not (slips or any_lane(greater(most, limit))):
             continue
         change = directions(state.v, k, up, down, b1, b2, (broadcast(0.0), broadcast(0.0)))
         rates = turning(change[0], t1, per1), turning(change[1], t2, per2)
-        room = flux_bounds(slip, 0, k, k - down, b1), flux_bounds(slip, 1, k, k - 1 if k > 0 else k, b2)
+        room = (
+            flux_bounds(slip, 0, k, k - down, b1),
+            flux_bounds(slip, 1, k, k - 1 if k > 0 else k, b2),
+        )
         moves, work, more, rest = update_nodes(
-            state, slip, k, left, const.dt, (t1, t2), rates, (drive1, drive2), (mobile1, mobile2, *room), limit
+            state,
+            slip,
+            k,
+            left,
+            const.dt,
+            (t1, t2),
+            rates,
+            (drive1, drive2),
+            (mobile1, mobile2, *room),
+            limit,
         )
         moving = moves or moving
         rubbed, stopped, off = rubbed + work, stopped + more, off + rest
@@ -134,7 +153,11 @@ def central_difference(x, k, ahead, behind1, behind2, b1, b2):
 def turning(rate, t, per):
     """Rate [1/s] of the unit vector t of vectors of the length 1 / per, which change at `rate`."""
     stretching = dot(rate, t)
-    return per * (rate[0] - stretching * t[0]), per * (rate[1] - stretching * t[1]), per * (rate[2] - stretching * t[2])
+    return (
+        per * (rate[0] - stretching * t[0]),
+        per * (rate[1] - stretching * t[1]),
+        per * (rate[2] - stretching * t[2]),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -199,7 +222,9 @@ def flux_bounds(slip, family, ahead, behind, b):
     """(lowest, highest) flux of eight nodes: a segment gives no yarn that holds the least between yarns that touch."""
     low_ahead = where(greater(slip.least, load(slip.share[family], ahead)), b[0], 0.0)
     low_behind = where(greater(slip.least, load(slip.share[family], behind)), b[1], 0.0)
-    return where(greater(low_ahead, 0.0), 0.0, -FASTEST), where(greater(low_behind, 0.0), 0.0, FASTEST)
+    return where(greater(low_ahead, 0.0), 0.0, -FASTEST), where(
+        greater(low_behind, 0.0), 0.0, FASTEST
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -218,10 +243,18 @@ def coulomb(q, kick, mobile, limit, bounds):
 def update_nodes(state, slip, k, left, dt, t, rates, drives, mobile, limit):
     """Fluxes of eight nodes: (whether one of them is not zero, work [J] of friction, of bounds, of the iteration)."""
     (t1, t2), (r1, r2), (D1, D2) = t, rates, drives
-    q1, q2, m1, m2 = load(slip.q[0], k), load(slip.q[1], k), load(slip.mass[0], k), load(slip.mass[1], k)
+    q1, q2, m1, m2 = (
+        load(slip.q[0], k),
+        load(slip.q[1], k),
+        load(slip.mass[0], k),
+        load(slip.mass[1], k),
+    )
     g1, g2 = m1 * q1, m2 * q2
     turn = g1 * r1[0] + g2 * r2[0], g1 * r1[1] + g2 * r2[1], g1 * r1[2] + g2 * r2[2]
-    D1, D2 = fma(load(slip.pull[0], k), dot(t1, turn), D1), fma(load(slip.pull[1], k), dot(t2, turn), D2)
+    D1, D2 = (
+        fma(load(slip.pull[0], k), dot(t1, turn), D1),
+        fma(load(slip.pull[1], k), dot(t2, turn), D2),
+    )
     cosine, coupling, per, most = dot(t1, t2), load(slip.coupling, k), 1.0 / dt, dt * limit
     both = coupling * minimum(maximum(cosine, -MOST_COSINE), MOST_COSINE)
     bounds1, bounds2 = mobile[2], mobile[3]
@@ -236,7 +269,9 @@ def update_nodes(state, slip, k, left, dt, t, rates, drives, mobile, limit):
     work1 = opposing_work(slip, 0, k, left, (q1, n1, per), (E1, taken1, stopped1), mobile[0])
     work2 = opposing_work(slip, 1, k, left, (q2, n2, per), (E2, taken2, stopped2), mobile[1])
     for c in range(3):
-        masked_store(state.f_int[c], k, load(state.f_int[c], k) - (turn[c] + (g1 * t1[c] + g2 * t2[c])), left)
+        masked_store(
+            state.f_int[c], k, load(state.f_int[c], k) - (turn[c] + (g1 * t1[c] + g2 * t2[c])), left
+        )
     flux, within = where(head_mask(left), fabs(n1) + fabs(n2), 0.0), head_mask(left)
     half = 0.5 * dt
     return (

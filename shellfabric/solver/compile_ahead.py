@@ -21,7 +21,13 @@ from shellfabric.projectile import bar_kernels, window_kernels
 from shellfabric.projectile import contact_kernels as nose_kernels
 from shellfabric.solver import ply_kernels, step_kernels
 
-THREAD = HISTORY, COUNTERS, INDEX, INDEX, NUMBER  # history, shared, me, count, allowed of `run_thread`
+THREAD = (
+    HISTORY,
+    COUNTERS,
+    INDEX,
+    INDEX,
+    NUMBER,
+)  # history, shared, me, count, allowed of `run_thread`
 _begun: set[Any] = set()  # kinds of the constants that this has been done for
 
 
@@ -38,7 +44,12 @@ def begin(states: Any, consts: Any, contact: Any, stack: Any, works: Any) -> Non
     if contact is None:
         first = [forces, of_nose]
     else:
-        of_nose.append((step_kernels.implicit_nose_contact, (*lists, type_of(stack), type_of(works), INDEX, INDEX)))
+        of_nose.append(
+            (
+                step_kernels.implicit_nose_contact,
+                (*lists, type_of(stack), type_of(works), INDEX, INDEX),
+            )
+        )
         between = [
             (pressure_kernels.press, (lists[2], INDEX, INDEX)),
             (pressure_kernels.press_others, (lists[2],)),
@@ -52,7 +63,9 @@ def begin(states: Any, consts: Any, contact: Any, stack: Any, works: Any) -> Non
 def is_new(const: Any) -> bool:
     """Whether this is the first run in this process with constants of these types, and it may compile what it likes."""
     kind = _kind(const)
-    if kind in _begun or one_compiler_a_node.cache_info().currsize:  # which would have each kernel compiled once
+    if (
+        kind in _begun or one_compiler_a_node.cache_info().currsize
+    ):  # which would have each kernel compiled once
         return False
     _begun.add(kind)
     return True
@@ -97,4 +110,7 @@ def parts(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:
 def audit(state: Any, const: Any) -> list:
     """Kernels of the samples, as `parts`."""
     monitor = state, const, INDEX, INDEX, NUMBER, NUMBER, VECTOR
-    return [(ply_kernels.energies, (state, const, type_of(None), VECTOR)), (quality_kernels.sample, monitor)]
+    return [
+        (ply_kernels.energies, (state, const, type_of(None), VECTOR)),
+        (quality_kernels.sample, monitor),
+    ]

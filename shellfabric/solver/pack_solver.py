@@ -34,9 +34,18 @@ from shellfabric.solver import compile_ahead, ply_audit
 from shellfabric.solver import step_kernels as kernels
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
-ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES)  # of any panel
+ENERGIES = (
+    ply_audit.ENERGIES[0],
+    *_OF_PROJECTILE,
+    *ply_audit.ENERGIES[1:],
+    *coupling.NAMES,
+)  # of any panel
 BETWEEN_PLIES = ("ply_contact", "ply_friction", "ply_guard")  # of several plies
-SLIP_WORK = ("crossover_friction", "crossover_stops", "slip_residual")  # of sliding crossovers: Slip.work
+SLIP_WORK = (
+    "crossover_friction",
+    "crossover_stops",
+    "slip_residual",
+)  # of sliding crossovers: Slip.work
 FAULTS = {
     near_kernels.NOT_RESOLVED: "has not converged",
     near_kernels.NO_ROOM: "has no room for more facets that are near each other",
@@ -44,9 +53,17 @@ FAULTS = {
 }
 OBSERVED = ("t", "v", "z", "cut_yarns", "reaction_warp", "reaction_weft")
 PLY_SAMPLES = (
-    "cut_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy", "peak_warp", "peak_weft",
-    "pull_in", "slip",
-)  # fmt: skip
+    "cut_yarns",
+    "reaction_warp",
+    "reaction_weft",
+    "push",
+    "deflection",
+    "energy",
+    "peak_warp",
+    "peak_weft",
+    "pull_in",
+    "slip",
+)
 
 
 def begin_compiling(panel: Panel) -> None:
@@ -96,23 +113,35 @@ class PackSolver(ExplicitSolver):
     module = "shellfabric.impact.simulation"  # whose code determines a run
 
     def __init__(
-        self, target: Panel | Pack, strike_velocity: float, end_time: float, *, interval: float = 2e-6,
+        self,
+        target: Panel | Pack,
+        strike_velocity: float,
+        end_time: float,
+        *,
+        interval: float = 2e-6,
         energy_error_limit: float = ENERGY_ERROR_LIMIT,
-    ) -> None:  # fmt: skip
+    ) -> None:
         pack = Pack.of(target)
         memory.check(pack.plies)
         super().__init__(
-            pack.plies[0].projectile, strike_velocity, end_time, interval=interval,
+            pack.plies[0].projectile,
+            strike_velocity,
+            end_time,
+            interval=interval,
             energy_error_limit=energy_error_limit,
-        )  # fmt: skip
+        )
         self.pack = pack
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
         if not self.struck:
-            self.consts = tuple(const._replace(perforation_delay_steps=2**62) for const in self.consts)
+            self.consts = tuple(
+                const._replace(perforation_delay_steps=2**62) for const in self.consts
+            )
         self.parts = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.parts[0]
         self.slips = self.set_up()
-        self.effective = tuple(state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips))
+        self.effective = tuple(
+            state._replace(stretch=slip.x) for state, slip in zip(self.states, self.slips)
+        )
         several = len(pack.plies) > 1
         self.contact = pack.plies_contact(self.consts, self.states) if several else None
         self._name_energies(several)
@@ -124,9 +153,11 @@ class PackSolver(ExplicitSolver):
         self.sample_names = (*OBSERVED, *self.energy_names)
         if several:
             self.contacts = (
-                ("contact", "the contact with the nose"), ("ply_contact", "the contact between plies"),
-                ("ply_friction", "the friction between plies"), ("ply_guard", "the guard between plies"),
-            )  # fmt: skip
+                ("contact", "the contact with the nose"),
+                ("ply_contact", "the contact between plies"),
+                ("ply_friction", "the friction between plies"),
+                ("ply_guard", "the guard between plies"),
+            )
             self._sum = np.sum  # in numpy's order, which differs from `sum` in the last digit
 
     def set_up(self) -> tuple[Slip, ...]:
@@ -139,7 +170,11 @@ class PackSolver(ExplicitSolver):
         self._plies = Items(self.states), Items(self.consts)
         if self.slips:
             room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
-            loaded = [state._replace(f_contact=room(state)) for state in self.states] if self.contact else self.states
+            loaded = (
+                [state._replace(f_contact=room(state)) for state in self.states]
+                if self.contact
+                else self.states
+            )
             self._slips = Items(self.slips), Items(self.effective), Items(loaded)
         self._works = [self._scratch()]
         if not self.slips:
@@ -151,7 +186,9 @@ class PackSolver(ExplicitSolver):
         self.history_columns = len(dynamics.columns(self.panel.projectile))
         self.ply_samples, self.history_request, self.histories = [], None, []
         self.backing, self.perforated_samples, self.after_stop = None, 0, 0.0
-        self.run_steps(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf)  # the forces at rest
+        self.run_steps(
+            self._rows(0), np.zeros(barrier.SLOTS, np.int64), 1, np.inf
+        )  # the forces at rest
         if self.panel.backing is not None:
             self.after_stop = self.panel.backing.after_stop
             last, const, state = self.parts[-1]
@@ -170,13 +207,19 @@ class PackSolver(ExplicitSolver):
             return None, Items(works)
         own = {id(work): work for work in works}
         for key, work in own.items():
-            own[key] = work._replace(stretch1=np.zeros_like(work.stretch1), stretch2=np.zeros_like(work.stretch2))
+            own[key] = work._replace(
+                stretch1=np.zeros_like(work.stretch1), stretch2=np.zeros_like(work.stretch2)
+            )
         return (*self._slips, Items([own[id(work)] for work in works])), Items(works)
 
     def _of_ply(self, ply: int) -> tuple[Constants, State, Any]:
         """(const, state, slide) of a ply for `ply_audit`; the contact forces are those of all that touches it."""
         const, state = self.parts[ply][1], self._loaded_state(ply)
-        return const, state, (self.slips[ply], state._replace(stretch=self.slips[ply].x)) if self.slips else None
+        return (
+            const,
+            state,
+            (self.slips[ply], state._replace(stretch=self.slips[ply].x)) if self.slips else None,
+        )
 
     @property
     def places(self) -> FloatArray:
@@ -199,7 +242,8 @@ class PackSolver(ExplicitSolver):
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
         """(plies,) SlipSummary of sliding crossovers so far; empty of pinned ones."""
         return tuple(
-            SlipSummary.of(panel, state, slip, self.share) for (panel, _, state), slip in zip(self.parts, self.slips)
+            SlipSummary.of(panel, state, slip, self.share)
+            for (panel, _, state), slip in zip(self.parts, self.slips)
         )
 
     @property
@@ -207,7 +251,9 @@ class PackSolver(ExplicitSolver):
         """Steps made."""
         return int(self.stack.counter[STEP])
 
-    def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
+    def run_steps(
+        self, history: FloatArray, shared: IntArray, count: int, allowed: float
+    ) -> tuple[int, int]:
         """The kernel's steps, with `count` - 1 workers: (steps made, why no more)."""
         return self._run_thread(history, shared, 0, count, allowed)
 
@@ -218,19 +264,36 @@ class PackSolver(ExplicitSolver):
     def _run_thread(self, history, shared, me, count, allowed):
         slips, works = self._works[me]
         return kernels.run_thread(
-            *self._plies, self.contact, slips, self.stack, works, history, shared, me, count, allowed
+            *self._plies,
+            self.contact,
+            slips,
+            self.stack,
+            works,
+            history,
+            shared,
+            me,
+            count,
+            allowed,
         )
 
     def neighbour_forces(self, ply: int) -> list[FloatArray]:
         """[(3, slots) [N] on the nodes of a ply] by the plies before it and by those behind; [] of a single ply."""
-        return list(self.contact.force[ply][:, :, : self.states[ply].mass.size]) if self.contact else []
+        return (
+            list(self.contact.force[ply][:, :, : self.states[ply].mass.size])
+            if self.contact
+            else []
+        )
 
     def normal_contact_forces(self, ply: int) -> list[FloatArray]:
         """[(slots,)] [N] on the nodes of a ply along the normal, positive where they press on it: of the projectile; of
         several plies, or before a block, also of what is in front, and of what is behind.
         """
         state = self.parts[ply][2]
-        nose, nothing, forces = state.f_contact[2], 0 * state.f_contact[2], self.neighbour_forces(ply)
+        nose, nothing, forces = (
+            state.f_contact[2],
+            0 * state.f_contact[2],
+            self.neighbour_forces(ply),
+        )
         rear = nothing if self.backing is None else -state.f_block_cloth[2]
         if not forces:
             return [nose] if self.backing is None else [nose, nothing, rear]
@@ -256,7 +319,11 @@ class PackSolver(ExplicitSolver):
         if self.contact is None:
             return ()
         rubbed = float(self.contact.energy[:, pressure_kernels.FRICTION].sum())
-        return float(self.contact.work.sum()) - rubbed, rubbed, float(self.contact.guard[near_kernels.WORK])
+        return (
+            float(self.contact.work.sum()) - rubbed,
+            rubbed,
+            float(self.contact.guard[near_kernels.WORK]),
+        )
 
     def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver. Before a block, one step at a time, each followed by the block's, which is at rest while
@@ -267,7 +334,9 @@ class PackSolver(ExplicitSolver):
         while made < len(history) and reason == RUNNING:
             if made:
                 self._start_workers()  # not before the block's step: they would take processor time from it
-            _, reason = self.run_steps(history[made : made + 1], self._shared, self.threads, allowed)
+            _, reason = self.run_steps(
+                history[made : made + 1], self._shared, self.threads, allowed
+            )
             made += 1
             if reason == STOPPED and self.after_stop > 0:
                 self.stack.counter[TURNED], reason = self.steps, RUNNING
@@ -277,7 +346,9 @@ class PackSolver(ExplicitSolver):
 
     def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver."""
-        plies = np.array([ply_audit.energies(*self._of_ply(ply), rest) for ply, rest in enumerate(self._rest)])
+        plies = np.array(
+            [ply_audit.energies(*self._of_ply(ply), rest) for ply, rest in enumerate(self._rest)]
+        )
         pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
         force = np.array([self._of_first(ply, push) for ply, push in enumerate(pushes)]).sum(axis=0)
         force += self._of_first(-1, self.parts[-1][2].f_block_nose)
@@ -299,7 +370,10 @@ class PackSolver(ExplicitSolver):
     def _observe_plies(self, energies, pushes):
         """(plies, 10) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
         rows = []
-        self._held = [held(state, const) if state.counter[FAILURES] else None for _, const, state in self.parts]
+        self._held = [
+            held(state, const) if state.counter[FAILURES] else None
+            for _, const, state in self.parts
+        ]
         for ply, ((panel, const, state), ends, energy, push, cloth) in enumerate(
             zip(self.parts, self._ends, energies, pushes, self._held)
         ):
@@ -307,7 +381,9 @@ class PackSolver(ExplicitSolver):
             reactions = ply_audit.edge_reactions(panel, const, state, ends)
             deflection = ply_audit.deflection(const, state, cloth)
             own = cut, *reactions, -push / self.share, deflection, energy / self.share
-            slip = max((float(np.abs(passed).max()) for passed in self.passed_lengths(ply)), default=0.0)
+            slip = max(
+                (float(np.abs(passed).max()) for passed in self.passed_lengths(ply)), default=0.0
+            )
             rows.append([*own, *state.peak_tension, ply_audit.pull_in(const, state), slip])
         return np.array(rows)
 
@@ -335,13 +411,19 @@ class PackSolver(ExplicitSolver):
     def peak_tensions(self) -> FloatArray:
         """(plies, 2, 4) `ply_audit.peak_tensions` of each ply, in its own warp and weft."""
         return np.array(
-            [ply_audit.peak_tensions(panel, const, state, self.steps) for panel, const, state in self.parts]
+            [
+                ply_audit.peak_tensions(panel, const, state, self.steps)
+                for panel, const, state in self.parts
+            ]
         )
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver."""
         limit = lambda panel: speed_limit(self.strike_velocity, panel.weave.yarns)  # noqa: E731
-        return [(np.sqrt((np.array(state.v) ** 2).sum(axis=0)), limit(panel)) for panel, _, state in self.parts]
+        return [
+            (np.sqrt((np.array(state.v) ** 2).sum(axis=0)), limit(panel))
+            for panel, _, state in self.parts
+        ]
 
     def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
@@ -358,12 +440,16 @@ class PackSolver(ExplicitSolver):
         if self.contact:
             self.contact.count[near_kernels.REMAKE] = 1
         turned = self.stack.counter[TURNED]
-        if turned and (self.time - turned * self.const.dt >= self.after_stop or self.steps >= self.last_step):
+        if turned and (
+            self.time - turned * self.const.dt >= self.after_stop or self.steps >= self.last_step
+        ):
             self.reason = STOPPED
         failed = any(state.counter[FAILURES] for _, _, state in self.parts)
         if self.reason != RUNNING or not failed or not self.struck or self.backing is not None:
             return
-        through = all(passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held))
+        through = all(
+            passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held)
+        )
         self.perforated_samples = self.perforated_samples + 1 if through else 0
         if self.perforated_samples == 2:
             self.reason = PERFORATED
@@ -380,13 +466,24 @@ class PackSolver(ExplicitSolver):
                 where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
                 self.stop("the projectile leaves the first zone of the grading", where)
         if self.contact and self.contact.guard[near_kernels.FAILED]:
-            self.stop(f"the guard between plies {FAULTS[int(self.contact.guard[near_kernels.FAILED])]}", "the pack")
+            self.stop(
+                f"the guard between plies {FAULTS[int(self.contact.guard[near_kernels.FAILED])]}",
+                "the pack",
+            )
 
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
         pack = self.pack
         known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
-        known += self.panel.backing, pack.gaps, pack.contact, pack.friction, pack.laws, pack.crossovers, pack.angles
+        known += (
+            self.panel.backing,
+            pack.gaps,
+            pack.contact,
+            pack.friction,
+            pack.laws,
+            pack.crossovers,
+            pack.angles,
+        )
         for _, const, state in self.parts:
             known += const._asdict(), state.mass, state.inverse_mass
         return known, self.module
@@ -402,7 +499,10 @@ class PackSolver(ExplicitSolver):
 
     def checkpoint_records(self) -> dict[str, list[Any]]:
         """See ExplicitSolver."""
-        return super().checkpoint_records() | {"ply_samples": self.ply_samples, "histories": self.histories}
+        return super().checkpoint_records() | {
+            "ply_samples": self.ply_samples,
+            "histories": self.histories,
+        }
 
     def checkpoint_extra(self) -> dict[str, Any]:
         """See ExplicitSolver."""

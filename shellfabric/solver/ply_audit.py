@@ -25,9 +25,19 @@ if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
 
 ENERGIES = (
-    "kinetic_fabric", "yarn_strain", "formulation_residual", "shear", "bending", "jamming", "viscous", "contact",
-    "friction", "failure_dissipation", "clamp_friction", "boundary_work",
-)  # fmt: skip
+    "kinetic_fabric",
+    "yarn_strain",
+    "formulation_residual",
+    "shear",
+    "bending",
+    "jamming",
+    "viscous",
+    "contact",
+    "friction",
+    "failure_dissipation",
+    "clamp_friction",
+    "boundary_work",
+)
 
 
 def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatArray:
@@ -42,14 +52,26 @@ def energies(const: Constants, state: State, slide: Any, rest: float) -> FloatAr
     out, sums = np.empty(5), state.energy_sums.sum(axis=0)
     kernels.energies(state, const, slide, out)
     # work of the forces that is neither stored nor lost
-    residual = 0.0 if const.variational else sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
+    residual = (
+        0.0 if const.variational else sums[WORK] - (out[kernels.STORED] - rest) - sums[LOST_YARN]
+    )
     contact, slip = state.contact_energy, state.slip_energy
-    return np.array([
-        out[kernels.KINETIC] + slip[boundary_kernels.KINETIC], out[kernels.STORED], residual, out[kernels.SHEAR],
-        out[kernels.BENDING], out[kernels.JAMMING], sums[VISCOUS], contact[contact_kernels.CONTACT],
-        contact[contact_kernels.FRICTION], sums[LOST_YARN] + sums[LOST_TRELLIS], slip[boundary_kernels.CLAMP_FRICTION],
-        slip[boundary_kernels.BOUNDARY_WORK],
-    ])  # fmt: skip
+    return np.array(
+        [
+            out[kernels.KINETIC] + slip[boundary_kernels.KINETIC],
+            out[kernels.STORED],
+            residual,
+            out[kernels.SHEAR],
+            out[kernels.BENDING],
+            out[kernels.JAMMING],
+            sums[VISCOUS],
+            contact[contact_kernels.CONTACT],
+            contact[contact_kernels.FRICTION],
+            sums[LOST_YARN] + sums[LOST_TRELLIS],
+            slip[boundary_kernels.CLAMP_FRICTION],
+            slip[boundary_kernels.BOUNDARY_WORK],
+        ]
+    )
 
 
 def stored_energy(const: Constants, state: State, slide: Any) -> float:
@@ -68,8 +90,14 @@ def cut_yarns(panel: Panel, const: Constants, state: State) -> float:
     shape, total = (const.ni + 1, const.row_stride), 0.0
     for family, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):
         broken = state.failed[family] != 0
-        edges = np.moveaxis(broken[: shape[0] * shape[1]].reshape(shape), family, 0)[:-1]  # along the family, lines
-        yarns = count * grading.tributary(np.diff(panel.lines()[1 - family])) * (1 + panel.mirrors[1 - family])
+        edges = np.moveaxis(broken[: shape[0] * shape[1]].reshape(shape), family, 0)[
+            :-1
+        ]  # along the family, lines
+        yarns = (
+            count
+            * grading.tributary(np.diff(panel.lines()[1 - family]))
+            * (1 + panel.mirrors[1 - family])
+        )
         total += float(yarns[edges.any(axis=0)].sum())
     return total
 
@@ -81,7 +109,9 @@ def edge_reactions(
     warp_node, weft_node = (i * const.row_stride + j for i, j in ends)
     warp = -(state.f_int[0][warp_node] + state.f_int_above[0][warp_node]) * panel.weave.w2 * 2
     weft = -(state.f_int[1][weft_node] + state.f_int_above[1][weft_node]) * panel.weave.w1 * 2
-    return warp / (const.dy * (0.5 if const.mirror_y else 1)), weft / (const.dx * (0.5 if const.mirror_x else 1))
+    return warp / (const.dy * (0.5 if const.mirror_y else 1)), weft / (
+        const.dx * (0.5 if const.mirror_x else 1)
+    )
 
 
 def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
@@ -115,5 +145,7 @@ def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> F
             lines = panel.lines()
             found[family, 1] = const.dt * (step + steps - state.counter[STEP])
             found[family, 2:] = [lines[axis][at] for axis, at in enumerate(place)]
-            found[family, 2 + family] = 0.5 * (lines[family][place[family]] + lines[family][place[family] + 1])
+            found[family, 2 + family] = 0.5 * (
+                lines[family][place[family]] + lines[family][place[family] + 1]
+            )
     return found

@@ -20,12 +20,25 @@ place are therefore made part of their caller before anything is compiled (inlin
 
 import numpy as np
 
-from shellfabric.cloth import bending_kernels, boundary_kernels, energy_kernels, failure_kernels, jamming_kernels
+from shellfabric.cloth import (
+    bending_kernels,
+    boundary_kernels,
+    energy_kernels,
+    failure_kernels,
+    jamming_kernels,
+)
 from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.panel import element_kernels
 from shellfabric.panel.element_kernels import DAMAGED, LOST_TRELLIS, LOST_YARN, REDO, VISCOUS, WORK
-from shellfabric.panel.motion_kernels import AT_REST, FAILURES, STEP, grow_active_rows, move_rows, thread_range
+from shellfabric.panel.motion_kernels import (
+    AT_REST,
+    FAILURES,
+    STEP,
+    grow_active_rows,
+    move_rows,
+    thread_range,
+)
 from shellfabric.projectile import contact_kernels
 from shellfabric.sliding import flow_kernels, forces_kernels, slip_energy_kernels
 from shellfabric.sliding.flow_kernels import EMPTIED
@@ -192,7 +205,10 @@ def update_blocks(state, const, slide, work, shared, me, count):
         move_rows(state, const, tail, end)
     barrier_wait(shared, count)
     for block in range(first, last):
-        begin, stop = max(low, block * const.rows_per_block), min(high, (block + 1) * const.rows_per_block)
+        begin, stop = (
+            max(low, block * const.rows_per_block),
+            min(high, (block + 1) * const.rows_per_block),
+        )
         ahead = max(done, min(stop + 2, tail))
         move_rows(state, const, done, ahead)
         done = ahead
@@ -204,7 +220,8 @@ def apply_backing_impulse(state, const):
     """v += dt f / m of nodes, with the forces of the backing block, state.f_block_cloth."""
     for c in range(3):
         for k in range(
-            np.uint64(state.active_rows[0] * const.row_stride), np.uint64((state.active_rows[1] + 1) * const.row_stride)
+            np.uint64(state.active_rows[0] * const.row_stride),
+            np.uint64((state.active_rows[1] + 1) * const.row_stride),
         ):
             state.v[c][k] += state.dt_over_mass[k] * state.f_block_cloth[c][k]
 
@@ -262,7 +279,9 @@ def initial_forces(state, const, slide, work):
     """Internal forces of a state, without a step."""
     per = const.rows_per_block
     for block in range((const.ni + per - 1) // per):
-        element_forces(state, const, slide, block, block * per, min(const.ni, (block + 1) * per), work)
+        element_forces(
+            state, const, slide, block, block * per, min(const.ni, (block + 1) * per), work
+        )
     out_of_plane_forces(state, const, 0, const.ni, True)
 
 
@@ -278,8 +297,12 @@ def energies(state, const, slide, out):
         out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
     if slide is None:
         out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
-        out[BENDING] = bending_kernels.bending_forces(const.bending, state, const, 0, const.ni, False)
-        out[JAMMING] = jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, False)
+        out[BENDING] = bending_kernels.bending_forces(
+            const.bending, state, const, 0, const.ni, False
+        )
+        out[JAMMING] = jamming_kernels.jamming_forces(
+            const.jamming, state, const, 0, const.ni, False
+        )
     else:
         slip, state_x = slide
         out[STORED] = failure_kernels.stored_energy(const, state_x, 0, const.ni)[0]

@@ -36,7 +36,13 @@ from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 from shellfabric.sliding import slip_kernels
 from shellfabric.solver import ply_kernels
 
-RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = 0, 1, 2, 3, 4  # CHECK: energy is to be audited before the next step
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = (
+    0,
+    1,
+    2,
+    3,
+    4,
+)  # CHECK: energy is to be audited before the next step
 
 
 @kernel(_nrt=False, inline="always")
@@ -93,7 +99,9 @@ def begin_step(states, consts, contact, slips, stack):
         hold_apart(states, consts, contact)
     apply_nose_impulses(states, consts, stack)
     if contact is None:
-        ply_kernels.grow_rows(borrowed_item(states, 0), borrowed_item(consts, 0), slide_of(slips, 0))
+        ply_kernels.grow_rows(
+            borrowed_item(states, 0), borrowed_item(consts, 0), slide_of(slips, 0)
+        )
 
 
 @kernel(_nrt=False, inline="always")
@@ -111,7 +119,11 @@ def step_ply(states, consts, slips, works, shared, me, count):
 def step_plies(states, consts, contact, slips, stack, works, me, count):
     """One thread's plies of a pack: the impulses of the others and of the guard, their own step."""
     for p in range(me, len(states), count):
-        state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
+        state, const, work = (
+            borrowed_item(states, p),
+            borrowed_item(consts, p),
+            borrowed_item(works, p),
+        )
         pushed = apply_impulses(state, const, contact.guard_force[p], contact.guard_window[p])
         for side in range(2):
             pushed |= apply_impulses(state, const, contact.force[p, side], contact.window[p, side])
@@ -160,7 +172,9 @@ def predict_increments(state, const, contact, p):
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
-            for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+            for k in range(
+                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
+            ):
                 state.dv_other[c][k] = state.f_int[c][k] + state.f_int_above[c][k]
                 if const.has_backing:
                     state.dv_other[c][k] += state.f_block_cloth[c][k]
@@ -168,7 +182,9 @@ def predict_increments(state, const, contact, p):
         add_forces(state, const, contact.force[p, side])
     for c in range(3):
         for i in range(i0, i1 + 1):
-            for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+            for k in range(
+                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
+            ):
                 state.dv_other[c][k] *= state.dt_over_mass[k]
                 state.dv_contact[c][k] = state.dt_over_mass[k] * state.f_contact[c][k]
     if const.mirror_x and i0 == 0:
@@ -182,7 +198,9 @@ def predict_increments(state, const, contact, p):
     f_x, f_y, f_z = state.f_contact_nose
     f_x, f_y = 0.0 if const.mirror_x else f_x, 0.0 if const.mirror_y else f_y
     images = (2 if const.mirror_x else 1) * (2 if const.mirror_y else 1)
-    state.force_scale[0] = 0.25 * images * math.sqrt(f_x**2 + f_y**2 + f_z**2) / const.points_per_side**2
+    state.force_scale[0] = (
+        0.25 * images * math.sqrt(f_x**2 + f_y**2 + f_z**2) / const.points_per_side**2
+    )
 
 
 @kernel(_nrt=False)
@@ -191,7 +209,9 @@ def add_forces(state, const, forces):
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
-            for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+            for k in range(
+                np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)
+            ):
                 state.dv_other[c][k] += forces[c][k]
 
 
@@ -245,7 +265,10 @@ def slip_plies(states, consts, contact, slips, stack, me, count):
 def record_step(state, const, force, row):
     """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
     centre of mass, and how far they have come, all along its axis."""
-    row[0], row[1] = state.projectile_position[2] + const.foremost_offset, bar_kernels.normal_velocity(state, const)
+    row[0], row[1] = (
+        state.projectile_position[2] + const.foremost_offset,
+        bar_kernels.normal_velocity(state, const),
+    )
     row[2] = force
     if const.bar_mass.size > 0:
         tail = const.bar_h.size
@@ -265,7 +288,11 @@ def record_step(state, const, force, row):
 def post_step(states, consts, stack, row):
     """Why the step should be the last, or RUNNING; its row of the history."""
     stack.counter[STEP] += 1
-    first, const, last = borrowed_item(states, 0), borrowed_item(consts, 0), borrowed_item(states, len(states) - 1)
+    first, const, last = (
+        borrowed_item(states, 0),
+        borrowed_item(consts, 0),
+        borrowed_item(states, len(states) - 1),
+    )
     force = 0.0
     for p in range(len(states)):
         force += stack.f_contact_nose[p, 2]
@@ -281,11 +308,15 @@ def post_step(states, consts, stack, row):
     failed, pushed = False, False
     for p in range(len(states)):
         failed |= stack.ply_counters[p, FAILURES] > 0
-        pushed |= stack.f_contact_nose[p, 2] != 0.0 or borrowed_item(states, p).f_block_nose[2] != 0.0
+        pushed |= (
+            stack.f_contact_nose[p, 2] != 0.0 or borrowed_item(states, p).f_block_nose[2] != 0.0
+        )
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
-            if window_kernels.cloth_ahead_of_nose(borrowed_item(states, p), borrowed_item(consts, p)):
+            if window_kernels.cloth_ahead_of_nose(
+                borrowed_item(states, p), borrowed_item(consts, p)
+            ):
                 idle = False
                 break
     stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
@@ -309,7 +340,11 @@ def internal_work(states, contact):
 def begin(states, consts, slips, works):
     """As `ply_kernels.begin`, of all plies."""
     for p in range(len(states)):
-        state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
+        state, const, work = (
+            borrowed_item(states, p),
+            borrowed_item(consts, p),
+            borrowed_item(works, p),
+        )
         ply_kernels.begin(state, const, slide_of(slips, p), work)
 
 
@@ -373,12 +408,20 @@ def run_thread(states, consts, contact, slips, stack, works, history, shared, me
 def refresh_tensions(states, consts, contact, slips, stack, works, me, count):
     """The tensions of one thread's blocks of a single ply, or plies of a pack."""
     if contact is None:
-        state, const, work = borrowed_item(states, 0), borrowed_item(consts, 0), borrowed_item(works, 0)
+        state, const, work = (
+            borrowed_item(states, 0),
+            borrowed_item(consts, 0),
+            borrowed_item(works, 0),
+        )
         first, last = thread_range(state, const, me, count)
         ply_kernels.refresh_tensions(state, const, slide_of(slips, 0), first, last, work)
     else:
         for p in range(me, len(states), count):
             if stack.awake[p]:
-                state, const, work = borrowed_item(states, p), borrowed_item(consts, p), borrowed_item(works, p)
+                state, const, work = (
+                    borrowed_item(states, p),
+                    borrowed_item(consts, p),
+                    borrowed_item(works, p),
+                )
                 first, last = thread_range(state, const, 0, 1)
                 ply_kernels.refresh_tensions(state, const, slide_of(slips, p), first, last, work)

@@ -43,7 +43,9 @@ def test_files_are_whole_or_absent(tmp_path):
 
 def test_response_surface_file_keeps_every_bit(tmp_path):
     axes = {"d1": np.linspace(0, 3e-5, 4), "d2": np.linspace(0, 2e-5, 3)}
-    columns = axes | {name: np.random.default_rng(1).random((4, 3)) for name in ("T1", "T2", "F_c", "h1", "h2")}
+    columns = axes | {
+        name: np.random.default_rng(1).random((4, 3)) for name in ("T1", "T2", "F_c", "h1", "h2")
+    }
     ResponseSurface(**columns, fabric="S-720", provenance="a test").write(tmp_path / "surface.h5")
     back = ResponseSurface.read(tmp_path / "surface.h5")
     assert all(np.array_equal(getattr(back, name), column) for name, column in columns.items())

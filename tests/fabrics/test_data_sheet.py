@@ -28,7 +28,9 @@ def test_crimp_gives_the_thickness_back(path):
     """2 (h1 + h2) is the thickness of the file, the warp has its share of the heights, and the mass is as stated."""
     fabric = catalogue.load(path)
     assert fabric.weave.thickness == pytest.approx(fabric.thickness, rel=1e-9)
-    assert fabric.weave.h01 / sum(fabric.weave.h0) == pytest.approx(data_sheet.entries()["warp_share"].value)
+    assert fabric.weave.h01 / sum(fabric.weave.h0) == pytest.approx(
+        data_sheet.entries()["warp_share"].value
+    )
     assert fabric.assumed == ("crimp", "failure_length")
     assert fabric.sources["warp.crimp"]["status"] == "derived"
     stated = si(fabric.sources["areal_density"]["value"], "kg/m^2")
@@ -54,7 +56,9 @@ def test_a_crimp_that_is_given_leaves_the_rest_to_the_other(tmp_path):
 def test_ends_of_the_crimp_are_those_of_thickness_and_share():
     fabric = assumed.with_shear(catalogue.load(FOLDER / "twaron-930.toml"))
     ends = assumed.crimp_ends(fabric)
-    assert [end.weave.thickness for end in ends.values()] == pytest.approx([0.27e-3, 0.33e-3, 0.3e-3, 0.3e-3])
+    assert [end.weave.thickness for end in ends.values()] == pytest.approx(
+        [0.27e-3, 0.33e-3, 0.3e-3, 0.3e-3]
+    )
     assert ends["warp share 0.5"].weave.h01 == pytest.approx(ends["warp share 0.5"].weave.h02)
     thin, thick = list(ends.values())[:2]
     assert thin.shear.G2 > fabric.shear.G2 > thick.shear.G2  # the assumed trellis law follows
@@ -69,17 +73,28 @@ def test_the_assumed_failure_length_is_within_one_yarn_spacing_of_every_fabric()
         assert fabric.assumed == ("failure_length",)
         entry = fabric.sources["failure_length"]
         assert (entry["value"], entry["status"]) == ("0.75 mm (0.375 mm .. 1.5 mm)", "assumed")
-        assert assumed.lines(fabric) == [f"assumed: failure length {length.written}, because {name} gives none"]
+        assert assumed.lines(fabric) == [
+            f"assumed: failure length {length.written}, because {name} gives none"
+        ]
     ends = {name: end.failure_length for name, end in assumed.failure_length_ends(fabric).items()}
     assert ends == {"failure length 0.375 mm": length.low, "failure length 1.5 mm": length.high}
 
 
 def test_a_failure_length_that_is_given_is_not_assumed(tmp_path):
     fabric = load(
-        tmp_path, TWARON.replace("[warp]", 'failure_length = { value = "1.2 mm", source = "a test" }\n[warp]')
+        tmp_path,
+        TWARON.replace(
+            "[warp]", 'failure_length = { value = "1.2 mm", source = "a test" }\n[warp]'
+        ),
     )
-    assert fabric.failure_length == variants.rotated_90(fabric).failure_length == pytest.approx(1.2e-3)
-    assert fabric.sources["failure_length"] == {"value": "1.2 mm", "source": "a test", "status": "user"}
+    assert (
+        fabric.failure_length == variants.rotated_90(fabric).failure_length == pytest.approx(1.2e-3)
+    )
+    assert fabric.sources["failure_length"] == {
+        "value": "1.2 mm",
+        "source": "a test",
+        "status": "user",
+    }
     assert fabric.assumed == ("crimp",)
     assert assumed.failure_length_ends(fabric) == {}
 
@@ -94,9 +109,14 @@ def test_examples_and_published_fabrics_are_within_the_bounds():
 
 @pytest.mark.parametrize(
     "line",
-    ['tenacity = "2350 mN/tex"', 'tenacity = "23.5 cN/dtex"', 'tenacity = "26.6259 g/den"', 'strength = "218.55 N"',
-     'strength = "3384 MPa"'],
-)  # fmt: skip
+    [
+        'tenacity = "2350 mN/tex"',
+        'tenacity = "23.5 cN/dtex"',
+        'tenacity = "26.6259 g/den"',
+        'strength = "218.55 N"',
+        'strength = "3384 MPa"',
+    ],
+)
 def test_strength_in_the_units_of_data_sheets(tmp_path, line):
     fabric = load(tmp_path, TWARON.replace('tenacity = "2350 mN/tex"', line))
     assert fabric.weave.warp.strength == pytest.approx(YARN_930, rel=1e-5)
@@ -118,8 +138,14 @@ def test_strength_needs_no_failure_strain_and_a_modulus_may_be_a_specific_stress
 def test_thickness_and_areal_density_are_compared_with_what_follows_from_crimp_and_count(tmp_path):
     fabric = load(tmp_path, TWARON.replace("count", 'crimp = "0.5 %"\ncount'))
     assert fabric.assumed == ("failure_length",)
-    assert "note: the crimps give a thickness of 0.164 mm, the file states 0.3 mm; the crimps are used" in fabric.notes
-    assert any("give 208.2 g/m^2, +1.6 % of the stated 205 g/m^2" in note for note in load(tmp_path, TWARON).notes)
+    assert (
+        "note: the crimps give a thickness of 0.164 mm, the file states 0.3 mm; the crimps are used"
+        in fabric.notes
+    )
+    assert any(
+        "give 208.2 g/m^2, +1.6 % of the stated 205 g/m^2" in note
+        for note in load(tmp_path, TWARON).notes
+    )
 
 
 def test_several_errors_survive_a_process():

@@ -14,7 +14,19 @@ import pytest
 from fabrics.executors import THREADS, as_done, one_thread_each, open_executor
 
 ROOT = Path(__file__).parents[2]
-WORDS = ("v50", "S-720", "--shots", "4", "--batch", "4", "--opening", "30.6 mm", "--seed", "2", "--out")
+WORDS = (
+    "v50",
+    "S-720",
+    "--shots",
+    "4",
+    "--batch",
+    "4",
+    "--opening",
+    "30.6 mm",
+    "--seed",
+    "2",
+    "--out",
+)
 
 
 class Uncancelled(ThreadPoolExecutor):
@@ -40,7 +52,9 @@ def test_results_come_as_they_end_until_the_first_exception_and_a_given_executor
     with Uncancelled(1) as given:
         for executor in ("local", given):
             with open_executor(executor, 1) as pool:
-                assert dict(as_done(pool, pow, [(k, 2) for k in range(100)])) == {k: k**2 for k in range(100)}
+                assert dict(as_done(pool, pow, [(k, 2) for k in range(100)])) == {
+                    k: k**2 for k in range(100)
+                }
                 with pytest.raises(ZeroDivisionError):
                     dict(as_done(pool, operator.truediv, [(1, 2), (3, 4), (1, 0)]))
         assert given.submit(int, "3").result() == 3
@@ -70,7 +84,11 @@ print(sum(slow.stats.cache_misses.values()))
 def test_of_two_processes_one_compiles_a_kernel_and_the_other_loads_it(tmp_path):
     (script := tmp_path / "kernel.py").write_text(KERNEL)
     (tmp_path / "both").mkdir()
-    own = {"PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "TMPDIR": str(tmp_path)}
+    own = {
+        "PYTHONPATH": str(ROOT),
+        "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
+        "TMPDIR": str(tmp_path),
+    }
     words = [[sys.executable, str(script), me, str(tmp_path / "both")] for me in "ab"]
     begun = [subprocess.Popen(line, stdout=subprocess.PIPE, env=os.environ | own) for line in words]
     assert sorted(process.communicate()[0].strip() for process in begun) == [b"0", b"1"]
@@ -78,7 +96,9 @@ def test_of_two_processes_one_compiles_a_kernel_and_the_other_loads_it(tmp_path)
 
 def table(folder):
     """{file: bytes} of a study: four shots, the bracket without scatter, and their table."""
-    files = {path.name: path.read_bytes() for path in [*folder.glob("runs/*"), folder / "shots.csv"]}
+    files = {
+        path.name: path.read_bytes() for path in [*folder.glob("runs/*"), folder / "shots.csv"]
+    }
     assert len(files) == 6
     return files
 
@@ -91,13 +111,26 @@ def test_a_v50_is_the_same_to_the_bit_with_every_executor(command, tmp_path, mon
     assert command(*WORDS, "here", "--jobs", "1")[0] == 0
     assert command(*WORDS, "local", "--jobs", "2")[0] == 0
     with one_thread_each():
-        cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+        cluster = distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=None
+        )
     with cluster:
         monkeypatch.setenv("DASK_SCHEDULER_ADDRESS", cluster.scheduler_address)
         assert command(*WORDS, "dask", "--executor", "dask")[0] == 0
-    start = [mpiexec, "-n", "3", "--allow-run-as-root", "--oversubscribe", sys.executable, "-m", "mpi4py.futures"]
+    start = [
+        mpiexec,
+        "-n",
+        "3",
+        "--allow-run-as-root",
+        "--oversubscribe",
+        sys.executable,
+        "-m",
+        "mpi4py.futures",
+    ]
     words = [*start, "-m", "weavecell", *WORDS, "mpi", "--executor", "mpi"]
-    done = subprocess.run(words, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True)
+    done = subprocess.run(
+        words, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("written to") == 1  # one rank is the command, the others run tasks
     tables = [table(tmp_path / name) for name in ("here", "local", "dask", "mpi")]

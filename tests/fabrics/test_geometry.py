@@ -22,13 +22,25 @@ TABLE_5_1 = {
     "S-745": (0.22, 0.11, 0.67, 473.7),
 }
 # erratum E-39 (N), at nominal linear density
-STRENGTH = {"S-720": 315.6, "S-726": 186.7, "S-727": 222.2, "S-728": 333.3, "S-731": 222.2, "S-745": 666.7}
+STRENGTH = {
+    "S-720": 315.6,
+    "S-726": 186.7,
+    "S-727": 222.2,
+    "S-728": 333.3,
+    "S-731": 222.2,
+    "S-745": 666.7,
+}
 
 
 def length_by_quadrature(w, h):
     """Eq. 4-3 as it is printed."""
     k = pi * h / (2 * w)
-    return 2 * quad(lambda x: sqrt(1 + k**2 * np.sin(pi * x / (2 * w)) ** 2), 0, w, epsabs=0, epsrel=1e-12)[0]
+    return (
+        2
+        * quad(
+            lambda x: sqrt(1 + k**2 * np.sin(pi * x / (2 * w)) ** 2), 0, w, epsabs=0, epsrel=1e-12
+        )[0]
+    )
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.01, 0.1, 0.37, 1.0, 5.0])
@@ -62,7 +74,14 @@ def test_the_weaves_have_the_numbers_of_the_source(name):
 
 def test_locking_angle_from_the_weave():
     """Erratum E-08's corrected eq. 4-34 with K_s 0.65, tabulated thickness and the mean spacing."""
-    expected = {"S-720": 0.666, "S-726": 0.546, "S-727": 0.427, "S-728": 0.809, "S-731": 0.241, "S-745": 0.437}
+    expected = {
+        "S-720": 0.666,
+        "S-726": 0.546,
+        "S-727": 0.427,
+        "S-728": 0.809,
+        "S-731": 0.241,
+        "S-745": 0.437,
+    }
     for name, angle in expected.items():
         weave = catalogue.load(name).weave
         found = locking_angle(weave.warp.A_s, 0.65, TABLE_5_1[name][2] * 1e-3, weave.w1 + weave.w2)
@@ -83,7 +102,9 @@ def test_only_the_crossing_count_reproduces_s726():
 
 
 def test_glass_weaves_and_the_wave_speed_of_aramid():
-    balanced, unbalanced = (catalogue.load(f"glass-{kind}").weave for kind in ("balanced", "unbalanced"))
+    balanced, unbalanced = (
+        catalogue.load(f"glass-{kind}").weave for kind in ("balanced", "unbalanced")
+    )
     assert np.multiply(balanced.h0, 1e3) == pytest.approx([0.1833, 0.1833], abs=5e-5)
     assert np.multiply(unbalanced.h0, 1e3) == pytest.approx([0.2583, 0.2339], abs=5e-5)
     assert (2 * unbalanced.w1, 2 * unbalanced.w2) == pytest.approx((6.25e-3, 4.545e-3), rel=1e-3)

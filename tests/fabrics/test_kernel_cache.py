@@ -30,8 +30,14 @@ def test_a_changed_kernel_empties_the_cache_of_those_that_call_it_alone(tmp_path
     def run(value):
         (package / "inner_kernels.py").write_text(IMPORTS + INNER.format(value))
         command = [sys.executable, "-c", RUN]
-        path = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "PATH": "/usr/bin", "PYTHONDONTWRITEBYTECODE": "1"}
-        return subprocess.run(command, env=path, check=True, capture_output=True, text=True).stdout.strip()
+        path = {
+            "PYTHONPATH": f"{tmp_path}:{ROOT}",
+            "PATH": "/usr/bin",
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+        return subprocess.run(
+            command, env=path, check=True, capture_output=True, text=True
+        ).stdout.strip()
 
     assert run(1) == "2 3 0"
     assert run(2) == "4 3 1"

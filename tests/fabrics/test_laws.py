@@ -64,13 +64,20 @@ def test_intervals_of_the_fit_cover_the_truth():
     hits = 0
     for _ in range(200):
         law = CompressionLaw.fit(F, S720.d(F) + rng.normal(0, 0.3e-6, F.size))
-        hits += law.a_interval[0] < S720.a < law.a_interval[1] and law.b_interval[0] < S720.b < law.b_interval[1]
-    assert 174 <= hits <= 200  # both at once: between 90 % (independent) and 95 % (fully correlated), 3 sigma below
+        hits += (
+            law.a_interval[0] < S720.a < law.a_interval[1]
+            and law.b_interval[0] < S720.b < law.b_interval[1]
+        )
+    assert (
+        174 <= hits <= 200
+    )  # both at once: between 90 % (independent) and 95 % (fully correlated), 3 sigma below
 
 
 def test_law_file_keeps_every_bit(tmp_path):
     F = np.geomspace(0.5, 150, 40)
-    law = CompressionLaw.fit(F, S720.d(F) + 1e-7 * np.sin(9 * F), provenance="a test", fabric="S-720")
+    law = CompressionLaw.fit(
+        F, S720.d(F) + 1e-7 * np.sin(9 * F), provenance="a test", fabric="S-720"
+    )
     law.to_json(tmp_path / "law.json")
     assert CompressionLaw.from_json(tmp_path / "law.json") == law
 

@@ -23,7 +23,9 @@ def test_pressure_law_is_eq_2_5_with_the_constants_of_erratum_e_03():
 def test_packs_close_somewhat_less_than_as_many_plies():
     """Erratum E-04: b_N / (N b_1) is 0.83 to 0.88 for 4 plies of the six fabrics, 0.77 to 0.90 for 16."""
     areal_density = catalogue.load("S-720").areal_density_measured
-    one, four, sixteen = (PlateCurve.pressure_law(areal_density, plies).closure[-1] for plies in (1, 4, 16))
+    one, four, sixteen = (
+        PlateCurve.pressure_law(areal_density, plies).closure[-1] for plies in (1, 4, 16)
+    )
     assert 0.83 < four / (4 * one) < 0.88
     assert 0.77 < sixteen / (16 * one) < 0.90
 
@@ -38,5 +40,7 @@ def test_users_file(tmp_path, text):
     assert curve.source == "curve.csv"
     assert curve.at(100e3) == pytest.approx(0.05e-3)
     path.write_text(text + 131_073 * "1")
-    with pytest.raises(InputError, match=r"curve.csv: cannot be read; must be .* \(field larger than field limit"):
+    with pytest.raises(
+        InputError, match=r"curve.csv: cannot be read; must be .* \(field larger than field limit"
+    ):
         PlateCurve.read(path)

@@ -19,7 +19,10 @@ def fabric():
     """S-728 with a law like the platen curve of its 3D crossover."""
     plain, x = catalogue.load("S-728"), np.linspace(0.0, 1.0, 25)
     stiffness = PlyLaw.solid(plain).stiffness
-    return replace(plain, ply_contact=PlyLaw(190.6e-6 * x, PLATEN_PRESSURE * x**3, stiffness, "platens", "computed"))
+    return replace(
+        plain,
+        ply_contact=PlyLaw(190.6e-6 * x, PLATEN_PRESSURE * x**3, stiffness, "platens", "computed"),
+    )
 
 
 def test_the_fabrics_own_law_comes_first_and_then_solid_fibre(fabric):
@@ -32,7 +35,9 @@ def test_the_fabrics_own_law_comes_first_and_then_solid_fibre(fabric):
         assert law.status == "assumed"
         assert law.pressure_at(1e-6) == pytest.approx(1e-6 * law.stiffness)
         E_c = assumed.with_solid_laws(plain).solid_laws[0].E_c
-        assert law.stiffness == pytest.approx(E_c * yarn.fibre_density / plain.weave.areal_density, rel=1e-12), name
+        assert law.stiffness == pytest.approx(
+            E_c * yarn.fibre_density / plain.weave.areal_density, rel=1e-12
+        ), name
 
 
 def test_pressure_law_of_packs_is_eq_5_4(fabric):
@@ -41,7 +46,9 @@ def test_pressure_law_of_packs_is_eq_5_4(fabric):
     four, one = (PlateCurve.pressure_law(fabric.areal_density_measured, plies) for plies in (4, 1))
     for P in np.array([0.1, 1.0, 10.0]) * 1e6:
         expected = (four.at(P) - one.at(P)) / 3
-        assert law.closure_at(P - one.pressure[0]) == pytest.approx(expected, rel=1e-2)  # straight between 24 pressures
+        assert law.closure_at(P - one.pressure[0]) == pytest.approx(
+            expected, rel=1e-2
+        )  # straight between 24 pressures
     assert law.travel == pytest.approx(compression_gap(fabric.areal_density_measured), rel=1e-12)
     assert law.pressure_at(0.0) == 0
     assert between_plies(fabric.areal_density_measured)[0][0] == pytest.approx(10 / 0.019**2)
@@ -51,7 +58,9 @@ def test_what_the_law_closes_is_not_in_the_gap_again(fabric):
     """Gap and law close together what the test of packs closes; a law that closes more leaves no gap."""
     solid, packs = PlyLaw.solid(fabric), PlyLaw.of_packs(fabric)
     assert ply_gap(fabric).value == pytest.approx(0.12e-3)
-    assert ply_gap(fabric, solid).value + solid.closure_at(PLATEN_PRESSURE) == pytest.approx(0.12e-3)
+    assert ply_gap(fabric, solid).value + solid.closure_at(PLATEN_PRESSURE) == pytest.approx(
+        0.12e-3
+    )
     untold = replace(fabric, interlayer_gap=None)
     assert ply_gap(untold, packs).value == pytest.approx(0.0, abs=5e-9)
     assert ply_gap(fabric, fabric.ply_contact).value == 0.0  # 191 um in place of 120
@@ -61,7 +70,11 @@ def test_csv_and_law_json(tmp_path, fabric):
     """A user's columns in either order; and law.json of a calibration, which holds both laws."""
     (tmp_path / "curve.csv").write_text(CSV)
     law = PlyLaw.read(tmp_path / "curve.csv", fabric)
-    assert (law.travel, law.pressure[-1], law.status) == (pytest.approx(9e-5), pytest.approx(2e6), "user")
+    assert (law.travel, law.pressure[-1], law.status) == (
+        pytest.approx(9e-5),
+        pytest.approx(2e6),
+        "user",
+    )
     CompressionLaw(4e-5, 5e-5).to_json(tmp_path / "law.json", fabric.ply_contact)
     assert PlyLaw.read(tmp_path / "law.json", fabric) == fabric.ply_contact
     assert CompressionLaw.from_json(tmp_path / "law.json").a == 4e-5

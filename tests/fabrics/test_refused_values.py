@@ -22,16 +22,22 @@ from validation.models import variants as comparison
 S720, S726, GLASS = (catalogue.load(name) for name in ("S-720", "S-726", "glass-balanced"))
 BARE = replace(S720, laws=None, shear=None, solid_laws=None)
 # of no family of fibres
-UNKNOWN = replace(S720.with_yarns(E=20e9), solid_laws=None, ply_contact=None, areal_density_measured=None)
+UNKNOWN = replace(
+    S720.with_yarns(E=20e9), solid_laws=None, ply_contact=None, areal_density_measured=None
+)
 
 
 def damage(**changes):
-    return WeavingDamage(**({"modulus": 0.9, "strength": 0.9, "source": "made up", "status": "assumed"} | changes))
+    return WeavingDamage(
+        **({"modulus": 0.9, "strength": 0.9, "source": "made up", "status": "assumed"} | changes)
+    )
 
 
 def surface(**changes):
     axes = {"d1": np.linspace(0, 3e-5, 4), "d2": np.linspace(0, 2e-5, 3)}
-    return ResponseSurface(**(axes | dict.fromkeys(("T1", "T2", "F_c", "h1", "h2"), np.zeros((4, 3))) | changes))
+    return ResponseSurface(
+        **(axes | dict.fromkeys(("T1", "T2", "F_c", "h1", "h2"), np.zeros((4, 3))) | changes)
+    )
 
 
 REFUSED = [
@@ -45,12 +51,18 @@ REFUSED = [
         lambda: assumed.with_strain_rate(GLASS),
         r".*glass-balanced has no \[strain_rate\].*E-glass yarns no numbers",
     ),
-    (lambda: assumed.with_strain_rate(UNKNOWN), r".*S-720 has no \[strain_rate\].*none of para-aramid"),
+    (
+        lambda: assumed.with_strain_rate(UNKNOWN),
+        r".*S-720 has no \[strain_rate\].*none of para-aramid",
+    ),
     (lambda: PlyLaw.of(UNKNOWN), r".*has no \[solid\] "),
     (lambda: comparison.with_law_form(BARE, "printed"), "fabric S-720 has no"),
     (lambda: variants.with_shear(BARE, G1=1e6), "fabric S-720 has no"),
     (lambda: variants.with_solids(BARE, E_c=1e9), "fabric S-720 has no"),
-    (lambda: variants.with_failure_length(S720, 0.0), "failure_length = 0.0: must be a positive number"),
+    (
+        lambda: variants.with_failure_length(S720, 0.0),
+        "failure_length = 0.0: must be a positive number",
+    ),
     (lambda: damage(modulus=0.0), "weaving_damage.modulus"),
     (lambda: damage(strength=1.1), "weaving_damage.strength"),
     (lambda: damage(strength=float("nan")), "weaving_damage.strength"),
@@ -60,7 +72,10 @@ REFUSED = [
     (lambda: CompressionLaw(4e-5, float("nan")), "b = "),
     (lambda: CompressionLaw(0.0, 6e-5), "b = "),
     (lambda: CompressionLaw(4e-5, 6e-5, "cubic"), "form = "),
-    (lambda: CompressionLaw.fit([0, 0, 0, 1, 2], [0, 0, 0, 1e-6, 2e-6]), ".*at least three samples"),
+    (
+        lambda: CompressionLaw.fit([0, 0, 0, 1, 2], [0, 0, 0, 1e-6, 2e-6]),
+        ".*at least three samples",
+    ),
     (lambda: RatioLaw.fit([1, 2, 0], [0, 0, 0], [1e-6, 2e-6, 0]), ".*at least five samples"),
     (lambda: PullOutLaw.fit((3.0, 3.0), (1.0, 1.0)), ".*two different"),
     (lambda: PlateCurve.pressure_law(0.2665, 3), "plies = 3: must be 1, 4, 8 or 16"),
@@ -79,11 +94,17 @@ def test_one_line_says_what_is_wrong(make, line):
 
 @pytest.mark.parametrize(
     ("change", "line"),
-    [({"c0": "3 m"}, "pull_out.c0"), ({"mu_eff": -0.1}, "pull_out.mu_eff"), ({"mu_eff": "much"}, "pull_out"),
-     ({"friction_range": [0.3, 0.2]}, "pull_out.friction_range"), ({"T_f_N": [1.0]}, "pull_out.T_f"),
-     ({"F_c_N": [-1.0] * 4}, "pull_out.F_c"), ({"friction": None}, "pull_out"),
-     ({"mu_eff": ...}, "pull_out.mu_eff: is missing")],
-)  # fmt: skip
+    [
+        ({"c0": "3 m"}, "pull_out.c0"),
+        ({"mu_eff": -0.1}, "pull_out.mu_eff"),
+        ({"mu_eff": "much"}, "pull_out"),
+        ({"friction_range": [0.3, 0.2]}, "pull_out.friction_range"),
+        ({"T_f_N": [1.0]}, "pull_out.T_f"),
+        ({"F_c_N": [-1.0] * 4}, "pull_out.F_c"),
+        ({"friction": None}, "pull_out"),
+        ({"mu_eff": ...}, "pull_out.mu_eff: is missing"),
+    ],
+)
 def test_a_bad_group_of_a_law_file_is_named(tmp_path, change, line):
     path, forces = tmp_path / "law.json", (2.0, 5.0, 11.0, 17.0)
     CompressionLaw(4.5e-5, 5.8e-5).to_json(path)

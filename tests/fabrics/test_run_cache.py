@@ -22,18 +22,42 @@ def test_equal_inputs_have_one_digest_and_others_another():
     other = long.copy()
     other[2500] += 1e-9
     values = [
-        None, True, 1, 1.0, -0.0, 0.0, "1", b"1", (1, 2), ((1,), 2), [1, 2, 3], {"a": 1}, {"a": 2}, {"b": 1}, {1, 2},
-        long, other, long.astype(np.float32), long.reshape(2, -1), Case("a", 1.0), Case("b", 1.0), Case("a", 1.0, long),
+        None,
+        True,
+        1,
+        1.0,
+        -0.0,
+        0.0,
+        "1",
+        b"1",
+        (1, 2),
+        ((1,), 2),
+        [1, 2, 3],
+        {"a": 1},
+        {"a": 2},
+        {"b": 1},
+        {1, 2},
+        long,
+        other,
+        long.astype(np.float32),
+        long.reshape(2, -1),
+        Case("a", 1.0),
+        Case("b", 1.0),
+        Case("a", 1.0, long),
         Case("a", 1.0, other),
-    ]  # fmt: skip
+    ]
     digests = [run_cache.inputs_digest(value) for value in values]
     assert len(set(digests)) == len(values)
     assert run_cache.inputs_digest({"b": 1, "a": 2}) == run_cache.inputs_digest({"a": 2, "b": 1})
     assert run_cache.inputs_digest(np.float64(2.5)) == run_cache.inputs_digest(2.5)
-    assert run_cache.inputs_digest((1, 2)) == run_cache.inputs_digest([1, 2])  # JSON gives back lists
+    assert run_cache.inputs_digest((1, 2)) == run_cache.inputs_digest(
+        [1, 2]
+    )  # JSON gives back lists
     fabric = catalogue.load("S-720")
     assert run_cache.inputs_digest(fabric) == run_cache.inputs_digest(replace(fabric))
-    assert run_cache.inputs_digest(fabric) != run_cache.inputs_digest(replace(fabric, section="ellipse"))
+    assert run_cache.inputs_digest(fabric) != run_cache.inputs_digest(
+        replace(fabric, section="ellipse")
+    )
 
 
 @pytest.mark.parametrize("value", [print, lambda: 1, object(), Case, np.array([None])])

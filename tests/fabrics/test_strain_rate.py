@@ -24,7 +24,9 @@ def test_damage_at_a_steady_rate_is_one_at_the_strength(rate):
     assert loads[0] == 0.99 * LAW.strength[0]
     x = np.linspace(loads[0], LAW.strength_at(rate), 200001)[1:]
     m = np.minimum(np.searchsorted(loads, x) - 1, loads.size - 2)
-    total = np.mean(damage[m] * np.exp(growth[m] * (x - loads[m]))) * (x[-1] - loads[0]) * 0.03 / rate
+    total = (
+        np.mean(damage[m] * np.exp(growth[m] * (x - loads[m]))) * (x[-1] - loads[0]) * 0.03 / rate
+    )
     assert total == pytest.approx(1, rel=1e-3)
     same_at_all_rates = RateLaw((1.0, 10.0), (0.9, 0.9))
     np.testing.assert_array_equal(same_at_all_rates.table(0.03), [[0.9], [0.0], [0.0]])
@@ -39,7 +41,9 @@ def test_a_family_gives_it_with_its_source_and_the_strength_stays():
         assert after.strength == pytest.approx(before.strength)
     assert fabric.strain_rate.strength_at(170.0) == pytest.approx(2340 / 1489, rel=1e-3)
     assert "Kevlar 49" in fabric.sources["strain_rate"]["source"]
-    assert "assumed: [strain_rate] of para-aramid yarns, because S-726 gives none" in assumed.lines(fabric)
+    assert "assumed: [strain_rate] of para-aramid yarns, because S-726 gives none" in assumed.lines(
+        fabric
+    )
     assert assumed.with_strain_rate(fabric) is fabric
 
 

@@ -12,22 +12,50 @@ from hypothesis import strategies as st
 from fabrics import units
 from fabrics.errors import InputError
 
-SAME = settings(deadline=None, derandomize=True, database=None, print_blob=True)  # the same examples in every run
+SAME = settings(
+    deadline=None, derandomize=True, database=None, print_blob=True
+)  # the same examples in every run
 PAIRS = [(unit, to) for to, table in units.FACTORS.items() for unit in table]
 # unit: its SI unit and exact value
 EXACT = {
-    "m": ("m", 1), "mm": ("m", "1e-3"), "in": ("m", "0.0254"), "µm": ("m", "1e-6"), "g": ("kg", "1e-3"),
-    "m/s": ("m/s", 1), "ft/s": ("m/s", "0.3048"), "N": ("N", 1), "lbf": ("N", "4.4482216152605"), "GPa": ("Pa", "1e9"),
-    "%": ("", "1e-2"), "": ("", 1), "dtex": ("kg/m", "1e-7"), "den": ("kg/m", Fraction(1, 9000000)),
-    "denier": ("kg/m", Fraction(1, 9000000)), "g/cm3": ("kg/m^3", 1000), "g/cm^3": ("kg/m^3", 1000),
-    "g cm-3": ("kg/m^3", 1000), "kg/m3": ("kg/m^3", 1), "g/m2": ("kg/m^2", "1e-3"), "gsm": ("kg/m^2", "1e-3"),
-    "/ cm": ("1/m", 100), "1/cm": ("1/m", 100), "per inch": ("1/m", Fraction(10000, 254)), "mm2": ("m^2", "1e-6"),
-    "gf/den": ("N/(kg/m)", "88259.85"), "cN/dtex": ("N/(kg/m)", "1e5"), "us": ("s", "1e-6"),
+    "m": ("m", 1),
+    "mm": ("m", "1e-3"),
+    "in": ("m", "0.0254"),
+    "µm": ("m", "1e-6"),
+    "g": ("kg", "1e-3"),
+    "m/s": ("m/s", 1),
+    "ft/s": ("m/s", "0.3048"),
+    "N": ("N", 1),
+    "lbf": ("N", "4.4482216152605"),
+    "GPa": ("Pa", "1e9"),
+    "%": ("", "1e-2"),
+    "": ("", 1),
+    "dtex": ("kg/m", "1e-7"),
+    "den": ("kg/m", Fraction(1, 9000000)),
+    "denier": ("kg/m", Fraction(1, 9000000)),
+    "g/cm3": ("kg/m^3", 1000),
+    "g/cm^3": ("kg/m^3", 1000),
+    "g cm-3": ("kg/m^3", 1000),
+    "kg/m3": ("kg/m^3", 1),
+    "g/m2": ("kg/m^2", "1e-3"),
+    "gsm": ("kg/m^2", "1e-3"),
+    "/ cm": ("1/m", 100),
+    "1/cm": ("1/m", 100),
+    "per inch": ("1/m", Fraction(10000, 254)),
+    "mm2": ("m^2", "1e-6"),
+    "gf/den": ("N/(kg/m)", "88259.85"),
+    "cN/dtex": ("N/(kg/m)", "1e5"),
+    "us": ("s", "1e-6"),
     "mm * N^(1/3)": ("m * N**(1/3)", "1e-3"),
-}  # fmt: skip
+}
 DIMENSIONS = sorted({to for to, _ in EXACT.values()})
-NUMBER = st.from_regex(r"[-+]?([0-9]{1,17}(\.[0-9]{0,9})?|\.[0-9]{1,9})([eE][-+]?[0-9]{1,2})?", fullmatch=True)
-PIECE = st.one_of(NUMBER, st.sampled_from([*EXACT, *"  ,.;/*^+-()_'%", "**", "1/", "e3", "^2", "\u00a0", "٣", "nan"]))
+NUMBER = st.from_regex(
+    r"[-+]?([0-9]{1,17}(\.[0-9]{0,9})?|\.[0-9]{1,9})([eE][-+]?[0-9]{1,2})?", fullmatch=True
+)
+PIECE = st.one_of(
+    NUMBER,
+    st.sampled_from([*EXACT, *"  ,.;/*^+-()_'%", "**", "1/", "e3", "^2", "\u00a0", "٣", "nan"]),
+)
 TEXT = st.one_of(st.text(max_size=12), st.lists(PIECE, max_size=6).map("".join))
 
 
@@ -61,19 +89,47 @@ def test_any_text_is_converted_exactly_or_refused(text, to):
     unit = plain[len(number) :].strip()
     value = Fraction(EXACT[unit][1]) if unit in EXACT else Fraction(units.si(f"1 {unit}", to))
     assert found == pytest.approx(float(Fraction(number) * value), rel=1e-15, abs=0)
-    without_exponents = re.sub(r"(\^|\*\*) ?\(?[-+]?\d\)?|(?<=[a-zµ])-?\d", "", re.sub(r"^1/", "/", unit))
+    without_exponents = re.sub(
+        r"(\^|\*\*) ?\(?[-+]?\d\)?|(?<=[a-zµ])-?\d", "", re.sub(r"^1/", "/", unit)
+    )
     assert not re.search(r"[\d,.]", without_exponents)
 
 
 @pytest.mark.parametrize(
     ("text", "to"),
-    [("92,5 m/s", "m/s"), ("3,5 g", "kg"), ("0,23 mm", "m"), ("3,45 %", ""), ("1,000 mm", "m"), (",5 mm", "m"),
-     ("2 3 mm", "m"), ("2 1 mm", "m"), ("1 000 mm", "m"), ("1_000 mm", "m"), ("2 mm 3", "m"), ("2 x 3 mm", "m"),
-     ("3 mm + 2 mm", "m"), ("8 1 / cm", "1/m"), ("5 1", ""), ("mm", "m"), ("", "m"), ("nan mm", "m"), ("1e999 mm", "m"),
-     ("3 kg^99999999", "kg"), ("3 kg^9^9^9", "kg"), ("3 (kg^9)^9", "kg"), ("3 kg^(9)^(9)^(9)", "kg"),
-     ("3 (((((kg^9)^9)^9)^9)^9)^9", "kg"),
-     ("3 mm", "s"), ("3 furlong mm", "m"), (True, ""), (3.0, "m"), (None, "m"), (["3 mm"], "m")],
-)  # fmt: skip
+    [
+        ("92,5 m/s", "m/s"),
+        ("3,5 g", "kg"),
+        ("0,23 mm", "m"),
+        ("3,45 %", ""),
+        ("1,000 mm", "m"),
+        (",5 mm", "m"),
+        ("2 3 mm", "m"),
+        ("2 1 mm", "m"),
+        ("1 000 mm", "m"),
+        ("1_000 mm", "m"),
+        ("2 mm 3", "m"),
+        ("2 x 3 mm", "m"),
+        ("3 mm + 2 mm", "m"),
+        ("8 1 / cm", "1/m"),
+        ("5 1", ""),
+        ("mm", "m"),
+        ("", "m"),
+        ("nan mm", "m"),
+        ("1e999 mm", "m"),
+        ("3 kg^99999999", "kg"),
+        ("3 kg^9^9^9", "kg"),
+        ("3 (kg^9)^9", "kg"),
+        ("3 kg^(9)^(9)^(9)", "kg"),
+        ("3 (((((kg^9)^9)^9)^9)^9)^9", "kg"),
+        ("3 mm", "s"),
+        ("3 furlong mm", "m"),
+        (True, ""),
+        (3.0, "m"),
+        (None, "m"),
+        (["3 mm"], "m"),
+    ],
+)
 def test_everything_else_is_refused(text, to):
     with pytest.raises(InputError) as caught:
         units.si(text, to, key="length")
@@ -83,6 +139,10 @@ def test_everything_else_is_refused(text, to):
 
 def test_the_usual_units_need_no_pint():
     code = (
-        "from fabrics.units import si; si('3 g', 'kg'); si('9 / cm', '1/m'); import sys; print('pint' in sys.modules)"
+        "import sys; from fabrics.units import si; si('3 g', 'kg'); si('9 / cm', '1/m'); "
+        "print('pint' in sys.modules)"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "False"
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip()
+        == "False"
+    )

@@ -32,7 +32,11 @@ def test_weaving_damage_scales_stiffness_and_strength(fabric):
         assert after.wave_speed == pytest.approx(0.9**0.5 * before.wave_speed)
         assert (after.linear_density, after.crimp) == (before.linear_density, before.crimp)
     assert woven.laws == fabric.laws
-    assert woven.sources["weaving_damage.strength"] == {"value": 0.8, "source": "made up", "status": "assumed"}
+    assert woven.sources["weaving_damage.strength"] == {
+        "value": 0.8,
+        "source": "made up",
+        "status": "assumed",
+    }
     assert woven.sources.items() >= fabric.sources.items()
 
 
@@ -40,15 +44,23 @@ def test_yarns_one_value_or_two(fabric):
     both = fabric.with_yarns(crimp=0.01, E=(70e9, 80e9))
     assert [(yarn.crimp, yarn.E) for yarn in both.weave.yarns] == [(0.01, 70e9), (0.01, 80e9)]
     scaled = variants.scale_yarns(fabric, crimp=(2.0, 0.5))
-    assert [new.crimp / old.crimp for new, old in zip(scaled.weave.yarns, fabric.weave.yarns)] == [2.0, 0.5]
+    assert [new.crimp / old.crimp for new, old in zip(scaled.weave.yarns, fabric.weave.yarns)] == [
+        2.0,
+        0.5,
+    ]
     assert variants.scale_yarns(fabric, E=1.0) == fabric.with_yarns() == fabric
 
 
 def test_linear_density(fabric):
     assert variants.with_linear_density(fabric, "nominal") is fabric
     used = variants.with_linear_density(fabric)
-    assert tuple(yarn.linear_density for yarn in used.weave.yarns) == fabric.effective_linear_density
-    assert variants.with_linear_density(replace(fabric, effective_linear_density=None)).weave == fabric.weave
+    assert (
+        tuple(yarn.linear_density for yarn in used.weave.yarns) == fabric.effective_linear_density
+    )
+    assert (
+        variants.with_linear_density(replace(fabric, effective_linear_density=None)).weave
+        == fabric.weave
+    )
 
 
 def test_straight_yarns_keep_the_shear_force_per_width(fabric):
@@ -61,12 +73,17 @@ def test_straight_yarns_keep_the_shear_force_per_width(fabric):
 
 def test_trellis_and_laws(fabric):
     soft = variants.scale_shear(fabric, moduli=0.5, angles=2.0)
-    assert soft.shear.stress(0.2) == pytest.approx(fabric.shear.stress(0.1), rel=1e-12)  # half the slope, twice as far
+    assert soft.shear.stress(0.2) == pytest.approx(
+        fabric.shear.stress(0.1), rel=1e-12
+    )  # half the slope, twice as far
     assert variants.with_shear(fabric, G2=fabric.shear.G1).shear.G2 == fabric.shear.G1
     half = variants.scale_laws(fabric, 0.5, 0.5)
     for before, after in zip(fabric.laws, half.laws):
         assert after.d(3.0) == pytest.approx(0.5 * before.d(3.0), rel=1e-12)
-    assert [law.form for law in comparison.with_law_form(fabric, "printed").laws] == ["printed", "printed"]
+    assert [law.form for law in comparison.with_law_form(fabric, "printed").laws] == [
+        "printed",
+        "printed",
+    ]
 
 
 def test_solids(fabric):
@@ -74,7 +91,9 @@ def test_solids(fabric):
     assert [law.Vf0 for law in changed.solid_laws] == [0.6, 0.55]
     stiff = comparison.scale_solids(fabric, {"E_c": 2.0})
     for before, after in zip(fabric.solid_laws, stiff.solid_laws):
-        assert after.transverse_modulus(0.75) == pytest.approx(2 * before.transverse_modulus(0.75), rel=1e-12)
+        assert after.transverse_modulus(0.75) == pytest.approx(
+            2 * before.transverse_modulus(0.75), rel=1e-12
+        )
 
 
 def test_failure_length(fabric):

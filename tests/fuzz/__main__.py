@@ -28,7 +28,9 @@ def main():
     rows = []
     for first in range(0, len(chosen), BATCH):
         tasks = [(scene,) for scene in chosen[first : first + BATCH]]
-        rows += run_cache.results(runs.outcome, tasks, folder=options.out / "runs", jobs=options.jobs, fresh=True)
+        rows += run_cache.results(
+            runs.outcome, tasks, folder=options.out / "runs", jobs=options.jobs, fresh=True
+        )
         print(runs.summary(rows), flush=True)
     for scene, row in zip(chosen, rows):
         if runs.is_wrong(row) or row["outcome"] == "guard":
@@ -44,13 +46,19 @@ def main():
 
 def _options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    seeds = "packs1 ...: packs of 2 to 8 plies; angled1 ...: at any angles; backed1 ...: before a block"
+    seeds = (
+        "packs1 ...: packs of 2 to 8 plies; angled1 ...: at any angles; backed1 ...: before a block"
+    )
     parser.add_argument("--seed", default="1", help=seeds)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--only", type=int, nargs="+", help="indices to run, in place of --count")
-    parser.add_argument("--show", type=int, metavar="INDEX", help="write this scene's files and run nothing")
+    parser.add_argument(
+        "--show", type=int, metavar="INDEX", help="write this scene's files and run nothing"
+    )
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--guards", type=int, default=5, help="number of runs that may be stopped by a guard")
+    parser.add_argument(
+        "--guards", type=int, default=5, help="number of runs that may be stopped by a guard"
+    )
     parser.add_argument("--out", type=Path, default=Path("results/fuzz"))
     return parser.parse_args()
 

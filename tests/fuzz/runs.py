@@ -24,7 +24,10 @@ from shellfabric.impact import simulation
 from weavecell.scenes import build
 from weavecell.scenes import impact as scene_files
 
-TIME_LIMIT, WALL_LIMIT = 120.0, 600.0  # [s] of CPU time of the steps; of a run that compiles kernels too
+TIME_LIMIT, WALL_LIMIT = (
+    120.0,
+    600.0,
+)  # [s] of CPU time of the steps; of a run that compiles kernels too
 ENERGY_ERROR_LIMIT = 0.005  # of the strike energy, at normal termination
 
 
@@ -34,7 +37,14 @@ class TimeLimit(Exception):
 
 def outcome(scene) -> dict:
     """Run a RandomScene: {"name", "outcome", "end", "message", "energy_error" [-], "doubtful", "cpu_time" [s], ...}."""
-    row = {"name": scene.name, "outcome": "ok", "end": "", "message": "", "energy_error": None, "doubtful": ""}
+    row = {
+        "name": scene.name,
+        "outcome": "ok",
+        "end": "",
+        "message": "",
+        "energy_error": None,
+        "doubtful": "",
+    }
     begun = []
 
     def watch(march):
@@ -49,7 +59,9 @@ def outcome(scene) -> dict:
         except InputError as problem:
             row |= {"outcome": "rejected", "message": str(problem).replace(f"{folder}/", "")}
         except UnstableError as problem:
-            row |= _of_result(problem.result) if getattr(problem, "result", None) is not None else {}
+            row |= (
+                _of_result(problem.result) if getattr(problem, "result", None) is not None else {}
+            )
             row |= {"outcome": "guard", "message": str(problem)}
         except TimeLimit as problem:
             row |= {"outcome": "time", "message": str(problem)}
@@ -69,15 +81,20 @@ def setup_of(path):
     """(Scene, ImpactSetup) of the scene at `path`, on one thread."""
     asked, _ = scene_files.load(Path(path))
     setup = build.setup(build.build(asked, path, path.stem), path)
-    return asked, replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
+    return asked, replace(
+        setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None
+    )
 
 
 def _of_result(result):
     return {
-        "end": result.outcome, "energy_error": result.energy_error_max, "steps": result.steps,
-        "cut_yarns": float(result.cut_yarns[-1]), "residual_velocity": result.residual_velocity,
+        "end": result.outcome,
+        "energy_error": result.energy_error_max,
+        "steps": result.steps,
+        "cut_yarns": float(result.cut_yarns[-1]),
+        "residual_velocity": result.residual_velocity,
         "doubtful": "; ".join(str(check) for check in result.checks if not check.ok),
-    }  # fmt: skip
+    }
 
 
 def is_wrong(row) -> bool:
@@ -91,14 +108,20 @@ def failures(rows, guards) -> list[str]:
     """What must not be, in lines: wrong runs, and more than `guards` runs that were stopped by a guard."""
     stopped = [row for row in rows if row["outcome"] == "guard"]
     found = [row for row in rows if is_wrong(row)] + (stopped if len(stopped) > guards else [])
-    return [f"{row['name']}: {row['outcome']}, {row['message']} energy error {row['energy_error']}" for row in found]
+    return [
+        f"{row['name']}: {row['outcome']}, {row['message']} energy error {row['energy_error']}"
+        for row in found
+    ]
 
 
 def summary(rows) -> str:
     """Counts of the outcomes, the largest energy error, and how many runs are doubtful."""
     ended = [row for row in rows if row["outcome"] == "ok"]
     counts = Counter(row["end"] if row["outcome"] == "ok" else row["outcome"] for row in rows)
-    error, cpu = max((row["energy_error"] for row in ended), default=0), sum(row["cpu_time"] for row in rows)
+    error, cpu = (
+        max((row["energy_error"] for row in ended), default=0),
+        sum(row["cpu_time"] for row in rows),
+    )
     torn, doubtful = (sum(bool(row[name]) for row in ended) for name in ("cut_yarns", "doubtful"))
     return (
         f"{len(rows)} scenes: {', '.join(f'{n} {name}' for name, n in counts.most_common())}; {torn} with torn yarns, "

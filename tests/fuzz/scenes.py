@@ -32,10 +32,16 @@ BACKINGS = ("Roma Plastilina No. 1", "gelatine 10 %", "gelatine 20 %", "")
 SHAPES = ("flat", "sphere", "hemisphere", "cone", "chisel")
 # as Kevlar 129 in the thesis
 _SOLID = {"E_a": "1 MPa", "E_c": "2 GPa", "K_r": 0.02, "K_G": 0.001, "V_c": 1.0, "Vf0": 0.7}
-_PACKING, _FLATNESS = 0.65, 4.5  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
+_PACKING, _FLATNESS = (
+    0.65,
+    4.5,
+)  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
 UPDATES = 1.2e7  # element updates that a scene may cost: about a second of one core for one ply
 _PACK_COST = 3.0  # of an element update in a pack, over that of a single ply
-_FINE_PACK, _SHORTEST = 3.0, 30.0  # budgets that a pack on its default mesh may cost, if these microseconds fit in
+_FINE_PACK, _SHORTEST = (
+    3.0,
+    30.0,
+)  # budgets that a pack on its default mesh may cost, if these microseconds fit in
 
 
 @dataclass(frozen=True)
@@ -86,13 +92,18 @@ def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False) -> R
     draw = Draw(generator)
     fabric = sample_fabric(draw, name)
     cells, thickness = _geometry(fabric)
-    table = {"title": name, "fabric": sample_cell(draw, fabric, thickness) | {"file": f"{name}-fabric.toml"}}
+    table = {
+        "title": name,
+        "fabric": sample_cell(draw, fabric, thickness) | {"file": f"{name}-fabric.toml"},
+    }
     half = draw.uniform(12, 40) * max(cells)
     half = max(half, 3.3, 14 * max(cells))
     shot = sample_projectile(draw, half)
     panel = sample_panel(draw, shot, thickness, draw.choice(plies))
     if angled:
-        panel = {key: value for key, value in panel.items() if key not in ("weave_angle", "stacking")}
+        panel = {
+            key: value for key, value in panel.items() if key not in ("weave_angle", "stacking")
+        }
         panel |= {"boundary": "clamped", "symmetry": "whole"} | sample_strength(draw, fabric)
     run = sample_run(draw, fabric, cells, half, shot, panel)
     if "plies" in panel and draw.chance(0.4):  # last, so that scenes without it are what they were
@@ -100,7 +111,9 @@ def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False) -> R
     other = {}
     if "plies" in panel and "weave_angle" not in panel and (draw.chance(0.3) or angled):
         other = sample_other(draw, fabric, name)
-        panel["ply"] = sample_plies(draw, panel.pop("plies"), f"{name}-other.toml", thickness, angled)
+        panel["ply"] = sample_plies(
+            draw, panel.pop("plies"), f"{name}-other.toml", thickness, angled
+        )
         panel.pop("stacking", None)
     if panel["boundary"] == "clamped" and draw.chance(0.15):
         panel["opening_shape"] = "round"
@@ -113,13 +126,21 @@ def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False) -> R
     if backed:
         panel["boundary"] = "clamped"
         table["backing"] = sample_backing(draw, half)
-        shot = {key: value for key, value in shot.items() if key not in ("obliquity", "azimuth", "yaw", "roll")}
+        shot = {
+            key: value
+            for key, value in shot.items()
+            if key not in ("obliquity", "azimuth", "yaw", "roll")
+        }
         if draw.chance(0.3):
             shot, body = sample_body(draw, shot, f"{name}.stl")
             panel["symmetry"] = "whole"
-    if alone and "elements_per_crossover" not in run and draw.chance(0.7):  # the default costs several times as much
+    if (
+        alone and "elements_per_crossover" not in run and draw.chance(0.7)
+    ):  # the default costs several times as much
         run["elements_per_crossover"] = 1
-    return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other, body)
+    return RandomScene(
+        name, fabric, table | {"projectile": shot, "panel": panel, "run": run}, other, body
+    )
 
 
 class Draw:
@@ -157,25 +178,37 @@ def sample_fabric(draw, name) -> dict:
             }
         tex, rho, E, e = warp.values()
         found[family] = {
-            "linear_density": _text(tex, "tex"), "fibre_density": _text(rho, "g/cm^3"), "modulus": _text(E, "GPa"),
-            "failure_strain": _text(e, "%"), "crimp": _text(draw.log_uniform(0.05, 15), "%"),
+            "linear_density": _text(tex, "tex"),
+            "fibre_density": _text(rho, "g/cm^3"),
+            "modulus": _text(E, "GPa"),
+            "failure_strain": _text(e, "%"),
+            "crimp": _text(draw.log_uniform(0.05, 15), "%"),
             "count": _text(draw.uniform(0.5, 1.0) * 150 / math.sqrt(tex), "/cm"),
-        }  # fmt: skip
+        }
         found.setdefault("compression", {})[family] = _law(draw, thickness_of(tex, rho))
-    locking = 0.5e3 * E * tex / rho * 1e-3 / (2 * thickness_of(tex, rho) * _spacing(found["warp"]))  # [MPa], E-07
+    locking = (
+        0.5e3 * E * tex / rho * 1e-3 / (2 * thickness_of(tex, rho) * _spacing(found["warp"]))
+    )  # [MPa], E-07
     angle = draw.uniform(0.05, 0.4)
     found["shear"] = {
-        "G1": _text(locking * draw.log_uniform(1e-4, 1e-2), "MPa"), "G2": _text(locking * draw.uniform(0.05, 1), "MPa"),
-        "gamma1": round(angle, 3), "gamma2": round(angle + draw.uniform(0.1, 0.6), 3),
-    }  # fmt: skip
-    found["solid"] = {family: dict(_SOLID) for family in ("warp", "weft")}  # yarns of no known fibre have none assumed
+        "G1": _text(locking * draw.log_uniform(1e-4, 1e-2), "MPa"),
+        "G2": _text(locking * draw.uniform(0.05, 1), "MPa"),
+        "gamma1": round(angle, 3),
+        "gamma2": round(angle + draw.uniform(0.1, 0.6), 3),
+    }
+    found["solid"] = {
+        family: dict(_SOLID) for family in ("warp", "weft")
+    }  # yarns of no known fibre have none assumed
     return found
 
 
 def _law(draw, thickness):
     """a [mm] a share of the yarn's thickness [mm], b [mm N^(1/3)] by the force (b / a)^3 at which it stiffens."""
     a = thickness * draw.uniform(0.02, 0.35)
-    return {"a": _text(a, "mm"), "b": _text(a * draw.log_uniform(0.02, 100) ** (1 / 3), "mm * N^(1/3)")}
+    return {
+        "a": _text(a, "mm"),
+        "b": _text(a * draw.log_uniform(0.02, 100) ** (1 / 3), "mm * N^(1/3)"),
+    }
 
 
 def thickness_of(tex, density):
@@ -186,12 +219,19 @@ def thickness_of(tex, density):
 
 def sample_cell(draw, fabric, thickness) -> dict:
     """The table [fabric] of a scene but for its file."""
-    found = {"cell_model": draw.choice(("compressible", "compressible", "compressible", "incompressible", "decoupled"))}
+    found = {
+        "cell_model": draw.choice(
+            ("compressible", "compressible", "compressible", "incompressible", "decoupled")
+        )
+    }
     if draw.chance(0.2):
         found["cell_profile"] = "straight"
     if draw.chance(0.1):
         found["cell_formulation"] = "equilibrium"
-    heights = sum(_height(fabric[family], fabric[other]) for family, other in (("warp", "weft"), ("weft", "warp")))
+    heights = sum(
+        _height(fabric[family], fabric[other])
+        for family, other in (("warp", "weft"), ("weft", "warp"))
+    )
     if found["cell_model"] == "compressible" and draw.chance(0.4):
         law = _law(draw, thickness)
         found["law"] = {"a": law["a"], "b": law["b"].replace(" * ", " ")}
@@ -210,7 +250,11 @@ def sample_projectile(draw, half) -> dict:
     """The table [projectile] for a panel of a half width [mm]."""
     diameter = draw.log_uniform(3, min(15, 0.95 * half))
     shape, speed = draw.choice(SHAPES), draw.uniform(20, 700)
-    found = {"shape": shape, "diameter": _text(diameter, "mm"), "strike_velocity": _text(speed, "m/s")}
+    found = {
+        "shape": shape,
+        "diameter": _text(diameter, "mm"),
+        "strike_velocity": _text(speed, "m/s"),
+    }
     radius = 0.5 * diameter
     depth, slenderness = radius, draw.uniform(0.7, 3)
     if shape != "sphere":
@@ -224,13 +268,19 @@ def sample_projectile(draw, half) -> dict:
         depth = radius / math.tan(math.radians(angle)) + edge
     if shape == "chisel":
         angle = draw.uniform(15, 60)
-        strip = draw.uniform(0.1, 0.8) * (radius - edge) + edge * math.tan(0.5 * math.radians(angle))
+        strip = draw.uniform(0.1, 0.8) * (radius - edge) + edge * math.tan(
+            0.5 * math.radians(angle)
+        )
         found |= {"flat_width": _text(2 * strip, "mm"), "flat_angle": _text(angle, "deg")}
         depth = edge + radius * math.tan(math.radians(angle))
     length = max(slenderness * diameter, 1.05 * (depth + 0.3 * radius))
     if shape != "sphere" and draw.chance(0.5):
         found["length"] = _text(length, "mm")
-    volume = math.pi / 6 * diameter**3 if shape == "sphere" else math.pi * radius**2 * (length - 0.5 * depth)
+    volume = (
+        math.pi / 6 * diameter**3
+        if shape == "sphere"
+        else math.pi * radius**2 * (length - 0.5 * depth)
+    )
     found["mass"] = _text(min(max(1e-3 * volume * draw.choice(BODIES), 0.2), 20), "g")
     if draw.chance(0.5):
         found["friction"] = round(draw.uniform(0, 0.6), 3)
@@ -238,7 +288,10 @@ def sample_projectile(draw, half) -> dict:
         lean = draw.uniform(1, 60)
         found |= {"obliquity": _text(lean, "deg"), "azimuth": _text(draw.uniform(0, 360), "deg")}
         if draw.chance(0.3):
-            found |= {"yaw": _text(draw.uniform(-10, 14), "deg"), "roll": _text(draw.uniform(0, 180), "deg")}
+            found |= {
+                "yaw": _text(draw.uniform(-10, 14), "deg"),
+                "roll": _text(draw.uniform(0, 180), "deg"),
+            }
     return found
 
 
@@ -246,7 +299,9 @@ def sample_body(draw, shot, file) -> tuple[dict, str]:
     """The table [projectile] with the body of an STL file for its nose, and its text: a frustum of 3 to 6 sides."""
     radius, sides = 0.5 * _number(shot["diameter"]), draw.choice((4, 3, 5, 6))
     front, length = radius * draw.uniform(0.3, 1), radius * draw.uniform(0.8, 3)
-    corners = [(math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)) for k in range(sides)]
+    corners = [
+        (math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)) for k in range(sides)
+    ]
     ends = [[(r * x, r * y, z) for x, y in corners] for r, z in ((radius, 0.0), (front, length))]
     faces = []
     for k in range(sides):
@@ -267,10 +322,15 @@ def sample_body(draw, shot, file) -> tuple[dict, str]:
 def sample_backing(draw, half) -> dict:
     """The table [backing] behind a panel of a half width [mm]: small and coarse."""
     found = {
-        "size": [_text(2.2 * half, "mm"), _text(2.2 * half, "mm"), _text(draw.uniform(20, 60), "mm")],
-        "min_size": _text(draw.uniform(1.5, 3), "mm"), "growth": 1.4,
+        "size": [
+            _text(2.2 * half, "mm"),
+            _text(2.2 * half, "mm"),
+            _text(draw.uniform(20, 60), "mm"),
+        ],
+        "min_size": _text(draw.uniform(1.5, 3), "mm"),
+        "growth": 1.4,
         "outer_boundary": draw.choice(("fixed", "absorbing", "free")),
-    }  # fmt: skip
+    }
     material = draw.choice(BACKINGS)
     if material:
         found["material"] = material
@@ -283,7 +343,9 @@ def sample_panel(draw, shot, thickness, plies) -> dict:
     """The table [panel] but for its opening."""
     found = {"boundary": draw.choice(("clamped", "clamped", "free"))}
     if draw.chance(0.15):
-        found["boundary"] = dict(zip(("warp", "weft"), draw.choice((("clamped", "free"), ("free", "clamped")))))
+        found["boundary"] = dict(
+            zip(("warp", "weft"), draw.choice((("clamped", "free"), ("free", "clamped"))))
+        )
     oblique_weave = found["boundary"] == "clamped" and draw.chance(0.15)
     found["symmetry"] = "whole" if "obliquity" in shot or oblique_weave else "quarter"
     if plies > 1:
@@ -297,7 +359,9 @@ def sample_panel(draw, shot, thickness, plies) -> dict:
 
 def sample_other(draw, fabric, name) -> dict:
     """The table of a fabric with other counts and modulus than the first."""
-    found = {key: dict(value) if isinstance(value, dict) else value for key, value in fabric.items()}
+    found = {
+        key: dict(value) if isinstance(value, dict) else value for key, value in fabric.items()
+    }
     counts, modulus = draw.uniform(0.8, 1.25), draw.uniform(0.6, 1.5)
     for family in ("warp", "weft"):
         found[family]["count"] = _text(counts * _number(fabric[family]["count"]), "/cm")
@@ -309,9 +373,12 @@ def sample_strength(draw, fabric) -> dict:
     """Entries of [panel] for the options of strength, whose data go into the table of the fabric."""
     faster = draw.log_uniform(10, 1000)
     fabric["strain_rate"] = {
-        "rates": ["1 / s", _text(faster, "/ s")], "strength": [1.0, round(draw.uniform(1, 1.6), 3)],
-        "modulus": [1.0, round(draw.uniform(1, 1.3), 3)], "source": "drawn", "status": "assumed",
-    }  # fmt: skip
+        "rates": ["1 / s", _text(faster, "/ s")],
+        "strength": [1.0, round(draw.uniform(1, 1.6), 3)],
+        "modulus": [1.0, round(draw.uniform(1, 1.3), 3)],
+        "source": "drawn",
+        "status": "assumed",
+    }
     return {"rate_dependence": draw.chance(0.3)}
 
 
@@ -319,7 +386,11 @@ def sample_plies(draw, count, other, thickness, angled=False) -> list:
     """The tables [[panel.ply]]: each of either fabric, at 0 or 90 degrees or any angle; some gaps of their own."""
     found = []
     for _ in range(count):
-        ply = {"angle": _text(draw.uniform(-90, 90), "deg") if angled else draw.choice(("0 deg", "90 deg"))}
+        ply = {
+            "angle": _text(draw.uniform(-90, 90), "deg")
+            if angled
+            else draw.choice(("0 deg", "90 deg"))
+        }
         if draw.chance(0.5):
             ply["file"] = other
         if draw.chance(0.3):
@@ -335,25 +406,33 @@ def sample_run(draw, fabric, cells, half, shot, panel) -> dict:
     speed, diameter = 1e-3 * _number(shot["strike_velocity"]), _number(shot["diameter"])
     plies, whole = panel.get("plies", 1), panel["symmetry"] == "whole"
     end = min(max(draw.uniform(6, 25) / speed, 100), 250)
-    per_step = (4 if whole else 1) * plies * (_PACK_COST if plies > 1 else 1) / (cells[0] * cells[1])
+    per_step = (
+        (4 if whole else 1) * plies * (_PACK_COST if plies > 1 else 1) / (cells[0] * cells[1])
+    )
     least = max(1.06 * diameter, 12 * max(cells))
     half = max(least, min(half, math.sqrt(UPDATES * step / end / per_step)))
     end = max(60, min(end, UPDATES * step / (per_step * half**2)))
     panel["opening"] = _text(2 * half, "mm")
     found = {"end_time": _text(end, "us"), "snapshot_interval": "20 us", "outputs": []}
-    fine = end * per_step * half**2 * 8  # updates x step with two elements per crossover, which packs have by default
+    fine = (
+        end * per_step * half**2 * 8
+    )  # updates x step with two elements per crossover, which packs have by default
     if fine < UPDATES * step and draw.chance(0.3):
         found["elements_per_crossover"] = 2
     elif plies > 1 and fine > _FINE_PACK * UPDATES * step:
         end *= _FINE_PACK * UPDATES * step / fine
-        found |= {"end_time": _text(end, "us")} if end > _SHORTEST else {"elements_per_crossover": 1}
+        found |= (
+            {"end_time": _text(end, "us")} if end > _SHORTEST else {"elements_per_crossover": 1}
+        )
     return found
 
 
 def _geometry(fabric):
     """([mm] cell along warp and weft), [mm] thickness of the thicker yarn."""
     yarns = [fabric[family] for family in ("warp", "weft")]
-    thickness = max(thickness_of(_number(y["linear_density"]), _number(y["fibre_density"])) for y in yarns)
+    thickness = max(
+        thickness_of(_number(y["linear_density"]), _number(y["fibre_density"])) for y in yarns
+    )
     return (_spacing(yarns[1]), _spacing(yarns[0])), thickness
 
 

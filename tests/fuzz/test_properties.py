@@ -26,7 +26,9 @@ def setup_of(scene):
 
 
 def model_of(setup):
-    return CellModel(setup.fabric, setup.laws, setup.gap, setup.cell_model, setup.form, setup.profile)
+    return CellModel(
+        setup.fabric, setup.laws, setup.gap, setup.cell_model, setup.form, setup.profile
+    )
 
 
 def stretches(model, place):
@@ -58,7 +60,9 @@ def test_tensions_are_not_negative_and_forces_are_the_gradient(scene, places):
     ):
         ahead, behind = model.solve(x + a, y + b), model.solve(x - a, y - b)
         slope = (ahead["W"] - behind["W"]) / (4 * w * step)
-        bend = np.abs(ahead[key] + behind[key] - 2 * found[key])  # a kink, where contact begins or a yarn is straight
+        bend = np.abs(
+            ahead[key] + behind[key] - 2 * found[key]
+        )  # a kink, where contact begins or a yarn is straight
         assert np.all(np.abs(slope - found[key]) <= 1e-5 * yarn.strength + bend)
 
 
@@ -80,7 +84,13 @@ def test_table_and_panel(scene):
     assert 20 <= setup.strike_velocity <= 700
     assert 0.199 <= 1e3 * setup.projectile.mass <= 20.01
     table = model_of(setup).table(41)
-    for values in (*table.values.values(), table.potential, table.spline, table.tension1, table.tension2):
+    for values in (
+        *table.values.values(),
+        table.potential,
+        table.spline,
+        table.tension1,
+        table.tension2,
+    ):
         assert np.isfinite(values).all()
     rest = table.model.solve(1.0, 1.0)
     for family, yarn in enumerate(setup.fabric.weave.yarns):

@@ -63,11 +63,23 @@ def installed(built, shared):
         if python := os.environ.get("WHEEL_PYTHON"):
             subprocess.run([python, "-m", "venv", str(folder)], check=True)
             [wheel] = built.glob("*.whl")
-            done = run_in(folder, str(folder / "bin" / "pip"), "install", "--quiet", f"{wheel}[app,hdf5]")
+            done = run_in(
+                folder, str(folder / "bin" / "pip"), "install", "--quiet", f"{wheel}[app,hdf5]"
+            )
             assert done.returncode == 0, done.stderr
             return
-        subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", str(folder)], check=True)
-        pip = [str(folder / "bin" / "python"), "-m", "pip", "install", "--quiet", "--no-deps", "--no-index"]
+        subprocess.run(
+            [sys.executable, "-m", "venv", "--system-site-packages", str(folder)], check=True
+        )
+        pip = [
+            str(folder / "bin" / "python"),
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--no-deps",
+            "--no-index",
+        ]
         done = run_in(folder, *pip, *map(str, built.glob("*.whl")))
         assert done.returncode == 0, done.stderr
         [packages] = folder.glob("lib/python*/site-packages")
@@ -81,7 +93,11 @@ def installed(built, shared):
 @pytest.fixture(params=["editable", "wheel"])
 def user(request):
     """run(program, *arguments, at=folder) of either installation."""
-    return request.getfixturevalue("installed").run if request.param == "wheel" else runner(Path(sys.executable).parent)
+    return (
+        request.getfixturevalue("installed").run
+        if request.param == "wheel"
+        else runner(Path(sys.executable).parent)
+    )
 
 
 def runner(binaries):
@@ -94,4 +110,6 @@ def run_in(folder, *command):
     dropped = ("PYTHONPATH", "PYTHONHOME", "NUMBA_CACHE_DIR", "VIRTUAL_ENV")
     environment = {name: value for name, value in os.environ.items() if name not in dropped}
     environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=3000)
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=3000
+    )

@@ -17,7 +17,11 @@ from tests.scene_text import impact_scene
 OWN_FABRICS = sorted((ROOT / "tests" / "weavecell" / "own_fabrics").glob("*.toml"))
 IMPORTS = f"import weavecell as wc, {', '.join(PACKAGES)}\nprint(wc.fabric('S-720').name, fabrics.__file__)\n"
 OWN = 'file = "own.toml"\nlaw = "law/law.json"'
-SHOT = impact_scene("150 m/s", "100 mm", "800 us").replace('name = "S-720"', OWN).replace('"3 g"', '"1.1 g"')
+SHOT = (
+    impact_scene("150 m/s", "100 mm", "800 us")
+    .replace('name = "S-720"', OWN)
+    .replace('"3 g"', '"1.1 g"')
+)
 
 
 def test_folders_of_our_names_hide_no_package(user, tmp_path):
@@ -51,7 +55,11 @@ def test_a_fabric_of_data_sheets_is_calibrated_and_shot_at(file, tmp_path):
     shutil.copy(file, tmp_path / "own.toml")
     (tmp_path / "shot.toml").write_text(SHOT)
     run = runner(Path(sys.executable).parent)
-    for line in ("fabrics show own.toml", "calibrate own.toml --mesh coarse --jobs 1 --out law", "impact shot.toml"):
+    for line in (
+        "fabrics show own.toml",
+        "calibrate own.toml --mesh coarse --jobs 1 --out law",
+        "impact shot.toml",
+    ):
         done = run("weavecell", *line.split(), at=tmp_path)
         assert done.returncode == 0, f"{line}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
         if line.startswith(("fabrics", "calibrate")):

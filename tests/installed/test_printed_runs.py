@@ -15,19 +15,32 @@ from tests.printed_commands import PAGES, ROOT
 LEFT_OUT = "weavecell critical-velocity examples/S-728-pack.toml"  # 25 shots at four plies, 2.6 minutes (docs/pack.md)
 FIRST = ("README.md", "docs/first-shot.md")  # the others are those of `make printed`
 SHOWN = {page: printed_commands.of(page) for page in PAGES}
-OTHERS = [page for page in PAGES if page not in FIRST and {part.kind for part in SHOWN[page]} & {"command", "python"}]
+OTHERS = [
+    page
+    for page in PAGES
+    if page not in FIRST and {part.kind for part in SHOWN[page]} & {"command", "python"}
+]
 
 
 @pytest.mark.slow(600)
-@pytest.mark.parametrize("page", [*FIRST, *(pytest.param(page, marks=pytest.mark.printed) for page in OTHERS)])
+@pytest.mark.parametrize(
+    "page", [*FIRST, *(pytest.param(page, marks=pytest.mark.printed) for page in OTHERS)]
+)
 def test_what_a_page_prints_runs(page, tmp_path):
     """In a folder with a copy of examples/; the Python of a page is one script, run after its commands."""
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    environment = os.environ | {"PATH": path, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+    environment = os.environ | {
+        "PATH": path,
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+        "MPLBACKEND": "Agg",
+    }
 
     def run(argv):
-        done = subprocess.run(argv, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=900)
+        done = subprocess.run(
+            argv, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=900
+        )
         assert done.returncode == 0, f"{argv}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
 
     script = ""

@@ -25,5 +25,7 @@ def test_the_conda_environment_has_what_the_package_needs():
     *names, by_pip = yaml.safe_load((ROOT / "environment.yml").read_text("utf-8"))["dependencies"]
     project = SETTINGS["project"]
     needed = [*project["dependencies"], *project["optional-dependencies"]["app"]]
-    assert {re.match(r"[\w-]+", each)[0].lower() for each in needed} <= {re.match(r"[\w-]+", each)[0] for each in names}
+    assert {re.match(r"[\w-]+", each)[0].lower() for each in needed} <= {
+        re.match(r"[\w-]+", each)[0] for each in names
+    }
     assert by_pip == {"pip": ["--editable ."]}

@@ -19,7 +19,9 @@ def test_wheel_and_source_distribution_hold_every_file(built):
     [wheel] = built.glob(f"weavecell-{fabrics.__version__}-py3-*.whl")
     [source] = built.glob("*.tar.gz")
     expected = {path.as_posix() for path in FILES}
-    assert {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name} == expected
+    assert {
+        name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name
+    } == expected
     with tarfile.open(source) as archive:
         assert expected | set(META) <= {name.partition("/")[2] for name in archive.getnames()}
 
@@ -29,12 +31,17 @@ def test_the_checkout_does_not_leak_into_the_environment(installed, tmp_path):
     code += "; print(*files, *sys.path, sep='\\n')"
     done = installed.run("python", "-c", code, at=tmp_path)
     assert done.returncode == 0, done.stderr
-    files, paths = done.stdout.splitlines()[: len(PACKAGES)], done.stdout.splitlines()[len(PACKAGES) :]
+    files, paths = (
+        done.stdout.splitlines()[: len(PACKAGES)],
+        done.stdout.splitlines()[len(PACKAGES) :],
+    )
     assert all(Path(file).is_relative_to(installed.packages) for file in files)
     assert str(ROOT) not in paths
 
 
-PLY = impact_scene("60 m/s", "20 mm", "10 us", run='snapshot_interval = "5 us"').replace('"3 g"', '"0.5 g"')
+PLY = impact_scene("60 m/s", "20 mm", "10 us", run='snapshot_interval = "5 us"').replace(
+    '"3 g"', '"0.5 g"'
+)
 SCENES = {
     "ply.toml": PLY,
     "pack.toml": PLY.replace('"20 mm"\n', '"20 mm"\nplies = 2\n'),
@@ -69,7 +76,7 @@ GROUPS = {
         "impact ply.toml --out ply",
         "view ply --screenshot ply.png",
     ),
-}  # fmt: skip
+}
 NEED_PETSC = {"calibrate", "surface", "crossover"}
 # runs the lines of a file one after the other, as the program `weavecell` does, and stops at the first that fails
 DRIVER = """
@@ -99,7 +106,10 @@ def test_every_command_is_run_here():
 @pytest.mark.slow(300)
 @pytest.mark.parametrize("group", GROUPS)
 def test_commands_run_from_the_wheel(installed, tmp_path, group):
-    if group == "meshes" and installed.run("python", "-c", "import gmsh, meshio", at=tmp_path).returncode:
+    if (
+        group == "meshes"
+        and installed.run("python", "-c", "import gmsh, meshio", at=tmp_path).returncode
+    ):
         pytest.skip("the environment has no gmsh")
     for name, text in SCENES.items():
         (tmp_path / name).write_text(text)
@@ -115,4 +125,6 @@ def test_commands_run_from_the_wheel(installed, tmp_path, group):
 def test_the_program_has_the_version_of_the_code(user, tmp_path):
     import fabrics
 
-    assert re.search(rf"\b{re.escape(fabrics.__version__)}\b", user("weavecell", "--version", at=tmp_path).stdout)
+    assert re.search(
+        rf"\b{re.escape(fabrics.__version__)}\b", user("weavecell", "--version", at=tmp_path).stdout
+    )

@@ -7,13 +7,23 @@ def volumes(points, hexes):
     """Volume [m3] of each trilinear element, exact: two-point Gauss rule of the Jacobian in each direction."""
     corners = np.asarray(points, float)[np.asarray(hexes)]
     signs = np.array(
-        [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]
+        [
+            (-1, -1, -1),
+            (1, -1, -1),
+            (1, 1, -1),
+            (-1, 1, -1),
+            (-1, -1, 1),
+            (1, -1, 1),
+            (1, 1, 1),
+            (-1, 1, 1),
+        ]
     )
     total = np.zeros(len(corners))
     for gauss in signs / np.sqrt(3):
         factors = 1 + signs * gauss
         slopes = np.stack(
-            [signs[:, a] * factors[:, (a + 1) % 3] * factors[:, (a + 2) % 3] / 8 for a in range(3)], axis=-1
+            [signs[:, a] * factors[:, (a + 1) % 3] * factors[:, (a + 2) % 3] / 8 for a in range(3)],
+            axis=-1,
         )
         total += np.linalg.det(np.einsum("mnx,na->mxa", corners, slopes))
     return total

@@ -20,7 +20,9 @@ def mesh(request):
 def cuts(path, yarn, axis, places):
     """Area [m2] and centroid (3,) [m] of the yarn's sections at places along it, by VTK from the written file."""
     grid = pyvista.read(path)
-    body = grid.extract_cells(np.flatnonzero((grid["yarn"] == yarn) & (grid.celltypes == pyvista.CellType.HEXAHEDRON)))
+    body = grid.extract_cells(
+        np.flatnonzero((grid["yarn"] == yarn) & (grid.celltypes == pyvista.CellType.HEXAHEDRON))
+    )
     assert body.compute_cell_sizes()["Volume"].min() > 0
     found = []
     for place in places:

@@ -6,7 +6,10 @@ from hexahedra import volumes
 
 from meshing.quality import scaled_jacobian
 
-CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], dtype=float)
+CUBE = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)],
+    dtype=float,
+)
 ONE = np.arange(8)[None]
 
 
@@ -17,7 +20,9 @@ def test_a_sheared_brick_in_any_place(a, b):
     turn *= np.sign(np.linalg.det(turn))
     edges = np.array([(1e-3, 0, 1e-3 * a), (0, 3e-5, 3e-5 * b), (0, 0, 2.0)])
     sheared = CUBE @ edges @ turn + 7
-    assert scaled_jacobian(sheared, ONE)[0] == pytest.approx(1 / np.sqrt((1 + a * a) * (1 + b * b)), rel=1e-9)
+    assert scaled_jacobian(sheared, ONE)[0] == pytest.approx(
+        1 / np.sqrt((1 + a * a) * (1 + b * b)), rel=1e-9
+    )
 
 
 def test_degenerate_and_inverted():

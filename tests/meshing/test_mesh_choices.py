@@ -12,7 +12,9 @@ from meshing import crossover, patch
 def test_micrograph_crimp_is_that_of_table_a_3():
     """Source thesis Table A-3: S-720 with 3.21 and 2.68 %; the yarns get longer and higher by it (eqs 4-4, 4-5)."""
     fabric = catalogue.load("S-720")
-    hand, micrograph = (crossover.build(fabric, size="coarse", crimp=crimp) for crimp in ("hand", "micrograph"))
+    hand, micrograph = (
+        crossover.build(fabric, size="coarse", crimp=crimp) for crimp in ("hand", "micrograph")
+    )
     for i, (by_hand, by_picture) in enumerate([(0.0218, 0.0321), (0.0139, 0.0268)]):
         assert hand.S0[i] == pytest.approx(2 * hand.w[i] * (1 + by_hand), rel=1e-12)
         assert micrograph.S0[i] == pytest.approx(2 * hand.w[i] * (1 + by_picture), rel=1e-12)
@@ -21,7 +23,10 @@ def test_micrograph_crimp_is_that_of_table_a_3():
 
 @pytest.mark.parametrize("name", ["S-726", "S-727", "S-728", "S-731", "S-745"])
 def test_every_fabric_meshes_with_micrograph_crimp(name):
-    assert crossover.build(catalogue.load(name), size="coarse", crimp="micrograph").min_scaled_jacobian > 0.5
+    assert (
+        crossover.build(catalogue.load(name), size="coarse", crimp="micrograph").min_scaled_jacobian
+        > 0.5
+    )
 
 
 @pytest.mark.parametrize("build", [crossover.build, patch.build])
@@ -31,7 +36,9 @@ def test_no_edge_is_longer_than_the_length_asked_for(build, length):
     corners = mesh.points[mesh.hexes]
     along, across = (np.abs(np.diff(corners[:, [0, k]], axis=1)[:, 0]) for k in (1, 3))
     assert max(along[:, :2].max(), across[:, :2].max()) <= length * (1 + 1e-9)
-    assert max(section.thickness for section in mesh.sections) / (mesh.grids[0].shape[2] - 1) <= length
+    assert (
+        max(section.thickness for section in mesh.sections) / (mesh.grids[0].shape[2] - 1) <= length
+    )
 
 
 def test_automatic_size_keeps_the_proportions_of_an_element():

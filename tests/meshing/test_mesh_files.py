@@ -14,7 +14,9 @@ def of_group(read, name, values):
     """Dimension of a physical group as meshio read it, and what `values` holds for its cells, a list of blocks."""
     tag, dim = read.field_data[name]
     tags = read.cell_data["gmsh:physical"]
-    return dim, np.concatenate([block[t == tag] for block, t in zip(values, tags) if np.any(t == tag)])
+    return dim, np.concatenate(
+        [block[t == tag] for block, t in zip(values, tags) if np.any(t == tag)]
+    )
 
 
 def test_msh_read_by_meshio(mesh, tmp_path):
@@ -25,8 +27,16 @@ def test_msh_read_by_meshio(mesh, tmp_path):
     assert np.allclose(read.points, mesh.points, rtol=1e-15, atol=0)  # gmsh writes 16 digits
     expected = {name: (2, quads) for name, quads in mesh.faces.items()}
     for number, name in enumerate(mesh.names):
-        expected |= {name: (3, mesh.hexes[mesh.yarn == number]), f"{name}_fibre": (1, mesh.bars[number])}
-        assert np.allclose(of_group(read, f"{name}_fibre", areas)[1].ravel(), mesh.bar_area[number], rtol=1e-15, atol=0)
+        expected |= {
+            name: (3, mesh.hexes[mesh.yarn == number]),
+            f"{name}_fibre": (1, mesh.bars[number]),
+        }
+        assert np.allclose(
+            of_group(read, f"{name}_fibre", areas)[1].ravel(),
+            mesh.bar_area[number],
+            rtol=1e-15,
+            atol=0,
+        )
         assert not of_group(read, name, areas)[1].any()
     assert set(read.field_data) == set(expected)
     for name, (dim, cells) in expected.items():
@@ -44,7 +54,9 @@ def test_msh_read_by_gmsh_has_our_volumes(mesh, tmp_path):
         _, determinants, _ = gmsh.model.mesh.getJacobians(5, places)
     determinants = np.reshape(determinants, (-1, len(weights)))
     assert np.min(determinants) > 0
-    assert sorted(determinants @ weights) == pytest.approx(sorted(volumes(mesh.points, mesh.hexes)), rel=1e-10)
+    assert sorted(determinants @ weights) == pytest.approx(
+        sorted(volumes(mesh.points, mesh.hexes)), rel=1e-10
+    )
 
 
 def test_vtu_read_by_meshio(mesh, tmp_path):
@@ -82,6 +94,8 @@ def test_a_failed_file_leaves_the_old_one(tmp_path, monkeypatch):
     with pytest.raises(OSError, match="disk full"):
         export.write(None, path)
     assert path.read_text() == "old"
-    with pytest.raises(InputError, match=r"mesh file = '.*a.stl': must be named \*.msh or \*.vtu or"):
+    with pytest.raises(
+        InputError, match=r"mesh file = '.*a.stl': must be named \*.msh or \*.vtu or"
+    ):
         export.write(None, tmp_path / "a.stl")
     assert list(tmp_path.iterdir()) == [path]

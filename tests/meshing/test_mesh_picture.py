@@ -26,7 +26,13 @@ def in_shades_of(pixels, colour):
     [
         (pictures.picture, pictures.WINDOW, crossover.build, SINE, 0.05),
         (pictures.picture, pictures.WINDOW, crossover.build, SINE | {"domain": "whole"}, 0.05),
-        (pictures_patch.picture, (1600, 900), patch.build, {"count": (2, 3), "size": (4, 3, 1)}, 0.05),
+        (
+            pictures_patch.picture,
+            (1600, 900),
+            patch.build,
+            {"count": (2, 3), "size": (4, 3, 1)},
+            0.05,
+        ),
         (pictures_quality.picture, None, patch.build, {"count": (2, 2), "size": (4, 3, 1)}, 0.02),
     ],
 )

@@ -31,7 +31,9 @@ def sections(fabric):
 def crimped(text, warp, weft):
     """The file with crimps [%] in place of its thickness."""
     text = re.sub(r"thickness = .*\n", "", text)
-    return text.replace("[warp]", f'[warp]\ncrimp = "{warp} %"').replace("[weft]", f'[weft]\ncrimp = "{weft} %"')
+    return text.replace("[warp]", f'[warp]\ncrimp = "{warp} %"').replace(
+        "[weft]", f'[weft]\ncrimp = "{weft} %"'
+    )
 
 
 def test_low_crimp_is_refused_with_the_least_that_can_be_meshed(load):
@@ -43,7 +45,10 @@ def test_low_crimp_is_refused_with_the_least_that_can_be_meshed(load):
     warp, weft, thickness = map(float, re.search(advice, str(caught.value)).groups())
     assert sections(load(crimped(TWARON, warp, weft))).overlap < 1e-4
     sections(load(TWARON.replace("0.30 mm", f"{thickness} mm")))
-    for low in (crimped(TWARON, 0.97 * warp, 0.97 * weft), TWARON.replace("0.30 mm", f"{0.98 * thickness} mm")):
+    for low in (
+        crimped(TWARON, 0.97 * warp, 0.97 * weft),
+        TWARON.replace("0.30 mm", f"{0.98 * thickness} mm"),
+    ):
         with pytest.raises(InputError, match="the least that can be meshed"):
             sections(load(low))
 

@@ -24,7 +24,9 @@ WIDTH, AREA = 1.27e-3, 1.6e-7
 @pytest.mark.parametrize("kind", KINDS)
 def test_area_is_the_integral_of_the_thickness(kind, tip_thickness_ratio):
     section = Section.of_area(kind, WIDTH, AREA, tip_thickness_ratio)
-    integral, _ = quad(lambda y: 2e6 * section.half_thickness(y), -section.half_width, section.half_width)
+    integral, _ = quad(
+        lambda y: 2e6 * section.half_thickness(y), -section.half_width, section.half_width
+    )
     assert section.area == pytest.approx(AREA, rel=1e-14)
     assert integral * 1e-6 == pytest.approx(AREA, rel=1e-9)
 
@@ -70,7 +72,9 @@ def gap_field(sections, shift, weave, n=700):
 
 
 @pytest.mark.parametrize(("name", "kind"), LENSES)
-def test_lenses_touch_and_nowhere_overlap_and_the_overlap_reported_is_that_of_the_lenses_asked_for(name, kind):
+def test_lenses_touch_and_nowhere_overlap_and_the_overlap_reported_is_that_of_the_lenses_asked_for(
+    name, kind
+):
     section_fit, fabric = fitted(name, kind)
     gap = gap_field(section_fit.sections, section_fit.shift, fabric.weave)
     assert gap.min() > -1e-11
@@ -88,7 +92,9 @@ def test_conforming_sections_touch_everywhere(name, kind):
     for section in section_fit.sections:
         y = np.linspace(0, section.half_width, 20001)
         q = section.half_thickness(y)
-        assert section.area == pytest.approx(4 * np.sum((q[1:] + q[:-1]) / 2) * (y[1] - y[0]), rel=1e-7)
+        assert section.area == pytest.approx(
+            4 * np.sum((q[1:] + q[:-1]) / 2) * (y[1] - y[0]), rel=1e-7
+        )
         assert q.min() >= 0.075 * q[0] * (1 - 1e-9)
         assert section.half_width <= section.width / 2 * (1 + 1e-12)
 
@@ -98,7 +104,11 @@ def test_areas_follow_the_fibre_fractions(name, kind):
     """A_yarn = A_s (1 + crimp) / Vf0; lenses only get denser, conforming sections keep the ratio of the fractions."""
     section_fit, fabric = fitted(name, kind)
     denser = [Vf0 / solid.Vf0 for Vf0, solid in zip(section_fit.Vf0, fabric.solid_laws)]
-    assert denser[0] == pytest.approx(denser[1], rel=1e-9) if kind == "conforming" else min(denser) >= 1
+    assert (
+        denser[0] == pytest.approx(denser[1], rel=1e-9)
+        if kind == "conforming"
+        else min(denser) >= 1
+    )
     for section, Vf0, yarn in zip(section_fit.sections, section_fit.Vf0, fabric.weave.yarns):
         assert section.area == pytest.approx(yarn.A_s * (1 + yarn.crimp) / Vf0, rel=1e-9)
         assert Vf0 <= CLOSEST_PACKING

@@ -29,14 +29,18 @@ def check_elements(mesh, read):
     assert np.allclose(read.points, mesh.points, rtol=1e-9, atol=1e-18)
     assert np.array_equal(read.hexes, mesh.hexes + 1)
     assert read.parts == [mesh.names[number] for number in mesh.yarn]
-    assert np.array_equal(read.shells, [quad + 1 for quads in mesh.shells.values() for quad in quads])
+    assert np.array_equal(
+        read.shells, [quad + 1 for quads in mesh.shells.values() for quad in quads]
+    )
     pairs, areas = np.concatenate(mesh.bars) + 1, np.concatenate(mesh.bar_area)
     numbers = sorted(read.bars)
     assert numbers == list(range(len(mesh.hexes) + 1, len(mesh.hexes) + 1 + len(pairs)))
     assert np.array_equal([read.bars[number][0] for number in numbers], pairs)
     assert [read.bars[number][1] for number in numbers] == pytest.approx(areas, rel=6e-5)
     for name, bars in zip(mesh.names, mesh.bars):
-        assert np.array_equal([read.bars[number][0] for number in read.bar_sets[f"{name}_fibre"]], bars + 1)
+        assert np.array_equal(
+            [read.bars[number][0] for number in read.bar_sets[f"{name}_fibre"]], bars + 1
+        )
 
 
 def check_sets(mesh, sets, unions):
@@ -44,7 +48,9 @@ def check_sets(mesh, sets, unions):
     assert set(sets) == set(mesh.faces)
     for name, found in sets.items():
         assert np.array_equal(found, mesh.groups[name] + 1), name
-    assert unions == {name: found for name, found in mesh.collected.items() if name not in mesh.faces}
+    assert unions == {
+        name: found for name, found in mesh.collected.items() if name not in mesh.faces
+    }
 
 
 def written(mesh, path):
@@ -86,7 +92,9 @@ def dyna_elements(path):
     return SimpleNamespace(
         points=np.stack([nodes[k] for k in "XYZ"], axis=1),
         hexes=np.stack([solids["nodes"][f"N{i}"] for i in range(1, 9)], axis=1),
-        shells=np.stack([shells[f"N{i}"] for i in range(1, 5)], axis=1) if len(shells["PID"]) else [],
+        shells=np.stack([shells[f"N{i}"] for i in range(1, 5)], axis=1)
+        if len(shells["PID"])
+        else [],
         parts=[names[number] for number in solids["Card 1"]["PID"]],
         shell_parts=[names[number] for number in shells["PID"]],
     )
@@ -115,22 +123,34 @@ def test_dyna_is_read_back(mesh, tmp_path):
             else:
                 sets[name] = np.reshape(rest, (-1, 4)) if kind == "SEGMENT" else rest
         elif header == "*ELEMENT_BEAM":
-            bars |= {number: (nodes, part) for number, part, *nodes in (integers(line, 8) for line in lines)}
+            bars |= {
+                number: (nodes, part)
+                for number, part, *nodes in (integers(line, 8) for line in lines)
+            }
     read.bars = {number: (nodes, areas[section[part]]) for number, (nodes, part) in bars.items()}
     check_elements(mesh, read)
     check_sets(mesh, sets, unions)
-    assert read.shell_parts == [f"{name}_shell" for name, quads in mesh.shells.items() for _ in quads]
+    assert read.shell_parts == [
+        f"{name}_shell" for name, quads in mesh.shells.items() for _ in quads
+    ]
     solids = [lines for header, lines in found if "ORTHOTROPIC" in header]
-    for lines, name, material, number in zip(solids, ("warp", "weft"), mesh.materials, (1, 4), strict=True):
+    for lines, name, material, number in zip(
+        solids, ("warp", "weft"), mesh.materials, (1, 4), strict=True
+    ):
         expected = [number, material.solid_density, material.axial, *[material.transverse] * 2]
         assert columns(lines[1], [10] * 8)[:5] == pytest.approx(expected, rel=1e-4)
-        assert (lines[0], columns(lines[2], [10] * 4)[3]) == (name, 0)  # AOPT 0: axes of the element
+        assert (lines[0], columns(lines[2], [10] * 4)[3]) == (
+            name,
+            0,
+        )  # AOPT 0: axes of the element
 
 
 def test_the_first_edge_of_an_element_is_its_fibre(mesh):
     """Which LS-DYNA (AOPT 0) and OpenRadioss (Ip 20) take for its axis."""
     edge = mesh.points[mesh.hexes[:, 1]] - mesh.points[mesh.hexes[:, 0]]
-    assert np.allclose(edge / np.linalg.norm(edge, axis=1, keepdims=True), mesh.fibre, rtol=0, atol=1e-12)
+    assert np.allclose(
+        edge / np.linalg.norm(edge, axis=1, keepdims=True), mesh.fibre, rtol=0, atol=1e-12
+    )
 
 
 def vector_area(corners):
@@ -148,7 +168,9 @@ def abaqus_elements(path):
             parts += [name] * len(block.data)
         elif block.type == "quad":
             shells.extend(block.data + 1)
-    elements = SimpleNamespace(points=found.points, hexes=np.concatenate(hexes), shells=shells, parts=parts)
+    elements = SimpleNamespace(
+        points=found.points, hexes=np.concatenate(hexes), shells=shells, parts=parts
+    )
     return elements, found.point_sets
 
 
@@ -202,7 +224,9 @@ def radioss(text):
 
 def elements(found, keyword):
     """{number: (nodes, part)}"""
-    lines = ((part, integers(line)) for part, block in found.get(keyword, {}).items() for line in block)
+    lines = (
+        (part, integers(line)) for part, block in found.get(keyword, {}).items() for line in block
+    )
     return {number: (nodes, part) for part, (number, *nodes) in lines}
 
 
@@ -215,13 +239,17 @@ def test_radioss_is_read_back(mesh, tmp_path):
     area = {number: columns(lines[1], [20, 20])[0] for number, lines in found["PROP/TYPE2"].items()}
     bricks, bars, shells = (elements(found, keyword) for keyword in ("BRICK", "TRUSS", "SHELL"))
     hexes, of = zip(*(bricks[number] for number in sorted(bricks)))
-    read = SimpleNamespace(points=nodes[:, 1:], hexes=hexes, shells=[quad for quad, _ in shells.values()])
+    read = SimpleNamespace(
+        points=nodes[:, 1:], hexes=hexes, shells=[quad for quad, _ in shells.values()]
+    )
     read.parts = [part[number][0] for number in of]
     read.bars = {number: (pair, area[part[p][1]]) for number, (pair, p) in bars.items()}
     read.bar_sets = {lines[0]: members(lines[1:]) for lines in found["GRTRUS/TRUS"].values()}
     check_elements(mesh, read)
     sets = {lines[0]: members(lines[1:]) for lines in found["GRNOD/NODE"].values()}
-    sets |= {lines[0]: [integers(line)[1:] for line in lines[1:]] for lines in found["SURF/SEG"].values()}
+    sets |= {
+        lines[0]: [integers(line)[1:] for line in lines[1:]] for lines in found["SURF/SEG"].values()
+    }
     unions = {}
     for union, kind in (("GRNOD/GRNOD", "GRNOD/NODE"), ("SURF/SURF", "SURF/SEG")):
         for name, *lines in found.get(union, {}).values():
@@ -231,7 +259,9 @@ def test_radioss_is_read_back(mesh, tmp_path):
     solid = found["PROP/TYPE6"][1]
     assert integers(solid[1])[0] == 17
     assert columns(solid[3], [20, 20, 20, 10, 10, 10])[4] == 20
-    thickness = {columns(lines[3], [10, 10, 20])[2] for lines in found.get("PROP/TYPE1", {}).values()}
+    thickness = {
+        columns(lines[3], [10, 10, 20])[2] for lines in found.get("PROP/TYPE1", {}).values()
+    }
     assert thickness == ({2e-5} if mesh.shells else set())
     laws = {**found["MAT/LAW12"], **found["MAT/LAW1"]}
     properties = {**found["PROP/TYPE6"], **found["PROP/TYPE2"], **found.get("PROP/TYPE1", {})}
@@ -239,8 +269,15 @@ def test_radioss_is_read_back(mesh, tmp_path):
         assert prop in properties
         assert name.startswith(laws[material][0].split()[0])
     for material, number in zip(mesh.materials, (1, 4)):
-        density, moduli, _, shear = (columns(line, [20] * (len(line) // 20)) for line in laws[number][1:5])
-        expected = [material.solid_density, material.axial, *[material.transverse] * 2, *[material.shear] * 3]
+        density, moduli, _, shear = (
+            columns(line, [20] * (len(line) // 20)) for line in laws[number][1:5]
+        )
+        expected = [
+            material.solid_density,
+            material.axial,
+            *[material.transverse] * 2,
+            *[material.shear] * 3,
+        ]
         assert [*density, *moduli, *shear] == pytest.approx(expected, rel=1e-12)
         assert len(laws[number]) == 11
 
@@ -254,4 +291,6 @@ def test_bars_and_solids_together_have_the_mass_of_the_yarns():
         lengths = np.linalg.norm(np.diff(mesh.points[mesh.bars[number]], axis=1)[:, 0], axis=1)
         mass = material.bar_density * (lengths * mesh.bar_area[number]).sum()
         mass += material.solid_density * volume[mesh.yarn == number].sum()
-        assert mass == pytest.approx(2 * mesh.S0[family] * fabric.weave.yarns[family].linear_density, rel=2e-3)
+        assert mass == pytest.approx(
+            2 * mesh.S0[family] * fabric.weave.yarns[family].linear_density, rel=2e-3
+        )

@@ -44,7 +44,9 @@ def test_every_hexahedron_is_right_side_out_and_the_yarns_hold_their_fibres(name
         assert made.min_scaled_jacobian > (0.8 if kind == "sine" else 0.4)
         for number, family in enumerate(made.families):
             length, area = crossings * made.S0[family], share * made.fibre_area[family]
-            assert volume[made.yarn == number].sum() == pytest.approx(length * area / made.Vf0[family], rel=0.03)
+            assert volume[made.yarn == number].sum() == pytest.approx(
+                length * area / made.Vf0[family], rel=0.03
+            )
             of_section = made.bar_area[number].reshape(len(made.grids[number]) - 1, -1)
             assert of_section.min() > 0
             assert of_section.sum(axis=1) == pytest.approx(area, rel=1e-12)
@@ -93,7 +95,11 @@ def test_all_fibres_have_the_length_of_the_yarn():
 
 def test_bars_are_edges_along_the_fibre():
     crossover = mesh(domain="whole")
-    edges = {tuple(pair) for i, j in ((0, 1), (3, 2), (4, 5), (7, 6)) for pair in crossover.hexes[:, [i, j]]}
+    edges = {
+        tuple(pair)
+        for i, j in ((0, 1), (3, 2), (4, 5), (7, 6))
+        for pair in crossover.hexes[:, [i, j]]
+    }
     assert edges == {tuple(pair) for yarn in (WARP, WEFT) for pair in crossover.bars[yarn]}
     for yarn, axis in ((WARP, 0), (WEFT, 1)):
         along = np.diff(crossover.points[crossover.bars[yarn]], axis=1)[:, 0]
@@ -119,12 +125,16 @@ def test_the_whole_is_the_quarter_mirrored_twice(kind):
         nx, ny, _ = (n - 1 for n in quarter.grids[yarn].shape)
         part, full = quarter.points[quarter.grids[yarn]], whole.points[whole.grids[yarn]]
         assert full.shape[:2] == (2 * nx + 1, 2 * ny + 1)
-        along, across = (1 if yarn == WARP else -1) * np.array([(-1, 1, 1), (1, -1, 1)]) * (1, 1, 1 - 2 * yarn)
+        along, across = (
+            (1 if yarn == WARP else -1) * np.array([(-1, 1, 1), (1, -1, 1)]) * (1, 1, 1 - 2 * yarn)
+        )
         assert np.array_equal(full[nx:, ny:], part)
         assert np.allclose(full[nx::-1, ny:], part * along, rtol=0, atol=1e-18)
         assert np.allclose(full[nx:, ny::-1], part * across, rtol=0, atol=1e-18)
         areas, all_areas = (
-            made.bar_area[yarn][: np.prod(made.grids[yarn].shape[1:])].reshape(made.grids[yarn].shape[1:])
+            made.bar_area[yarn][: np.prod(made.grids[yarn].shape[1:])].reshape(
+                made.grids[yarn].shape[1:]
+            )
             for made in (quarter, whole)
         )
         assert np.allclose(all_areas[ny + 1 :], areas[1:], rtol=1e-12)
@@ -144,7 +154,12 @@ def test_the_faces_of_a_yarn_close_its_volume(domain):
         flux = 0.0
         for u in (-1, 1) / np.sqrt(3):
             for v in (-1, 1) / np.sqrt(3):
-                shape = np.array([(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)]) / 4
+                shape = (
+                    np.array(
+                        [(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)]
+                    )
+                    / 4
+                )
                 du = np.array([-(1 - v), 1 - v, 1 + v, -(1 + v)]) / 4
                 dv = np.array([-(1 - u), -(1 + u), 1 + u, 1 - u]) / 4
                 x, xu, xv = (np.einsum("a,qax->qx", weight, corners) for weight in (shape, du, dv))
@@ -165,26 +180,35 @@ def test_groups_of_the_quarter_and_of_the_whole():
     assert len(groups) == 12
     on_planes = {(n, axis) for n, axis in np.argwhere(points[:, :2] == 0).tolist()}
     assert on_planes == {
-        (n, axis) for axis, key in ((0, "symx"), (1, "symy")) for y in ("warp", "weft") for n in groups[f"{y}_{key}"]
+        (n, axis)
+        for axis, key in ((0, "symx"), (1, "symy"))
+        for y in ("warp", "weft")
+        for n in groups[f"{y}_{key}"]
     }
     parts = ("contact", "plate", "tip", "end", "start")
     assert set(whole.groups) == {f"{yarn}_{part}" for yarn in ("warp", "weft") for part in parts}
     for axis, yarn in enumerate(("warp", "weft")):
         assert points[groups[f"{yarn}_end"], axis] == pytest.approx(crossover.w[axis], rel=1e-14)
         for part, side in (("end", 1), ("start", -1)):
-            assert whole.points[whole.groups[f"{yarn}_{part}"], axis] == pytest.approx(side * whole.w[axis], rel=1e-14)
+            assert whole.points[whole.groups[f"{yarn}_{part}"], axis] == pytest.approx(
+                side * whole.w[axis], rel=1e-14
+            )
 
 
 def test_grids_hold_every_node_once_in_its_place():
     crossover = mesh("S-731", (5, 4, 3))
-    assert sorted(np.concatenate([g.ravel() for g in crossover.grids])) == list(range(len(crossover.points)))
+    assert sorted(np.concatenate([g.ravel() for g in crossover.grids])) == list(
+        range(len(crossover.points))
+    )
     for yarn, axis in ((WARP, 0), (WEFT, 1)):
         grid = crossover.points[crossover.grids[yarn]]
         assert grid.shape[:3] == (6, 5, 4)
         assert np.all(np.diff(grid[..., axis], axis=0) > 0)
         assert np.all(np.diff(grid[..., 1 - axis], axis=1) > 0)
         assert np.all(np.diff(grid[..., 2], axis=2) > 0)
-        assert np.array_equal(np.unique(crossover.hexes[crossover.yarn == yarn]), np.unique(crossover.grids[yarn]))
+        assert np.array_equal(
+            np.unique(crossover.hexes[crossover.yarn == yarn]), np.unique(crossover.grids[yarn])
+        )
         middle = grid[:, :, 0, 2] / 2 + grid[:, :, -1, 2] / 2
         height = (middle[0] - middle[-1]) * (1 if yarn == WARP else -1)
         assert height == pytest.approx(crossover.h0[yarn], rel=1e-12)
@@ -203,16 +227,24 @@ def test_yarns_go_over_and_under_like_a_chequerboard_at_their_spacing():
     weave = woven("S-731", (3, 4))
     assert weave.names == ("warp_1", "warp_2", "warp_3", "weft_1", "weft_2", "weft_3", "weft_4")
     assert weave.extent == pytest.approx((8 * weave.w[0], 6 * weave.w[1]))
-    places = [2 * w * (np.arange(n) - (n - 1) / 2) for w, n in zip(weave.w, (4, 3))]  # of the crossings along each
+    places = [
+        2 * w * (np.arange(n) - (n - 1) / 2) for w, n in zip(weave.w, (4, 3))
+    ]  # of the crossings along each
     for number, family in enumerate(weave.families):
         place = number - 3 * family
         grid = weave.points[weave.grids[number]]
         line = grid[:, grid.shape[1] // 2].mean(axis=1)
         along, across = line[:, family], line[:, 1 - family]
         assert across == pytest.approx(places[1 - family][place], abs=1e-18)
-        assert along[[0, -1]] == pytest.approx(np.array([-0.5, 0.5]) * weave.extent[family], rel=1e-12)
+        assert along[[0, -1]] == pytest.approx(
+            np.array([-0.5, 0.5]) * weave.extent[family], rel=1e-12
+        )
         up = (1 if place % 2 == 0 else -1) * (1 if family == WARP else -1)
-        z = up * weave.h0[family] * np.cos(np.pi * (along - places[family][0]) / (2 * weave.w[family]))
+        z = (
+            up
+            * weave.h0[family]
+            * np.cos(np.pi * (along - places[family][0]) / (2 * weave.w[family]))
+        )
         assert line[:, 2] == pytest.approx(z, abs=1e-12 * weave.h0[family])
 
 
@@ -232,7 +264,9 @@ def test_yarns_of_a_family_stand_side_by_side():
     """Lenses apart; the blunt edges of conforming warps meet where no gap is asked for, and leave it where one is."""
     for choices, gap in (({"section": "sine"}, None), ({}, 0.0), ({"gap": 2e-5}, 2e-5)):
         weave = woven("S-745", (2, 2), **choices)
-        across = [weave.points[grid][..., 1 - family] for grid, family in zip(weave.grids, weave.families)]
+        across = [
+            weave.points[grid][..., 1 - family] for grid, family in zip(weave.grids, weave.families)
+        ]
         warps, wefts = (high.min() - low.max() for low, high in (across[:2], across[2:]))
         assert wefts > 0
         assert warps > 0 if gap is None else warps == pytest.approx(gap, abs=1e-12)
@@ -241,7 +275,10 @@ def test_yarns_of_a_family_stand_side_by_side():
 def test_one_crossing_is_the_whole_crossover():
     """Where neither has to shift the yarns (here both sections are densified) they are one mesh."""
     fabric = catalogue.load("S-731")
-    one, other = patch.build(fabric, (1, 1), size=(4, 3, 2)), mesher.build(fabric, domain="whole", size=(4, 3, 2))
+    one, other = (
+        patch.build(fabric, (1, 1), size=(4, 3, 2)),
+        mesher.build(fabric, domain="whole", size=(4, 3, 2)),
+    )
     assert abs(other.shift) < 1e-11
     assert np.allclose(one.points, other.points, rtol=0, atol=1e-11)
     assert np.array_equal(one.hexes, other.hexes)
@@ -263,7 +300,9 @@ def test_the_cell_of_four_crossovers_fits_itself():
 def test_groups_are_named_by_yarn_and_by_family():
     weave = woven(count=(2, 3))
     groups, parts = weave.groups, ("contact", "plate", "tip", "end", "start")
-    assert set(groups) == {f"{yarn}_{part}" for yarn in (*weave.names, "warp", "weft") for part in parts}
+    assert set(groups) == {
+        f"{yarn}_{part}" for yarn in (*weave.names, "warp", "weft") for part in parts
+    }
     assert len(groups["warp_2_contact"]) == 3 * 6 * 4  # crossings, elements along and across
     assert len(groups["weft_contact"]) == 3 * 2 * 6 * 4
     assert groups["warp_end"].tolist() == sorted([*groups["warp_1_end"], *groups["warp_2_end"]])
@@ -283,7 +322,9 @@ def test_contact_faces_look_at_the_crossing_yarn_and_plates_away():
             corners = weave.points[weave.faces[f"{weave.names[number]}_{part}"]]
             normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])[:, 2]
             middle = corners.mean(axis=1)
-            cell = [np.floor(middle[:, axis] / (2 * weave.w[axis])).astype(int) + 1 for axis in (0, 1)]
+            cell = [
+                np.floor(middle[:, axis] / (2 * weave.w[axis])).astype(int) + 1 for axis in (0, 1)
+            ]
             over = (cell[0] + cell[1]) % 2 == family
             assert np.array_equal(normal < 0, over if sign == 1 else ~over)
 
@@ -308,7 +349,9 @@ def test_least_gap_is_that_of_points_thrown_on_the_facets(domain):
     corners = np.meshgrid(*(np.unique(made.points[:, axis].round(12)) for axis in (0, 1)))
     inside = 0.999999 * np.stack(corners, axis=-1).reshape(-1, 2)
     places = np.concatenate([np.random.default_rng(3).uniform(-1, 1, (2000, 2)) * made.w, inside])
-    warp, weft = (thrown(made.groups[f"{name}_contact"], made.points, places) for name in ("warp", "weft"))
+    warp, weft = (
+        thrown(made.groups[f"{name}_contact"], made.points, places) for name in ("warp", "weft")
+    )
     gap = np.nanmin(warp - weft)
     assert made.least_gap == pytest.approx(gap, rel=1e-3)
 

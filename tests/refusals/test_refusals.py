@@ -49,7 +49,9 @@ def rows():
             row = {"file": "scene.toml"} | table.get("default", {}) | row
             for run in listed(row["run"]):
                 line = listed(row["line"])[0].removeprefix(row["file"] + ": ")
-                yield pytest.param(here(row | {"run": run}), id=f"{path.stem}-{run.split()[0]}-{line[:40]}")
+                yield pytest.param(
+                    here(row | {"run": run}), id=f"{path.stem}-{run.split()[0]}-{line[:40]}"
+                )
 
 
 def write(row, folder):
@@ -69,11 +71,15 @@ def test_refused(row, command, tmp_path):
     write(row, tmp_path)
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
     code, out, err = command(*shlex.split(row["run"]))
-    said = [text for text in err.splitlines() if not text.startswith("compiling ")]  # in the first run alone
+    said = [
+        text for text in err.splitlines() if not text.startswith("compiling ")
+    ]  # in the first run alone
     expected = [f"error: {line}" for line in listed(row["line"])]
     assert len(said) == len(expected), err
     for text, line in zip(said, expected):
         assert text.startswith(line[:-4]) if line.endswith(" ...") else text == line
     assert code == 2
-    assert all(line.startswith(("projectile: ", "assumed: ", "guessed, ")) for line in out.splitlines())
+    assert all(
+        line.startswith(("projectile: ", "assumed: ", "guessed, ")) for line in out.splitlines()
+    )
     assert {path: path.read_bytes() for path in tmp_path.rglob("*")} == before

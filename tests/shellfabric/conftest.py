@@ -42,7 +42,12 @@ def shoot(fabric):
 
     def make(strike_velocity=150.0, hooks=(), resume=None, **changes):
         elements = None if "grading" in changes else 1 + (changes.get("plies", 1) > 1)
-        chosen = {"fabric": fabric, "strike_velocity": strike_velocity, "elements_per_crossover": elements, **SHOT}
+        chosen = {
+            "fabric": fabric,
+            "strike_velocity": strike_velocity,
+            "elements_per_crossover": elements,
+            **SHOT,
+        }
         setup = ImpactSetup(**chosen | changes)
         return run(setup, hooks=hooks, resume=resume)
 

@@ -121,7 +121,9 @@ class Pressed:
 
     def force(self, ply, side):
         """(ni+1, nj+1, 3) [N] of the plies on one side of a ply."""
-        return np.stack([grid(self.consts[ply], part) for part in self.contact.force[ply, side]], axis=-1)
+        return np.stack(
+            [grid(self.consts[ply], part) for part in self.contact.force[ply, side]], axis=-1
+        )
 
     def spring(self):
         """[J] in the springs of all points."""

@@ -29,7 +29,10 @@ def table(form="variational", size=121):
 
 def make_panel(side=0.0306, *, form="variational", **changes):
     """A small panel, of 24 x 24 crossovers as a whole."""
-    defaults = {"table": changes["table"] if "table" in changes else table(form), "opening": (side, side)}
+    defaults = {
+        "table": changes["table"] if "table" in changes else table(form),
+        "opening": (side, side),
+    }
     return Panel(**defaults | changes)
 
 
@@ -51,7 +54,9 @@ def plain_potential(table, stretch1, stretch2):
     def derivative(c, place, orders):
         (p, q), (m, n) = place, orders
         terms = ((a, b) for a in range(m, 3) for b in range(n, 3))
-        return sum(c[3 * a + b] * perm(a, m) * p ** (a - m) * perm(b, n) * q ** (b - n) for a, b in terms)
+        return sum(
+            c[3 * a + b] * perm(a, m) * p ** (a - m) * perm(b, n) * q ** (b - n) for a, b in terms
+        )
 
     axes = (stretch1, table.stretch1), (stretch2, table.stretch2)
     places = np.array([np.maximum((stretch - x[0]) / (x[1] - x[0]), 0) for stretch, x in axes])
@@ -62,7 +67,11 @@ def plain_potential(table, stretch1, stretch2):
     W = derivative(cells, inside, (0, 0)) + far.prod(axis=0) * derivative(cells, inside, (1, 1))
     for k, orders in enumerate(((1, 0), (0, 1))):
         slope, curvature = (derivative(corner, (1.0, 1.0), n * np.array(orders)) for n in (1, 2))
-        W += far[k] * (derivative(cells, inside, orders) - slope) + slope * over[k] + 0.5 * curvature * over[k] ** 2
+        W += (
+            far[k] * (derivative(cells, inside, orders) - slope)
+            + slope * over[k]
+            + 0.5 * curvature * over[k] ** 2
+        )
     return W
 
 
@@ -76,16 +85,22 @@ def plain_energies(panel, x):
     sides = panel.sides or tuple(map(np.full, panel.counts, panel.spacing))
     stretches, crossing, lengths, sums = [], [], [], []
     bending = jamming = 0.0
-    for axis, count in enumerate((panel.weave.warp_count, panel.weave.weft_count)):  # arrays of edges: along, across
+    for axis, count in enumerate(
+        (panel.weave.warp_count, panel.weave.weft_count)
+    ):  # arrays of edges: along, across
         own, yarns = sides[axis][:, None], count * tributary(sides[1 - axis])
         edge = np.diff(np.moveaxis(x, axis, 0), axis=0) / own[..., None]
         stretch, length = np.linalg.norm(edge, axis=-1), own * yarns
-        jamming += 0.5 * panel.jam[0] * np.sum(length * np.log(np.minimum(stretch / panel.jam[1], 1)) ** 2)
+        jamming += (
+            0.5 * panel.jam[0] * np.sum(length * np.log(np.minimum(stretch / panel.jam[1], 1)) ** 2)
+        )
         t = edge / stretch[..., None]
         turns = np.sum((t[1:] - t[:-1]) ** 2, axis=-1) / (own[1:] + own[:-1])
         for end, kind in zip((0, -1), boundary.yarn_ends(panel)[axis]):
             along = t[end, :, axis]
-            energy = {FREE_END: 0 * along, CLAMPED_END: 2 - 2 * along, SYMMETRY_END: 1 - along**2}[kind]
+            energy = {FREE_END: 0 * along, CLAMPED_END: 2 - 2 * along, SYMMETRY_END: 1 - along**2}[
+                kind
+            ]
             turns = np.vstack([turns, energy / own[end]])
         bending += panel.bending[axis] * np.sum(turns * yarns)
         sums.append(edge[:, 1:] + edge[:, :-1])
@@ -93,8 +108,13 @@ def plain_energies(panel, x):
         lengths.append(length)
         # the mean of the edges that cross a line, each for its length
         crossing.append((beside(0.5 * (stretch[:, 1:] + stretch[:, :-1]) * own) / beside(own)).T)
-    W = plain_potential(panel.table, stretches[0], crossing[1]), plain_potential(panel.table, crossing[0], stretches[1])
-    yarns = sum(0.25 * np.sum(length * each) / w for length, each, w in zip(lengths, W, panel.weave.w))
+    W = (
+        plain_potential(panel.table, stretches[0], crossing[1]),
+        plain_potential(panel.table, crossing[0], stretches[1]),
+    )
+    yarns = sum(
+        0.25 * np.sum(length * each) / w for length, each, w in zip(lengths, W, panel.weave.w)
+    )
     return yarns, plain_trellis(panel, sides, stretches, sums), bending, jamming
 
 
@@ -104,8 +124,13 @@ def plain_trellis(panel, sides, stretches, sums):
     if not panel.trellis:
         return 0.0
     shear, lengths = panel.fabric.shear, [stretch[:, 1:] + stretch[:, :-1] for stretch in stretches]
-    lengths = [s + np.maximum(2 * FADE_STRETCH - s, 0) ** 2 / (4 * FADE_STRETCH) for s in (lengths[0], lengths[1].T)]
-    angle = np.arcsin(np.abs(np.sum(sums[0] * sums[1].swapaxes(0, 1), axis=-1)) / np.prod(lengths, axis=0))
+    lengths = [
+        s + np.maximum(2 * FADE_STRETCH - s, 0) ** 2 / (4 * FADE_STRETCH)
+        for s in (lengths[0], lengths[1].T)
+    ]
+    angle = np.arcsin(
+        np.abs(np.sum(sums[0] * sums[1].swapaxes(0, 1), axis=-1)) / np.prod(lengths, axis=0)
+    )
     beyond1, beyond2 = (np.maximum(angle - kink, 0) for kink in (shear.gamma1, shear.gamma2))
     rise = (shear.G2 - shear.G1) / (shear.gamma2 - shear.gamma1)
     U = 0.5 * shear.G1 * angle**2 + rise / 6 * (beyond1**3 - beyond2**3)

@@ -59,7 +59,9 @@ def unfold(vectors, x, mirrors):
             *(np.moveaxis(y, axis, 0) for y in (vectors, x)),
         )
         beyond = slice(None, None if places[0, ..., axis].any() else 0, -1)
-        vectors, x = (np.moveaxis(np.concatenate([image * y[beyond], y]), 0, axis) for y in (rows, places))
+        vectors, x = (
+            np.moveaxis(np.concatenate([image * y[beyond], y]), 0, axis) for y in (rows, places)
+        )
     return vectors
 
 
@@ -81,14 +83,23 @@ def state_at(panel, *places, damage=INTACT, torn=()):
 
     torn : segments (family, row, column) that have failed, as all their images, in crossovers from the impact point
     """
-    state, const, work, random = panel.state(1.0), panel.constants(), panel.work(), np.random.default_rng(0)
-    for part in (part for parts in work for part in (parts if isinstance(parts, tuple) else (parts,))):
+    state, const, work, random = (
+        panel.state(1.0),
+        panel.constants(),
+        panel.work(),
+        np.random.default_rng(0),
+    )
+    for part in (
+        part for parts in work for part in (parts if isinstance(parts, tuple) else (parts,))
+    ):
         part[...] = random.uniform(0.5, 2.0, part.shape)
     for family, *place in torn:
         lines, n = [], panel.lines_per_crossover
         for axis, at in enumerate(place):
             middle = 0 if panel.mirrors[axis] else panel.counts[axis] // 2
-            lines.append([middle + n * at, middle - n * at - n * (axis == family)][: 2 - panel.mirrors[axis]])
+            lines.append(
+                [middle + n * at, middle - n * at - n * (axis == family)][: 2 - panel.mirrors[axis]]
+            )
         for (i, j), m in product(product(*lines), range(n)):
             at = (i + m, j) if family == 0 else (i, j + m)
             grid(const, state.failed[family])[at] = 1
@@ -107,32 +118,48 @@ def audited(state, panel):
     return energies[1:]
 
 
-def elements(stretch=(1.015, 1.012), shear=0.005, noise=0.004, side=0.0306, damage=INTACT, torn=(), **changes):
+def elements(
+    stretch=(1.015, 1.012), shear=0.005, noise=0.004, side=0.0306, damage=INTACT, torn=(), **changes
+):
     """The elements of a ply, unevenly stretched, sheared and crumpled, in several blocks."""
-    changes = {"edge": "free", "numerics": Numerics(block=150, threads=1), "failure": False} | changes
+    changes = {
+        "edge": "free",
+        "numerics": Numerics(block=150, threads=1),
+        "failure": False,
+    } | changes
 
     def make(seed, symmetry):
         panel = make_panel(side, symmetry=symmetry, **changes)
         (X, Y, _), (s1, s2), dt = np.moveaxis(rest(panel), -1, 0), stretch, panel.time_step
         x = X * (s1 + shear * (2 * Y / side) ** 2), Y * (s2 + 0.5 * shear * (2 * X / side) ** 2)
         x = np.stack([*x, 5e-4 * s1 * np.cos(200 * X) * np.cos(170 * Y)], axis=-1)
-        x += at_random(rest(panel), panel.mirrors, (1 + 2 * seed) * noise * min(panel.spacing), seed)
+        x += at_random(
+            rest(panel), panel.mirrors, (1 + 2 * seed) * noise * min(panel.spacing), seed
+        )
 
         def forces(x, v):
             state = state_at(panel, x[0] - dt * v[0], x[0], damage=damage, torn=torn)
             return [nodal(np.add(state.f_int, state.f_int_above), x[0])]
 
         def energy(x):
-            return sum(audited(state_at(panel, x[0], torn=torn), panel) if torn else plain_energies(panel, x[0]))
+            return sum(
+                audited(state_at(panel, x[0], torn=torn), panel)
+                if torn
+                else plain_energies(panel, x[0])
+            )
 
-        return Case([x], forces, energy, np.eye(3)[: 3 * (changes["edge"] == "free")], panel.mirrors, panel)
+        return Case(
+            [x], forces, energy, np.eye(3)[: 3 * (changes["edge"] == "free")], panel.mirrors, panel
+        )
 
     return make
 
 
 def grips(seed, symmetry):
     """What clamps take of fabric that has partly slipped out of them."""
-    _, _, _, _, mirrors, panel = case = elements((1.004, 1.006), 0.02, 0.0005, edge=Grip(15.0))(seed, symmetry)
+    _, _, _, _, mirrors, panel = case = elements((1.004, 1.006), 0.02, 0.0005, edge=Grip(15.0))(
+        seed, symmetry
+    )
     const = panel.constants()
 
     def forces(x, v):
@@ -150,15 +177,23 @@ def nose(implicit=False, elements=1, **shape):
     """The contact of a projectile that has gone a little into the fabric, along its own axis."""
 
     def make(seed, symmetry):
-        panel = make_panel(symmetry=symmetry, projectile=Projectile(**shape), elements_per_crossover=elements)
+        panel = make_panel(
+            symmetry=symmetry, projectile=Projectile(**shape), elements_per_crossover=elements
+        )
         const, flat, tip = panel.constants(), rest(panel), panel.state(1.0).projectile_position
         law = const.point_law._replace(implicit_factor=16.0 if implicit else 0.0)
-        x = [flat + at_random(flat, panel.mirrors, 0.05 * const.dx, seed), tip + 0.4e-3 * panel.shot.flight]
+        x = [
+            flat + at_random(flat, panel.mirrors, 0.05 * const.dx, seed),
+            tip + 0.4e-3 * panel.shot.flight,
+        ]
 
         def press(x, v):
             state = panel.state(1.0)
             if implicit:  # with velocities that it predicts
-                predicted = {name: tuple(np.zeros_like(u) for u in state.u) for name in ("dv_other", "dv_contact")}
+                predicted = {
+                    name: tuple(np.zeros_like(u) for u in state.u)
+                    for name in ("dv_other", "dv_contact")
+                }
                 state = state._replace(force_scale=np.array([0.02]), **predicted)
                 set_nodal(state.dv_other, 3.0 * v[0])
                 set_nodal(state.dv_contact, 5.0 * v[0])
@@ -166,7 +201,9 @@ def nose(implicit=False, elements=1, **shape):
             set_nodal(state.v, v[0])
             state.projectile_position[:], state.projectile_velocity[:] = x[1], v[1]
             scratch = panel.work().contact_scratch
-            _, spring = contact_kernels.contact_forces(state, const._replace(point_law=law), scratch)
+            _, spring = contact_kernels.contact_forces(
+                state, const._replace(point_law=law), scratch
+            )
             return [nodal(state.f_contact, x[0]), state.f_contact_nose.copy()], spring
 
         energy = None if implicit else lambda x: press(x, at_rest(x))[1]
@@ -181,12 +218,20 @@ def plies(stacking, points):
 
     def make(seed, symmetry):
         ply = make_panel(0.02, table=table(size=41), symmetry=symmetry)
-        pack = Pack.stacked(ply, 2, stacking=stacking, gap=0.1e-3, law=law, contact=PlyContact(points=points))
+        pack = Pack.stacked(
+            ply, 2, stacking=stacking, gap=0.1e-3, law=law, contact=PlyContact(points=points)
+        )
         pressed, x = Pressed(pack), []
         flat = [rest(part) + np.array([0.0, 0.0, z]) for part, z in zip(pack.plies, pack.places)]
         for part, height in zip(flat, (3.25e-3, 3e-3)):
-            bulge = height * np.exp(-np.sum(np.array([1, 1.3]) * part[..., :2] ** 2, axis=-1, keepdims=True) / 4e-3**2)
-            x.append(part + bulge * (part * [-50, -30, 0] + [0, 0, 1]) + at_random(part, ply.mirrors, 2e-6, seed))
+            bulge = height * np.exp(
+                -np.sum(np.array([1, 1.3]) * part[..., :2] ** 2, axis=-1, keepdims=True) / 4e-3**2
+            )
+            x.append(
+                part
+                + bulge * (part * [-50, -30, 0] + [0, 0, 1])
+                + at_random(part, ply.mirrors, 2e-6, seed)
+            )
 
         def press(x, v):
             for state, place, begin, speed in zip(pressed.states, x, flat, v):
@@ -194,7 +239,9 @@ def plies(stacking, points):
                 set_nodal(state.v, speed)
             return list(pressed.press(4)), pressed.spring()
 
-        return Case(x, lambda x, v: press(x, v)[0], lambda x: press(x, at_rest(x))[1], mirrors=ply.mirrors)
+        return Case(
+            x, lambda x, v: press(x, v)[0], lambda x: press(x, at_rest(x))[1], mirrors=ply.mirrors
+        )
 
     return make
 
@@ -213,7 +260,9 @@ def block(kind):
         x = flat + at_random(flat, backing.mirrors, 3e-5, seed)
         x[..., :2] *= 1 + 20 * flat[..., 2:]
         x[..., 2] += height(flat) * (1 - flat[..., 2] / 0.01)
-        points = 0.5e-3 * (1 + np.moveaxis(np.indices((8, 8, 1)), 0, -1)[:, :, 0]) + random.normal(0, 5e-5, (8, 8, 3))
+        points = 0.5e-3 * (1 + np.moveaxis(np.indices((8, 8, 1)), 0, -1)[:, :, 0]) + random.normal(
+            0, 5e-5, (8, 8, 3)
+        )
         points[..., 2] = height(points) + random.uniform(-2e-4, 2e-4, (8, 8))
         others = {"bricks": [], "nose": [np.array([0, 0, 3.5e-3])], "points": [points]}[kind]
 
@@ -223,20 +272,35 @@ def block(kind):
             if kind == "bricks":
                 bricks = (body._gradient, body._volume, body._twist, body._control, body._edges)
                 memory = (body.metric, body.alpha, body.last, body.past, body.gone)
-                block_kernels.forces(body.shape, body.x, bricks, body._law, 0.0, memory, body._own, body.energy)
+                block_kernels.forces(
+                    body.shape, body.x, bricks, body._law, 0.0, memory, body._own, body.energy
+                )
                 np.add.at(body._outer, body.bricks, body._own)
             elif kind == "nose":
                 on_others = [body.strike(x[1], v[1], Projectile(shape="sphere", radius=3e-3))]
             else:
-                contact = x[1].reshape(-1, 3), v[1].reshape(-1, 3), np.full(64 * x[1].size // points.size, 1e3)
+                contact = (
+                    x[1].reshape(-1, 3),
+                    v[1].reshape(-1, 3),
+                    np.full(64 * x[1].size // points.size, 1e3),
+                )
                 body.press(*contact)
-                body._outer[:], body._memory[:] = 0.0, (1.0, 0.0)  # no depth is that of a step of the face
+                body._outer[:], body._memory[:] = (
+                    0.0,
+                    (1.0, 0.0),
+                )  # no depth is that of a step of the face
                 on_others = [body.press(*contact, damping=1e-3 * contact[2]).reshape(x[1].shape)]
             stored = sum(body.energies()[name] for name in ("elastic", "hourglass", "contact"))
             return [-(body._outer + body._drags).reshape(flat.shape), *on_others], stored
 
         axes = np.eye(3) if kind == "bricks" else np.eye(3)[2:]
-        return Case([x, *others], lambda x, v: bear(x, v)[0], lambda x: bear(x, at_rest(x))[1], axes, backing.mirrors)
+        return Case(
+            [x, *others],
+            lambda x, v: bear(x, v)[0],
+            lambda x: bear(x, at_rest(x))[1],
+            axes,
+            backing.mirrors,
+        )
 
     return make
 
@@ -285,8 +349,10 @@ EXCEPT = {  # of a test: the forces it is not made with, and why
     "balance": {"grips": "are held by the frame"},
     "turn": {"grips": "pull along x and y"},
     "parts": {"nose, askew": "has no plane of symmetry"},
-    "damping": NO_GRADIENT | dict.fromkeys(("trellis", "bending", "jamming", "bricks"), "are found without viscosity"),
-    "audit": NO_GRADIENT | dict.fromkeys(("torn", "nose", "plies", "bricks"), "have no definition in panels.py"),
+    "damping": NO_GRADIENT
+    | dict.fromkeys(("trellis", "bending", "jamming", "bricks"), "are found without viscosity"),
+    "audit": NO_GRADIENT
+    | dict.fromkeys(("torn", "nose", "plies", "bricks"), "have no definition in panels.py"),
 }
 
 
@@ -299,7 +365,9 @@ def all_but(test):
     """Parametrise a test by the forces it is made with, and two seeds."""
     kinds = {name: name.split(",")[0].split(" on ")[0] for name in FORCES}
     names = [name for name, kind in kinds.items() if not {name, kind} & set(EXCEPT[test])]
-    return lambda function: pytest.mark.parametrize("name", names)(pytest.mark.parametrize("seed", [0, 1])(function))
+    return lambda function: pytest.mark.parametrize("name", names)(
+        pytest.mark.parametrize("seed", [0, 1])(function)
+    )
 
 
 def velocities(case, seed=10):
@@ -337,15 +405,23 @@ def test_forces_add_up_to_nothing_and_have_no_moment(name, seed):
     total = sum(f.reshape(-1, 3).sum(axis=0) for f in force)
     moment = sum(np.cross(arm, f).reshape(-1, 3).sum(axis=0) for arm, f in zip(arms, force))
     assert np.abs(total).max() < 1e-12 * size
-    assert np.abs(case.axes @ moment).max(initial=0.0) < 1e-9 * size * max(np.abs(arm).max() for arm in arms)
+    assert np.abs(case.axes @ moment).max(initial=0.0) < 1e-9 * size * max(
+        np.abs(arm).max() for arm in arms
+    )
 
 
 @all_but("turn")
 def test_turned_bodies_have_turned_forces(name, seed):
     case = case_of(name, seed)
-    v, angles, origin = velocities(case), np.random.default_rng(seed).uniform(0.3, 1.0, len(case.axes)), centre(case.x)
+    v, angles, origin = (
+        velocities(case),
+        np.random.default_rng(seed).uniform(0.3, 1.0, len(case.axes)),
+        centre(case.x),
+    )
     turn = Rotation.from_rotvec(angles @ case.axes).as_matrix().T
-    turned = case.forces([(x - origin) @ turn + origin for x in case.x], [part @ turn for part in v])
+    turned = case.forces(
+        [(x - origin) @ turn + origin for x in case.x], [part @ turn for part in v]
+    )
     for after, before in zip(turned, case.forces(case.x, v)):
         np.testing.assert_allclose(after, before @ turn, rtol=0, atol=1e-7 * np.abs(before).max())
 

@@ -30,10 +30,21 @@ RATES = RateLaw((100.0, 1000.0, 10000.0), (1.0, 1.2, 1.6))
 BLOCK = Backing(size=(0.07, 0.07, 0.02), min_size=3e-3, refined_depth=6e-3, growth=1.5)
 
 PANEL = {
-    "fabric": S720, "strike_velocity": 200.0, "opening": 0.0306, "elements_per_crossover": 1, "table_size": 41,
-    "end_time": 30e-6, "numerics": Numerics(threads=1, block=60),
-}  # fmt: skip
-PACK = PANEL | {"fabric": S726, "opening": 0.04, "strike_velocity": 300.0, "plies": 2, "ply_gap": 0.1e-3}
+    "fabric": S720,
+    "strike_velocity": 200.0,
+    "opening": 0.0306,
+    "elements_per_crossover": 1,
+    "table_size": 41,
+    "end_time": 30e-6,
+    "numerics": Numerics(threads=1, block=60),
+}
+PACK = PANEL | {
+    "fabric": S726,
+    "opening": 0.04,
+    "strike_velocity": 300.0,
+    "plies": 2,
+    "ply_gap": 0.1e-3,
+}
 
 
 def spent(run, name):
@@ -45,8 +56,21 @@ def torn(run):
     return run.sample("cut_yarns")[-1] > 0
 
 
-LOST = {"viscous", "friction", "failure_dissipation", "clamp_friction", "ply_friction", "crossover_friction"}
-APART = {"kinetic_projectile", "elastic_projectile", "plastic_projectile", *BETWEEN_PLIES, *SLIP_WORK}  # from the plies
+LOST = {
+    "viscous",
+    "friction",
+    "failure_dissipation",
+    "clamp_friction",
+    "ply_friction",
+    "crossover_friction",
+}
+APART = {
+    "kinetic_projectile",
+    "elastic_projectile",
+    "plastic_projectile",
+    *BETWEEN_PLIES,
+    *SLIP_WORK,
+}  # from the plies
 
 
 def pulled_out(run):
@@ -56,26 +80,39 @@ def pulled_out(run):
 # kind: (set-up, whether the mechanism has acted)
 RUNS = {
     "one ply": (PANEL, torn),
-    "equilibrium form": (PANEL | {"form": "equilibrium"}, lambda run: torn(run) and spent(run, "formulation_residual")),
+    "equilibrium form": (
+        PANEL | {"form": "equilibrium"},
+        lambda run: torn(run) and spent(run, "formulation_residual"),
+    ),
     "free": (
         PANEL | {"edge": "free", "bending": (1e-6, 1e-6), "strike_velocity": 150.0},
         lambda run: spent(run, "bending") > 1e-4,
     ),
     "oblique": (
-        PANEL | {"symmetry": "whole", "projectile": Projectile(obliquity=0.5, azimuth=0.3, yaw=0.1)},
+        PANEL
+        | {"symmetry": "whole", "projectile": Projectile(obliquity=0.5, azimuth=0.3, yaw=0.1)},
         lambda run: torn(run) and run.stack.projectile_velocity[0] > 80.0,
     ),
     "weave at an angle": (
-        PANEL | {"symmetry": "whole", "weave_angle": 0.4, "round": True, "impact_point": (3e-3, -2e-3)},
+        PANEL
+        | {"symmetry": "whole", "weave_angle": 0.4, "round": True, "impact_point": (3e-3, -2e-3)},
         lambda run: torn(run) and 0 < run.panel.loose().sum() < 0.8 * run.panel.areas.size,
     ),
-    "graded": (PANEL | {"grading": ((8, 0.5), (10, 1), (inf, 2))}, lambda run: torn(run) and run.panel.sides),
+    "graded": (
+        PANEL | {"grading": ((8, 0.5), (10, 1), (inf, 2))},
+        lambda run: torn(run) and run.panel.sides,
+    ),
     "refined": (
         PANEL | {"elements_per_crossover": 2, "numerics": Numerics(threads=1, block=60)},
         torn,
     ),
     "strength by rate": (
-        PANEL | {"fabric": replace(S720, strain_rate=RATES), "rate_dependence": True, "strike_velocity": 250.0},
+        PANEL
+        | {
+            "fabric": replace(S720, strain_rate=RATES),
+            "rate_dependence": True,
+            "strike_velocity": 250.0,
+        },
         lambda run: torn(run) and run.state.rate_damage[0].any(),
     ),
     "bar": (
@@ -83,45 +120,75 @@ RUNS = {
         lambda run: torn(run) and spent(run, "plastic_projectile") > 1e-4,
     ),
     "nose friction": (
-        PANEL | {"strike_velocity": 150.0, "projectile": Projectile(shape="hemisphere", friction=0.3)},
+        PANEL
+        | {"strike_velocity": 150.0, "projectile": Projectile(shape="hemisphere", friction=0.3)},
         lambda run: spent(run, "friction") > 1e-3 and run.state.friction_state.any(),
     ),
-    "grip": (PANEL | {"edge": Grip(20.0), "strike_velocity": 120.0}, lambda run: spent(run, "clamp_friction") > 1e-3),
+    "grip": (
+        PANEL | {"edge": Grip(20.0), "strike_velocity": 120.0},
+        lambda run: spent(run, "clamp_friction") > 1e-3,
+    ),
     "pull-in": (
         PANEL | {"edge": PullIn(0.5e-3, 5e-6, 25e-6, 20e-3), "strike_velocity": 120.0},
         lambda run: spent(run, "boundary_work") > 1e-3,
     ),
     "pack": (
-        PACK | {"plies": 5, "opening": 0.03, "elements_per_crossover": 2, "strike_velocity": 280.0, "end_time": 40e-6},
+        PACK
+        | {
+            "plies": 5,
+            "opening": 0.03,
+            "elements_per_crossover": 2,
+            "strike_velocity": 280.0,
+            "end_time": 40e-6,
+        },
         lambda run: torn(run) and run.held_apart > 0 and spent(run, "ply_contact") > 1e-3,
     ),
     "turned pack": (
-        PACK | {"symmetry": "whole", "lay_up": (Ply(S726), Ply(S720, angle=0.5)), "ply_friction": 0.2},
-        lambda run: torn(run) and len(set(run.pack.angles)) == 2 and spent(run, "ply_friction") > 1e-3,
+        PACK
+        | {"symmetry": "whole", "lay_up": (Ply(S726), Ply(S720, angle=0.5)), "ply_friction": 0.2},
+        lambda run: (
+            torn(run) and len(set(run.pack.angles)) == 2 and spent(run, "ply_friction") > 1e-3
+        ),
     ),
     "ply friction": (
-        PACK | {"stacking": "alternating", "ply_friction": 0.3, "projectile": Projectile(friction=0.2)},
-        lambda run: torn(run) and spent(run, "ply_friction") > 1e-3 and spent(run, "friction") > 1e-4,
+        PACK
+        | {"stacking": "alternating", "ply_friction": 0.3, "projectile": Projectile(friction=0.2)},
+        lambda run: (
+            torn(run) and spent(run, "ply_friction") > 1e-3 and spent(run, "friction") > 1e-4
+        ),
     ),
     "backing": (
-        PANEL | {"backing": BLOCK, "failure": False, "jam": (1000.0, 0.99), "strike_velocity": 150.0},
+        PANEL
+        | {"backing": BLOCK, "failure": False, "jam": (1000.0, 0.99), "strike_velocity": 150.0},
         lambda run: spent(run, "backing_plastic") > 1e-2 and run.sample("jamming").max() > 0.0,
     ),
     "sliding": (
-        PANEL | {"crossovers": CrossoverFriction(0.3), "opening": 0.05, "end_time": 40e-6, "impact_point": (0.0, 0.0)},
+        PANEL
+        | {
+            "crossovers": CrossoverFriction(0.3),
+            "opening": 0.05,
+            "end_time": 40e-6,
+            "impact_point": (0.0, 0.0),
+        },
         lambda run: torn(run) and pulled_out(run) and spent(run, "crossover_friction") > 1e-3,
     ),
     "sliding out": (
         PANEL
         | {"crossovers": CrossoverFriction(0.0), "impact_point": (0.0, 0.0), "edge": "free"}
         | {"strike_velocity": 80.0, "end_time": 150e-6},
-        lambda run: not torn(run) and pulled_out(run) and np.abs(run.sample("slip_residual")).max() > 0.0,
+        lambda run: (
+            not torn(run) and pulled_out(run) and np.abs(run.sample("slip_residual")).max() > 0.0
+        ),
     ),
     "sliding pack": (
         PACK | {"crossovers": CrossoverFriction(0.1)},
-        lambda run: torn(run) and spent(run, "crossover_friction") > 1e-3 and spent(run, "ply_contact") > 1e-3,
+        lambda run: (
+            torn(run)
+            and spent(run, "crossover_friction") > 1e-3
+            and spent(run, "ply_contact") > 1e-3
+        ),
     ),
-}  # fmt: skip
+}
 
 
 def setup_of(kind, **changes):
@@ -173,16 +240,23 @@ def leaves(value, name=""):
 def contents(solver):
     """{name: array} of the whole state and of all records of a run."""
     kept = {
-        "arrays": solver.checkpoint_arrays(), "block": solver.checkpoint_extra(), "reason": solver.reason,
-        "records": solver.checkpoint_records(), "steps": solver.step_history, "snapshots": solver.snapshots,
-        "states": solver.states, "stack": solver.stack,
-    }  # fmt: skip
+        "arrays": solver.checkpoint_arrays(),
+        "block": solver.checkpoint_extra(),
+        "reason": solver.reason,
+        "records": solver.checkpoint_records(),
+        "steps": solver.step_history,
+        "snapshots": solver.snapshots,
+        "states": solver.states,
+        "stack": solver.stack,
+    }
     return dict(leaves(kept))
 
 
 def assert_same(one, other):
     """To the last bit."""
-    one, other = (contents(run) if isinstance(run, PackSolver) else dict(leaves(run)) for run in (one, other))
+    one, other = (
+        contents(run) if isinstance(run, PackSolver) else dict(leaves(run)) for run in (one, other)
+    )
     assert list(one) == list(other)
     for name, array in one.items():
         np.testing.assert_array_equal(array, other[name], err_msg=name)
@@ -199,15 +273,23 @@ def energy(kind):
     assert np.abs(run.sample("error")).max() < 1e-3 * E
     for name in LOST.intersection(run.energy_names):
         # ends of yarn that leave a crossover give or take what they fail with
-        assert np.diff(run.sample(name)).min() > (-1e-3 if run.slips and name == "failure_dissipation" else -1e-6) * E
-    apart = APART.intersection(run.energy_names) | {name for name in run.energy_names if name.startswith("backing")}
+        assert (
+            np.diff(run.sample(name)).min()
+            > (-1e-3 if run.slips and name == "failure_dissipation" else -1e-6) * E
+        )
+    apart = APART.intersection(run.energy_names) | {
+        name for name in run.energy_names if name.startswith("backing")
+    }
     whole = run.ply_sample("energy").sum(axis=1) + sum(run.sample(name) for name in apart)
     np.testing.assert_allclose(whole - run.sample("error"), E, rtol=1e-12)
 
 
 def impulse(kind):
     """The contact force, summed over the steps, is the momentum lost; at the end alone where it is told a step late."""
-    run, late = ended(kind), {"bar": 1e-2, "backing": 2e-3}.get(kind)  # of an elastic tip, of a block
+    run, late = (
+        ended(kind),
+        {"bar": 1e-2, "backing": 2e-3}.get(kind),
+    )  # of an elastic tip, of a block
     lost = -run.projectile.mass * (run.sample("v") - run.sample("v")[0])[1:]
     given = np.cumsum(run.contact_force[1:] * np.diff(run.sample("t")))
     assert run.contact_force.max() > 100.0
@@ -226,7 +308,9 @@ def momentum(kind):
         nodes = rest(panel) + np.moveaxis([grid(u, panel) for u in state.u], 0, -1)
         for axis, (mass, flux) in enumerate(zip(slip.mass, slip.q)):
             along = np.gradient(nodes, axis=axis)
-            along *= (grid(mass, panel) * grid(flux, panel) / np.linalg.norm(along, axis=-1))[..., None]
+            along *= (grid(mass, panel) * grid(flux, panel) / np.linalg.norm(along, axis=-1))[
+                ..., None
+            ]
             found += along.sum(axis=(0, 1))
     near = 5e-5 if run.slips else 1e-12  # of 1e-3 that slips, with a flux of half a step before
     np.testing.assert_allclose(found, start, rtol=0, atol=near * np.abs(start).max())
@@ -263,7 +347,9 @@ def symmetry(kind):
     for part in ("half", "whole")[kind == "backing" :]:  # of which no half is modelled
         other = changed(kind, symmetry=part)
         np.testing.assert_allclose(other.sample("v")[same], quarter.sample("v")[same], rtol=1e-9)
-        np.testing.assert_allclose(other.sample("cut_yarns")[same], quarter.sample("cut_yarns")[same], rtol=1e-9)
+        np.testing.assert_allclose(
+            other.sample("cut_yarns")[same], quarter.sample("cut_yarns")[same], rtol=1e-9
+        )
         for name in quarter.energy_names:
             mine, theirs = quarter.sample(name)[same], other.sample(name)[same]
             np.testing.assert_allclose(theirs, mine, rtol=0, atol=1e-9 * E, err_msg=name)
@@ -318,9 +404,14 @@ def fields_of_snapshots(kind):
     near = {"rel": 1e-6, "abs": 1e-6 * peak}  # snapshots keep numbers in single precision
     for plies in run.snapshots:
         (sample,) = np.flatnonzero(run.sample("t") == plies[0].t)
-        total = np.array([np.tensordot(one.area, one.pressure.astype(float), 2) for one in plies]) / run.share
+        total = (
+            np.array([np.tensordot(one.area, one.pressure.astype(float), 2) for one in plies])
+            / run.share
+        )
         assert total[:, 0] == pytest.approx(run.ply_sample("push")[sample], **near)
-        assert [one.failed_segments.any() for one in plies] == (run.ply_sample("cut_yarns")[sample] > 0).tolist()
+        assert [one.failed_segments.any() for one in plies] == (
+            run.ply_sample("cut_yarns")[sample] > 0
+        ).tolist()
         front, rear = np.pad(total[:, 1:], ((0, 0), (0, 3 - total.shape[1]))).T
         assert front[0] == 0.0
         assert (rear[-1] > 0) == (run.backing is not None)
@@ -328,21 +419,37 @@ def fields_of_snapshots(kind):
 
 
 INVARIANTS = (
-    energy, impulse, momentum, resume, threads, symmetry, window, constants, finite, memory, fields_of_snapshots,
-)  # fmt: skip
+    energy,
+    impulse,
+    momentum,
+    resume,
+    threads,
+    symmetry,
+    window,
+    constants,
+    finite,
+    memory,
+    fields_of_snapshots,
+)
 EXCEPTIONS = {
     momentum: {
-        "weave at an angle": "must be clamped", "turned pack": "must be clamped", "grip": "holds the panel",
-        "pull-in": "holds the panel", "bar": "that of its masses, in projectile/test_bar.py",
-        "backing": "that of the block, in backing/test_coupling.py", "sliding out": "ends that have left take some",
+        "weave at an angle": "must be clamped",
+        "turned pack": "must be clamped",
+        "grip": "holds the panel",
+        "pull-in": "holds the panel",
+        "bar": "that of its masses, in projectile/test_bar.py",
+        "backing": "that of the block, in backing/test_coupling.py",
+        "sliding out": "ends that have left take some",
     },
     threads: {"sliding": "a thread has one ply at least", "sliding out": "the same"},
     symmetry: {"oblique": "has none", "weave at an angle": "has none", "turned pack": "has none"},
     window: {
-        "free": "all of it may come under the nose", "sliding out": "the same", "pull-in": "its edges move first",
+        "free": "all of it may come under the nose",
+        "sliding out": "the same",
+        "pull-in": "its edges move first",
         "backing": "touches all of it",
     },
-}  # fmt: skip
+}
 TABLE = [
     pytest.param(kind, invariant, id=f"{kind}-{invariant.__name__}")
     for kind in RUNS
@@ -369,18 +476,27 @@ SAME = {  # kind, and the changes that make one run of it in two ways
     "the same, of a pack": ("sliding pack", PINNED, STUCK),
     "a clamp that holds more than the strength": ("sliding", {}, {"edge": Grip(1e6)}),
     "a strength that is the same at all rates": (
-        "one ply", {}, {"fabric": replace(S720, strain_rate=IDLE), "rate_dependence": True}
+        "one ply",
+        {},
+        {"fabric": replace(S720, strain_rate=IDLE), "rate_dependence": True},
     ),
     "a lay-up of one fabric": (
-        "ply friction", THREE | {"stacking": "aligned"},
+        "ply friction",
+        THREE | {"stacking": "aligned"},
         THREE | {"lay_up": tuple(Ply(replace(S726), gap=0.1e-3) for _ in range(3))},
     ),
     "a lay-up by right angles": (
-        "ply friction", THREE,
-        THREE | {"lay_up": tuple(Ply(S726, angle=angle, gap=0.1e-3) for angle in (0.0, pi / 2, 0.0))},
+        "ply friction",
+        THREE,
+        THREE
+        | {"lay_up": tuple(Ply(S726, angle=angle, gap=0.1e-3) for angle in (0.0, pi / 2, 0.0))},
     ),
-    "a grading of one zone": ("pack", {}, {"grading": ((inf, 0.5),), "elements_per_crossover": None}),
-}  # fmt: skip
+    "a grading of one zone": (
+        "pack",
+        {},
+        {"grading": ((inf, 0.5),), "elements_per_crossover": None},
+    ),
+}
 
 
 @pytest.mark.parametrize("name", SAME)
@@ -390,7 +506,9 @@ def test_it_is_one_run_in_two_ways(name):
     assert torn(one)
     for each in one.sample_names:
         scale = one.strike_energy if each in one.energy_names else 1.0
-        np.testing.assert_allclose(other.sample(each), one.sample(each), rtol=1e-12, atol=1e-12 * scale, err_msg=each)
+        np.testing.assert_allclose(
+            other.sample(each), one.sample(each), rtol=1e-12, atol=1e-12 * scale, err_msg=each
+        )
     for mine, theirs in zip(one.states, other.states):
         for each in ("u", "v", "f_int", "stretch", "N", "failed", "intact_fraction", "f_contact"):
             np.testing.assert_array_equal(getattr(mine, each), getattr(theirs, each), err_msg=each)

@@ -43,7 +43,10 @@ class Blocks:
         self.space = HexSpace.build(self.points, hexes)
         lame, mu = E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
         u = self.space.displacement
-        v, du = ufl.TestFunction(self.space.displacements), ufl.TrialFunction(self.space.displacements)
+        v, du = (
+            ufl.TestFunction(self.space.displacements),
+            ufl.TrialFunction(self.space.displacements),
+        )
 
         def stress(w):
             e = ufl.sym(ufl.grad(w))
@@ -52,7 +55,9 @@ class Blocks:
         forms = [ufl.inner(stress(field), ufl.sym(ufl.grad(v))) * ufl.dx for field in (u, du)]
         self.solid = Assembler(self.space, *forms)
         n = 3 * len(self.points)
-        self.K = sparse.csr_matrix((self.solid.tangent(), (self.solid.rows, self.solid.columns)), shape=(n, n))
+        self.K = sparse.csr_matrix(
+            (self.solid.tangent(), (self.solid.rows, self.solid.columns)), shape=(n, n)
+        )
         self.numerics = Numerics(penalty=1e14, toe=1e-12) if numerics is None else numerics
         self.surfaces = FacingSurfaces(self.points, self.grids, quarter)
         fixed = np.zeros((len(self.points), 3), bool)
@@ -68,7 +73,9 @@ class Blocks:
 
     def press(self, descent, steps=1, hold=()):
         """Displacement (n, 3) when the top has gone down; `hold` lists further (nodes, component) kept at zero."""
-        free = np.setdiff1d(self.free, [3 * node + c for nodes, c in hold for node in np.ravel(nodes)])
+        free = np.setdiff1d(
+            self.free, [3 * node + c for nodes, c in hold for node in np.ravel(nodes)]
+        )
         u = np.zeros_like(self.points)
         full = self.numerics
         for share in np.linspace(0, 1, steps + 1)[1:]:
@@ -129,7 +136,12 @@ class Places:
 
 def bricks(grid, right):
     """(m, 8) hexahedra of a structured grid, in VTK order, positive volumes."""
-    a = [grid[i : grid.shape[0] - 1 + i, j : grid.shape[1] - 1 + j, k : grid.shape[2] - 1 + k].ravel()
-         for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]  # fmt: skip
+    a = [
+        grid[
+            i : grid.shape[0] - 1 + i, j : grid.shape[1] - 1 + j, k : grid.shape[2] - 1 + k
+        ].ravel()
+        for k in (0, 1)
+        for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
+    ]
     hexes = np.stack(a, axis=1)
     return hexes if right else hexes[:, [0, 3, 2, 1, 4, 7, 6, 5]]

@@ -48,7 +48,9 @@ def end_forces(mesh, fabric, route, friction=0.0, step=2e-6):
     for corner in route:
         goal = Load(tuple(corner))
         steps = round(np.abs(np.subtract(goal.d, at.d)).max() / step)
-        for share, state in continue_to(model, solver, q, at, goal, np.linspace(0, 1, steps + 1)[1:]):
+        for share, state in continue_to(
+            model, solver, q, at, goal, np.linspace(0, 1, steps + 1)[1:]
+        ):
             q = state.q
             model.commit(q, at.towards(goal, share))
         at = goal

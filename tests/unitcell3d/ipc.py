@@ -58,7 +58,9 @@ class BarrierModel:
         self.nodes = np.concatenate([upper.ravel(), lower.ravel()])
         number = np.full(len(points), -1)
         number[self.nodes] = np.arange(len(self.nodes))
-        faces = np.concatenate([triangles(number[grid]) for grid in (upper, lower)]).astype(np.int32)
+        faces = np.concatenate([triangles(number[grid]) for grid in (upper, lower)]).astype(
+            np.int32
+        )
         self.mesh = ipctk.CollisionMesh(self._scaled(points), ipctk.edges(faces), faces)
         yarn = np.repeat([0, 1], [upper.size, lower.size]).astype(np.int32)
         self.mesh.can_collide = ipctk.make_vertex_patches_filter(yarn)
@@ -66,9 +68,13 @@ class BarrierModel:
         self.barrier = ipctk.BarrierPotential(self.reach, 1.0)
         fixed, n = self.model.constraints, points.size
         free = np.flatnonzero(fixed.unknown >= 0)
-        self.expand = sparse.csr_matrix((fixed.sign[free], (free, fixed.unknown[free])), shape=(n, fixed.size))
+        self.expand = sparse.csr_matrix(
+            (fixed.sign[free], (free, fixed.unknown[free])), shape=(n, fixed.size)
+        )
         rows = (3 * self.nodes[:, None] + np.arange(3)).ravel()
-        self.spread = sparse.csr_matrix((np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(n, len(rows)))
+        self.spread = sparse.csr_matrix(
+            (np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(n, len(rows))
+        )
         self.warp = upper.size
 
     def _scaled(self, x):
@@ -83,7 +89,11 @@ class BarrierModel:
         """Residual of the unknowns, nodal forces, contact force [N] of the meshed part."""
         forces, _, _ = self.model.forces(q, load)
         x = self._scaled(self.model.positions(q, load))
-        push = self.scale / UNIT * self.barrier.gradient(self._collisions(x), self.mesh, x).reshape(-1, 3)
+        push = (
+            self.scale
+            / UNIT
+            * self.barrier.gradient(self._collisions(x), self.mesh, x).reshape(-1, 3)
+        )
         np.add.at(forces, self.nodes, push)
         return self.model.constraints.reduce(forces), forces, -push[: self.warp, 2].sum()
 
@@ -104,14 +114,20 @@ class BarrierModel:
         residual, forces, contact = self.residual(q, driven)
         for _ in range(rounds):
             arrived = driven.d == load.d
-            size = max(abs(contact), *(abs(self.model.constraints.end_force(forces, y)) for y in (0, 1)), 1e-2)
+            size = max(
+                abs(contact),
+                *(abs(self.model.constraints.end_force(forces, y)) for y in (0, 1)),
+                1e-2,
+            )
             if arrived and np.linalg.norm(residual) < 1e-6 * size:
                 return q, forces, contact
             K = self.tangent(q, driven) + shift * sparse.identity(self.model.size)
             goal = driven if arrived else load
             pull = residual
             if not arrived:  # what the residual becomes when the ends go on, to first order
-                pull = residual + (self.residual(q, driven.towards(goal, 1e-4))[0] - residual) / 1e-4
+                pull = (
+                    residual + (self.residual(q, driven.towards(goal, 1e-4))[0] - residual) / 1e-4
+                )
             step = splu(K.tocsc()).solve(-pull)
             share = min(1.0, 5e-6 / np.abs(step).max())
             before, after = (

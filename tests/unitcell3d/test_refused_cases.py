@@ -49,24 +49,50 @@ REFUSED = [
         "bars = 22: must be 0 to 3, or 3 and an even number more, up to the mesh's 9",
     ),
     (partial(single_yarn.pull, TINY, S720, strain=-0.1), "strain = -0.1: must be positive"),
-    (partial(stack.stack_compression, TINY, S720, plies=0), "plies = 0: must be a whole number from 1"),
-    (partial(stack.stack_compression, TINY, S720, pressure=-1.0), "pressure = -1.0: must be positive"),
-    (partial(stack.stack_compression, TINY, S720, min_plate_gap=2.0), "min_plate_gap = 2.0: must be between 0 and 1"),
-    (partial(stack.stack_compression, TINY, S720, shift=(0.5, 0.0)), "shifted plies need a patch of 2 x 2"),
-    (partial(periodic_cell.shear, WHOLE, S720, 2.0), "gamma = 2.0: must be above 0 and at most 1.2 rad"),
+    (
+        partial(stack.stack_compression, TINY, S720, plies=0),
+        "plies = 0: must be a whole number from 1",
+    ),
+    (
+        partial(stack.stack_compression, TINY, S720, pressure=-1.0),
+        "pressure = -1.0: must be positive",
+    ),
+    (
+        partial(stack.stack_compression, TINY, S720, min_plate_gap=2.0),
+        "min_plate_gap = 2.0: must be between 0 and 1",
+    ),
+    (
+        partial(stack.stack_compression, TINY, S720, shift=(0.5, 0.0)),
+        "shifted plies need a patch of 2 x 2",
+    ),
+    (
+        partial(periodic_cell.shear, WHOLE, S720, 2.0),
+        "gamma = 2.0: must be above 0 and at most 1.2 rad",
+    ),
     (partial(periodic_cell.shear, TINY, S720, 0.2), "whole crossover or a patch of 2 x 2"),
     (partial(shear_fit.fit, GAMMA, 1e6 * GAMMA), "does not stiffen"),
     (partial(shear_fit.fit, GAMMA[:3], GAMMA[:3]), "shear angles = 3"),
-    *((partial(pull_out.pull_out, WHOLE, S720, loads), "displacements") for loads in ((), (0.0,), (-1e-6,), (np.inf,))),
+    *(
+        (partial(pull_out.pull_out, WHOLE, S720, loads), "displacements")
+        for loads in ((), (0.0,), (-1e-6,), (np.inf,))
+    ),
     (partial(pull_out.pull_out, WHOLE, S720, pressures=(-1e6,)), "at least one positive pressure"),
-    (partial(pull_out.pull_out, WHOLE, S720, (1e-6,), pressures=(1e6,)), "left out where displacements"),
+    (
+        partial(pull_out.pull_out, WHOLE, S720, (1e-6,), pressures=(1e6,)),
+        "left out where displacements",
+    ),
     (partial(pull_out.pull_out, WHOLE, S720, (1e-6,), pull=0.0), "pull"),
     (partial(PullOutModel, TINY, S720), "whole"),
     (partial(calibrate, S720, size="huge"), "size"),
     (partial(calibrate, S720, paths={}), "paths"),
     (partial(calibrate, S720, jobs=0), "jobs"),
     (partial(calibrate, S720, friction=-0.1), "friction"),
-    (partial(fit_solid, S720, PlateCurve.pressure_law(0.2665), (2, 2, 2), None, measure="stress"), "measure"),
+    (
+        partial(
+            fit_solid, S720, PlateCurve.pressure_law(0.2665), (2, 2, 2), None, measure="stress"
+        ),
+        "measure",
+    ),
     (partial(sample, S720, **SMALL | {"d1": (1e-6, 1e-6)}), "d1"),
     (partial(sample, S720, **SMALL | {"points": (3, 5)}), "points"),
     (partial(sample, S720, **SMALL | {"points": (5, 500)}), "points"),

@@ -29,7 +29,10 @@ def test_results_of_other_code_are_computed_again(tmp_path, monkeypatch):
         return {"number": number * number}
 
     def results():
-        assert run_cache.results(square, [(1,), (2,)], folder=tmp_path) == [{"number": 1}, {"number": 4}]
+        assert run_cache.results(square, [(1,), (2,)], folder=tmp_path) == [
+            {"number": 1},
+            {"number": 4},
+        ]
         return computed
 
     assert results() == [1, 2]
@@ -40,7 +43,9 @@ def test_results_of_other_code_are_computed_again(tmp_path, monkeypatch):
 
 
 def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
-    panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.0306, 0.0306))
+    panel = Panel(
+        CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.0306, 0.0306)
+    )
     solver, path = PackSolver(panel, 50.0, 2e-6), tmp_path / "checkpoint.h5"
     checkpoint.write(solver, path)
     checkpoint.read(solver, path)
@@ -55,10 +60,14 @@ def test_the_state_of_a_run_of_other_code_is_refused(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(("name", "again"), [("step_kernels.py", True), ("pictures.py", False)])
-def test_a_study_is_run_again_after_a_change_of_a_kernel_and_not_of_a_picture(monkeypatch, name, again):
+def test_a_study_is_run_again_after_a_change_of_a_kernel_and_not_of_a_picture(
+    monkeypatch, name, again
+):
     def key():
         return run_cache.code.__wrapped__("validation.runner")
 
     before, read = key(), Path.read_bytes
-    monkeypatch.setattr(Path, "read_bytes", lambda self: read(self) + b"# changed\n" * (self.name == name))
+    monkeypatch.setattr(
+        Path, "read_bytes", lambda self: read(self) + b"# changed\n" * (self.name == name)
+    )
     assert (key() != before) == again

@@ -27,13 +27,30 @@ def test_cases_are_all_combinations_with_changes_of_the_keywords():
         "labels": ["published"],
         "each": {"mesh": {"coarse": {"n": 1}, "fine": {"n": 2}}},
         "case": [
-            {"name": "{force} N", "each": {"force": [20, 40]}, "set": {"clamp": "{force} N", "raw": "{force}"}},
+            {
+                "name": "{force} N",
+                "each": {"force": [20, 40]},
+                "set": {"clamp": "{force} N", "raw": "{force}"},
+            },
             {"name": "pairs", "each": {"table.x, published": [[5, "stops"]]}},
         ],
     }
     rows = Study("made-up", content).rows()
-    assert [row.labels["name"] for row in rows] == ["20 N", "40 N", "20 N", "40 N", "pairs", "pairs"]
-    assert rows[2].keywords == {"a": 1, "table": {"x": 1, "y": 2}, "clamp": "20 N", "raw": 20, "n": 2}
+    assert [row.labels["name"] for row in rows] == [
+        "20 N",
+        "40 N",
+        "20 N",
+        "40 N",
+        "pairs",
+        "pairs",
+    ]
+    assert rows[2].keywords == {
+        "a": 1,
+        "table": {"x": 1, "y": 2},
+        "clamp": "20 N",
+        "raw": 20,
+        "n": 2,
+    }
     assert rows[4].keywords == {"a": 1, "table": {"x": 5, "y": 2}, "n": 1}
     assert rows[4].labels == {"name": "pairs", "mesh": "coarse", "table.x": 5, "published": "stops"}
 
@@ -48,19 +65,33 @@ def test_a_study_is_computed_compared_written_and_taken_again(monkeypatch, tmp_p
     content = {
         "each": {"n": [1, 2, 4, 7]},
         "reference": {"n": 4},
-        "quantities": {"value": "value", "off [%]": "100 * (value / ref.value - 1)", "sum": "sum(history)"},
+        "quantities": {
+            "value": "value",
+            "off [%]": "100 * (value / ref.value - 1)",
+            "sum": "sum(history)",
+        },
         "fits": {"line": {"value": "max(of('value'))"}},
         "expect": ["falls(of('off [%]'))", "max(of('sum')) > 6"],
     }
     this = made_up(monkeypatch, tmp_path, error_of_second_order, content)
     records = runner.run(this)
-    assert records[0] == {"n": 1, "value": 4.0, "off [%]": pytest.approx(100 * (4 / 3.0625 - 1)), "sum": 0}
+    assert records[0] == {
+        "n": 1,
+        "value": 4.0,
+        "off [%]": pytest.approx(100 * (4 / 3.0625 - 1)),
+        "sum": 0,
+    }
     assert records[3] == {"n": 7, "value": None, "off [%]": None, "sum": None, "problem": "seven"}
     assert records[4] == {"n": "line", "value": 4.0}
     assert study.unmet(this, records) == ["max(of('sum')) > 6"]
     study.write(tmp_path / "a.csv", records, "by hand", {"n": "elements"})
     made, rows = study.read(tmp_path / "a.csv")
-    assert (made, rows[0]["elements"], rows[0]["value"], rows[3]["problem"]) == ("by hand", "1", "4", "seven")
+    assert (made, rows[0]["elements"], rows[0]["value"], rows[3]["problem"]) == (
+        "by hand",
+        "1",
+        "4",
+        "seven",
+    )
     monkeypatch.setattr(cases, "function", lambda name: None)
     assert runner.run(this) == records
 
@@ -74,12 +105,22 @@ def valley(x, y):
 def test_a_map_finds_the_edges_about_its_default(monkeypatch, tmp_path):
     content = {
         "each": {"x": [0.1, 1.0, 2.0, 8.0], "y": [1.0, 0.5]},
-        "map": {"x": "x", "y": "y", "stable": "x > 0.3", "default": [1.0, 1.0], "sides": ["above", "below"]},
+        "map": {
+            "x": "x",
+            "y": "y",
+            "stable": "x > 0.3",
+            "default": [1.0, 1.0],
+            "sides": ["above", "below"],
+        },
         "quantities": {"x again": "x"},
     }
     records = runner.run(made_up(monkeypatch, tmp_path, valley, content))
     outcomes = {(one["x"], one["y"]): one["outcome"] for one in records}
-    assert (outcomes[0.1, 1.0], outcomes[2.0, 1.0], outcomes[8.0, 0.5]) == ("wrong", STABLE, "failed")
+    assert (outcomes[0.1, 1.0], outcomes[2.0, 1.0], outcomes[8.0, 0.5]) == (
+        "wrong",
+        STABLE,
+        "failed",
+    )
     above, below = records[-2:]
     assert (above["outcome"], below["outcome"]) == ("edge above: failed", "edge below: wrong")
     assert above["margin"] == pytest.approx(3.0, rel=0.05)
@@ -92,9 +133,20 @@ def test_a_chart_knows_errors_costs_and_what_none_beats(monkeypatch, tmp_path):
 
     content = {
         "base": {"n": 1},
-        "each": {"method": {"1": {}, "3": {"n": 3}, "3, dear": {"n": 3, "scale": 1.01}, "fails": {"n": 7}}},
+        "each": {
+            "method": {
+                "1": {},
+                "3": {"n": 3},
+                "3, dear": {"n": 3, "scale": 1.01},
+                "fails": {"n": 7},
+            }
+        },
         "quantities": {"value": "value"},
-        "cost": {"warm": {"n": 1}, "groups": {"value": ["value"]}, "meshes": [[1 / n, {"n": n}] for n in (2, 4, 8)]},
+        "cost": {
+            "warm": {"n": 1},
+            "groups": {"value": ["value"]},
+            "meshes": [[1 / n, {"n": n}] for n in (2, 4, 8)],
+        },
     }
     records = runner.run(made_up(monkeypatch, tmp_path, timed, content))
     assert records[-1]["value"] == pytest.approx(3.0)
@@ -129,8 +181,20 @@ def test_every_study_can_be_run(name):
     for row in rows[:: max(1, len(rows) // 12)]:
         for keywords in filter(None, (row.keywords, row.reference)):
             inspect.signature(function).bind(**keywords)
-            if function in (impact.shot, impact.several, impact.limit, impact.means, impact.stepped):
-                impact.setup(**{key: value for key, value in keywords.items() if key not in own - {"velocity"}})
+            if function in (
+                impact.shot,
+                impact.several,
+                impact.limit,
+                impact.means,
+                impact.stepped,
+            ):
+                impact.setup(
+                    **{
+                        key: value
+                        for key, value in keywords.items()
+                        if key not in own - {"velocity"}
+                    }
+                )
 
 
 def test_what_is_taken_from_kept_results_needs_no_run_before_it():

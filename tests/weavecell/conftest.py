@@ -30,7 +30,10 @@ def interrupted_at(share, least_wall=0.0):
     def bar(*_, **__):
         yield advance
 
-    with mock.patch.object(progress, "bar", bar), mock.patch.object(checkpoint, "LEAST_WALL", least_wall):
+    with (
+        mock.patch.object(progress, "bar", bar),
+        mock.patch.object(checkpoint, "LEAST_WALL", least_wall),
+    ):
         yield
 
 

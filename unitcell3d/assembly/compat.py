@@ -152,7 +152,11 @@ def _vector_space(mesh, family, degree, size):
 @_quiet_compiler()
 def _form(expression):
     options = {"cffi_extra_compile_args": COMPILE_ARGUMENTS, "timeout": 300}
-    return fem.form(expression, jit_params=options) if _old() else fem.form(expression, jit_options=options)
+    return (
+        fem.form(expression, jit_params=options)
+        if _old()
+        else fem.form(expression, jit_options=options)
+    )
 
 
 def _rows(table, width):

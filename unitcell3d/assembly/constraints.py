@@ -52,7 +52,10 @@ class Constraints:
     def reduce(self, forces: FloatArray) -> FloatArray:
         """Forces on the unknowns (size,) of the nodal forces (n, 3) [N]."""
         free = self.unknown >= 0
-        return np.asarray(np.bincount(self.unknown[free], self.sign[free] * forces.ravel()[free], self.size), float)
+        return np.asarray(
+            np.bincount(self.unknown[free], self.sign[free] * forces.ravel()[free], self.size),
+            float,
+        )
 
     def end_force(self, forces: FloatArray, yarn: int) -> float:
         """Axial force [N] that drives the positive end of a yarn, the work conjugate of its end displacement."""
@@ -77,7 +80,9 @@ class Ties:
         """Prescribe a component: it is what the load drives it by."""
         self._leader[3 * np.asarray(nodes) + component] = -1
 
-    def follow(self, nodes: ArrayLike, leaders: ArrayLike, component: int, parity: float = 1.0) -> None:
+    def follow(
+        self, nodes: ArrayLike, leaders: ArrayLike, component: int, parity: float = 1.0
+    ) -> None:
         """Let a component of `nodes` be `parity` times that of `leaders` but for what the load drives them by.
 
         The leaders' own ties have to be made before.
@@ -139,9 +144,17 @@ def build(
             ties.drive[3 * grid[end] + axial, family] = direction
             if opposite[yarn] >= yarn:
                 face = grid[end]
-                ties.turn(face, face if opposite[yarn] == yarn else grids[opposite[yarn]][end], axial, width)
+                ties.turn(
+                    face,
+                    face if opposite[yarn] == yarn else grids[opposite[yarn]][end],
+                    axial,
+                    width,
+                )
     ends = tuple(
-        np.concatenate([np.empty(0, np.int64)] + [g[-1].ravel() for g, f in zip(grids, families) if f == family])
+        np.concatenate(
+            [np.empty(0, np.int64)]
+            + [g[-1].ravel() for g, f in zip(grids, families) if f == family]
+        )
         for family in (0, 1)
     )
     return ties.done(ends)

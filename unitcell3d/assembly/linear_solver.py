@@ -28,7 +28,9 @@ class DirectSolver:
 
     def __init__(self, starts: IntArray, columns: IntArray, entries: FloatArray) -> None:
         size = len(starts) - 1
-        self._matrix = PETSc.Mat().createAIJWithArrays((size, size), (starts, columns, entries), comm=PETSc.COMM_SELF)
+        self._matrix = PETSc.Mat().createAIJWithArrays(
+            (size, size), (starts, columns, entries), comm=PETSc.COMM_SELF
+        )
         self._arrays = starts, columns, entries
         prefix = f"unitcell3d_{next(_serial)}_"
         options = {

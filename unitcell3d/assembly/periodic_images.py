@@ -45,7 +45,11 @@ class Images:
             return grid
         before, after = ((m - 1, n), (m + 1, n)) if family == 0 else ((m, n - 1), (m, n + 1))
         return np.concatenate(
-            [self.image(yarn, *before)[-1 - margin : -1], grid, self.image(yarn, *after)[1 : 1 + margin]]
+            [
+                self.image(yarn, *before)[-1 - margin : -1],
+                grid,
+                self.image(yarn, *after)[1 : 1 + margin],
+            ]
         )
 
     def image(self, yarn: int, m: int, n: int) -> IntArray:

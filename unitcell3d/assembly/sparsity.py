@@ -47,10 +47,14 @@ class Pattern:
         matrix = sparse.csr_matrix((np.ones(len(kept)), (row, column)), shape=(size, size))
         matrix.sort_indices()
         # place of each entry: its row's start plus the rank of its column in the sorted row
-        numbering = sparse.csr_matrix((np.arange(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
+        numbering = sparse.csr_matrix(
+            (np.arange(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape
+        )
         self.starts, self.columns = matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32)
         self.entries = np.zeros(matrix.nnz)
-        self.diagonal = np.flatnonzero(np.repeat(np.arange(size), np.diff(matrix.indptr)) == matrix.indices)
+        self.diagonal = np.flatnonzero(
+            np.repeat(np.arange(size), np.diff(matrix.indptr)) == matrix.indices
+        )
         self._target = np.asarray(numbering[row, column]).ravel().astype(np.int64)
         self._source, self._sign = kept, sign[kept]
 

@@ -57,7 +57,9 @@ def biaxial(
     except (TypeError, ValueError):
         shares = np.array([])
     if shares.shape != (2,) or not np.all(np.isfinite(shares)) or shares.max() <= 0:
-        raise InputError(key="ratio", value=tuple(shares), allowed="two numbers, one of them at least above 0")
+        raise InputError(
+            key="ratio", value=tuple(shares), allowed="two numbers, one of them at least above 0"
+        )
     shares = shares / np.abs(shares).max()
     if max_displacement is not None and not max_displacement > 0:
         raise InputError(key="max_displacement", value=max_displacement, allowed="positive")
@@ -149,15 +151,23 @@ class Failure:
 def failure(history: History, fabric: Fabric) -> list[Failure]:
     """Failure by the worst bar and by the mean of the bars, without those that the path did not reach."""
     found = []
-    for criterion, strains in (("worst bar", history.fibre_strain_max), ("mean of bars", history.fibre_strain_mean)):
+    for criterion, strains in (
+        ("worst bar", history.fibre_strain_max),
+        ("mean of bars", history.fibre_strain_mean),
+    ):
         limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
         ratio = (strains / limits).max(axis=1)
         # the path ends within a tolerance of the mean's limit
         limit = 1.0 if criterion == "worst bar" else min(1.0, max(ratio[-1], 0.998))
-        there = [history.at(c, ratio, limit) for c in (history.d1, history.d2, history.T1, history.T2, history.F_c)]
+        there = [
+            history.at(c, ratio, limit)
+            for c in (history.d1, history.d2, history.T1, history.T2, history.F_c)
+        ]
         columns = [value for value in there if value is not None]
         if columns:
             row = int(np.argmax(ratio >= limit))
             yarn = int(np.argmax(strains[row] / limits))
-            found.append(Failure(criterion, yarn, tuple(columns[:2]), tuple(columns[2:4]), columns[4]))
+            found.append(
+                Failure(criterion, yarn, tuple(columns[:2]), tuple(columns[2:4]), columns[4])
+            )
     return found

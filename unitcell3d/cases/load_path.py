@@ -42,9 +42,14 @@ MOST_ROWS = 2000
 
 
 def along(
-    crossover: Crossover, fabric: Fabric, corners: ArrayLike, *, failure: bool = False,
-    numerics: Numerics | None = None, hooks: Sequence[Hook] = (),
-) -> Record:  # fmt: skip
+    crossover: Crossover,
+    fabric: Fabric,
+    corners: ArrayLike,
+    *,
+    failure: bool = False,
+    numerics: Numerics | None = None,
+    hooks: Sequence[Hook] = (),
+) -> Record:
     """Take a crossover along the corners (k, 2) [m] of a path in (d1, d2), from rest.
 
     Parameters
@@ -64,14 +69,23 @@ def along(
     InputError : no corner, or one that is not two finite lengths
     """
     places = np.atleast_2d(np.asarray(corners, float))
-    if places.ndim != 2 or places.shape[1:] != (2,) or not places.size or not np.all(np.isfinite(places)):
+    if (
+        places.ndim != 2
+        or places.shape[1:] != (2,)
+        or not places.size
+        or not np.all(np.isfinite(places))
+    ):
         raise InputError("a path needs at least one corner of two finite displacements")
     if np.any(places[0]):
         places = np.concatenate([np.zeros((1, 2)), places])
-    counts = [max(1, int(np.ceil(np.abs(leg).max() / LONGEST_STEP))) for leg in np.diff(places, axis=0)]
+    counts = [
+        max(1, int(np.ceil(np.abs(leg).max() / LONGEST_STEP))) for leg in np.diff(places, axis=0)
+    ]
     if not counts or sum(counts) > MOST_ROWS:
         raise InputError(
-            key="path", value=f"{sum(counts)} steps of {LONGEST_STEP * 1e6:g} um", allowed=f"1 to {MOST_ROWS} steps"
+            key="path",
+            value=f"{sum(counts)} steps of {LONGEST_STEP * 1e6:g} um",
+            allowed=f"1 to {MOST_ROWS} steps",
         )
     model = CrossoverModel(crossover, fabric, numerics, failure=failure)
     rest = model.heights(model.points)
@@ -115,9 +129,14 @@ def read(path: FilePath) -> FloatArray:
     """
     heading = '"d1 [um], d2 [um]" or another length'
     corners = read_columns(
-        path, {"d1": "m", "d2": "m"}, what="a CSV file of corners d1, d2", content=f"headed {heading}", heading=heading,
-        accepts=lambda names: sorted(names) == ["d1", "d2"], columns="d1 and d2",
-    )  # fmt: skip
+        path,
+        {"d1": "m", "d2": "m"},
+        what="a CSV file of corners d1, d2",
+        content=f"headed {heading}",
+        heading=heading,
+        accepts=lambda names: sorted(names) == ["d1", "d2"],
+        columns="d1 and d2",
+    )
     found = np.column_stack([corners["d1"], corners["d2"]])
     if not len(found) or not np.all(np.isfinite(found)):
         allowed = "at least one, of finite numbers"

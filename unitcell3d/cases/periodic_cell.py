@@ -124,7 +124,9 @@ def _followed(model, loads, counts, case, hooks):
             "tau": moment / smeared,
             "F_c": float(np.mean(np.abs(pairs.forces[: pairs.crossings]))),
             "F_side": side.mean(axis=1),
-            "side_gap": np.array([min(float(pair.gaps[0][0]) for pair in of) for of in _by_family(pairs)]),
+            "side_gap": np.array(
+                [min(float(pair.gaps[0][0]) for pair in of) for of in _by_family(pairs)]
+            ),
             "thickness": model.thickness(x),
             "deepest": pairs.deepest,
             "fibre_strain_mean": np.array([means[families == family].mean() for family in (0, 1)]),

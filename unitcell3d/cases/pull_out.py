@@ -55,7 +55,9 @@ MEANINGS = {
 SLIDING = 0.999  # share of Coulomb's limit from which on the yarn slides
 LOADS = (0.25, 0.5, 0.75, 1.0)  # of the largest end displacement of the crossing yarn
 PULL = 0.16  # of half the spacing: the crossing yarn gives way sideways before all points slide
-PULL_PRESSED = 0.24  # the same between platens, where the crossing yarn has no tension before the pull
+PULL_PRESSED = (
+    0.24  # the same between platens, where the crossing yarn has no tension before the pull
+)
 ROWS_TO_LOAD, ROWS = 5, 16
 ROWS_TO_PRESS = 40  # of the way of the platens to `MIN_PLATE_GAP`
 
@@ -104,14 +106,22 @@ def pull_out(
     numerics = Numerics() if numerics is None else numerics
     points = np.asarray(crossover.points, float)
     found, x, failed = [], points, ""
-    rest, loaded = PullLoad(), [PullLoad((0.0, value) if pulled == 0 else (value, 0.0)) for value in given]
+    rest, loaded = (
+        PullLoad(),
+        [PullLoad((0.0, value) if pulled == 0 else (value, 0.0)) for value in given],
+    )
     if len(pressures):
         rest, loaded, failed = _pressed(crossover, fabric, numerics, pulled, given)
     for number, load in enumerate(loaded):
         model = PullOutModel(crossover, fabric, numerics, pulled, platens=len(pressures) > 0)
         loads = [rest, load, replace(load, pull=pull)]
-        shift = lambda share, row, number=number: [hook((number + share) / len(given), row) for hook in hooks]  # noqa: E731
-        one = path_following.follow(model, loads, _row(model, number), rows=[ROWS_TO_LOAD, rows], hooks=[shift])
+
+        def shift(share, row, number=number):
+            return [hook((number + share) / len(given), row) for hook in hooks]
+
+        one = path_following.follow(
+            model, loads, _row(model, number), rows=[ROWS_TO_LOAD, rows], hooks=[shift]
+        )
         found += one.rows
         x, failed = one.x, failed or one.failed
         if one.failed:
@@ -136,7 +146,9 @@ def _transverse(displacements, pressures):
     if not given or not all(np.isfinite(value) and value > 0 for value in given):
         raise InputError(key=key, value=tuple(given), allowed=f"at least one positive {unit}")
     if len(pressures) and len(displacements):
-        raise InputError(key="pressures", value=tuple(given), allowed="left out where displacements are given")
+        raise InputError(
+            key="pressures", value=tuple(given), allowed="left out where displacements are given"
+        )
     return given
 
 
@@ -150,13 +162,23 @@ def _pressed(crossover, fabric, numerics, pulled, pressures):
     rest, area = PullLoad(plates=model.plates.at_rest), fabric.weave.cell_area
     mean = lambda row: float(np.mean(row["F_plate"])) / area  # noqa: E731
     followed = path_following.follow(
-        model, [rest, replace(rest, plates=MIN_PLATE_GAP * rest.plates)], _row(model, 0), rows=ROWS_TO_PRESS,
+        model,
+        [rest, replace(rest, plates=MIN_PLATE_GAP * rest.plates)],
+        _row(model, 0),
+        rows=ROWS_TO_PRESS,
         stop=lambda row: mean(row) / max(pressures),
-    )  # fmt: skip
-    met, at = np.array([mean(row) for row in followed.rows]), np.array([row["plates"] for row in followed.rows])
+    )
+    met, at = (
+        np.array([mean(row) for row in followed.rows]),
+        np.array([row["plates"] for row in followed.rows]),
+    )
     reached = [value for value in pressures if value <= met.max() * (1 + 1e-3)]
     loads = [replace(rest, plates=float(np.interp(value, met, at))) for value in reached]
-    short = "" if len(reached) == len(pressures) else f"platens reach {met.max():.4g} Pa at {at[-1]:.4g} m"
+    short = (
+        ""
+        if len(reached) == len(pressures)
+        else f"platens reach {met.max():.4g} Pa at {at[-1]:.4g} m"
+    )
     return rest, loads, followed.failed or short
 
 
@@ -204,7 +226,9 @@ def thresholds(record: Record) -> tuple[np.ndarray, np.ndarray]:
         last = int(np.argmax(share >= SLIDING))
         first = max(last - 1, 0)
         part = 1.0 if last == 0 else (SLIDING - share[first]) / (share[last] - share[first])
-        found.append(tuple(column[first] + part * (column[last] - column[first]) for column in (F_c, P)))
+        found.append(
+            tuple(column[first] + part * (column[last] - column[first]) for column in (F_c, P))
+        )
     F_c, T_f = np.array(found).reshape(-1, 2).T
     return F_c, T_f
 
@@ -229,5 +253,7 @@ def fit(record: Record, mesh: str = "") -> PullOutLaw:
             when=f"pull {1e6 * record.facts['pull']:.4g} um",
         )
     yarn = ("warp", "weft")[int(record.facts["pulled"])]
-    provenance = f"3D crossover of {record.facts['fabric']}, {yarn} pulled" + (f", {mesh} mesh" if mesh else "")
+    provenance = f"3D crossover of {record.facts['fabric']}, {yarn} pulled" + (
+        f", {mesh} mesh" if mesh else ""
+    )
     return PullOutLaw.fit(F_c, T_f, friction=float(record.facts["friction"]), provenance=provenance)

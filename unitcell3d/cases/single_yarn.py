@@ -78,15 +78,26 @@ class YarnModel(YarnsModel):
         if bars is not None:
             across, through = mesh.grids[0].shape[1:]
             if bars not in submeshes.line_numbers(across, through):
-                odd = f"0 to {across}, or {across} and an even number more" if through % 2 else "even"
-                raise InputError(key="bars", value=bars, allowed=f"{odd}, up to the mesh's {across * through}")
+                odd = (
+                    f"0 to {across}, or {across} and an even number more" if through % 2 else "even"
+                )
+                raise InputError(
+                    key="bars", value=bars, allowed=f"{odd}, up to the mesh's {across * through}"
+                )
             mesh = submeshes.with_bars(mesh, int(bars))
         self.family, self.share, self.w = family, crossover.share, crossover.w[family]
         held = constraints.build(
             mesh.grids, len(mesh.points), quarter=crossover.domain == "quarter", families=(family,)
         )
         super().__init__(
-            mesh, fabric, numerics, held, SurfacePairs(()), None, copies=(1 / crossover.share, 1.0), **choices
+            mesh,
+            fabric,
+            numerics,
+            held,
+            SurfacePairs(()),
+            None,
+            copies=(1 / crossover.share, 1.0),
+            **choices,
         )
 
     def height(self, x: FloatArray) -> float:
@@ -101,10 +112,18 @@ class YarnModel(YarnsModel):
 
 
 def pull(
-    crossover: Crossover, fabric: Fabric, family: int = 0, *, strain: float | None = None, bars: int | None = None,
-    integration: int = solid_law.FULL, failure: bool = False, numerics: Numerics | None = None, rows: int = 25,
+    crossover: Crossover,
+    fabric: Fabric,
+    family: int = 0,
+    *,
+    strain: float | None = None,
+    bars: int | None = None,
+    integration: int = solid_law.FULL,
+    failure: bool = False,
+    numerics: Numerics | None = None,
+    rows: int = 25,
     hooks: Sequence[Hook] = (),
-) -> Record:  # fmt: skip
+) -> Record:
     """Pull one yarn straight and on, to the share `strain` of its end distance, or to the failure of its fibres.
 
     Parameters
@@ -126,7 +145,15 @@ def pull(
     ------
     InputError : no such yarn, or a value is not allowed
     """
-    model = YarnModel(crossover, fabric, family, bars=bars, integration=integration, failure=failure, numerics=numerics)
+    model = YarnModel(
+        crossover,
+        fabric,
+        family,
+        bars=bars,
+        integration=integration,
+        failure=failure,
+        numerics=numerics,
+    )
     yarn = fabric.weave.yarns[family]
     crimp = crossover.S0[family] / (2 * model.w) - 1
     if strain is None:
@@ -141,7 +168,11 @@ def pull(
     # most rows where the yarn becomes taut: steps of strain that grow with the distance from the crimp's end
     points = [at(0.0), at(crimp / strain), at(1.0)] if strain > crimp else [at(0.0), at(1.0)]
     found = path_following.follow(
-        model, points, lambda state, load: _row(model, yarn, crimp, state, load), rows=rows, hooks=hooks
+        model,
+        points,
+        lambda state, load: _row(model, yarn, crimp, state, load),
+        rows=rows,
+        hooks=hooks,
     )
     facts = {
         "fabric": fabric.name,

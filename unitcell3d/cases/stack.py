@@ -64,28 +64,53 @@ class StackModel(YarnsModel):
     InputError : another domain
     """
 
-    def __init__(self, crossover: Crossover, fabric: Fabric, plies: int, numerics: Numerics | None = None) -> None:
+    def __init__(
+        self, crossover: Crossover, fabric: Fabric, plies: int, numerics: Numerics | None = None
+    ) -> None:
         check(crossover, fabric)
         if crossover.domain != "quarter":
-            raise InputError(key="domain", value=crossover.domain, allowed="quarter: aligned plies are symmetric")
+            raise InputError(
+                key="domain", value=crossover.domain, allowed="quarter: aligned plies are symmetric"
+            )
         pitch = np.ptp(crossover.points[:, 2])
-        mesh = submeshes.stacked(crossover, [(0.0, 0.0, (ply - (plies - 1) / 2) * pitch) for ply in range(plies)])
+        mesh = submeshes.stacked(
+            crossover, [(0.0, 0.0, (ply - (plies - 1) / 2) * pitch) for ply in range(plies)]
+        )
         points = np.ascontiguousarray(mesh.points)
         warps, wefts = mesh.grids[0::2], mesh.grids[1::2]
         crossings = [facing(points, warp, weft, True) for warp, weft in zip(warps, wefts)]
-        between = [facing(points, weft, warp, True, families=(1, 0)) for warp, weft in zip(warps, wefts[1:])]
+        between = [
+            facing(points, weft, warp, True, families=(1, 0))
+            for warp, weft in zip(warps, wefts[1:])
+        ]
         opposite = [2 * (plies - 1 - ply) + family for ply in range(plies) for family in (0, 1)]
-        held = constraints.build(mesh.grids, len(points), quarter=True, families=mesh.families, opposite=opposite)
+        held = constraints.build(
+            mesh.grids, len(points), quarter=True, families=mesh.families, opposite=opposite
+        )
         plates = OuterPlates(points, [warps[-1]], [wefts[0]])
         self.plies = plies
-        super().__init__(mesh, fabric, numerics, held, SurfacePairs(crossings + between), plates, copies=(2.0, 4.0))
+        super().__init__(
+            mesh,
+            fabric,
+            numerics,
+            held,
+            SurfacePairs(crossings + between),
+            plates,
+            copies=(2.0, 4.0),
+        )
 
 
 def stack_compression(
-    mesh: Crossover | Patch, fabric: Fabric, plies: int = 2, *, shift: Sequence[float] = (0.0, 0.0),
-    pressure: float = PLATEN_PRESSURE, min_plate_gap: float = MIN_PLATE_GAP, numerics: Numerics | None = None,
+    mesh: Crossover | Patch,
+    fabric: Fabric,
+    plies: int = 2,
+    *,
+    shift: Sequence[float] = (0.0, 0.0),
+    pressure: float = PLATEN_PRESSURE,
+    min_plate_gap: float = MIN_PLATE_GAP,
+    numerics: Numerics | None = None,
     hooks: Sequence[Hook] = (),
-) -> Record:  # fmt: skip
+) -> Record:
     """Press plies between two rigid plates, the yarns' ends held in the plane at their spacing.
 
     Parameters
@@ -118,9 +143,13 @@ def stack_compression(
     loads = [replace(load, plates=share * rest) for share in (1.0, min_plate_gap)]
     rows = int(np.ceil(2 * (1 - min_plate_gap) * rest / LONGEST_STEP))
     found = path_following.follow(
-        model, loads, lambda state, load: _row(model, plies, area, state, load), rows=rows,
-        stop=lambda row: row["pressure"] / pressure, hooks=hooks,
-    )  # fmt: skip
+        model,
+        loads,
+        lambda state, load: _row(model, plies, area, state, load),
+        rows=rows,
+        stop=lambda row: row["pressure"] / pressure,
+        hooks=hooks,
+    )
     u = (found.x - model.points)[: len(model.crossover.points)]
     stacking = f"shifted by {shift[0]:g}, {shift[1]:g} crossings" if any(shift) else "aligned"
     facts = {
@@ -147,7 +176,10 @@ def _row(model, plies, area, state, load):
     rest, pairs = model.plates.at_rest, copies * model.surfaces.forces
     force = copies * float(np.mean(state.plates))
     if force <= 0 and load.plates < 0.9 * rest:
-        raise UnstableError("the yarns have passed through each other", when=f"plates {2e3 * load.plates:.4g} mm apart")
+        raise UnstableError(
+            "the yarns have passed through each other",
+            when=f"plates {2e3 * load.plates:.4g} mm apart",
+        )
     return {
         "distance": 2 * load.plates,
         "closure": 2 * (rest - load.plates),
@@ -155,7 +187,9 @@ def _row(model, plies, area, state, load):
         "force": force,
         "pressure": force / area,
         "F_c": pairs[:inside].reshape(plies, -1).sum(axis=1),
-        "F_between": pairs[inside:].reshape(plies - 1, -1).sum(axis=1) if plies > 1 else np.zeros(0),
+        "F_between": pairs[inside:].reshape(plies - 1, -1).sum(axis=1)
+        if plies > 1
+        else np.zeros(0),
         "deepest": model.surfaces.deepest,
     }
 
@@ -172,7 +206,9 @@ def law_closure(fabric: Fabric, record: Record) -> tuple[FloatArray, FloatArray,
     InputError : the fabric has no measured areal density
     """
     if fabric.areal_density_measured is None:
-        raise InputError(f"fabric {fabric.name} has no measured areal density, which the pressure law needs")
+        raise InputError(
+            f"fabric {fabric.name} has no measured areal density, which the pressure law needs"
+        )
     law = PlateCurve.pressure_law(fabric.areal_density_measured, int(record.facts["plies"]))
     P, c = record["pressure"], record["closure"]
     rising = np.concatenate([[True], P[1:] > np.maximum.accumulate(P)[:-1]]) & (P > 0)

@@ -112,7 +112,11 @@ def closest(x, first, second, toward, st, nodes, weights, values):
         r = values[1, 0] - values[0, 0]
         a, b = values[0, 1], values[1, 1]
         f1, f2 = -dot(r, a), dot(r, b)
-        l11, l12, l22 = dot(a, a) - dot(r, values[0, 2]), -dot(a, b), dot(b, b) + dot(r, values[1, 2])
+        l11, l12, l22 = (
+            dot(a, a) - dot(r, values[0, 2]),
+            -dot(a, b),
+            dot(b, b) + dot(r, values[1, 2]),
+        )
         determinant = l11 * l22 - l12 * l12
         if not (l11 > 0.0 and determinant > 0.0):
             l11, l22 = dot(a, a), dot(b, b)

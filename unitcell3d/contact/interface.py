@@ -54,7 +54,11 @@ class ContactSurfaces(Protocol):
         """Whether the last call of `assemble` met what the pattern was not laid out for."""
 
     def assemble(
-        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+        self,
+        x: FloatArray,
+        numerics: PenaltyNumerics,
+        forces: FloatArray,
+        values: FloatArray | None = None,
     ) -> float:
         """Add internal forces (n, 3) [N] at positions x (n, 3) [m], and the tangent where `values` is given."""
 

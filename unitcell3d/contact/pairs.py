@@ -56,7 +56,11 @@ class SurfacePairs:
         return any(pair.pattern_outdated() for pair in self.pairs)
 
     def assemble(
-        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+        self,
+        x: FloatArray,
+        numerics: PenaltyNumerics,
+        forces: FloatArray,
+        values: FloatArray | None = None,
     ) -> float:
         """As of `surfaces.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
         for number, pair in enumerate(self.pairs):
@@ -77,12 +81,18 @@ class SurfacePairs:
 class OuterPlates(Plates):
     """Two rigid plates on the upper faces of some yarns and the lower faces of others."""
 
-    def __init__(self, points: FloatArray, upper: Sequence[IntArray], lower: Sequence[IntArray]) -> None:
+    def __init__(
+        self, points: FloatArray, upper: Sequence[IntArray], lower: Sequence[IntArray]
+    ) -> None:
         self._face(points, [grid[:, :, -1] for grid in upper], [grid[:, :, 0] for grid in lower])
 
 
 def facing(
-    points: FloatArray, upper: IntArray, lower: IntArray, quarter: bool = False, families: Sequence[int] = (0, 1)
+    points: FloatArray,
+    upper: IntArray,
+    lower: IntArray,
+    quarter: bool = False,
+    families: Sequence[int] = (0, 1),
 ) -> FacingSurfaces:
     """The pair of the lower face of the grid `upper` and the upper face of the grid `lower`.
 

@@ -47,11 +47,20 @@ class Edges:
     """
 
     def __init__(
-        self, points: FloatArray, first: IntArray, second: IntArray, across: int, thicknesses: Sequence[float]
+        self,
+        points: FloatArray,
+        first: IntArray,
+        second: IntArray,
+        across: int,
+        thicknesses: Sequence[float],
     ) -> None:
-        self._edges = [np.ascontiguousarray(edge[:, edge.shape[1] // 2], np.int64) for edge in (first, second)]
+        self._edges = [
+            np.ascontiguousarray(edge[:, edge.shape[1] // 2], np.int64) for edge in (first, second)
+        ]
         slopes = [points[edge[-1]] - points[edge[0]] for edge in self._edges]
-        sine = np.linalg.norm(np.cross(*slopes)) / np.prod([np.linalg.norm(slope) for slope in slopes])
+        sine = np.linalg.norm(np.cross(*slopes)) / np.prod(
+            [np.linalg.norm(slope) for slope in slopes]
+        )
         self._area = thicknesses[0] * thicknesses[1] / sine
         self._toward = np.eye(3)[across]
         self.gaps = (np.array([np.inf]),)
@@ -87,7 +96,11 @@ class Edges:
         """Edges slide without friction."""
 
     def assemble(
-        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+        self,
+        x: FloatArray,
+        numerics: PenaltyNumerics,
+        forces: FloatArray,
+        values: FloatArray | None = None,
     ) -> float:
         """As of `surfaces.FacingSurfaces`; returns the force [N] between the edges."""
         places = NO_PLACES
@@ -129,18 +142,27 @@ def contacts(mesh: YarnMesh, images: Images, cells: int, margin: int) -> CellPai
             last = place == len(own) - 1
             next_yarn, step = (own[0], 1) if last else (own[place + 1], 0)
             m, n = (0, step) if family == 0 else (step, 0)
-            first, second = images.extended(yarn, 0, 0, reach), images.extended(next_yarn, m, n, reach)
+            first, second = (
+                images.extended(yarn, 0, 0, reach),
+                images.extended(next_yarn, m, n, reach),
+            )
             # they pass each other at each end of a crossing; of the two ends of the cell, one
             for end in range(cells, len(mesh.grids[yarn]), cells):
                 part = slice(end, end + 2 * reach + 1)  # the grid begins `reach` columns early
-                neighbours.append((first[part, -1], second[part, 0], 1 - family, (thick[family],) * 2))
+                neighbours.append(
+                    (first[part, -1], second[part, 0], 1 - family, (thick[family],) * 2)
+                )
     points = images.points
-    return CellPairs([facing(points, *pair) for pair in crossings], [Edges(points, *pair) for pair in neighbours])
+    return CellPairs(
+        [facing(points, *pair) for pair in crossings], [Edges(points, *pair) for pair in neighbours]
+    )
 
 
 def _crossing_yarns(mesh):
     """Numbers of the warp and the weft of each crossing."""
-    warps, wefts = ([yarn for yarn, of in enumerate(mesh.families) if of == family] for family in (0, 1))
+    warps, wefts = (
+        [yarn for yarn, of in enumerate(mesh.families) if of == family] for family in (0, 1)
+    )
     return [(a, b) for a in warps for b in wefts]
 
 
@@ -148,7 +170,10 @@ def _crossing(mesh, images, warp, weft, cells, margin):
     """(upper grid, lower grid, quarter, families) of a crossing."""
     parts = []
     for yarn, other, axis in ((warp, weft, 0), (weft, warp, 1)):
-        grid, place = images.extended(yarn, 0, 0, margin), mesh.points[mesh.grids[other], axis].mean()
+        grid, place = (
+            images.extended(yarn, 0, 0, margin),
+            mesh.points[mesh.grids[other], axis].mean(),
+        )
         at = int(np.argmin(np.abs(images.points[grid[:, grid.shape[1] // 2, 0], axis] - place)))
         parts.append(grid[at - cells // 2 - margin : at + cells // 2 + margin + 1])
     middle = [part[len(part) // 2, part.shape[1] // 2, part.shape[2] // 2] for part in parts]
@@ -160,7 +185,11 @@ def _cells(mesh, yarn):
     """Slices of the columns of each crossing of a yarn, and whether it lies over there."""
     grid = mesh.grids[yarn]
     crossings = max(
-        1, round(np.ptp(mesh.points[grid[:, 0, 0], mesh.families[yarn]]) / (2 * mesh.w[mesh.families[yarn]]))
+        1,
+        round(
+            np.ptp(mesh.points[grid[:, 0, 0], mesh.families[yarn]])
+            / (2 * mesh.w[mesh.families[yarn]])
+        ),
     )
     cells = (len(grid) - 1) // crossings
     for number in range(crossings):
@@ -177,13 +206,21 @@ def exposed(mesh: YarnMesh, yarns: Iterable[int], over: bool) -> Iterator[tuple[
                 yield yarn, part
 
 
-def mates(mesh: YarnMesh, yarns: Sequence[int]) -> Iterator[tuple[IntArray, IntArray, tuple[int, int]]]:
+def mates(
+    mesh: YarnMesh, yarns: Sequence[int]
+) -> Iterator[tuple[IntArray, IntArray, tuple[int, int]]]:
     """Yields (upper nodes, lower nodes, families) of each crossing inside a ply."""
-    under = [(yarn, part, _middle(mesh, yarn, part)) for yarn, part in exposed(mesh, yarns, over=False)]
+    under = [
+        (yarn, part, _middle(mesh, yarn, part)) for yarn, part in exposed(mesh, yarns, over=False)
+    ]
     for yarn, part in exposed(mesh, yarns, over=True):
         place = _middle(mesh, yarn, part)
         mate, its, _ = min(under, key=lambda item: np.linalg.norm(item[2] - place))
-        yield mesh.grids[yarn][part], mesh.grids[mate][its], (mesh.families[yarn], mesh.families[mate])
+        yield (
+            mesh.grids[yarn][part],
+            mesh.grids[mate][its],
+            (mesh.families[yarn], mesh.families[mate]),
+        )
 
 
 def _middle(mesh, yarn, part):

@@ -27,7 +27,15 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.kernel_cache import kernel
-from unitcell3d.contact.surface_kernels import cell_of, dot, evaluate, nodes_of, project, surround, weights_of
+from unitcell3d.contact.surface_kernels import (
+    cell_of,
+    dot,
+    evaluate,
+    nodes_of,
+    project,
+    surround,
+    weights_of,
+)
 from unitcell3d.contact.surface_tangent_kernels import (
     SLAVE,
     STENCIL,
@@ -103,9 +111,15 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
     surround(x, master.grid, master.axes, master.mirror, ringed)
     point, nodes, work = np.empty(3), np.empty(STENCIL, np.int64), np.empty((4, 3, 4))
     scratch = Scratch(
-        np.empty((6, 3)), np.empty(3), np.empty((3, 16, 3)), np.empty((STENCIL, 3)), np.empty(3), np.zeros(3),
-        np.empty((TERMS, 3 * STENCIL)), np.empty((TERMS, 3 * STENCIL)),
-    )  # fmt: skip
+        np.empty((6, 3)),
+        np.empty(3),
+        np.empty((3, 16, 3)),
+        np.empty((STENCIL, 3)),
+        np.empty(3),
+        np.zeros(3),
+        np.empty((TERMS, 3 * STENCIL)),
+        np.empty((TERMS, 3 * STENCIL)),
+    )
     surface, normal, block = scratch.surface, scratch.normal, np.empty((3 * STENCIL, 3 * STENCIL))
     for s in range(slave.areas.size):
         state.gaps[s], state.codes[s] = np.inf, -1
@@ -133,7 +147,9 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
             scratch.spread[k] = shape[k]
         scratch.spread[SLAVE:] = -scratch.weights[0]
         area, overlap = slave.areas[s], (w1, w2, dw1, dw2)
-        length = add_force(xi[s], state.anchors[s], p, area * w1 * w2, law, scratch, nodes, forces, resultant)
+        length = add_force(
+            xi[s], state.anchors[s], p, area * w1 * w2, law, scratch, nodes, forces, resultant
+        )
         if blocks.places.shape[0] == 0:
             continue
         terms = normal_terms(scratch, gap, p, slope, area, overlap)
@@ -156,7 +172,9 @@ def add_force(xi, anchor, p, share, law, scratch, nodes, forces, resultant):
     """
     length = 0.0
     if law.friction > 0.0:
-        length = traction(scratch.surface, xi, anchor, p, law.friction, law.slip, scratch.v, scratch.tau)
+        length = traction(
+            scratch.surface, xi, anchor, p, law.friction, law.slip, scratch.v, scratch.tau
+        )
     for c in range(3):
         push = p * scratch.normal[c] - scratch.tau[c]
         resultant[c] += share * push

@@ -191,7 +191,11 @@ def project(point, ringed, xi, a, b, surface):
         s1, s2 = surface[1], surface[2]
         r1, r2 = dot(away, s1), dot(away, s2)
         m11, m12, m22 = dot(s1, s1), dot(s1, s2), dot(s2, s2)
-        h11, h12, h22 = m11 - dot(away, surface[3]), m12 - dot(away, surface[4]), m22 - dot(away, surface[5])
+        h11, h12, h22 = (
+            m11 - dot(away, surface[3]),
+            m12 - dot(away, surface[4]),
+            m22 - dot(away, surface[5]),
+        )
         determinant = h11 * h22 - h12 * h12
         if not (h11 > 0.0 and determinant > 0.0):  # not convex here: Gauss-Newton instead
             h11, h12, h22 = m11, m12, m22

@@ -42,7 +42,12 @@ def normal_terms(scratch, gap, p, slope, area, overlap):
     -------
     terms : how many rows of `left` and `right` are filled
     """
-    surface, normal, weights, spread = scratch.surface, scratch.normal, scratch.weights, scratch.spread
+    surface, normal, weights, spread = (
+        scratch.surface,
+        scratch.normal,
+        scratch.weights,
+        scratch.spread,
+    )
     left, right = scratch.left, scratch.right
     w1, w2, dw1, dw2 = overlap
     s1, s2 = surface[1], surface[2]
@@ -81,7 +86,12 @@ def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
     slid : (2,) [-] xi - anchor
     length : [m] |v|
     """
-    surface, normal, weights, spread = scratch.surface, scratch.normal, scratch.weights, scratch.spread
+    surface, normal, weights, spread = (
+        scratch.surface,
+        scratch.normal,
+        scratch.weights,
+        scratch.spread,
+    )
     v, tau, left, right = scratch.v, scratch.tau, scratch.left, scratch.right
     w1, w2, dw1, dw2 = overlap
     g1, g2 = slid
@@ -110,7 +120,10 @@ def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
                 right[5 + c, at] = share * dtau + tau[c] * leave
             left[8, at] = left[9, at] = 0.0
             if m >= SLAVE:
-                left[8, at], left[9, at] = -weights[1, m - SLAVE, b] * tau[b], -weights[2, m - SLAVE, b] * tau[b]
+                left[8, at], left[9, at] = (
+                    -weights[1, m - SLAVE, b] * tau[b],
+                    -weights[2, m - SLAVE, b] * tau[b],
+                )
             right[8, at], right[9, at] = share * x1, share * x2
     return 10
 

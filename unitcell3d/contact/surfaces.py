@@ -11,7 +11,14 @@ from unitcell3d.assembly import constraints
 from unitcell3d.assembly.sparsity import Pattern
 from unitcell3d.contact import plate_contact_kernels, slip_kernels, surface_contact_kernels
 from unitcell3d.contact.interface import PenaltyNumerics
-from unitcell3d.contact.kernel_arguments import Blocks, ContactLaw, Face, PassState, PlateFace, SlavePoints
+from unitcell3d.contact.kernel_arguments import (
+    Blocks,
+    ContactLaw,
+    Face,
+    PassState,
+    PlateFace,
+    SlavePoints,
+)
 from unitcell3d.contact.surface_tangent_kernels import STENCIL
 
 # cells by which a contact point may slide before the tangent is laid out anew: a few blocks more for far fewer layouts
@@ -66,10 +73,17 @@ class Pass:
 
     def _first_guess(self, points):
         """Parameters of the points on the undeformed master, whose grid is straight in plan."""
-        slaves, master = np.einsum("gk,fkc->fgc", self._shapes, points[self._quads]).reshape(-1, 3), self._master
+        slaves, master = (
+            np.einsum("gk,fkc->fgc", self._shapes, points[self._quads]).reshape(-1, 3),
+            self._master,
+        )
         lines = points[master.grid[:, 0], master.axes[0]], points[master.grid[0, :], master.axes[1]]
         return np.stack(
-            [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, lines)], axis=1
+            [
+                np.interp(slaves[:, axis], line, np.arange(len(line)))
+                for axis, line in zip(master.axes, lines)
+            ],
+            axis=1,
         )
 
     def _met(self):
@@ -81,9 +95,9 @@ class Pass:
         face = np.arange(len(self._areas)) // len(self._shapes)
         codes = [self._known, self._met()]
         for shift in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
-            cell = np.clip(np.floor(self._state.xi + SLIP_MARGIN * np.array(shift)), 0, self._cells - 1).astype(
-                np.int64
-            )
+            cell = np.clip(
+                np.floor(self._state.xi + SLIP_MARGIN * np.array(shift)), 0, self._cells - 1
+            ).astype(np.int64)
             codes.append((face * self._cells[0] + cell[:, 0]) * self._cells[1] + cell[:, 1])
         self._known = np.unique(np.concatenate(codes))
         face, cell = np.divmod(self._known, self._cells.prod())
@@ -91,7 +105,8 @@ class Pass:
         i = np.clip((cell // self._cells[1])[:, None] + np.arange(-1, 3), 0, ni - 1)
         j = np.clip((cell % self._cells[1])[:, None] + np.arange(-1, 3), 0, nj - 1)
         return np.concatenate(
-            [self._quads[face], self._master.grid[i[:, :, None], j[:, None, :]].reshape(-1, 16)], axis=1
+            [self._quads[face], self._master.grid[i[:, :, None], j[:, None, :]].reshape(-1, 16)],
+            axis=1,
         )
 
     def build_pattern(self, pattern: Pattern) -> None:
@@ -105,7 +120,11 @@ class Pass:
         return bool(np.any(self._row_of[self._met()] < 0))
 
     def assemble(
-        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+        self,
+        x: FloatArray,
+        numerics: PenaltyNumerics,
+        forces: FloatArray,
+        values: FloatArray | None = None,
     ) -> FloatArray:
         """Adds internal forces, and the tangent where `values` is given.
 
@@ -144,7 +163,9 @@ class Pass:
         """[N] sums over the points, at the state of the last call of `assemble`: of the normal force times the
         mobilised share of Coulomb's limit (0 in rest, 1 in slip), and of the normal force."""
         law = contact_law(numerics, 0.5)
-        found: tuple[float, float] = slip_kernels.mobilised_friction(x, self._points, self._master, law, self._state)
+        found: tuple[float, float] = slip_kernels.mobilised_friction(
+            x, self._points, self._master, law, self._state
+        )
         return found
 
     @property
@@ -165,7 +186,9 @@ class Pass:
         share = np.where(np.isfinite(gaps), share, 0.0)
         nodes = np.broadcast_to(self._quads[:, None, :], share.shape)
         size = self._nodes.max() + 1
-        total = np.bincount(nodes.ravel(), (share * np.where(share > 0, gaps, 0.0)).ravel(), size)[self._nodes]
+        total = np.bincount(nodes.ravel(), (share * np.where(share > 0, gaps, 0.0)).ravel(), size)[
+            self._nodes
+        ]
         weight = np.bincount(nodes.ravel(), share.ravel(), size)[self._nodes]
         return np.where(weight > 0, total / np.where(weight > 0, weight, 1.0), np.inf)
 
@@ -209,7 +232,11 @@ class FacingSurfaces:
         return any(side.pattern_outdated() for side in self._passes)
 
     def assemble(
-        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+        self,
+        x: FloatArray,
+        numerics: PenaltyNumerics,
+        forces: FloatArray,
+        values: FloatArray | None = None,
     ) -> float:
         """Both passes, as `Pass.assemble`; returns the force [N] upwards on the warp."""
         up, down = (side.assemble(x, numerics, forces, values) for side in self._passes)
@@ -243,7 +270,9 @@ class Plates:
         """Take up the faces, grids of nodes, that the upper and the lower plate may touch."""
         self.faces = [plate_face(points, *of) for of in ((upper, 1.0), (lower, -1.0))]
         above, below = (points[face.nodes, 2] for face in self.faces)
-        self.at_rest = float(max(above.max(), -below.min()))  # [m] half the distance at which they just touch
+        self.at_rest = float(
+            max(above.max(), -below.min())
+        )  # [m] half the distance at which they just touch
 
     @property
     def anchors(self) -> list[FloatArray]:
@@ -266,19 +295,26 @@ class Plates:
             for plate, face in enumerate(self.faces):
                 blocks = np.empty(0, np.int64) if places is None else places[plate]
                 height = face.side * half_distance
-                pressed[plate] = plate_contact_kernels.plate_pass(x, face, height, law, forces, blocks, values)
+                pressed[plate] = plate_contact_kernels.plate_pass(
+                    x, face, height, law, forces, blocks, values
+                )
         return pressed
 
     def commit(self, x: FloatArray, half_distance: float, numerics: PenaltyNumerics) -> None:
         """The state at `x` is where friction goes on from."""
         for face in self.faces:
-            plate_contact_kernels.update_plate_anchors(x, face, face.side * half_distance, numerics.slip)
+            plate_contact_kernels.update_plate_anchors(
+                x, face, face.side * half_distance, numerics.slip
+            )
 
 
 def contact_law(numerics: PenaltyNumerics, share: float = 1.0) -> ContactLaw:
     """The `ContactLaw` of a `model.crossover.Numerics`, with a share [-] of the penalty."""
     return ContactLaw(
-        float(share * numerics.penalty), float(numerics.toe), float(numerics.friction), float(numerics.slip)
+        float(share * numerics.penalty),
+        float(numerics.toe),
+        float(numerics.friction),
+        float(numerics.slip),
     )
 
 
@@ -300,13 +336,17 @@ def gauss(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
         np.stack([0.25 * b * (1 + a * s) for a, b in signs], axis=1),
     ]
     along, across = (np.einsum("gk,fkc->fgc", slope, corners) for slope in slopes)
-    return shapes, np.linalg.norm(np.cross(along, across), axis=-1) * np.outer(weights, weights).ravel()
+    return shapes, np.linalg.norm(np.cross(along, across), axis=-1) * np.outer(
+        weights, weights
+    ).ravel()
 
 
 def tributary_areas(points: FloatArray, grid: IntArray) -> FloatArray:
     """Areas [m2] of the nodes of a face: a quarter of each quadrilateral to each of its corners."""
     x = points[grid]
-    quads = 0.5 * np.linalg.norm(np.cross(x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]), axis=-1)
+    quads = 0.5 * np.linalg.norm(
+        np.cross(x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]), axis=-1
+    )
     areas = np.zeros(grid.shape)
     for i in (0, 1):
         for j in (0, 1):

@@ -22,11 +22,16 @@ _LEAST_ROOM = 0.01  # [-] of fibre volume fraction, from the mesh at rest to pac
 def _packed_later(fabric, name):
     """The fabric with a new name, and with V_c above the density that the mesh gives its yarns."""
     dense = Plan.of(fabric, size="coarse", shift=True).section_fit.Vf0
-    laws = [replace(law, V_c=max(law.V_c, Vf0 + _LEAST_ROOM)) for law, Vf0 in zip(fabric.solid_laws, dense)]
+    laws = [
+        replace(law, V_c=max(law.V_c, Vf0 + _LEAST_ROOM))
+        for law, Vf0 in zip(fabric.solid_laws, dense)
+    ]
     return replace(fabric, name=name, solid_laws=tuple(laws))
 
 
-def with_assumed_range(fabric: Fabric, done: Calibration, **choices: Any) -> tuple[Calibration, dict[str, str]]:
+def with_assumed_range(
+    fabric: Fabric, done: Calibration, **choices: Any
+) -> tuple[Calibration, dict[str, str]]:
     """A calibration whose law holds its assumed range; as it is where the solid law is not assumed.
 
     Parameters
@@ -40,13 +45,20 @@ def with_assumed_range(fabric: Fabric, done: Calibration, **choices: Any) -> tup
     done : Calibration
     failed : {"soft" or "stiff": why this end has no law}; the law has a range only where both ends have one
     """
-    ends = {end: _packed_later(each, f"{each.name}, {end}") for end, each in assumed.solid_ends(fabric).items()}
+    ends = {
+        end: _packed_later(each, f"{each.name}, {end}")
+        for end, each in assumed.solid_ends(fabric).items()
+    }
     if not ends:
         return done, {}
     found = calibrate_all(list(ends.values()), **choices)
     results = {end: found[each.name] for end, each in ends.items()}
     failed = {end: str(result) for end, result in results.items() if isinstance(result, Exception)}
-    pairs = [(result.law.a, result.law.b) for result in results.values() if isinstance(result, Calibration)]
+    pairs = [
+        (result.law.a, result.law.b)
+        for result in results.values()
+        if isinstance(result, Calibration)
+    ]
     if len(pairs) < len(ends):
         return done, failed
     return replace(done, law=replace(done.law, assumed_range=(pairs[0], pairs[1]))), {}

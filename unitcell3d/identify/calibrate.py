@@ -57,7 +57,9 @@ class Job:
     @property
     def key(self) -> str:
         """Key of its result: of what it is solved with, and of the code."""
-        return run_cache.key((self.fabric, self.size, self.ratio, self.beyond, self.numerics, Steps()), __name__)
+        return run_cache.key(
+            (self.fabric, self.size, self.ratio, self.beyond, self.numerics, Steps()), __name__
+        )
 
     def file(self, folder: FilePath) -> Path:
         """Its file in the folder of its fabric."""
@@ -65,7 +67,10 @@ class Job:
 
 
 def path_jobs(
-    fabric: Fabric, size: Size, friction: float = 0.0, paths: Mapping[str, Sequence[float]] | None = None
+    fabric: Fabric,
+    size: Size,
+    friction: float = 0.0,
+    paths: Mapping[str, Sequence[float]] | None = None,
 ) -> list[Job]:
     """The biaxial paths of a calibration: those of `PATHS` and `BOTH`, or {name: (d1, d2) ratio} that are given."""
     jobs = [
@@ -73,7 +78,16 @@ def path_jobs(
         for name, ratio in (PATHS if paths is None else paths).items()
     ]
     if paths is None:
-        jobs.append(Job(BOTH, fabric, size, biaxial_and_platens.displacements_at_failure(fabric), friction, BEYOND))
+        jobs.append(
+            Job(
+                BOTH,
+                fabric,
+                size,
+                biaxial_and_platens.displacements_at_failure(fabric),
+                friction,
+                BEYOND,
+            )
+        )
     return jobs
 
 
@@ -98,11 +112,18 @@ def calibrate(fabric: Fabric, *, out: FilePath | None = None, **choices: Any) ->
 
 
 def calibrate_all(
-    fabrics: Sequence[Fabric], *, size: Size = "medium", plates_size: Size = "coarse", friction: float = 0.0,
-    paths: Mapping[str, Sequence[float]] | None = None, folder: Callable[[str], FilePath | None] = lambda name: None,
-    resume: bool = False, executor: str | Executor = "local", jobs: int = 1,
+    fabrics: Sequence[Fabric],
+    *,
+    size: Size = "medium",
+    plates_size: Size = "coarse",
+    friction: float = 0.0,
+    paths: Mapping[str, Sequence[float]] | None = None,
+    folder: Callable[[str], FilePath | None] = lambda name: None,
+    resume: bool = False,
+    executor: str | Executor = "local",
+    jobs: int = 1,
     on_progress: Callable[[str, str, float], object] | None = None,
-) -> dict[str, Calibration | Exception]:  # fmt: skip
+) -> dict[str, Calibration | Exception]:
     """Calibrate several fabrics, their paths beside each other; one that fails does not end the others.
 
     Parameters
@@ -126,7 +147,11 @@ def calibrate_all(
     InputError : a choice that is wrong for all of them
     """
     if paths is not None and (not paths or PLATES in paths):
-        raise InputError(key="paths", value=sorted(paths), allowed=f"at least one, none of them called {PLATES!r}")
+        raise InputError(
+            key="paths",
+            value=sorted(paths),
+            allowed=f"at least one, none of them called {PLATES!r}",
+        )
     if jobs < 1:
         raise InputError(key="jobs", value=jobs, allowed="at least 1")
     Numerics(friction=friction)  # refuses what is not allowed
@@ -176,7 +201,11 @@ class _Run:
         if not self._resume or folder is None or not job.file(folder).exists():
             return None
         notes = History.notes(job.file(folder))
-        return (History.read(job.file(folder)), notes["seconds"]) if notes.get("key") == job.key else None
+        return (
+            (History.read(job.file(folder)), notes["seconds"])
+            if notes.get("key") == job.key
+            else None
+        )
 
     def solve(self, executor, jobs):
         """Solve the open jobs, plates first, and keep each as it comes."""
@@ -202,7 +231,10 @@ class _Run:
         try:
             while queue is not None:
                 fabric, path, share = queue.get_nowait()
-                if (fabric, path) not in self._done:  # what a path says of itself may come after its result
+                if (
+                    fabric,
+                    path,
+                ) not in self._done:  # what a path says of itself may come after its result
                     self._on_progress(fabric, path, share)
         except Empty:
             pass
@@ -227,9 +259,12 @@ class _Run:
         seconds = {name: elapsed for name, (_, elapsed) in done.items()}
         try:
             found = evaluate(
-                fabric, {name: history for name, (history, _) in done.items()}, sizes,
-                seconds | {"all": time.perf_counter() - begun}, friction,
-            )  # fmt: skip
+                fabric,
+                {name: history for name, (history, _) in done.items()},
+                sizes,
+                seconds | {"all": time.perf_counter() - begun},
+                friction,
+            )
         except UnstableError as problem:
             self.outcomes[fabric.name] = problem
             return
@@ -248,10 +283,17 @@ def run_job(job: Job) -> tuple[History, float]:
             _queue.put((job.fabric.name, job.name, share))
 
     if job.ratio is None:
-        history = biaxial_and_platens.plate_compression(mesh, job.fabric, numerics=job.numerics, hooks=(on_progress,))
+        history = biaxial_and_platens.plate_compression(
+            mesh, job.fabric, numerics=job.numerics, hooks=(on_progress,)
+        )
     else:
         history = biaxial_and_platens.biaxial(
-            mesh, job.fabric, job.ratio, beyond=job.beyond, numerics=job.numerics, hooks=(on_progress,)
+            mesh,
+            job.fabric,
+            job.ratio,
+            beyond=job.beyond,
+            numerics=job.numerics,
+            hooks=(on_progress,),
         )
     return replace(history, facts=history.facts | {"case": job.name}), time.perf_counter() - begun
 

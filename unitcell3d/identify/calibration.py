@@ -107,7 +107,10 @@ class Calibration:
         laws = [law for law in self.path_laws.values() if law is not None and _determined(law)]
         if not laws:
             return {}
-        return {key: tuple(pick(getattr(law, key) for law in laws) for pick in (min, max)) for key in ("a", "b")}
+        return {
+            key: tuple(pick(getattr(law, key) for law in laws) for pick in (min, max))
+            for key in ("a", "b")
+        }
 
     @property
     def chosen(self) -> str:
@@ -133,12 +136,18 @@ class Calibration:
                 "b_interval_m_N^(1/3)": self.law.b_interval,
             },
             "chosen": self.chosen,
-            "spread_of_the_paths": {"a_m": self.spread.get("a"), "b_m_N^(1/3)": self.spread.get("b")},
-            "published": self.published and {"a_m": self.published.a, "b_m_N^(1/3)": self.published.b},
+            "spread_of_the_paths": {
+                "a_m": self.spread.get("a"),
+                "b_m_N^(1/3)": self.spread.get("b"),
+            },
+            "published": self.published
+            and {"a_m": self.published.a, "b_m_N^(1/3)": self.published.b},
             "comparison": self.comparison,
             "fit_of_each_path": laws,
             "rms_of_each_path_from_the_law_m": self.residuals,
-            "fit_of_each_yarn": {name: law and _numbers(law) for name, law in zip(YARNS, self.yarn_laws)},
+            "fit_of_each_yarn": {
+                name: law and _numbers(law) for name, law in zip(YARNS, self.yarn_laws)
+            },
             "fit_by_tension_ratio": self.ratio_law
             and {
                 "p": self.ratio_law.p,
@@ -146,8 +155,12 @@ class Calibration:
                 "rms_m": self.ratio_law.residual_rms,
                 "rms_of_each_path_m": self.ratio_residuals,
             },
-            "failure": {name: [vars(item) for item in found] for name, found in self.failures.items()},
-            "ended_early": {name: history.failed for name, history in self.histories.items() if history.failed},
+            "failure": {
+                name: [vars(item) for item in found] for name, found in self.failures.items()
+            },
+            "ended_early": {
+                name: history.failed for name, history in self.histories.items() if history.failed
+            },
             "seconds": self.seconds,
         }
 
@@ -226,7 +239,9 @@ def evaluate(
     F, d = (np.concatenate([pair[i] for pair in pairs.values()]) for i in (0, 1))
     if F.size < 3:
         reasons = "; ".join(history.failed for history in histories.values() if history.failed)
-        raise UnstableError(f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}")
+        raise UnstableError(
+            f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}"
+        )
     provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
     provenance += f", friction {friction:g}" if friction else ""
     law = CompressionLaw.fit(F, d, provenance=provenance, fabric=fabric.name)
@@ -236,7 +251,10 @@ def evaluate(
         law=law,
         path_laws={name: _own_law(name, pair, fabric.name) for name, pair in pairs.items()},
         histories=histories,
-        residuals={name: float(np.sqrt(np.mean((law.d(pair[0]) - pair[1]) ** 2))) for name, pair in pairs.items()},
+        residuals={
+            name: float(np.sqrt(np.mean((law.d(pair[0]) - pair[1]) ** 2)))
+            for name, pair in pairs.items()
+        },
         yarn_laws=yarn_laws,
         ratio_law=ratio_law,
         ratio_residuals=ratio_residuals,
@@ -260,16 +278,26 @@ def _finer(histories, fabric):
     """Laws of each yarn's own compression, and the law that sees the tension ratio with its residual by path."""
     found = {name: h for name, h in histories.items() if name != PLATES}
     rows = {
-        name: samples(h, h.d_c, imbalance(h.T1, h.T2), h.d_yarns[:, 0], h.d_yarns[:, 1]) for name, h in found.items()
+        name: samples(h, h.d_c, imbalance(h.T1, h.T2), h.d_yarns[:, 0], h.d_yarns[:, 1])
+        for name, h in found.items()
     }
     F, d, m, *yarns = (np.concatenate(columns) for columns in zip(*rows.values()))
     made = "own compression at the crossing, paths " + ", ".join(found)
-    yarn_laws = tuple(_own_law(f"{name}: {made}", (F, own), fabric) for name, own in zip(YARNS, yarns))
+    yarn_laws = tuple(
+        _own_law(f"{name}: {made}", (F, own), fabric) for name, own in zip(YARNS, yarns)
+    )
     try:
         law = RatioLaw.fit(F, m, d)
     except InputError:
         return yarn_laws, None, {}
-    return yarn_laws, law, {name: float(np.sqrt(np.mean((law.d(r[0], r[2]) - r[1]) ** 2))) for name, r in rows.items()}
+    return (
+        yarn_laws,
+        law,
+        {
+            name: float(np.sqrt(np.mean((law.d(r[0], r[2]) - r[1]) ** 2)))
+            for name, r in rows.items()
+        },
+    )
 
 
 def _rms(law):

@@ -51,9 +51,14 @@ class LawInterval:
 
 
 def law_intervals(
-    fits: Sequence[SolidFit], *, folder: FilePath, friction: float = 0.0,
-    executor: str | Executor = "local", jobs: int = 1, report: Callable[[int, int], object] | None = None,
-) -> list[LawInterval | Exception]:  # fmt: skip
+    fits: Sequence[SolidFit],
+    *,
+    folder: FilePath,
+    friction: float = 0.0,
+    executor: str | Executor = "local",
+    jobs: int = 1,
+    report: Callable[[int, int], object] | None = None,
+) -> list[LawInterval | Exception]:
     """Intervals of the compression laws of fitted solids.
 
     Parameters
@@ -70,9 +75,14 @@ def law_intervals(
     paths = [[path_jobs(fabric, SIZE, friction) for fabric in each] for each in solids]
     cases = [(job,) for each in paths for own in each for job in own]
     found = iter(
-        run_cache.results(_path, cases, folder=folder, executor=executor, jobs=jobs, fresh=True, report=report)
+        run_cache.results(
+            _path, cases, folder=folder, executor=executor, jobs=jobs, fresh=True, report=report
+        )
     )
-    return [_interval(fit, [[next(found) for _ in own] for own in each]) for fit, each in zip(fits, paths)]
+    return [
+        _interval(fit, [[next(found) for _ in own] for own in each])
+        for fit, each in zip(fits, paths)
+    ]
 
 
 def _path(job: Job) -> tuple[FloatArray, ...]:

@@ -32,13 +32,18 @@ class Interpolant:
     def __init__(self, surface: ResponseSurface) -> None:
         for name in ("d1", "d2"):
             if getattr(surface, name).size < FEWEST:
-                raise InputError(key=name, value=getattr(surface, name).size, allowed=f"at least {FEWEST} values")
+                raise InputError(
+                    key=name, value=getattr(surface, name).size, allowed=f"at least {FEWEST} values"
+                )
         self.surface = surface
         self._splines = {
-            name: RectBivariateSpline(surface.d1, surface.d2, getattr(surface, name)) for name in QUANTITIES
+            name: RectBivariateSpline(surface.d1, surface.d2, getattr(surface, name))
+            for name in QUANTITIES
         }
 
-    def __call__(self, name: str, d1: ArrayLike, d2: ArrayLike, *, dd1: int = 0, dd2: int = 0) -> FloatArray:
+    def __call__(
+        self, name: str, d1: ArrayLike, d2: ArrayLike, *, dd1: int = 0, dd2: int = 0
+    ) -> FloatArray:
         """A quantity, or its derivative, at (d1, d2) [m], broadcast against each other.
 
         Parameters
@@ -54,7 +59,11 @@ class Interpolant:
         for axis, d in (("d1", d1), ("d2", d2)):
             low, high = getattr(self.surface, axis)[[0, -1]]
             if d.size and not (low <= d.min() and d.max() <= high):
-                raise InputError(key=axis, value=f"{d.min():g} to {d.max():g} m", allowed=f"{low:g} to {high:g} m")
+                raise InputError(
+                    key=axis,
+                    value=f"{d.min():g} to {d.max():g} m",
+                    allowed=f"{low:g} to {high:g} m",
+                )
         return self._splines[name](d1, d2, dx=dd1, dy=dd2, grid=False)
 
 

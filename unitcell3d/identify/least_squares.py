@@ -54,14 +54,21 @@ def solve(
 
     # in steps from the start: scipy's first trust region is then 1 wide
     found = least_squares(
-        lambda step: at(step)[0], np.zeros_like(origin), jac=lambda step: at(step)[1],
-        bounds=(low - origin, high - origin), xtol=CONVERGED, ftol=CONVERGED, max_nfev=MOST,
-    )  # fmt: skip
+        lambda step: at(step)[0],
+        np.zeros_like(origin),
+        jac=lambda step: at(step)[1],
+        bounds=(low - origin, high - origin),
+        xtol=CONVERGED,
+        ftol=CONVERGED,
+        max_nfev=MOST,
+    )
     residual, jacobian = at(found.x)
     return Found(origin + found.x, residual, jacobian, found.status > 0)
 
 
-def identify(jacobian: FloatArray, noise: float, freedom: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def identify(
+    jacobian: FloatArray, noise: float, freedom: int
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """95 % half width of each parameter, their correlation, and the singular values and directions of J.
 
     Parameters

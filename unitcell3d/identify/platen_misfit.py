@@ -57,13 +57,19 @@ def platen_misfit(
     return PlatenMisfit(_rms(computed - measured), ratio)
 
 
-def misfit_of_points(pressure: FloatArray, closure: FloatArray, measured: FloatArray) -> PlatenMisfit:
+def misfit_of_points(
+    pressure: FloatArray, closure: FloatArray, measured: FloatArray
+) -> PlatenMisfit:
     """Misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured` ones, as `platen_misfit`."""
     P, offset = np.log(pressure), np.mean(closure - measured)
-    return PlatenMisfit(_rms(closure - offset - measured), _pressure_ratios(P, closure, P, measured))
+    return PlatenMisfit(
+        _rms(closure - offset - measured), _pressure_ratios(P, closure, P, measured)
+    )
 
 
-def closures(history: History, cell_area: float, pressure: FloatArray, measured: FloatArray) -> FloatArray:
+def closures(
+    history: History, cell_area: float, pressure: FloatArray, measured: FloatArray
+) -> FloatArray:
     """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of the `measured` ones.
 
     Beyond the last pressure that the history reached, the closure goes on as it ended, straight in ln P, so that a
@@ -77,7 +83,9 @@ def closures(history: History, cell_area: float, pressure: FloatArray, measured:
     known = np.log(pressed)
     curve = PchipInterpolator(known, closed)
     wanted = np.log(pressure)
-    at = curve(np.clip(wanted, known[0], known[-1])) + curve(known[-1], 1) * np.maximum(wanted - known[-1], 0)
+    at = curve(np.clip(wanted, known[0], known[-1])) + curve(known[-1], 1) * np.maximum(
+        wanted - known[-1], 0
+    )
     return at - np.mean(at - measured)
 
 
@@ -92,7 +100,9 @@ def rising(history: History, cell_area: float) -> tuple[FloatArray, FloatArray]:
     pressed = history.F_plate.mean(axis=1) / cell_area
     steps = np.flatnonzero(pressed > np.concatenate([[0.0], np.maximum.accumulate(pressed)[:-1]]))
     if len(steps) < 2:
-        raise UnstableError(f"the platens were not pressed: {history.failed or 'they never met the yarns'}")
+        raise UnstableError(
+            f"the platens were not pressed: {history.failed or 'they never met the yarns'}"
+        )
     return pressed[steps], 2 * (history.plates[0] - history.plates[steps])
 
 
@@ -105,13 +115,17 @@ def _pressure_ratios(known, closed, wanted, measured):
     def misfit(offset):
         at = measured + offset
         P = inverse(np.clip(at, *ends)) + slopes[0] * np.minimum(at - ends[0], 0)
-        return _rms(np.expm1(np.minimum(P + slopes[1] * np.maximum(at - ends[1], 0) - wanted, 50.0)))
+        return _rms(
+            np.expm1(np.minimum(P + slopes[1] * np.maximum(at - ends[1], 0) - wanted, 50.0))
+        )
 
     span = max(ends[1] - ends[0], measured[-1] - measured[0])
     offsets = ends[0] - measured[0] + np.linspace(-span, span, OFFSETS)
     best = offsets[int(np.argmin([misfit(offset) for offset in offsets]))]
     near = 2 * span / (OFFSETS - 1)
-    found = minimize_scalar(misfit, bounds=(best - near, best + near), method="bounded", options={"xatol": 1e-10})
+    found = minimize_scalar(
+        misfit, bounds=(best - near, best + near), method="bounded", options={"xatol": 1e-10}
+    )
     return float(min(found.fun, misfit(best)))
 
 

@@ -97,7 +97,11 @@ class PlatenSolver:
     """
 
     def __init__(
-        self, crossover: Crossover, fabric: Fabric, with_constants: Callable[[FloatArray], Fabric], pressure: FloatArray
+        self,
+        crossover: Crossover,
+        fabric: Fabric,
+        with_constants: Callable[[FloatArray], Fabric],
+        pressure: FloatArray,
     ) -> None:
         self.model = CrossoverModel(crossover, fabric)
         self._solver = Newton(self.model)
@@ -105,7 +109,9 @@ class PlatenSolver:
         self.pressure = np.asarray(pressure, float)
         self._known: list[PlatenStates] = []
         self._x = np.empty(0)
-        self.loaded = self.equilibria = self.tangents = 0  # trials loaded from rest, equilibria, factorisations
+        self.loaded = self.equilibria = self.tangents = (
+            0  # trials loaded from rest, equilibria, factorisations
+        )
 
     def close(self) -> None:
         """Give the factorisation back."""
@@ -146,7 +152,9 @@ class PlatenSolver:
                 h = states.half_distance[i] + change
                 guesses = [states.q[i] + states.q_x[i] @ step + states.q_h[i] * change, states.q[i]]
                 try:
-                    rows.append(self._correct(h, self._solver.best(guesses, self._load_at(h)), wanted))
+                    rows.append(
+                        self._correct(h, self._solver.best(guesses, self._load_at(h)), wanted)
+                    )
                 except UnstableError:
                     if not rows:
                         raise
@@ -180,9 +188,15 @@ class PlatenSolver:
             if not row["pressure_h"] < 0:
                 break
             change = miss / row["pressure_h"]
-            change = np.clip(change, -LARGEST * self.model.plates.at_rest, LARGEST * self.model.plates.at_rest)
+            change = np.clip(
+                change, -LARGEST * self.model.plates.at_rest, LARGEST * self.model.plates.at_rest
+            )
             h, q = h + change, found.q + row["q_h"] * change
-        raise UnstableError("no equilibrium near a pressure", where=self.model.fabric.name, when=f"ln P = {wanted:.3f}")
+        raise UnstableError(
+            "no equilibrium near a pressure",
+            where=self.model.fabric.name,
+            when=f"ln P = {wanted:.3f}",
+        )
 
     def _load(self, x):
         """The equilibria at x, loaded from rest."""
@@ -220,7 +234,9 @@ class PlatenSolver:
     def _close_to(self, goal, h, q):
         """(half distance, Equilibrium) of the next step from the equilibrium (h, q), past a snap where there is one."""
         try:
-            ((_, found),) = continue_to(self.model, self._solver, q, self._load_at(h), self._load_at(goal), (1.0,))
+            ((_, found),) = continue_to(
+                self.model, self._solver, q, self._load_at(h), self._load_at(goal), (1.0,)
+            )
             return goal, found
         except UnstableError:
             # a slack tip that snaps through has its next equilibrium some way further on
@@ -232,7 +248,12 @@ class PlatenSolver:
 
     def _next_step(self, now, before, level, h, rest, step, least):
         """Share of the distance at rest to the next pressure by the secant, within bounds."""
-        if before is None or not np.isfinite(before[0]) or now < level + np.log(FIRST_PRESSED) or now <= before[0]:
+        if (
+            before is None
+            or not np.isfinite(before[0])
+            or now < level + np.log(FIRST_PRESSED)
+            or now <= before[0]
+        ):
             return LARGEST
         slope = (now - before[0]) / (before[1] - h)
         return float(np.clip((level - now) / slope / rest, least, min(LARGEST, 2 * step)))
@@ -255,10 +276,14 @@ class PlatenSolver:
         *q_x, q_h = self._solver.linear_changes(found.q, load, changes)
         P = self._pressure(found.plates)
         return {
-            "half_distance": h, "pressure": P, "q": found.q, "q_x": np.stack(q_x, axis=1), "q_h": q_h,
+            "half_distance": h,
+            "pressure": P,
+            "q": found.q,
+            "q_x": np.stack(q_x, axis=1),
+            "q_h": q_h,
             "pressure_x": np.array([self._slope(found.q, dq, h, 0.0, P) for dq in q_x]),
             "pressure_h": self._slope(found.q, q_h, h, 1.0, P),
-        }  # fmt: skip
+        }
 
     def _slope(self, q, dq, h, dh, P):
         """d ln P along (dq, dh), a central difference short beside the contact's toe."""

@@ -66,7 +66,10 @@ class RatioLaw:
         F, m, d = (np.asarray(column, float) for column in (F, m, d))
         F, m, d = F[F > 0], m[F > 0], d[F > 0]
         if F.size < 5:
-            raise InputError("a law of the tension ratio needs at least five samples in contact", value=int(F.size))
+            raise InputError(
+                "a law of the tension ratio needs at least five samples in contact",
+                value=int(F.size),
+            )
         length, force = float(np.max(np.abs(d))), float(np.max(F))
 
         def distance(x):

@@ -58,12 +58,21 @@ class Sampled:
 
 
 def sample(
-    fabric: Fabric, *, d1: tuple[float, float] = (0.0, MAX_DISPLACEMENT),
-    d2: tuple[float, float] = (0.0, MAX_DISPLACEMENT), points: tuple[int, int] = POINTS,
-    tolerance: float | None = None, size: Size = "medium", friction: float = 0.0, partial: FilePath | None = None,
-    resume: bool = False, executor: str | Executor = "local", jobs: int = 1,
-    on_progress: Callable[[float, str], object] | None = None, provenance: str = "",
-) -> Sampled:  # fmt: skip
+    fabric: Fabric,
+    *,
+    d1: tuple[float, float] = (0.0, MAX_DISPLACEMENT),
+    d2: tuple[float, float] = (0.0, MAX_DISPLACEMENT),
+    points: tuple[int, int] = POINTS,
+    tolerance: float | None = None,
+    size: Size = "medium",
+    friction: float = 0.0,
+    partial: FilePath | None = None,
+    resume: bool = False,
+    executor: str | Executor = "local",
+    jobs: int = 1,
+    on_progress: Callable[[float, str], object] | None = None,
+    provenance: str = "",
+) -> Sampled:
     """Sample T1, T2, F_c, h1, h2 of a fabric's crossover over a rectangle.
 
     Parameters
@@ -93,9 +102,13 @@ def sample(
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
     _check(tolerance, friction, jobs)
     mesher.build(fabric, size=size)  # bad input ends here, in this process
-    done = Partial(partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume)
+    done = Partial(
+        partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume
+    )
     with open_executor(executor, jobs, fresh=True) as pool:
-        run = _Run(fabric, size, friction, done, pool, on_progress if on_progress is not None else _silent)
+        run = _Run(
+            fabric, size, friction, done, pool, on_progress if on_progress is not None else _silent
+        )
         new, axes = axes, [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):
             axes = _add_lines(run, axes, new)
@@ -117,7 +130,9 @@ def _check(tolerance, friction, jobs):
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
     if tolerance is not None and friction:
-        raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
+        raise InputError(
+            "a tolerance goes without friction, with which added lines would be of other paths"
+        )
     Numerics(friction=friction)  # refuses what is not allowed
     if jobs < 1:
         raise InputError(key="jobs", value=jobs, allowed="at least 1")
@@ -143,12 +158,20 @@ def _add_lines(run, axes, new):
         stem = run([Case(1, x1[0], x2, keep=True)], 1 + x2.size)[0]
         stuck = stem.stick_state if len(stem.stick_state) else [None] * x2.size
         starts = zip(x2, stem.states, stuck)
-        run([Case(0, d, x1, (x1[0], d), q, stick_state, d == x2[0]) for d, q, stick_state in starts], 1 + x2.size)
+        run(
+            [
+                Case(0, d, x1, (x1[0], d), q, stick_state, d == x2[0])
+                for d, q, stick_state in starts
+            ],
+            1 + x2.size,
+        )
         return new
     x1, x2 = axes
     rows = np.union1d(x2, new[1])
     stem, row = run.kept(Case(1, x1[0], x2)), run.kept(Case(0, x2[0], x1))
-    cases = [Case(0, d, x1, *_below(stem, d)) for d in new[1]] + [Case(1, d, rows, *_below(row, d)) for d in new[0]]
+    cases = [Case(0, d, x1, *_below(stem, d)) for d in new[1]] + [
+        Case(1, d, rows, *_below(row, d)) for d in new[0]
+    ]
     run(cases, len(run.done.lines) + len(cases))
     return [np.union1d(x1, new[0]), rows]
 
@@ -166,7 +189,10 @@ def _missing(surface, tolerance):
     found = errors(surface)
     new = []
     for number, axis in enumerate((surface.d1, surface.d2)):
-        worst = np.max([found[name].lines[number] / np.abs(getattr(surface, name)).max() for name in FORCES], axis=0)
+        worst = np.max(
+            [found[name].lines[number] / np.abs(getattr(surface, name)).max() for name in FORCES],
+            axis=0,
+        )
         wanted = np.zeros(axis.size - 1, bool)
         for i in np.flatnonzero(worst > tolerance):
             wanted[i - 1 : i + 1] = True
@@ -218,7 +244,8 @@ class _Run:
         """(case, function that returns its line or raises) as they come."""
         wanted = {case.name: replace(case, friction=self._friction) for case in cases}
         futures = {
-            self._workers.submit(solve_line, self._fabric, self._size, wanted[case.name]): case for case in cases
+            self._workers.submit(solve_line, self._fabric, self._size, wanted[case.name]): case
+            for case in cases
         }
         try:
             for future in as_completed(futures):

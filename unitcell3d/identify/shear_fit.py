@@ -56,13 +56,18 @@ def fit(gamma: ArrayLike, tau: ArrayLike) -> ShearFit:
     trials = [(a, b) for a in steps[:-1] for b in steps if b > a]
     best = min(trials, key=lambda pair: _misfit(pair, gamma, tau))
     found = minimize(
-        lambda pair: _misfit(pair, gamma, tau), best, method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 0}
+        lambda pair: _misfit(pair, gamma, tau),
+        best,
+        method="Nelder-Mead",
+        options={"xatol": 1e-5, "fatol": 0},
     )
     pair = found.x if found.fun <= _misfit(best, gamma, tau) else np.array(best)
     (G1, rise), rms = _moduli(pair, gamma, tau)
     if not (G1 > 0 and rise > _ROUNDING * G1):
         raise InputError("the curve of shear stress does not stiffen: it has no gamma1 and gamma2")
-    return ShearFit(TrellisShear(G1, G1 + rise, *map(float, pair)), rms, bool(pair[1] < 0.98 * last))
+    return ShearFit(
+        TrellisShear(G1, G1 + rise, *map(float, pair)), rms, bool(pair[1] < 0.98 * last)
+    )
 
 
 def _misfit(pair, gamma, tau):

@@ -38,13 +38,20 @@ from unitcell3d.identify.solid_record import NAMES, RESOLUTION, SolidFit, record
 BOUNDS = np.log([1e6, 1e-3, 1e-4]), np.log([1e12, 10.0, 0.5])
 PRESSURE_ERROR = 0.15  # relative
 FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
-SEARCH, NEAR_LIMIT = 5, 0.2  # trials on each side of a direction; relative error of the sum of squares that is enough
+SEARCH, NEAR_LIMIT = (
+    5,
+    0.2,
+)  # trials on each side of a direction; relative error of the sum of squares that is enough
 
 
 def fit_solid(
-    fabric: Fabric, curve: PlateCurve, size: Size = (4, 3, 2), check_size: Size | None = "coarse",
-    measure: str = "pressure", on_progress: Callable[[int, float], object] | None = None,
-) -> SolidFit:  # fmt: skip
+    fabric: Fabric,
+    curve: PlateCurve,
+    size: Size = (4, 3, 2),
+    check_size: Size | None = "coarse",
+    measure: str = "pressure",
+    on_progress: Callable[[int, float], object] | None = None,
+) -> SolidFit:
     """Fit E_c, V_c and K_r of both yarns to a plate curve.
 
     Parameters
@@ -79,7 +86,9 @@ def fit_solid(
     finally:
         fit.solver.close()
     checked = None if check_size is None else _on_mesh(fit, check_size, found.x)
-    return record(fit, found, before, computed, checked, limits, (str(size), str(check_size)), last.failed)
+    return record(
+        fit, found, before, computed, checked, limits, (str(size), str(check_size)), last.failed
+    )
 
 
 class _Fit:
@@ -94,7 +103,11 @@ class _Fit:
         self.pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
         self.measured = curve.at(self.pressure)
         # d closure / d ln P of the curve: the closure that a relative error of the pressure stands for
-        slope = np.gradient(self.measured, np.log(self.pressure)) if measure == "pressure" else np.zeros(POINTS)
+        slope = (
+            np.gradient(self.measured, np.log(self.pressure))
+            if measure == "pressure"
+            else np.zeros(POINTS)
+        )
         self.weight = 1 / np.hypot(PRESSURE_ERROR * slope, RESOLUTION)
         self.solver = PlatenSolver(mesh, fabric, self.with_constants, self.pressure)
         self.trials = 0
@@ -102,7 +115,11 @@ class _Fit:
     def start(self):
         """x of the fabric's own solids."""
         first = self.fabric.solid_laws[0]
-        return np.clip(np.log([first.E_c, first.V_c - self.densest, first.K_r]), BOUNDS[0] + 1e-6, BOUNDS[1] - 1e-6)
+        return np.clip(
+            np.log([first.E_c, first.V_c - self.densest, first.K_r]),
+            BOUNDS[0] + 1e-6,
+            BOUNDS[1] - 1e-6,
+        )
 
     def with_constants(self, x):
         """The fabric at x."""
@@ -138,7 +155,10 @@ class _Fit:
         least = np.sum(found.residual**2)
         allowed = student.ppf(0.975, self.freedom) ** 2 * max(least / self.freedom, self.floor**2)
         return [
-            tuple(self._limit(found.x, sign * direction, least + allowed, np.sqrt(allowed) / value) for sign in (-1, 1))
+            tuple(
+                self._limit(found.x, sign * direction, least + allowed, np.sqrt(allowed) / value)
+                for sign in (-1, 1)
+            )
             for value, direction in zip(np.maximum(singular, 1e-9), directions)
         ]
 
@@ -154,7 +174,9 @@ class _Fit:
 
     def _limit(self, x, direction, wanted, length):
         """Where the sum of squares along a direction from x is as `wanted`, or as far as is sought."""
-        rooms = np.where(direction > 0, BOUNDS[1] - x, x - BOUNDS[0]) / np.maximum(np.abs(direction), 1e-12)
+        rooms = np.where(direction > 0, BOUNDS[1] - x, x - BOUNDS[0]) / np.maximum(
+            np.abs(direction), 1e-12
+        )
         farthest = min(FARTHEST, float(rooms.min()))
         length, inside, outside = min(length, farthest), 0.0, np.inf
         for _ in range(SEARCH):

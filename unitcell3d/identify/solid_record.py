@@ -92,7 +92,11 @@ class SolidFit:
     @property
     def misfit_checked(self) -> PlatenMisfit | None:
         """Of the fitted crossover on the finer mesh."""
-        return None if self.checked is None or len(self.checked) < LEAST_CHECKED else self._misfit(self.checked)
+        return (
+            None
+            if self.checked is None or len(self.checked) < LEAST_CHECKED
+            else self._misfit(self.checked)
+        )
 
     def _misfit(self, closure):
         reached = len(closure)
@@ -106,7 +110,9 @@ class SolidFit:
             "fabric": self.fabric.name,
             "curve": self.curve.source,
             "values": self.values,
-            "values_before": {name: getattr((self.started.solid_laws or (None,))[0], name) for name in NAMES},
+            "values_before": {
+                name: getattr((self.started.solid_laws or (None,))[0], name) for name in NAMES
+            },
             "intervals_95": self.intervals,
             "determined": self.determined,
             "correlation_of_ln_E_c_ln_V_c-Vf0_ln_K_r": self.correlation.tolist(),
@@ -149,9 +155,15 @@ def with_solid_laws(fabric: Fabric, x: ArrayLike, densest: float) -> Fabric:
 
 
 def record(
-    fit: Any, found: Found, before: FloatArray, computed: FloatArray, checked: FloatArray | None, limits: list,
-    sizes: tuple[str, str], failed: str = "",
-) -> SolidFit:  # fmt: skip
+    fit: Any,
+    found: Found,
+    before: FloatArray,
+    computed: FloatArray,
+    checked: FloatArray | None,
+    limits: list,
+    sizes: tuple[str, str],
+    failed: str = "",
+) -> SolidFit:
     """The SolidFit of a finished fit.
 
     Parameters

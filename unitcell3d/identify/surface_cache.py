@@ -55,7 +55,9 @@ class Partial:
 
     def __init__(self, path: FilePath | None, stamp: Mapping[str, str], resume: bool) -> None:
         self._path, self._stamp = (Path(path) if path is not None else None), stamp
-        self.lines = self._read() if resume and self._path is not None and self._path.exists() else {}
+        self.lines = (
+            self._read() if resume and self._path is not None and self._path.exists() else {}
+        )
 
     def add(self, name: str, line: Line) -> None:
         """Keep a line."""
@@ -72,5 +74,6 @@ class Partial:
         with read_hdf5(self._path, _FORMAT, what="file of the lines of a surface") as file:
             run_cache.check_stamp(file.attrs, self._stamp, self._path, of="surface")
             return {
-                key: Line(**{item.name: group[item.name][()] for item in fields(Line)}) for key, group in file.items()
+                key: Line(**{item.name: group[item.name][()] for item in fields(Line)})
+                for key, group in file.items()
             }

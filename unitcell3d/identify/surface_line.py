@@ -62,7 +62,9 @@ def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
     UnstableError : no equilibrium at a place
     """
     begun = time.perf_counter()
-    model = CrossoverModel(mesher.build(fabric, size=size), fabric, Numerics(friction=case.friction))
+    model = CrossoverModel(
+        mesher.build(fabric, size=size), fabric, Numerics(friction=case.friction)
+    )
     solver = Newton(model)
     values, states, stick_states, iterations = [], [], [], 0
     try:
@@ -82,7 +84,16 @@ def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
     kept = np.array(states) if case.keep else np.empty((0, 0))
     kept_sticks = np.array(stick_states) if case.keep and case.friction else np.empty((0, 0))
     along, seconds = np.asarray(case.along, float), time.perf_counter() - begun
-    return Line(case.axis, float(case.fixed), along, np.array(values), kept, kept_sticks, seconds, iterations + spent)
+    return Line(
+        case.axis,
+        float(case.fixed),
+        along,
+        np.array(values),
+        kept,
+        kept_sticks,
+        seconds,
+        iterations + spent,
+    )
 
 
 def _begin(model, solver, case):

@@ -84,7 +84,10 @@ class Fibres:
     def worst(self, strain: FloatArray) -> FloatArray:
         """(yarns,) largest strain of each yarn among its whole bars; -1 where none is left."""
         return np.array(
-            [strain[(self.yarn == yarn) & (self.damage == 0)].max(initial=-1.0) for yarn in range(self.yarn[-1] + 1)]
+            [
+                strain[(self.yarn == yarn) & (self.damage == 0)].max(initial=-1.0)
+                for yarn in range(self.yarn[-1] + 1)
+            ]
         )
 
     def overload(self, strain: FloatArray) -> float:
@@ -110,9 +113,18 @@ class Fibres:
             x, self.pairs, self.length, self.stiffness(n), n.slack_stiffness, n.slack_width, forces
         )
 
-    def tangent(self, x: FloatArray, numerics: FibreNumerics, places: IntArray, values: FloatArray) -> None:
+    def tangent(
+        self, x: FloatArray, numerics: FibreNumerics, places: IntArray, values: FloatArray
+    ) -> None:
         """Add their tangent to the blocks `values`; `places`: (b, 2, 2) as for `bar_tangent`."""
         n = numerics
         fibre_kernels.bar_tangent(
-            x, self.pairs, self.length, self.stiffness(n), n.slack_stiffness, n.slack_width, places, values
+            x,
+            self.pairs,
+            self.length,
+            self.stiffness(n),
+            n.slack_stiffness,
+            n.slack_width,
+            places,
+            values,
         )

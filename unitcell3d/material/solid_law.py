@@ -37,7 +37,9 @@ FULL, ONE_POINT = 3, 1
 def smooth_max(x: Any, corner: Any, width: float) -> Any:
     """max(x, corner), a parabola within `width` of the corner; works on UFL expressions."""
     rounded = corner + (x - corner + width) ** 2 / (4 * width)
-    return ufl.conditional(x <= corner - width, corner, ufl.conditional(x >= corner + width, x, rounded))
+    return ufl.conditional(
+        x <= corner - width, corner, ufl.conditional(x >= corner + width, x, rounded)
+    )
 
 
 def transverse_modulus(V_f: Any, Vf0: Any, V_c: Any, a_E: Any, b_E: Any) -> Any:
@@ -86,7 +88,11 @@ def first_piola(grad_u: Any, frame: Any, parameters: Any) -> Any:
     L21, L32 = -R12 * R33, -R11 * R23
     L31 = R12 * R23 - R13 * R22
     columns = (
-        (S11 * L11 + S12 * L21 + S13 * L31, S12 * L11 + S22 * L21 + S23 * L31, S13 * L11 + S23 * L21 + S33 * L31),
+        (
+            S11 * L11 + S12 * L21 + S13 * L31,
+            S12 * L11 + S22 * L21 + S23 * L31,
+            S13 * L11 + S23 * L21 + S33 * L31,
+        ),
         (S12 * L22 + S13 * L32, S22 * L22 + S23 * L32, S23 * L22 + S33 * L32),
         (S13 * L33, S23 * L33, S33 * L33),
     )

@@ -88,7 +88,11 @@ class Load:
     def towards(self, other: Load, share: float) -> Load:
         """The load at `share` of the way to another."""
         d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
+        plates = (
+            self.plates + share * (other.plates - self.plates)
+            if np.isfinite(self.plates)
+            else self.plates
+        )
         return Load(d, plates)
 
 
@@ -114,10 +118,19 @@ class YarnsModel:
     """
 
     def __init__(
-        self, mesh: YarnMesh, fabric: Fabric, numerics: Numerics | None, held: Constraints,
-        surfaces: ContactSurfaces, plates: Plates | None, *, points: FloatArray | None = None,
-        copies: tuple[float, float] = (1.0, 1.0), integration: int = solid_law.FULL, failure: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        mesh: YarnMesh,
+        fabric: Fabric,
+        numerics: Numerics | None,
+        held: Constraints,
+        surfaces: ContactSurfaces,
+        plates: Plates | None,
+        *,
+        points: FloatArray | None = None,
+        copies: tuple[float, float] = (1.0, 1.0),
+        integration: int = solid_law.FULL,
+        failure: bool = False,
+    ) -> None:
         check(mesh, fabric)
         self.crossover, self.fabric = mesh, fabric
         self.numerics = Numerics() if numerics is None else numerics
@@ -140,12 +153,16 @@ class YarnsModel:
     def _solid(self, mesh, fabric, integration):
         family = np.asarray(mesh.families)[mesh.yarn]
         self.hexes = np.where(
-            family[:, None] == 0, mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]], mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]]
+            family[:, None] == 0,
+            mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]],
+            mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]],
         )
         self._real = len(mesh.points)
         self._space = HexSpace.build(mesh.points, self.hexes)
         self._cell_laws = self._space.cell_constants(_cell_laws(mesh, fabric))
-        self._solids = Assembler(self._space, *solid_law.forms(self._space, self._cell_laws, integration))
+        self._solids = Assembler(
+            self._space, *solid_law.forms(self._space, self._cell_laws, integration)
+        )
 
     def take_solid_laws(self, fabric: Fabric) -> None:
         """Go on with the solid laws of a fabric that differs from the meshed one in these alone."""
@@ -154,7 +171,9 @@ class YarnsModel:
 
     def _build_pattern(self):
         """Lay out the tangent for the solids and the contact that is expected or has been met."""
-        self.pattern = Pattern(len(self.points), [self.hexes, *self.surfaces.expected_stencils()], self.constraints)
+        self.pattern = Pattern(
+            len(self.points), [self.hexes, *self.surfaces.expected_stencils()], self.constraints
+        )
         self.surfaces.build_pattern(self.pattern)
         self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
         self._bar_places = self.pattern.places(self.fibres.pairs)
@@ -223,14 +242,19 @@ class YarnsModel:
     @stick_state.setter
     def stick_state(self, values: FloatArray) -> None:
         for anchors in self._anchors():
-            anchors[:], values = values[: anchors.size].reshape(anchors.shape), values[anchors.size :]
+            anchors[:], values = (
+                values[: anchors.size].reshape(anchors.shape),
+                values[anchors.size :],
+            )
 
     def _anchors(self):
         return [*self.surfaces.anchors, *(() if self.plates is None else self.plates.anchors)]
 
     def tensions(self, forces: FloatArray) -> FloatArray:
         """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
-        return np.array([self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)])
+        return np.array(
+            [self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)]
+        )
 
     def fibre_strains(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Strain of every bar (b,), and its mean over the fibres of each yarn."""
@@ -260,7 +284,9 @@ class CrossoverModel(YarnsModel):
 
     plates: Plates
 
-    def __init__(self, crossover: Crossover, fabric: Fabric, numerics: Numerics | None = None, **choices: Any) -> None:
+    def __init__(
+        self, crossover: Crossover, fabric: Fabric, numerics: Numerics | None = None, **choices: Any
+    ) -> None:
         check(crossover, fabric)
         quarter = crossover.domain == "quarter"
         points = np.ascontiguousarray(crossover.points, float)
@@ -284,11 +310,17 @@ class CrossoverModel(YarnsModel):
     def half_thicknesses(self, x: FloatArray) -> FloatArray:
         """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
         warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
-        return np.array([axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)])
+        return np.array(
+            [axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)]
+        )
 
     def _crossing(self, grid):
         """Place (i, j) of the crossing in the grid of a yarn."""
-        return (0, 0) if self.crossover.domain == "quarter" else (grid.shape[0] // 2, grid.shape[1] // 2)
+        return (
+            (0, 0)
+            if self.crossover.domain == "quarter"
+            else (grid.shape[0] // 2, grid.shape[1] // 2)
+        )
 
 
 def _cell_laws(mesh, fabric):
@@ -319,7 +351,16 @@ def axis_height(x: FloatArray, column: IntArray) -> float:
 
 def _corner_volumes(corners):
     """(m, 8) [m3] triple products of the edges at the corners of hexahedra (m, 8, 3) in VTK order."""
-    neighbours = ((1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3))
+    neighbours = (
+        (1, 3, 4),
+        (2, 0, 5),
+        (3, 1, 6),
+        (0, 2, 7),
+        (7, 5, 0),
+        (4, 6, 1),
+        (5, 7, 2),
+        (6, 4, 3),
+    )
     volumes = []
     for corner, (a, b, c) in enumerate(neighbours):
         ea, eb, ec = (corners[:, k] - corners[:, corner] for k in (a, b, c))

@@ -54,7 +54,11 @@ class CellLoad:
     def towards(self, other: CellLoad, share: float) -> CellLoad:
         """The load at `share` of the way to another."""
         d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
+        plates = (
+            self.plates + share * (other.plates - self.plates)
+            if np.isfinite(self.plates)
+            else self.plates
+        )
         return CellLoad(self.w, d, self.gamma + share * (other.gamma - self.gamma), plates)
 
     @property
@@ -165,7 +169,14 @@ class CellModel(YarnsModel):
         self.pairs = contacts(mesh, images, cells, margin)
         self._images = images
         super().__init__(
-            mesh, fabric, numerics, self._tied(mesh, images), self.pairs, None, points=images.points, **choices
+            mesh,
+            fabric,
+            numerics,
+            self._tied(mesh, images),
+            self.pairs,
+            None,
+            points=images.points,
+            **choices,
         )
 
     def _tied(self, mesh, images):
@@ -176,7 +187,12 @@ class CellModel(YarnsModel):
             for component in (*PLANE, VERTICAL):
                 ties.follow(end, start, component, self.parity if component == VERTICAL else 1.0)
             # crossings are centres of two-fold axes: they stay where the trellis takes them
-            middle = grid[tuple(size // 2 // (self.period if axis == 0 else 1) for axis, size in enumerate(grid.shape))]
+            middle = grid[
+                tuple(
+                    size // 2 // (self.period if axis == 0 else 1)
+                    for axis, size in enumerate(grid.shape)
+                )
+            ]
             for component in PLANE:
                 ties.hold(middle, component)
             if yarn == 0 and self.parity > 0:
@@ -184,9 +200,13 @@ class CellModel(YarnsModel):
                 ties.hold(end[start.shape[0] // 2, start.shape[1] // 2], VERTICAL)
         for image, base, flips in images.followers():
             for component in (*PLANE, VERTICAL):
-                ties.follow(image, base, component, -1.0 if flips and component == VERTICAL else 1.0)
+                ties.follow(
+                    image, base, component, -1.0 if flips and component == VERTICAL else 1.0
+                )
         held = ties.done(())
-        return CellConstraints(held.unknown, held.sign, held.drive, held.size, (), self.crossings, mesh.w)
+        return CellConstraints(
+            held.unknown, held.sign, held.drive, held.size, (), self.crossings, mesh.w
+        )
 
     def tensions(self, forces: FloatArray, load: CellLoad) -> FloatArray:  # type: ignore[override]
         """(2,) [N] tensions of a warp and a weft."""

@@ -50,7 +50,11 @@ class PullLoad:
     def towards(self, other: PullLoad, share: float) -> PullLoad:
         """The load at `share` of the way to another."""
         d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
+        plates = (
+            self.plates + share * (other.plates - self.plates)
+            if np.isfinite(self.plates)
+            else self.plates
+        )
         return PullLoad(d, self.pull + share * (other.pull - self.pull), plates)
 
 
@@ -72,17 +76,31 @@ class PullOutModel(YarnsModel):
     surfaces: FacingSurfaces
 
     def __init__(
-        self, crossover: Crossover, fabric: Fabric, numerics: Numerics | None = None, pulled: int = 0, *,
+        self,
+        crossover: Crossover,
+        fabric: Fabric,
+        numerics: Numerics | None = None,
+        pulled: int = 0,
+        *,
         platens: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         check(crossover, fabric)
         if crossover.domain != "whole":
-            raise InputError(key="domain", value=crossover.domain, allowed="whole where a yarn is pulled through")
+            raise InputError(
+                key="domain", value=crossover.domain, allowed="whole where a yarn is pulled through"
+            )
         points = np.ascontiguousarray(crossover.points, float)
         self.pulled = pulled
         held = pull_constraints(crossover.grids, len(points), pulled)
         plates = Plates(points, crossover.grids) if platens else None
-        super().__init__(crossover, fabric, numerics, held, FacingSurfaces(points, crossover.grids, False), plates)
+        super().__init__(
+            crossover,
+            fabric,
+            numerics,
+            held,
+            FacingSurfaces(points, crossover.grids, False),
+            plates,
+        )
 
     def _press(self, x, load, forces, places=None):
         """Platens take no axial force of the yarn: that force is to be the crossing yarn's alone."""
@@ -129,7 +147,9 @@ def pull_constraints(grids: Sequence[IntArray], n: int, pulled: int) -> Constrai
         if yarn == pulled:
             for face in (start, end):
                 ties.drive[3 * face + axial, 2] = 1.0
-            ties.hold(grid[tuple(size // 2 for size in grid.shape)], width)  # it could drift sideways
+            ties.hold(
+                grid[tuple(size // 2 for size in grid.shape)], width
+            )  # it could drift sideways
             _odd(ties, start, axial, through=True)
             for component, parity in ((axial, 1.0), (width, 1.0), (VERTICAL, -1.0)):
                 ties.follow(end, start[:, ::-1], component, parity)

@@ -44,7 +44,12 @@ class ShiftedModel(YarnsModel):
     """
 
     def __init__(
-        self, patch: Patch, fabric: Fabric, plies: int, shift: Sequence[float], numerics: Numerics | None = None
+        self,
+        patch: Patch,
+        fabric: Fabric,
+        plies: int,
+        shift: Sequence[float],
+        numerics: Numerics | None = None,
     ) -> None:
         check(patch, fabric)
         if getattr(patch, "count", None) != (2, 2):
@@ -63,9 +68,15 @@ class ShiftedModel(YarnsModel):
             for a, (yarn, part), (m, n), families in _overlapping(mesh, under, over)
         ]
         points = images.points
-        pairs = [facing(points, upper, lower, False, families) for group in inside for upper, lower, families in group]
+        pairs = [
+            facing(points, upper, lower, False, families)
+            for group in inside
+            for upper, lower, families in group
+        ]
         self.inside = len(pairs)
-        pairs += [facing(points, upper, lower, False, families) for upper, lower, *families in between]
+        pairs += [
+            facing(points, upper, lower, False, families) for upper, lower, *families in between
+        ]
         self.plies, self.crossings = plies, PERIOD**2
         super().__init__(
             mesh,
@@ -73,7 +84,9 @@ class ShiftedModel(YarnsModel):
             numerics,
             _tied(mesh, images),
             SurfacePairs(pairs),
-            OuterPlates(points, [mesh.grids[yarn] for yarn in of[-1]], [mesh.grids[yarn] for yarn in of[0]]),
+            OuterPlates(
+                points, [mesh.grids[yarn] for yarn in of[-1]], [mesh.grids[yarn] for yarn in of[0]]
+            ),
             points=points,
         )
 
@@ -107,15 +120,27 @@ def _overlapping(mesh, under, over):
     """
     for upper_yarn, upper_part in exposed(mesh, under, over=False):
         upper = mesh.grids[upper_yarn][upper_part]
-        low, high = (reduce(mesh.points[upper][..., :2].reshape(-1, 2), axis=0) for reduce in (np.min, np.max))
+        low, high = (
+            reduce(mesh.points[upper][..., :2].reshape(-1, 2), axis=0)
+            for reduce in (np.min, np.max)
+        )
         for yarn, part in exposed(mesh, over, over=True):
             lower = mesh.points[mesh.grids[yarn][part]][..., :2].reshape(-1, 2)
             for m in (-1, 0, 1):
                 for n in (-1, 0, 1):
-                    moved = lower + np.array([m * 2 * PERIOD * mesh.w[0], n * 2 * PERIOD * mesh.w[1]])
-                    common = np.minimum(high, moved.max(axis=0)) - np.maximum(low, moved.min(axis=0))
+                    moved = lower + np.array(
+                        [m * 2 * PERIOD * mesh.w[0], n * 2 * PERIOD * mesh.w[1]]
+                    )
+                    common = np.minimum(high, moved.max(axis=0)) - np.maximum(
+                        low, moved.min(axis=0)
+                    )
                     if np.all(common > 1e-2 * (high - low)):
-                        yield upper, (yarn, part), (m, n), (mesh.families[upper_yarn], mesh.families[yarn])
+                        yield (
+                            upper,
+                            (yarn, part),
+                            (m, n),
+                            (mesh.families[upper_yarn], mesh.families[yarn]),
+                        )
 
 
 def _tied(mesh, images):
@@ -131,4 +156,6 @@ def _tied(mesh, images):
         for component in (0, 1, VERTICAL):
             ties.follow(image, base, component)
     held = ties.done(())
-    return CellConstraints(held.unknown, held.sign, images.drive(), held.size, (), PERIOD**2, mesh.w)
+    return CellConstraints(
+        held.unknown, held.sign, images.drive(), held.size, (), PERIOD**2, mesh.w
+    )

@@ -23,7 +23,9 @@ from unitcell3d.model.crossover import CrossoverModel, Load, YarnsModel
 from unitcell3d.solver.history import MEANINGS, History
 from unitcell3d.solver.newton import ROUGH, Equilibrium, Newton
 
-Hook: TypeAlias = Callable[[float, dict[str, Any]], object]  # called as hook(share of the path, row)
+Hook: TypeAlias = Callable[
+    [float, dict[str, Any]], object
+]  # called as hook(share of the path, row)
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,10 @@ def _solve_load_path(model, solver, start, end, case, stop, steps, hooks):
         if stop is not None and stop(row) > 1 + STOP_TOLERANCE:
             # the end is inside this step: take the step again, up to where the secant says it lies
             before, after = stop(rows[-1]), stop(row)
-            step, inside = max((share - states[-1][0]) * (1 - before) / (after - before), 1e-6), True
+            step, inside = (
+                max((share - states[-1][0]) * (1 - before) / (after - before), 1e-6),
+                True,
+            )
             continue
         model.commit(found.q, start.towards(end, share))
         rows.append(row)
@@ -113,7 +118,9 @@ def _solve_load_path(model, solver, start, end, case, stop, steps, hooks):
     model.forces(q, start.towards(end, share))
     last = {"u": model.constraints.displacement(q, start.towards(end, share).d)}
     last |= dict(zip(("gaps_warp", "gaps_weft"), model.surfaces.gaps))
-    return History(columns(rows), MEANINGS, {"fabric": model.fabric.name, "case": case}, last, failed)
+    return History(
+        columns(rows), MEANINGS, {"fabric": model.fabric.name, "case": case}, last, failed
+    )
 
 
 STOP_TOLERANCE = 2e-3  # of the quantity that ends a path
@@ -188,7 +195,9 @@ def rest_state(model: YarnsModel, solver: Newton, load: Any) -> Equilibrium:
     try:
         return _penalty_continuation(model, solver, start, load)
     except UnstableError as problem:
-        raise UnstableError("the crossover is not in equilibrium at rest", where=problem.where) from problem
+        raise UnstableError(
+            "the crossover is not in equilibrium at rest", where=problem.where
+        ) from problem
 
 
 def _penalty_continuation(model, solver, guess, load):

@@ -50,8 +50,13 @@ MOST_SHIFT = 1e5  # N/m: as stiff as the contact
 LEAST_SHIFT = 1e-3  # N/m: none below
 NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
 SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
-MOST_SLOW = 2  # such steps, or steps that let the residual grow: at a slack kink it does before it falls
-LINE, OVERSHOT = 5, 0.5  # evaluations along a step, and share of the pull at its start that may be left at its end
+MOST_SLOW = (
+    2  # such steps, or steps that let the residual grow: at a slack kink it does before it falls
+)
+LINE, OVERSHOT = (
+    5,
+    0.5,
+)  # evaluations along a step, and share of the pull at its start that may be left at its end
 GROWTH = 2.0  # of the residual in a step with an old factorisation
 MOST_UPDATES = 20
 
@@ -154,11 +159,15 @@ class Newton:
         if self._solver is None:
             return None
         part = 1e-3
-        rest, moved = (self._evaluate(q, at).residual for at in (before, before.towards(load, part)))
+        rest, moved = (
+            self._evaluate(q, at).residual for at in (before, before.towards(load, part))
+        )
         step = self._solver.solve((rest - moved) / part)
         return None if step is None else q + step
 
-    def linear_changes(self, q: FloatArray, load: Any, residuals: Sequence[FloatArray]) -> list[FloatArray]:
+    def linear_changes(
+        self, q: FloatArray, load: Any, residuals: Sequence[FloatArray]
+    ) -> list[FloatArray]:
         """Changes (size,) of the unknowns that undo small residuals (size,) about the equilibrium `q` at `load`.
 
         Raises

@@ -73,7 +73,13 @@ def follow(
 
 class _Walk:
     def __init__(self, model, solver, row, stop, hooks):
-        self.model, self.solver, self._row, self._stop, self._hooks = model, solver, row, stop, hooks
+        self.model, self.solver, self._row, self._stop, self._hooks = (
+            model,
+            solver,
+            row,
+            stop,
+            hooks,
+        )
         self.rows, self.ended, self._met_overload = [], False, False
 
     def along(self, loads, counts):
@@ -122,14 +128,21 @@ class _Walk:
         """Quantities whose passing of 1 is located: the fibres' overload until it is first met, and the end."""
         watched = []
         if not self._met_overload:
-            watched.append(self.model.fibres.overload(self.model.fibre_strains(self.model.positions(state.q, load))[0]))
+            watched.append(
+                self.model.fibres.overload(
+                    self.model.fibre_strains(self.model.positions(state.q, load))[0]
+                )
+            )
         if self._stop is not None:
             watched.append(self._stop(self._row(state, load)))
         return np.array(watched)
 
     def _locate(self, before, at, state, share, start, end):
         """(share, state) where a watched quantity is 1, if it passes 1 between two states by more than `CLOSE`."""
-        low, high = (self._watched(s, start.towards(end, where)) for s, where in ((before, at), (state, share)))
+        low, high = (
+            self._watched(s, start.towards(end, where))
+            for s, where in ((before, at), (state, share))
+        )
         if not high.size or high.max() < 1 - CLOSE:
             return None
         found, first, last = (share, state), (at, before, low), (share, high)
@@ -140,7 +153,11 @@ class _Walk:
             parts = (1 - first[2][crossing]) / (last[1][crossing] - first[2][crossing])
             trial = first[0] + np.clip(parts.min(), 0.02, 0.98) * (last[0] - first[0])
             here = start.towards(end, first[0])
-            _, inner = next(continue_to(self.model, self.solver, first[1].q, here, start.towards(end, trial), [1.0]))
+            _, inner = next(
+                continue_to(
+                    self.model, self.solver, first[1].q, here, start.towards(end, trial), [1.0]
+                )
+            )
             values = self._watched(inner, start.towards(end, trial))
             if values.max() < 1 - CLOSE:
                 first = (trial, inner, values)
@@ -164,7 +181,11 @@ class _Walk:
     def _keep(self, state, load, share, begun):
         self.model.commit(state.q, load)
         row = self._row(state, load)
-        row |= {"path": share, "iterations": state.iterations, "seconds": time.perf_counter() - begun}
+        row |= {
+            "path": share,
+            "iterations": state.iterations,
+            "seconds": time.perf_counter() - begun,
+        }
         self.rows.append(row)
         for hook in self._hooks:
             hook(share, row)

@@ -20,7 +20,9 @@ def function(name: str) -> Callable[..., dict[str, Any]]:
     module, _, inner = name.partition(".")
     found = _module(module)
     if found is None or not callable(getattr(found, inner, None)):
-        raise InputError(key="run", value=name, allowed=f"a function of {', '.join(MODULES)} of validation/cases")
+        raise InputError(
+            key="run", value=name, allowed=f"a function of {', '.join(MODULES)} of validation/cases"
+        )
     return getattr(found, inner)
 
 

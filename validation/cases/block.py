@@ -34,9 +34,16 @@ BLOCK = Backing(min_size=1.5e-3, refined_depth=9e-3, growth=1.25, points=1)
 
 
 def march(
-    plies: int, modulus: float, mass: float, *, edge: str = "free", elements: int = 2, layer: float | None = None,
-    block: Backing = BLOCK, opening: float = 0.203,
-) -> PackSolver:  # fmt: skip
+    plies: int,
+    modulus: float,
+    mass: float,
+    *,
+    edge: str = "free",
+    elements: int = 2,
+    layer: float | None = None,
+    block: Backing = BLOCK,
+    opening: float = 0.203,
+) -> PackSolver:
     """The march of a shot at a target before a block.
 
     Parameters
@@ -48,9 +55,17 @@ def march(
     fabric = variants.scale_yarns(catalogue.load("S-728").with_effective_density(), E=modulus)
     fabric = variants.scale_areal_density(fabric, mass / plies / fabric.weave.areal_density)
     setup = ImpactSetup(
-        fabric, VELOCITY, projectile=PROJECTILE, edge=edge, failure=False, elements_per_crossover=elements, jam=JAM,
-        backing=block, opening=opening, numerics=Numerics(cfl=SAFETY),
-    )  # fmt: skip
+        fabric,
+        VELOCITY,
+        projectile=PROJECTILE,
+        edge=edge,
+        failure=False,
+        elements_per_crossover=elements,
+        jam=JAM,
+        backing=block,
+        opening=opening,
+        numerics=Numerics(cfl=SAFETY),
+    )
     pack = Pack.stacked(setup.panel(), plies)
     if layer is not None:
         law = fabric.shear
@@ -78,8 +93,16 @@ def target(plies: int, modulus: float = 1.0, mass: float = 0.0, **options: Any) 
     """
     if plies:
         run = march(plies, modulus, mass, **options).run()
-        t, z, energies = run.sample("t"), run.sample("z"), {name: run.sample(name) for name in run.energy_names}
-        block, outcome, eroded = run.backing.result(), run.outcome, int(run.backing.result().gone.sum())
+        t, z, energies = (
+            run.sample("t"),
+            run.sample("z"),
+            {name: run.sample(name) for name in run.energy_names},
+        )
+        block, outcome, eroded = (
+            run.backing.result(),
+            run.outcome,
+            int(run.backing.result().gone.sum()),
+        )
         lost, hourglass = energies["kinetic_projectile"], energies["backing_hourglass"]
     else:
         bare = bare_impact.strike(BLOCK, PROJECTILE, VELOCITY, 2e-3)

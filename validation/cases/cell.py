@@ -46,7 +46,12 @@ def newton(*, d1: float, d2: float) -> dict[str, Any]:
         many = found.steps >= thesis.MOST
         raise UnstableError(f"no convergence in {thesis.MOST} steps" if many else "ran off")
     root = float(model.solve(*_stretches(catalogue.load(FABRIC), d1, d2))["F"])
-    return {"F": found.F, "root": root, "steps": found.steps, "closing": _miss(model, found.F, d1, d2)}
+    return {
+        "F": found.F,
+        "root": root,
+        "steps": found.steps,
+        "closing": _miss(model, found.F, d1, d2),
+    }
 
 
 def _miss(model, F, d1, d2):
@@ -56,7 +61,9 @@ def _miss(model, F, d1, d2):
     warp, weft = model.yarn_tuples
     w1, w2 = (w + d for w, d in zip(model.fabric.weave.w, (d1, d2)))
     free = [kernels.free_height(half, yarn[1], yarn[-1]) for half, yarn in ((w1, warp), (w2, weft))]
-    return abs(kernels.residual(F, w1, w2, *free, warp, weft, model.gap, FORMS[model.form])[0]) / sum(model.h0)
+    return abs(
+        kernels.residual(F, w1, w2, *free, warp, weft, model.gap, FORMS[model.form])[0]
+    ) / sum(model.h0)
 
 
 def bracket(*, d1: float, d2: float) -> dict[str, Any]:
@@ -81,7 +88,9 @@ def printed_law(*, d1: float, d2: float) -> dict[str, Any]:
     """
     fabric = catalogue.load(FABRIC)
     stretches = _stretches(fabric, d1, d2)
-    ours, theirs = (CellModel(one).solve(*stretches) for one in (fabric, with_law_form(fabric, "printed")))
+    ours, theirs = (
+        CellModel(one).solve(*stretches) for one in (fabric, with_law_form(fabric, "printed"))
+    )
     off = max(abs(float(ours[T] - theirs[T])) for T in ("T1", "T2")) / fabric.weave.warp.strength
     checks = quality.of_cell(_printed_table(), [float(theirs[T]) for T in ("T1", "T2")])
     return {
@@ -97,7 +106,9 @@ def scaling(*, fabric: str, share: float) -> dict[str, float]:
 
     share : yarn in a cell over that at rest
     """
-    [row] = cell_scaling.errors(CellModel(catalogue.load(fabric)), [share], np.linspace(-0.02, 0.03, 26))
+    [row] = cell_scaling.errors(
+        CellModel(catalogue.load(fabric)), [share], np.linspace(-0.02, 0.03, 26)
+    )
     return dict(zip(cell_scaling.QUANTITIES, map(float, row)))
 
 
@@ -112,11 +123,17 @@ def struck_yarn(
     """A lone straight warp struck across at constant velocity by the cable model, or by Smith's closed form (`exact`):
     tension, force [N], kink and front [m/s] speeds; `length` [m] of its half, bars and numerics of `smith.strike`."""
     yarn = catalogue.load(fabric).weave.warp
-    wave = smith.smith(yarn, velocity) if exact else smith.strike(yarn, velocity, length=length, **numerics).computed
+    wave = (
+        smith.smith(yarn, velocity)
+        if exact
+        else smith.strike(yarn, velocity, length=length, **numerics).computed
+    )
     return {"tension": wave.tension, "force": wave.force, "kink": wave.U, "front": wave.c}
 
 
-def biaxial_options(*, fabric: str, test: str, yarn: str, options: dict[str, Any]) -> dict[str, float]:
+def biaxial_options(
+    *, fabric: str, test: str, yarn: str, options: dict[str, Any]
+) -> dict[str, float]:
     """What options of the cell change of the curves of the glass weaves (thesis section 5.3), with its constants.
 
     Parameters
@@ -137,6 +154,11 @@ def biaxial_options(*, fabric: str, test: str, yarn: str, options: dict[str, Any
         curves.append(to_strength(cell, ratio) if ratio else free_edge(cell, yarn))
     strains = [curve.strain[:, family] for curve in curves]
     e = np.linspace(0, min(strain[-1] for strain in strains), 241)
-    one, two = (np.interp(e, strain, curve.tension[:, family]) for strain, curve in zip(strains, curves))
-    rms, off = float(np.sqrt(np.mean((two - one) ** 2))), float((two - one)[np.argmax(np.abs(two - one))])
+    one, two = (
+        np.interp(e, strain, curve.tension[:, family]) for strain, curve in zip(strains, curves)
+    )
+    rms, off = (
+        float(np.sqrt(np.mean((two - one) ** 2))),
+        float((two - one)[np.argmax(np.abs(two - one))]),
+    )
     return {"rms": rms, "largest": off, "share": rms / weave.weave.yarns[family].strength}

@@ -60,7 +60,9 @@ def bias(
     if factor is not None:
         shear, trellis = fabric.shear, factor > 0
         if trellis:
-            fabric = variants.with_shear(fabric, G1=factor * shear.G1, G2=factor * (shear.G2 if locking else shear.G1))
+            fabric = variants.with_shear(
+                fabric, G1=factor * shear.G1, G2=factor * (shear.G2 if locking else shear.G1)
+            )
     of_cell = _table(fabric, model or own, law, table, crossovers)
     return measured(quasistatic.bias_extension(of_cell, trellis=trellis, **options))
 
@@ -102,7 +104,10 @@ def cross(
     half = [0.5 * (centre // crossovers) * w for w in of_cell.model.fabric.weave.w]
     warp, weft = quasistatic.middle_strain(result, half)[-1]
     loads = (float(abs(result.force(grip, axis)[-1])) for grip, axis in ((1, 0), (3, 1)))
-    return dict(zip(("load_warp", "load_weft"), loads)) | {"strain_warp": float(warp), "strain_weft": float(weft)}
+    return dict(zip(("load_warp", "load_weft"), loads)) | {
+        "strain_warp": float(warp),
+        "strain_weft": float(weft),
+    }
 
 
 def pull_out(
@@ -134,10 +139,15 @@ def pull_out(
     """
     fabric = catalogue.load("S-726").with_effective_density()
     bounds = [contact_force.bending_bounds(yarn) for yarn in catalogue.load("S-726").weave.yarns]
-    warp, weft = (0.0 if stiffness is None else low ** (1 - stiffness) * high**stiffness for low, high in bounds)
+    warp, weft = (
+        0.0 if stiffness is None else low ** (1 - stiffness) * high**stiffness
+        for low, high in bounds
+    )
     table = ImpactSetup(fabric, 1.0).table(kept=True)
     friction = CrossoverFriction(mu, cohesion, (warp, weft))
-    coupon = pulled.PullOut(table, crossings, speed, load / crossings, friction, Numerics(threads=1))
+    coupon = pulled.PullOut(
+        table, crossings, speed, load / crossings, friction, Numerics(threads=1)
+    )
     found = pulled.run(coupon, pulled_by / speed)
     after = found.displacement > late * pulled_by
     return {"load": float(found.load[after].mean()), "bending": warp, "error": found.energy_error}

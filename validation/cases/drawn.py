@@ -24,7 +24,10 @@ QUANTITIES = {
     "peak tension, weft": "peak_tension",
 }
 FINEST = 16  # elements per crossover
-SMALLER, END = (0.5, 0.35), 250e-6  # opening over that of a drawn ply and pack, [s]: shots of seconds
+SMALLER, END = (
+    (0.5, 0.35),
+    250e-6,
+)  # opening over that of a drawn ply and pack, [s]: shots of seconds
 
 
 def _reference(setup: ImpactSetup, finer: ImpactSetup) -> ImpactSetup:
@@ -47,7 +50,9 @@ def interval(*, number: int, seed: int) -> dict[str, Any]:
     {result: [-] of the value}; cost [-] of the pair over that of the scene
     """
     scene = drawn_shots.drawn(number, seed)
-    setup: Any = mesh_uncertainty.smallest_part(replace(scene, numerics=replace(scene.numerics, threads=1)))
+    setup: Any = mesh_uncertainty.smallest_part(
+        replace(scene, numerics=replace(scene.numerics, threads=1))
+    )
     table = setup.table()
     refined: Any = mesh_uncertainty.finer(setup, table)
     shots: list[Any] = []
@@ -90,25 +95,37 @@ def targets(*, number: int, seed: int) -> dict[str, Any]:
     wanted = {str(name): float(draw.choice(TARGETS)) for name in names}
     scene: Any = (drawn_shots.drawn_pack if number % 3 == 2 else drawn_shots.drawn)(number, seed)
     opening: Any = tuple(SMALLER[scene.plies > 1] * side for side in scene.opening)
-    scene = replace(scene, opening=opening, end_time=END, numerics=replace(scene.numerics, threads=1))
+    scene = replace(
+        scene, opening=opening, end_time=END, numerics=replace(scene.numerics, threads=1)
+    )
     shots: list[Any] = []
     seconds: list[float] = []
 
     def shoot(setup: ImpactSetup, table: Any, _: str = "") -> Any:
         began = time.process_time()
         result, problem = simulation.fired(setup, table=table)
-        shots.append(mesh_uncertainty.Shot(result, UnstableError(problem) if problem else None, window.about(result)))
+        shots.append(
+            mesh_uncertainty.Shot(
+                result, UnstableError(problem) if problem else None, window.about(result)
+            )
+        )
         seconds.append(time.process_time() - began)
         return shots[-1]
 
     _, found = mesh_uncertainty.climb(scene, wanted, shoot, fixed={"projectile"})
     answer, cost = shots[-1], sum(seconds) / seconds[0]
-    table, finest = found.setup.table(), replace(found.setup, grading=None, elements_per_crossover=FINEST)
+    table, finest = (
+        found.setup.table(),
+        replace(found.setup, grading=None, elements_per_crossover=FINEST),
+    )
     try:
         shoot(mesh_uncertainty.halved(found.setup), table)
     except InputError:  # of a graded mesh no element is shorter than an eighth of a crossover
         shoot(finest, table)
-    strike = {"residual velocity": scene.strike_velocity, "absorbed energy": answer.result.strike_energy}
+    strike = {
+        "residual velocity": scene.strike_velocity,
+        "absorbed energy": answer.result.strike_energy,
+    }
     errors = dict.fromkeys(wanted, 0.0)  # of what is not there
     for one in mesh_uncertainty.compare(answer, shots[-1]).intervals:
         share = abs(one.other - one.value) / strike.get(one.name, one.other)

@@ -22,9 +22,16 @@ KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 
 # how far a drawn scene goes from the thesis's: factors on a fabric's numbers, and ranges
 FACTORS = {
-    "modulus": 0.2, "areal_density": 0.2, "crimp_warp": 0.3, "crimp_weft": 0.3, "failure_strain": 0.15,
-    "compression_a": 0.3, "compression_b": 0.3, "trellis_stiffness": 0.3, "trellis_angles": 0.2,
-}  # fmt: skip
+    "modulus": 0.2,
+    "areal_density": 0.2,
+    "crimp_warp": 0.3,
+    "crimp_weft": 0.3,
+    "failure_strain": 0.15,
+    "compression_a": 0.3,
+    "compression_b": 0.3,
+    "trellis_stiffness": 0.3,
+    "trellis_angles": 0.2,
+}
 VELOCITY, OPENING, MASS, RADIUS = (40.0, 300.0), (0.1, 0.25), (1e-3, 8e-3), (2.2e-3, 4.5e-3)
 # of drawn packs: most plies, velocity of two plies [m/s], opening [m], gap [m]
 MOST_PLIES, PACK_VELOCITY, PACK_OPENING, GAP = 4, (60.0, 300.0), (0.08, 0.12), (2e-5, 2e-4)
@@ -44,11 +51,15 @@ def drawn(number: int, seed: int) -> ImpactSetup:
     fabric = replace(inputs.changed(base(name), **factors), name=f"{name}, changed")
     shape = str(draw.choice(["flat", "hemisphere", "sphere"]))
     radius = float(draw.uniform(*RADIUS))
-    shot = Projectile(float(draw.uniform(*MASS)), radius, radius if shape == "sphere" else 3e-4, shape)
+    shot = Projectile(
+        float(draw.uniform(*MASS)), radius, radius if shape == "sphere" else 3e-4, shape
+    )
     low, high = np.log(VELOCITY)
     velocity = round(float(np.exp(draw.uniform(low, high))), 1)
     opening = tuple(float(side) for side in draw.uniform(*OPENING, 2))
-    return ImpactSetup(fabric, velocity, projectile=shot, opening=opening, end_time=END, symmetry="whole")  # type: ignore[arg-type]
+    return ImpactSetup(
+        fabric, velocity, projectile=shot, opening=opening, end_time=END, symmetry="whole"
+    )  # type: ignore[arg-type]
 
 
 def drawn_pack(number: int, seed: int) -> ImpactSetup:
@@ -59,6 +70,11 @@ def drawn_pack(number: int, seed: int) -> ImpactSetup:
     velocity = round(float(np.exp(draw.uniform(low, high)) * (plies / 2) ** 0.5), 1)
     opening: Any = tuple(float(side) for side in draw.uniform(*PACK_OPENING, 2))
     return replace(
-        ply, strike_velocity=velocity, opening=opening, end_time=PACK_END, plies=plies, stacking=stacking,
+        ply,
+        strike_velocity=velocity,
+        opening=opening,
+        end_time=PACK_END,
+        plies=plies,
+        stacking=stacking,
         ply_gap=float(draw.uniform(*GAP)),
-    )  # fmt: skip
+    )

@@ -30,7 +30,9 @@ from weavecell.studies.window import QUANTITIES, Window
 if TYPE_CHECKING:
     from shellfabric.impact.simulation import ImpactResult, ImpactSetup
 
-STRAIGHT = 0.9  # least coefficient of determination of a line whose slope is called a speed of a wave
+STRAIGHT = (
+    0.9  # least coefficient of determination of a line whose slope is called a speed of a wave
+)
 SLIPPED = 50e-6  # [m] from which on a yarn counts as slipped
 VISCOUS = "viscous energy"  # the indicator of `quality`
 NOT_IN_A_FILE = ("table_size", "jam", "audit_interval")  # fields of ImpactSetup
@@ -76,12 +78,18 @@ def changed(
     failure_length : [m]
     """
     factors = {"linear_density": mass} | dict(yarns or {})
-    fabric = fabric.with_yarns(**{k: [f * getattr(yarn, k) for yarn in fabric.weave.yarns] for k, f in factors.items()})
+    fabric = fabric.with_yarns(
+        **{k: [f * getattr(yarn, k) for yarn in fabric.weave.yarns] for k, f in factors.items()}
+    )
     weave, gap = fabric.weave, fabric.interlayer_gap
-    warp, weft = (replace(one, a=size * one.a, b=size * mass ** (1 / 3) * one.b) for one in fabric.laws or ())
+    warp, weft = (
+        replace(one, a=size * one.a, b=size * mass ** (1 / 3) * one.b) for one in fabric.laws or ()
+    )
     fabric = replace(
         fabric,
-        weave=replace(weave, warp_count=weave.warp_count / size, weft_count=weave.weft_count / size),
+        weave=replace(
+            weave, warp_count=weave.warp_count / size, weft_count=weave.weft_count / size
+        ),
         laws=(warp, weft),
         interlayer_gap=None if gap is None else size * gap,
     )
@@ -119,7 +127,9 @@ def setup(
     """
     cloth: Any = fabric if not change or fabric is None else changed(wc.fabric(fabric), **change)
     own = {name: keywords.pop(name) for name in NOT_IN_A_FILE if name in keywords}
-    if contact is not None:  # other laws reach the stiffness that bounds the step only at high pressures
+    if (
+        contact is not None
+    ):  # other laws reach the stiffness that bounds the step only at high pressures
         own |= {"contact": UncheckedContact(**contact)}
         keywords["ply_contact"] = PlyLaw.solid(wc.fabric(str(fabric)))
     keywords["numerics"] = {"threads": 1} | keywords.get("numerics", {})
@@ -155,8 +165,12 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     hooks = (lambda solver: crossing.append(int(plies_cross(solver))),) if crossings else ()
     began = time.process_time()
     table = this.table()
-    result = simulation.run(replace(this, failure=this.failure and not unfailing), hooks=hooks, table=table)
-    return {"cpu_s": time.process_time() - began, "crossings": max(crossing)} | found(result, keywords)
+    result = simulation.run(
+        replace(this, failure=this.failure and not unfailing), hooks=hooks, table=table
+    )
+    return {"cpu_s": time.process_time() - began, "crossings": max(crossing)} | found(
+        result, keywords
+    )
 
 
 def found(result: ImpactResult, keywords: Mapping[str, Any]) -> dict[str, Any]:
@@ -185,7 +199,9 @@ def found(result: ImpactResult, keywords: Mapping[str, Any]) -> dict[str, Any]:
             "fronts": speeds,
             "strength": np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
             "flags": ", ".join(check.name for check in result.checks if not check.ok),
-            "kinetic": float(np.mean(energies["kinetic_fabric"][late] / stored[late])) if late.any() else nan,
+            "kinetic": float(np.mean(energies["kinetic_fabric"][late] / stored[late]))
+            if late.any()
+            else nan,
         }
     )
 
@@ -197,7 +213,10 @@ def ends(result: ImpactResult) -> dict[str, Any]:
         return {}
     X, Y = panel.coordinates()
     nodes = result.last[0].nodes
-    found: dict[str, Any] = {"slip_warp": X[-1] - nodes[-1, :, 0], "slip_weft": Y[:, -1] - nodes[:, -1, 1]}
+    found: dict[str, Any] = {
+        "slip_warp": X[-1] - nodes[-1, :, 0],
+        "slip_weft": Y[:, -1] - nodes[:, -1, 1],
+    }
     found |= {"place_warp": Y[-1], "place_weft": X[:, -1]}
     for family in ("warp", "weft"):
         moved = found[f"place_{family}"][found[f"slip_{family}"] > SLIPPED]
@@ -212,12 +231,18 @@ def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
     if len(t) < 3 or t[-1] < 20e-6:
         return {}
     smooth, slow = (
-        np.convolve(force, np.ones(n) / n, "same") for n in (max(1, round(w / (t[1] - t[0]))) for w in (2e-6, 20e-6))
+        np.convolve(force, np.ones(n) / n, "same")
+        for n in (max(1, round(w / (t[1] - t[0]))) for w in (2e-6, 20e-6))
     )
-    return {"force_peak": float(smooth.max()), "force_jumps": float(np.sqrt(np.mean((smooth - slow)[t < until] ** 2)))}
+    return {
+        "force_peak": float(smooth.max()),
+        "force_jumps": float(np.sqrt(np.mean((smooth - slow)[t < until] ** 2))),
+    }
 
 
-def stepped(*, cfl: float, neighbours: int = 1, penalty: float, soft: float, **keywords: Any) -> dict[str, Any]:
+def stepped(
+    *, cfl: float, neighbours: int = 1, penalty: float, soft: float, **keywords: Any
+) -> dict[str, Any]:
     """A shot with a time step over its bound, and a contact whose stiffness does not depend on it.
 
     The contact is given in units of nodal mass / dt^2: it would be four times as stiff at half the step, which moves
@@ -227,7 +252,10 @@ def stepped(*, cfl: float, neighbours: int = 1, penalty: float, soft: float, **k
     """
     own = dict(keywords.pop("unchecked", {}))
     steps = [cfl * (1 - 0.01 * n) for n in range(neighbours)]
-    runs = [shot(unchecked=own | {"cfl": dt, "penalty": penalty * (dt / soft) ** 2}, **keywords) for dt in steps]
+    runs = [
+        shot(unchecked=own | {"cfl": dt, "penalty": penalty * (dt / soft) ** 2}, **keywords)
+        for dt in steps
+    ]
     peak = np.median([run["peak"] for run in runs], axis=0)
     velocity = median(float(run["v"][-1]) for run in runs)
     return runs[0] | {"peak": peak, "v": np.array([velocity]), "neighbours": neighbours}
@@ -244,7 +272,10 @@ def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> di
     for velocity, run in zip(velocities, runs):
         if run.outcome != outcome:
             raise UnstableError(f"the shot at {velocity:g} m/s ends {run.outcome}, not {outcome}")
-    return {"residual": [r.residual_velocity for r in runs], "absorbed": [r.absorbed_energy for r in runs]}
+    return {
+        "residual": [r.residual_velocity for r in runs],
+        "absorbed": [r.absorbed_energy for r in runs],
+    }
 
 
 def limit(
@@ -272,7 +303,9 @@ def limit(
     this = setup(**keywords)
     target = this.target(this.table(kept=True))
     bracket = ballistic_limit.critical_velocity(target, tolerance=tolerance, guess=guess, step=step)
-    slowest = min((one for one in bracket.shots if one.perforated), key=lambda one: one.strike_velocity)
+    slowest = min(
+        (one for one in bracket.shots if one.perforated), key=lambda one: one.strike_velocity
+    )
     flags = {check.name for one in bracket.ends for check in one.checks if not check.ok}
     summary = {
         "low": bracket.low,
@@ -291,7 +324,9 @@ def limit(
     if not multiples:
         return summary
     shots = ballistic_limit.shoot(target, [one * bracket.velocity for one in multiples])
-    strikes, residuals = zip(*((one.strike_velocity, one.residual_velocity) for one in shots if one.perforated))
+    strikes, residuals = zip(
+        *((one.strike_velocity, one.residual_velocity) for one in shots if one.perforated)
+    )
     fit = lambert_jonas.fit(strikes, residuals, limit=bracket.velocity)
     return summary | {
         "strikes": [one.strike_velocity for one in shots],
@@ -321,7 +356,9 @@ def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> dict
     search = keywords.pop("search", None)
     rows, costs, shares = [], [], []
     for factor in factors:
-        this = setup(velocity=round(factor * velocity, 3), end_time=ballistic_limit.UNDECIDED, **keywords)
+        this = setup(
+            velocity=round(factor * velocity, 3), end_time=ballistic_limit.UNDECIDED, **keywords
+        )
         table, began = this.table(kept=True), time.process_time()
         result, problem = simulation.fired(this, table=table)
         costs.append(time.process_time() - began)

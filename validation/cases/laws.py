@@ -23,7 +23,9 @@ LAWS: dict[str, Any] = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExcha
 TABLE, FLOOR = 201, 0.05
 
 
-def assumed(*, fabric: str, mesh: str = "coarse", multiple: float = 1.3, tolerance: float = 0.5) -> dict[str, Any]:
+def assumed(
+    *, fabric: str, mesh: str = "coarse", multiple: float = 1.3, tolerance: float = 0.5
+) -> dict[str, Any]:
     """A fabric of the catalogue treated as one of which only the data sheet is known, beside its published laws.
 
     Its compression, trellis and solid laws are taken away, the fibre family's are assumed (`fabrics.families`), and the
@@ -60,7 +62,10 @@ def assumed(*, fabric: str, mesh: str = "coarse", multiple: float = 1.3, toleran
             f"{name}_range": (around.low, around.high),
             f"{name}_nominal": around.rows[0].velocity,
             f"{name}_within": around.low <= published[name] <= around.high,
-            f"{name}_ends": {row.laws: row.outcome if row.velocity is None else row.velocity for row in around.rows},
+            f"{name}_ends": {
+                row.laws: row.outcome if row.velocity is None else row.velocity
+                for row in around.rows
+            },
         }
     return summary
 
@@ -93,7 +98,10 @@ def _card_table(setup: ImpactSetup, law: Law) -> CellTable:
     """A card's law in place of the cell: its nominal stresses over the range of the cell, none below 0."""
     model: Any = setup.cell()
     x, y = (coefficients.grid(low, high, TABLE) for low, high in model.range())
-    N = np.maximum(law.stress(*np.meshgrid(x, y, indexing="ij")), 0.0) / Cloth(model).smear[:, None, None]
+    N = (
+        np.maximum(law.stress(*np.meshgrid(x, y, indexing="ij")), 0.0)
+        / Cloth(model).smear[:, None, None]
+    )
     per = [2 * w * (axis[1] - axis[0]) for w, axis in zip(model.fabric.weave.w, (x, y))]
     floor = np.array([FLOOR * p * yarn.strength for p, yarn in zip(per, model.fabric.weave.yarns)])
     W, fx, fy, residual = potential(N[0] * per[0], N[1] * per[1], floor, np.ones_like(N[0]))
@@ -104,7 +112,14 @@ def _card_table(setup: ImpactSetup, law: Law) -> CellTable:
 
 @cache
 def _cell(fabric: str, velocity: float, cell: Any) -> tuple[ImpactSetup, CellTable]:
-    setup = wc.setup(fabric, velocity, cell_model=cell, elements_per_crossover=1, end_time=200e-6, yarn_failure=False)
+    setup = wc.setup(
+        fabric,
+        velocity,
+        cell_model=cell,
+        elements_per_crossover=1,
+        end_time=200e-6,
+        yarn_failure=False,
+    )
     return setup, setup.table()
 
 
@@ -127,7 +142,12 @@ def card(
     if law:
         table = _card_table(setup, LAWS[law].of(Cloth(setup.cell()), match))  # type: ignore[arg-type]
     result = simulation.run(mesh_uncertainty.finer(setup, table) if finer else setup, table=table)
-    return {"t": result.t, "v": result.v, "deflection": result.max_deflection, "peak": result.peak_tension}
+    return {
+        "t": result.t,
+        "v": result.v,
+        "deflection": result.max_deflection,
+        "peak": result.peak_tension,
+    }
 
 
 def card_error(*, fabric: str, law: str, match: str) -> dict[str, Any]:

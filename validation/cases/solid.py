@@ -37,7 +37,9 @@ POINTS = 24  # of the platen curve
 def _numerics(factors: Mapping[str, float], **fields: Any) -> Numerics:
     """The default Numerics with factors on some fields, and others given."""
     plain = Numerics()
-    return replace(plain, **{name: factor * getattr(plain, name) for name, factor in factors.items()}, **fields)
+    return replace(
+        plain, **{name: factor * getattr(plain, name) for name, factor in factors.items()}, **fields
+    )
 
 
 def paths(
@@ -79,7 +81,9 @@ def paths(
     options: dict[str, Any] = {} if tip is None else {"tip_thickness_ratio": tip}
     mesh = crossover.build(fabric, domain=domain, size=tuple(size), section=section, **options)
     if equal_bars:
-        mesh = replace(mesh, bar_area=tuple(np.full_like(area, area.mean()) for area in mesh.bar_area))
+        mesh = replace(
+            mesh, bar_area=tuple(np.full_like(area, area.mean()) for area in mesh.bar_area)
+        )
     integration = solid_law.ONE_POINT if one_point else solid_law.FULL
     numerics = _numerics(factors or {}, friction=friction)
     stepping: Any = dict(steps or {})
@@ -88,14 +92,18 @@ def paths(
     for name, end in ends.items():
         model = CrossoverModel(mesh, fabric, numerics, integration=integration)
         load: Any = tuple(end)
-        history = solve_load_path(model, Load(), Load(load), case=name, steps=replace(Steps(), **stepping))
+        history = solve_load_path(
+            model, Load(), Load(load), case=name, steps=replace(Steps(), **stepping)
+        )
         if history.failed:
             raise UnstableError(f"{name}: {history.failed}")
         histories.append(history)
         values |= {f"{force}, {name}": float(getattr(history, force)[-1]) for force in FORCES}
         unknowns = model.size
     try:
-        law = CompressionLaw.fit(*(np.concatenate(parts) for parts in zip(*map(samples, histories))))
+        law = CompressionLaw.fit(
+            *(np.concatenate(parts) for parts in zip(*map(samples, histories)))
+        )
     except InputError:
         law = None
     return {"values": values, "a": law and law.a, "b": law and law.b, "unknowns": unknowns}
@@ -161,7 +169,9 @@ def platens(
     PACKING, and law_loose, law_packed of the law; Vf0 (warp, weft); ended, why the path ended early, or ""
     """
     file = catalogue.load(FABRIC)
-    fabric = with_solids(file, **{name: tuple(np.broadcast_to(value, 2)) for name, value in (solids or {}).items()})
+    fabric = with_solids(
+        file, **{name: tuple(np.broadcast_to(value, 2)) for name, value in (solids or {}).items()}
+    )
     built = crossover.build(fabric, **{"size": (6, 4, 2)} | dict(mesh or {}))
     history = plate_compression(
         built,
@@ -176,7 +186,9 @@ def platens(
     law = target.at(pressure)
     computed = closures(history, area, pressure, law)
     misfit = platen_misfit(history, area, target, pressure)
-    at, of_law = (float(np.interp(np.log(PACKING), np.log(pressure), curve)) for curve in (computed, law))
+    at, of_law = (
+        float(np.interp(np.log(PACKING), np.log(pressure), curve)) for curve in (computed, law)
+    )
     return {
         "closure": misfit.closure,
         "pressure": misfit.pressure,
@@ -245,7 +257,9 @@ def pull_out(
     }
 
 
-def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0) -> dict[str, Any]:
+def calibrated(
+    *, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0
+) -> dict[str, Any]:
     """The compression law of a fabric from its 3D crossover (`weavecell.calibrate`), beside the published one.
 
     Returns
@@ -254,7 +268,9 @@ def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: flo
     rms, rms_ratio [m] of the fit and of that of the tension ratio; a_warp, b_warp, a_weft, b_weft of the yarns' own
     laws; of a fitted solid misfit_before, misfit (closure [m], pressure [-]) and constants {name: (value, low, high)}
     """
-    found = wc.calibrate(fabric, mesh=mesh, fit_solid=fit_solid, friction=friction, assumed_range=False)
+    found = wc.calibrate(
+        fabric, mesh=mesh, fit_solid=fit_solid, friction=friction, assumed_range=False
+    )
     done, law, nan = found.calibration, found.law, float("nan")
     interval: Any = found.interval
     around = interval.around(law) if fit_solid and not isinstance(interval, Exception) else {}
@@ -275,8 +291,12 @@ def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: flo
     }
     if found.solid is not None:
         summary["constants"] = {
-            name: (value, *found.solid.intervals[name]) for name, value in found.solid.values.items()
+            name: (value, *found.solid.intervals[name])
+            for name, value in found.solid.values.items()
         }
-        for name, misfit in (("misfit_before", found.solid.misfit_before), ("misfit", found.solid.misfit)):
+        for name, misfit in (
+            ("misfit_before", found.solid.misfit_before),
+            ("misfit", found.solid.misfit),
+        ):
             summary[name] = misfit.closure, misfit.pressure
     return summary

@@ -40,7 +40,15 @@ from validation.study import filled
 FILES = ("claims.toml", "additional.toml")
 POWERS = {"mm": -3, "um": -6, "us": -6, "g": -3, "kN": 3, "GPa": 9, "MPa": 6}  # of ten, to SI
 UNITS = {unit: float(f"1e{power}") for unit, power in POWERS.items()}
-UNITS |= {"": 1.0, "%": 0.01, "mm2": 1e-6, "g/m2": 1e-3, "mm uN^(1/3)": 1e-5, "Pa um3": 1e-18, "deg": pi / 180}
+UNITS |= {
+    "": 1.0,
+    "%": 0.01,
+    "mm2": 1e-6,
+    "g/m2": 1e-3,
+    "mm uN^(1/3)": 1e-5,
+    "Pa um3": 1e-18,
+    "deg": pi / 180,
+}
 UNITS |= dict.fromkeys(("N", "m/s", "rad", "kg/m3"), 1.0)
 _NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 _UNIT = "|".join(map(re.escape, sorted(UNITS, key=len, reverse=True)))
@@ -48,7 +56,9 @@ _CONDITION = re.compile(
     rf"(?P<said>.+) (?:(?P<test>[=<>]) (?P<target>{_NUMBER}) ?(?P<unit>{_UNIT})"
     rf"(?: \+- (?P<tolerance>{_NUMBER}) ?(?P<of>%|(?P=unit)))?|is (?P<equal>.+))"
 )
-_QUANTITY = re.compile(rf"(?<![\w'.])({_NUMBER.removeprefix('[-+]?')}) ?({'|'.join((*POWERS, 'deg', 'm/s', 'N'))})\b")
+_QUANTITY = re.compile(
+    rf"(?<![\w'.])({_NUMBER.removeprefix('[-+]?')}) ?({'|'.join((*POWERS, 'deg', 'm/s', 'N'))})\b"
+)
 
 
 @dataclass(frozen=True)
@@ -162,8 +172,13 @@ def members(entry: dict[str, Any]) -> list[dict[str, Any]]:
     if "each" not in entry:
         return [entry]
     rest = {key: value for key, value in entry.items() if key != "each"}
-    rows = [dict(zip(entry["each"], values)) for values in zip(*entry["each"].values(), strict=True)]
-    return [filled(rest, row | {"tag": str(row.get("fabric")).replace("S-", "s")}, shown=str) for row in rows]
+    rows = [
+        dict(zip(entry["each"], values)) for values in zip(*entry["each"].values(), strict=True)
+    ]
+    return [
+        filled(rest, row | {"tag": str(row.get("fabric")).replace("S-", "s")}, shown=str)
+        for row in rows
+    ]
 
 
 def condition_of(text: str) -> Condition:
@@ -175,7 +190,9 @@ def condition_of(text: str) -> Condition:
     """
     found = _CONDITION.fullmatch(text)
     if found is None or (found["test"] == "=") != (found["of"] is not None):
-        raise InputError(file="ledger", key="expect", value=text, allowed="such as h: EXPRESSION = 1 mm +- 3 %")
+        raise InputError(
+            file="ledger", key="expect", value=text, allowed="such as h: EXPRESSION = 1 mm +- 3 %"
+        )
     name, _, expression = found["said"].partition(": ")
     expression = in_si(expression)
     if equal := found["equal"]:
@@ -183,7 +200,9 @@ def condition_of(text: str) -> Condition:
         return Condition(name, expression, "is", ast.literal_eval(equal) if literal else equal)
     relative = found["of"] == "%" != found["unit"]
     tolerance = float(found["tolerance"] or 0) * (0.01 if relative else 1)
-    return Condition(name, expression, found["test"], float(found["target"]), found["unit"], tolerance, relative)
+    return Condition(
+        name, expression, found["test"], float(found["target"]), found["unit"], tolerance, relative
+    )
 
 
 def in_si(text: str) -> str:

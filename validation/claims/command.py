@@ -24,14 +24,24 @@ from validation.claims import page as pages
 from weavecell.cli.from_signature import CORES
 from weavecell.results import out_folder, progress, provenance
 
-NOTES = {"topics": "those to judge; all if none is given", "slow": "also those that take minutes each",
-         "no_variants": "as computed alone, not in the variants"}  # fmt: skip
+NOTES = {
+    "topics": "those to judge; all if none is given",
+    "slow": "also those that take minutes each",
+    "no_variants": "as computed alone, not in the variants",
+}
 
 
 def main(
-    *, topics: Sequence[str] = (), slow: bool = False, no_variants: bool = False, jobs: int = CORES,
-    executor: str = "local", resume: bool = False, out: Path = Path("results/validate"), page: Path | None = None,
-) -> int:  # fmt: skip
+    *,
+    topics: Sequence[str] = (),
+    slow: bool = False,
+    no_variants: bool = False,
+    jobs: int = CORES,
+    executor: str = "local",
+    resume: bool = False,
+    out: Path = Path("results/validate"),
+    page: Path | None = None,
+) -> int:
     """Run the ledger; returns the exit code: 1 where a verdict is not the recorded one, else 0, for a miss is a result.
 
     Raises
@@ -41,14 +51,24 @@ def main(
     for topic in set(topics) - set(data.topics()):
         raise InputError(key="--topics", value=topic, allowed=", ".join(data.topics()))
     if page is not None and topics:
-        raise InputError(key="--page", value=page, allowed="without --topics: the page has the claims of all topics")
+        raise InputError(
+            key="--page",
+            value=page,
+            allowed="without --topics: the page has the claims of all topics",
+        )
     claims = [claim for claim in data.load() if not topics or claim.topic in topics]
     out_folder.claim(out, resume)
     with progress.bar(f"{len(claims)} claims") as advance:
         records = runner.validate(
-            claims, out / "runs", slow=slow, vary=not no_variants, jobs=jobs, executor=executor, resume=resume,
+            claims,
+            out / "runs",
+            slow=slow,
+            vary=not no_variants,
+            jobs=jobs,
+            executor=executor,
+            resume=resume,
             report=lambda done, total: advance(done / max(total, 1)),
-        )  # fmt: skip
+        )
     table, stamp = pages.rows(claims, records), provenance.stamp()
     study.write(out / "ledger.csv", table)
     if page is not None:
@@ -57,7 +77,13 @@ def main(
         pages.write(page, table, command=command, commit=stamp["commit"], date=stamp["date"])
     print(", ".join(f"{count} {verdict}" for verdict, count in pages.counts(table).items()))
     print(f"written to {out}/ledger.csv", flush=True)
-    changed = [(claim, record) for claim, record in zip(claims, records) if judge.changed(claim, record.verdict)]
+    changed = [
+        (claim, record)
+        for claim, record in zip(claims, records)
+        if judge.changed(claim, record.verdict)
+    ]
     for claim, record in changed:
-        print(f"{claim.id}: {record.verdict}, where {claim.verdict} is recorded (validation/claims/*.toml)")
+        print(
+            f"{claim.id}: {record.verdict}, where {claim.verdict} is recorded (validation/claims/*.toml)"
+        )
     return 1 if changed else 0

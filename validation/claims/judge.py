@@ -50,10 +50,16 @@ class Record:
 def judge(claim: Claim, found: dict[str, Any]) -> Record:
     """Record of a claim of which {name: value} were found; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
-    missed = [condition for condition in claim.conditions if not holds(condition, found.get(condition.name))]
+    missed = [
+        condition
+        for condition in claim.conditions
+        if not holds(condition, found.get(condition.name))
+    ]
     miss = "; ".join(f"{computed(c, found.get(c.name))}, expected {expected(c)}" for c in missed)
     met = WRONG if claim.against else DATA if claim.data else REPRODUCED
-    return Record(claim.id, NOT_COMPARABLE if claim.incomparable else MISSED if miss else met, found, miss)
+    return Record(
+        claim.id, NOT_COMPARABLE if claim.incomparable else MISSED if miss else met, found, miss
+    )
 
 
 def changed(claim: Claim, verdict: str) -> bool:
@@ -69,7 +75,9 @@ def plain(value: Any) -> Any:
         value = value.tolist()
     if isinstance(value, (list, tuple)):
         return [plain(part) for part in value]
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
+    return (
+        float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
+    )
 
 
 def expected(condition: Condition) -> str:
@@ -87,7 +95,9 @@ def expected(condition: Condition) -> str:
 def computed(condition: Condition, value: Any) -> str:
     """What was found for a condition, in words: "h01 0.1203 mm"."""
     if isinstance(value, float):
-        value = f"{value / UNITS[condition.unit]:.4g}{' ' + condition.unit if condition.unit else ''}"
+        value = (
+            f"{value / UNITS[condition.unit]:.4g}{' ' + condition.unit if condition.unit else ''}"
+        )
     return f"{condition.name} {_words(value)}"
 
 

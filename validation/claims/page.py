@@ -18,7 +18,17 @@ from validation.claims.runner import VARIANTS
 
 Table = list[dict[str, str]]  # of texts by COLUMNS
 DATA = "data/claims.csv"
-COLUMNS = ("id", "topic", "origin", "section", "verdict", "computed", "published", "cause", "variants")
+COLUMNS = (
+    "id",
+    "topic",
+    "origin",
+    "section",
+    "verdict",
+    "computed",
+    "published",
+    "cause",
+    "variants",
+)
 MOST_TOPICS = 11  # that have a row of their own in the table of missed claims
 _PAGE = """\
 # Claims of the thesis and computed values
@@ -59,9 +69,16 @@ def _row(claim, record):
         why = (claim.cause or record.note) if record.verdict == MISSED else ""
     found = [judge.computed(c, record.found[c.name]) for c in claim.conditions if record.found]
     texts = (
-        claim.id, claim.topic, claim.origin, claim.source, record.verdict, "; ".join(found),
-        "; ".join(map(judge.expected, claim.conditions)), why, _in_variants(record),
-    )  # fmt: skip
+        claim.id,
+        claim.topic,
+        claim.origin,
+        claim.source,
+        record.verdict,
+        "; ".join(found),
+        "; ".join(map(judge.expected, claim.conditions)),
+        why,
+        _in_variants(record),
+    )
     return dict(zip(COLUMNS, (" ".join(text.split()) for text in texts), strict=True))
 
 
@@ -70,7 +87,11 @@ def _in_variants(record):
     if not record.variants or record.verdict == NOT_TESTABLE:
         return ""
     of_all = [record.variants.get(name, record.verdict) for name in VARIANTS]
-    changed = [f"{verdict} with {name}" for name, verdict in record.variants.items() if verdict != record.verdict]
+    changed = [
+        f"{verdict} with {name}"
+        for name, verdict in record.variants.items()
+        if verdict != record.verdict
+    ]
     held = sum(verdict in (REPRODUCED, judge.WRONG) for verdict in (record.verdict, *of_all))
     text = f"holds in {held} of {1 + len(of_all)}"
     return f"{text}; {', '.join(changed)}" if changed else text
@@ -98,7 +119,11 @@ def lines(table: Table, command: str, commit: str, date: str) -> str:
     """The page."""
     thesis, others = counts(of_thesis(table)), counts(of_thesis(table, False))
     told = [["verdict", "of the thesis", "additional", "meaning"]]
-    told += [[name, str(thesis[name]), str(others[name]), VERDICTS[name]] for name in VERDICTS if name != BROKEN]
+    told += [
+        [name, str(thesis[name]), str(others[name]), VERDICTS[name]]
+        for name in VERDICTS
+        if name != BROKEN
+    ]
     tables = {"counts": study.markdown(told), "missed": study.markdown(_missed(table))}
     words = {"names": ", ".join(VARIANTS), "varied": variants_sentence(table)}
     return _PAGE.format(command=command, commit=commit, date=date, **tables, **words)
@@ -106,7 +131,10 @@ def lines(table: Table, command: str, commit: str, date: str) -> str:
 
 def _missed(table):
     """Claims missed by topic, most first; the topics with the fewest in one row."""
-    parts = {title: [row for row in table if row["topic"] == topic] for topic, title in data.topics().items()}
+    parts = {
+        title: [row for row in table if row["topic"] == topic]
+        for topic, title in data.topics().items()
+    }
     ranked = sorted(parts.items(), key=lambda part: -counts(part[1])[MISSED])
     rest = [row for _, own in ranked[MOST_TOPICS:] for row in own]
     found: list[list[object]] = [["topic", "decided", "missed", "which"]]

@@ -27,7 +27,9 @@ FAMILIES = ("warp", "weft")
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 ALL = catalogue.list_names()
 ZONE_I = 60e-6  # [s] at which zone I of a shot at 100 m/s ends
-OFFSETS = tuple((1e-3 * np.arange(0, 100, 3)).round(6).tolist())  # [m] of weft yarns from the middle to the corner
+OFFSETS = tuple(
+    (1e-3 * np.arange(0, 100, 3)).round(6).tolist()
+)  # [m] of weft yarns from the middle to the corner
 ONSET = 0.02  # of the yarn's strength: a reaction that has risen
 QUIET = 30e3  # [Hz] below which an oscillation is response, above which it is noise
 NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
@@ -94,12 +96,16 @@ def end(*runs: Any) -> float:
     return float(min(run.step_history[-1, 0] for run in runs))
 
 
-def apart(first: Any, second: Any, start: float = 0.0, stop: float = 250e-6, count: int = 300) -> float:
+def apart(
+    first: Any, second: Any, start: float = 0.0, stop: float = 250e-6, count: int = 300
+) -> float:
     """Largest difference of velocity between two runs."""
     return float(np.abs(lead(first, second, start, min(stop, end(first, second)), count)).max())
 
 
-def lead(first: Any, second: Any, start: float, stop: float | None = None, count: int = 200) -> FloatArray:
+def lead(
+    first: Any, second: Any, start: float, stop: float | None = None, count: int = 200
+) -> FloatArray:
     """Velocity of the first run less that of the second, at even instants."""
     t = np.linspace(start, stop or end(first, second), count)
     return v(first, t) - v(second, t)
@@ -118,7 +124,9 @@ def shear_share(run: Any) -> float:
 def kinetic_ratio(run: Any) -> Any:
     """KE / IE of the fabric at the samples, masked where there is no internal energy."""
     inside = internal(run)
-    return np.ma.masked_where(inside <= 1e-3 * inside.max(), run.energies["kinetic_fabric"]) / inside
+    return (
+        np.ma.masked_where(inside <= 1e-3 * inside.max(), run.energies["kinetic_fabric"]) / inside
+    )
 
 
 def over_displacement(run: Any, values: Any) -> float:
@@ -171,7 +179,10 @@ def strength(run: Any) -> FloatArray:
 
 def off_square(run: Any, ply: int, t: float) -> float:
     """Extent of the cone of a ply along the weft over that along the warp, in the snapshot nearest an instant."""
-    shot, place = min(run.snapshots, key=lambda shots: abs(shots[0].t - t))[ply], run.target.places[ply]
+    shot, place = (
+        min(run.snapshots, key=lambda shots: abs(shots[0].t - t))[ply],
+        run.target.places[ply],
+    )
     warp, weft = pyramid(run.panels[ply], replace(shot, nodes=shot.nodes - [0.0, 0.0, place]))
     return weft / warp
 
@@ -208,9 +219,12 @@ def noise(t: FloatArray, y: FloatArray, start: float = -np.inf, stop: float = np
 def unevenness(run: Any, beside: float = 10e-3) -> float:
     """|ln| of warp over weft tension, each over its strength, of the yarns through the impact point when one of them is
     closest to failing; the largest within `beside` [m] of the middle."""
-    shares = np.array([
-        yarn(run, f).tension[:, yarn(run, f).X < beside].max(axis=1) / yarn(run, f).strength for f in FAMILIES
-    ])  # fmt: skip
+    shares = np.array(
+        [
+            yarn(run, f).tension[:, yarn(run, f).X < beside].max(axis=1) / yarn(run, f).strength
+            for f in FAMILIES
+        ]
+    )
     warp, weft = shares[:, np.argmax(np.maximum(*shares))]
     return abs(np.log(warp / weft))
 
@@ -221,27 +235,43 @@ def zones(run: Any, stop: float = 200e-6) -> dict[str, Any]:
     for kink in t[20:-20]:
         basis = np.stack([np.ones_like(t), np.minimum(t, kink), np.maximum(t - kink, 0)], axis=1)
         found, *_ = np.linalg.lstsq(basis, v(run, t), rcond=None)
-        best = min(best, (float(np.sum((basis @ found - v(run, t)) ** 2)), kink, found), key=lambda one: one[0])
+        best = min(
+            best,
+            (float(np.sum((basis @ found - v(run, t)) ** 2)), kink, found),
+            key=lambda one: one[0],
+        )
     return {"kink": best[1], "before": best[2][1], "after": best[2][2]}  # type: ignore[index]
 
 
 def high_zone(run: Any, start: float, stop: float, level: float = 0.1) -> dict[str, Any]:
     """Weft reactions across the edge, as means over a window [s]: of the middle and of the plateau [N], and the width
     [m] of the zone, which ends where `level` of what the middle has more than the plateau is left."""
-    clock, wefts = run.histories[0].t, (yarn for yarn in run.histories[0].yarns if yarn.family == "weft")
-    ends = {abs(yarn.offset): yarn.tension[(clock > start) & (clock < stop), -1].mean() for yarn in wefts}
+    clock, wefts = (
+        run.histories[0].t,
+        (yarn for yarn in run.histories[0].yarns if yarn.family == "weft"),
+    )
+    ends = {
+        abs(yarn.offset): yarn.tension[(clock > start) & (clock < stop), -1].mean()
+        for yarn in wefts
+    }
     offset = np.array(sorted(ends))
     profile = np.array([ends[place] for place in offset])
     plateau = profile[(offset > 50e-3) & (offset < 85e-3)].mean()
     below = np.flatnonzero(profile < plateau + level * (profile[0] - plateau))
-    return {"middle": profile[0], "plateau": plateau, "width": 2 * float(offset[below[0]]) if below.size else np.nan}
+    return {
+        "middle": profile[0],
+        "plateau": plateau,
+        "width": 2 * float(offset[below[0]]) if below.size else np.nan,
+    }
 
 
 def noise_over_net(shell: Any, cables: Any) -> float:
     """Noise of the reaction of the warp: shell over cable net, as means over a microsecond, as the shell's are."""
     t, clock = np.arange(0, min(shell.t[-1], end(cables)), 1e-6), cables.step_history[:, 0]
     width = max(1, round(1e-6 / (clock[1] - clock[0])))
-    of_cables = np.interp(t, clock, np.convolve(cables.reactions["warp"], np.ones(width) / width, "same"))
+    of_cables = np.interp(
+        t, clock, np.convolve(cables.reactions["warp"], np.ones(width) / width, "same")
+    )
     return noise(t, np.interp(t, shell.t, shell.reactions["warp"])) / noise(t, of_cables)
 
 
@@ -250,7 +280,10 @@ def cone_base(run: Any, reach: float = 50e-3, share: float = 0.05) -> float:
     X, Y = run.panel.coordinates()
     r = np.linspace(0, min(X[-1, 0], Y[0, -1]), 800)
     for height in (shots[0].nodes[..., 2].astype(np.float32) for shots in run.snapshots):
-        z, radius = RegularGridInterpolator((X[:, 0], Y[0]), height, bounds_error=False, fill_value=0.0), []
+        z, radius = (
+            RegularGridInterpolator((X[:, 0], Y[0]), height, bounds_error=False, fill_value=0.0),
+            [],
+        )
         for angle in (0.0, 0.25 * np.pi, 0.5 * np.pi):
             heights = z(np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1))
             radius.append(r[np.flatnonzero(heights > share * float(height.max()))[-1]])
@@ -291,7 +324,10 @@ def front_width(run: Any, place: float) -> float:
     weft, clock = yarn(run, "weft"), run.histories[0].t
     T = weft.tension[:, int(np.argmin(np.abs(weft.X - place)))]
     start = np.argmax(T > 0.01 * weft.strength)
-    plateau, part = T[start : start + 40].max(), slice(max(start - 5, 0), start + 40)  # within 20 us
+    plateau, part = (
+        T[start : start + 40].max(),
+        slice(max(start - 5, 0), start + 40),
+    )  # within 20 us
     rise = np.maximum.accumulate(T[part])
     times = [clock[part][np.argmax(rise >= share * plateau)] for share in (0.1, 0.5)]
     return (times[1] - times[0]) * front(run, "weft", "longitudinal")

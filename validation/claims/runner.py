@@ -24,22 +24,40 @@ from validation.claims.claims import Claim, Run, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record
 from validation.study import filled
 
-VARIANTS: dict[str, dict[str, Any]] = {  # name: what is merged into the keywords of shots at one ply
+VARIANTS: dict[
+    str, dict[str, Any]
+] = {  # name: what is merged into the keywords of shots at one ply
     "the thesis's cell formulation": {"cell_formulation": "equilibrium"},
     "nominal denier": {"change": {"denier": "nominal"}},
     "2 elements per crossover": {"elements_per_crossover": 2},
     "elastic-plastic bored projectile": {"projectile": {"body": "elastic_bar"}},
 }
 SHOTS = ("shot", "limit", "shots")
-LONG = ("limit", "shots", "bias", "pace", "pencil", "stretched", "plates", "lone", "meshes", "released")
+LONG = (
+    "limit",
+    "shots",
+    "bias",
+    "pace",
+    "pencil",
+    "stretched",
+    "plates",
+    "lone",
+    "meshes",
+    "released",
+)
 NEEDS = dict.fromkeys(("stretched", "plates", "lone", "brick", "released"), "dolfinx")
 NEEDS |= dict.fromkeys(("sections", "meshes"), "gmsh")
 
 
 def validate(
-    claims: Sequence[Claim], folder: Path, *, slow: bool = True, vary: bool = False,
-    report: Callable[[int, int], object] | None = None, **pool: Any,
-) -> list[Record]:  # fmt: skip
+    claims: Sequence[Claim],
+    folder: Path,
+    *,
+    slow: bool = True,
+    vary: bool = False,
+    report: Callable[[int, int], object] | None = None,
+    **pool: Any,
+) -> list[Record]:
     """Judge the claims.
 
     Parameters
@@ -56,11 +74,20 @@ def validate(
     """
     chosen = [claim for claim in claims if slow or not claim.slow]
     every = VARIANTS if vary else ()
-    variants = {claim.id: [n for n in every if runs_of(claim, n) != runs_of(claim)] for claim in chosen}
+    variants = {
+        claim.id: [n for n in every if runs_of(claim, n) != runs_of(claim)] for claim in chosen
+    }
     tasks = [(claim, name) for claim in chosen for name in (None, *variants[claim.id])]
     wanted = {run for task in tasks for run in _flat(runs_of(*task)) if not _missing(run)}
     runs = sorted(wanted, key=lambda run: (not _is_long(run), run))
-    done = dict(zip(runs, run_cache.results(compute, [(run,) for run in runs], folder=folder, report=report, **pool)))
+    done = dict(
+        zip(
+            runs,
+            run_cache.results(
+                compute, [(run,) for run in runs], folder=folder, report=report, **pool
+            ),
+        )
+    )
     records = [Record(claim.id, LEFT_OUT, note="slow: run with --slow") for claim in claims]
     for place, claim in enumerate(claims):
         if claim.id in variants:
@@ -90,7 +117,9 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
             if isinstance(done[run], WeavecellError):
                 raise done[run]
         results = {
-            name: {key: done[run] for key, run in spec.items()} if isinstance(spec, dict) else done[spec]
+            name: {key: done[run] for key, run in spec.items()}
+            if isinstance(spec, dict)
+            else done[spec]
             for name, spec in specs.items()
         }
         return judge.judge(claim, values(claim, results))
@@ -115,7 +144,10 @@ def values(claim: Claim, results: dict[str, Any]) -> dict[str, Any]:
 def runs_of(claim: Claim, variant: str | None = None) -> dict[str, Any]:
     """{name: Run, or dict of Runs} that a claim reads, as it stands or in a variant."""
     names = checks.names()
-    return {name: _specified(spec, names, VARIANTS.get(variant or "", {})) for name, spec in claim.run.items()}
+    return {
+        name: _specified(spec, names, VARIANTS.get(variant or "", {}))
+        for name, spec in claim.run.items()
+    }
 
 
 def is_long(claim: Claim) -> bool:
@@ -130,7 +162,9 @@ def _specified(spec, names, changes):
     spec = {key: value for key, value in spec.items() if key != "for"}
     found: dict[str, Any] = {}
     for row in rows:
-        chosen = {f"{k}": part for k, part in enumerate(row)} if isinstance(row, list) else {"": row}
+        chosen = (
+            {f"{k}": part for k, part in enumerate(row)} if isinstance(row, list) else {"": row}
+        )
         run = run_of(filled(spec, chosen, shown=str), names)
         found[tuple(row) if isinstance(row, list) else row] = _varied(run, changes)
     return found

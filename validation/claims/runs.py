@@ -41,9 +41,16 @@ ROWS = 30  # of the loading of a pack of crossovers, and of its unloading
 
 
 def changed_fabric(
-    name: str, *, modulus: float = 1.0, crimp: float = 1.0, mass: float = 1.0, crimps: Sequence[float] | None = None,
-    straight: bool = False, shear: dict[str, float] | None = None, denier: str = "effective",
-) -> Fabric:  # fmt: skip
+    name: str,
+    *,
+    modulus: float = 1.0,
+    crimp: float = 1.0,
+    mass: float = 1.0,
+    crimps: Sequence[float] | None = None,
+    straight: bool = False,
+    shear: dict[str, float] | None = None,
+    denier: str = "effective",
+) -> Fabric:
     """A fabric of the catalogue, changed.
 
     Parameters
@@ -66,10 +73,16 @@ def changed_fabric(
 
 
 def setup(
-    fabric: str, velocity: float, *, change: dict[str, Any] | None = None, struck: dict[str, Any] | None = None,
-    wider: float | None = None, projectile: dict[str, Any] | str | None = None, history: dict[str, Any] | None = None,
+    fabric: str,
+    velocity: float,
+    *,
+    change: dict[str, Any] | None = None,
+    struck: dict[str, Any] | None = None,
+    wider: float | None = None,
+    projectile: dict[str, Any] | str | None = None,
+    history: dict[str, Any] | None = None,
     **keywords: Any,
-) -> simulation.ImpactSetup:  # fmt: skip
+) -> simulation.ImpactSetup:
     """`weavecell.setup` of a shot.
 
     Parameters
@@ -87,12 +100,16 @@ def setup(
     if wider is not None:
         keywords["ply_gap"] = ply_gap(used, PlyLaw.of(used)).value + wider
     own = {} if isinstance(projectile, str) else projectile or {}
-    made = wc.setup(used, velocity, projectile=PROJECTILE | own, history=HISTORY | (history or {}), **keywords)
+    made = wc.setup(
+        used, velocity, projectile=PROJECTILE | own, history=HISTORY | (history or {}), **keywords
+    )
     if projectile == "full bar":
         made = replace(made, projectile=replace(made.projectile, body=Bar.full()))
     if struck is not None:
         rest = (simulation.Ply(used),) * (plies - 1)
-        made = replace(made, lay_up=(simulation.Ply(changed_fabric(fabric, **(change or {}) | struck)), *rest))
+        made = replace(
+            made, lay_up=(simulation.Ply(changed_fabric(fabric, **(change or {}) | struck)), *rest)
+        )
         made = replace(made, fabric=made.lay_up[0].fabric, laws=made.lay_up[0].laws)
     return made
 
@@ -133,30 +150,40 @@ def shot(fabric: str, velocity: float, *, failure_time: float = 0.0, **scene: An
 
     if failure_time:
         solver = PackSolver(made.target(), velocity, made.end_time, interval=made.sample_interval)
-        for lines in (lines for const in solver.consts for lines in (const.warp_lines, const.weft_lines)):
+        for lines in (
+            lines for const in solver.consts for lines in (const.warp_lines, const.weft_lines)
+        ):
             lines.filter_factor[:] = -np.expm1(-solver.const.dt / failure_time)
         solver.run((watch,))
         result = simulation.collect_result(made, solver)
     else:
         result = simulation.run(made, hooks=(watch,))
-    plain = made.target(made.plain_table())  # whose table of the cell, which takes 15 MB, is not needed any more
+    plain = made.target(
+        made.plain_table()
+    )  # whose table of the cell, which takes 15 MB, is not needed any more
     return Shot(**vars(result) | {"target": plain}, first_failure=times, beside=np.array(beside))
 
 
-def limit(fabric: str, *, tolerance: float = 1.0, guess: float | None = None, **scene: Any) -> ballistic_limit.Limit:
+def limit(
+    fabric: str, *, tolerance: float = 1.0, guess: float | None = None, **scene: Any
+) -> ballistic_limit.Limit:
     """Critical velocity of one ply, within `tolerance` [m/s]."""
     target = setup(fabric, 100.0, **scene).panel()
     return ballistic_limit.critical_velocity(target, tolerance=tolerance, guess=guess)
 
 
-def shots(fabric: str, velocities: Sequence[float], **scene: Any) -> tuple[ballistic_limit.Shot, ...]:
+def shots(
+    fabric: str, velocities: Sequence[float], **scene: Any
+) -> tuple[ballistic_limit.Shot, ...]:
     """Shots at one ply at some velocities [m/s]."""
     return ballistic_limit.shoot(setup(fabric, 100.0, **scene).panel(), velocities)
 
 
 def net(fabric: str, velocity: float, **change: Any) -> NetResult:
     """One impact on the pin-jointed cable net of a fabric (`changed_fabric`)."""
-    made = simulation.ImpactSetup(changed_fabric(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1)
+    made = simulation.ImpactSetup(
+        changed_fabric(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1
+    )
     return CableNet(made).run()
 
 
@@ -164,7 +191,9 @@ def struck_yarn(fabric: str, velocity: float) -> SimpleNamespace:
     """A lone straight yarn struck at constant velocity: what was computed, and Smith's closed form, `theory`."""
     yarn = catalogue.load(fabric).with_effective_density().weave.warp
     run = smith.strike(yarn, velocity)
-    return SimpleNamespace(**vars(run.computed), X=run.X, nodes=run.nodes, theory=smith.smith(yarn, velocity))
+    return SimpleNamespace(
+        **vars(run.computed), X=run.X, nodes=run.nodes, theory=smith.smith(yarn, velocity)
+    )
 
 
 def strip(fabric: str, velocity: float, length: float, end_time: float) -> SimpleNamespace:
@@ -174,10 +203,16 @@ def strip(fabric: str, velocity: float, length: float, end_time: float) -> Simpl
     clamps. Kept is the history of its middle yarn.
     """
     made = setup(
-        fabric, velocity, change={"straight": True}, opening=(length, 12e-3),
-        boundary={"warp": "clamped", "weft": "free"}, cell_model="decoupled", end_time=end_time, yarn_failure=False,
+        fabric,
+        velocity,
+        change={"straight": True},
+        opening=(length, 12e-3),
+        boundary={"warp": "clamped", "weft": "free"},
+        cell_model="decoupled",
+        end_time=end_time,
+        yarn_failure=False,
         history={"weft": []},
-    )  # fmt: skip
+    )
     given = made.fabric
     weft = replace(given.weave.weft, linear_density=1e-3 * given.weave.weft.linear_density)
     given = replace(given, weave=replace(given.weave, weft=weft), shear=None)
@@ -195,7 +230,10 @@ def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
     except UnstableError as found:
         result = found.result
     values = bias_extension.measured(result)
-    values |= {"angles": np.radians(values["angles"]), "asymmetry": bias_extension.asymmetry(result)}
+    values |= {
+        "angles": np.radians(values["angles"]),
+        "asymmetry": bias_extension.asymmetry(result),
+    }
     return SimpleNamespace(**values)
 
 
@@ -206,7 +244,9 @@ def frame(fabric: str, *, shear_angle: float, steps: int, cells: int) -> SimpleN
     square of side L whose angle between the yarns is beta = 90 degrees + gamma on the side of the diagonal.
     """
     table = CellModel(changed_fabric(fabric)).table(201)
-    result = quasistatic.picture_frame(table, cells=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7)
+    result = quasistatic.picture_frame(
+        table, cells=cells, shear_angle=shear_angle, steps=steps, tolerance=1e-7
+    )
     stress, weave = quasistatic.frame_stress(result), table.model.fabric.weave
     side = np.array([2 * cells * w for w in weave.w])
     slope = np.sqrt(side[0] * side[1]) * np.cos(0.25 * np.pi + 0.5 * result.prescribed)
@@ -226,7 +266,9 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
         def time_step(self):
             return factor * self.critical_step
 
-    table = CellModel(changed_fabric(fabric, straight=True), model="decoupled", form="equilibrium").table(201)
+    table = CellModel(
+        changed_fabric(fabric, straight=True), model="decoupled", form="equilibrium"
+    ).table(201)
     panel = Paced(table, numerics=Numerics(stretch_viscosity=0.0), trellis=False, failure=False)
     try:
         PackSolver(panel, velocity, end_time).run()
@@ -237,7 +279,9 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
 
 def pace(fabric: str, velocity: float) -> SimpleNamespace:
     """Seconds that shell and cable net need for 250 us of the same impact, run three times in turns; the least."""
-    made = simulation.ImpactSetup(changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1)
+    made = simulation.ImpactSetup(
+        changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1
+    )
     shell, cable = [], []
     for _ in range(3):
         shell.append(simulation.run(made).wall_time)
@@ -264,7 +308,9 @@ def _columns(found):
     return {name: getattr(found, name) for name in names}
 
 
-def stretched(fabric: str, *, ratio: Sequence[float], reach: float | None = None) -> SimpleNamespace:
+def stretched(
+    fabric: str, *, ratio: Sequence[float], reach: float | None = None
+) -> SimpleNamespace:
     """A biaxial path to fibre failure or to `reach` [m]; at its end the centrelines and the thickness of the yarns."""
     from unitcell3d.cases import biaxial_and_platens
 
@@ -275,8 +321,13 @@ def stretched(fabric: str, *, ratio: Sequence[float], reach: float | None = None
         # the axis of the yarn over the plane of symmetry across it: middle of each column through the thickness
         low, high = x[grid[:, 0, 0]], x[grid[:, 0, -1]]
         lines.append(np.stack([0.5 * (low + high)[:, axis], sign * 0.5 * (low + high)[:, 2]]))
-    thickness = [np.array([np.ptp(points[grid[0, 0], 2]) for grid in mesh.grids]) for points in (mesh.points, x)]
-    return SimpleNamespace(**_columns(found), lines=lines, thickness=thickness[0], thickness_end=thickness[1])
+    thickness = [
+        np.array([np.ptp(points[grid[0, 0], 2]) for grid in mesh.grids])
+        for points in (mesh.points, x)
+    ]
+    return SimpleNamespace(
+        **_columns(found), lines=lines, thickness=thickness[0], thickness_end=thickness[1]
+    )
 
 
 def plates(fabric: str) -> SimpleNamespace:
@@ -286,7 +337,9 @@ def plates(fabric: str) -> SimpleNamespace:
     return SimpleNamespace(**_columns(biaxial_and_platens.plate_compression(*_meshed(fabric))))
 
 
-def lone(fabric: str, *, family: int, bars: int | None = None, one_point: bool = False) -> SimpleNamespace:
+def lone(
+    fabric: str, *, family: int, bars: int | None = None, one_point: bool = False
+) -> SimpleNamespace:
     """One yarn alone, pulled straight and on; `bars` 0 takes its fibres away, `one_point` integrates the least."""
     from unitcell3d.cases import single_yarn
     from unitcell3d.material import solid_law
@@ -303,7 +356,9 @@ def sections(fabric: str) -> SimpleNamespace:
     `fibre` (2,) [m2] of the bars that cut the section at the crossing."""
     mesh, _ = _meshed(fabric)
     area, fibre = [], []
-    for number, (grid, pairs, bars, S0) in enumerate(zip(mesh.grids, mesh.bars, mesh.bar_area, mesh.S0)):
+    for number, (grid, pairs, bars, S0) in enumerate(
+        zip(mesh.grids, mesh.bars, mesh.bar_area, mesh.S0)
+    ):
         # half of the length and half of the section are meshed
         area.append(4 * _volume(mesh.points[mesh.hexes[mesh.yarn == number]]) / S0)
         fibre.append(float(bars[np.isin(pairs, grid[0]).any(axis=1)].sum()) / mesh.share)
@@ -331,7 +386,9 @@ def meshes(fabric: str, *, sections: Sequence[str]) -> SimpleNamespace:
         errors, spread = [], []
         for grid, w, h, axis in zip(mesh.grids, mesh.w, mesh.h0, (0, 1)):
             middle = 0.5 * (mesh.points[grid[:, 0, 0]] + mesh.points[grid[:, 0, -1]])
-            errors.append(np.ptp(np.abs(middle[:, 2]) - h * np.cos(np.pi * middle[:, axis] / (2 * w))) / h)
+            errors.append(
+                np.ptp(np.abs(middle[:, 2]) - h * np.cos(np.pi * middle[:, axis] / (2 * w))) / h
+            )
             heights = mesh.points[grid[:, :, -1], 2] - mesh.points[grid[:, :, 0], 2]
             spread.append(np.ptp(heights, axis=0).max() / heights.max())
         found[section] = {"cosine": max(errors), "spread": max(spread), "overlap": _overlap(mesh)}
@@ -354,14 +411,21 @@ def brick(fabric: str, *, stretch: Sequence[float]) -> SimpleNamespace:
     from unitcell3d.material.solid_law import forms
 
     law = catalogue.load(fabric).solid_laws[0]
-    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+    corners = np.array(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],
+        float,
+    )
     space = HexSpace.build(corners, np.arange(8)[None])
-    constants = space.cell_constants(np.array([[law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G]]))
+    constants = space.cell_constants(
+        np.array([[law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G]])
+    )
     solid = Assembler(space, *forms(space, constants))
     a, b, c = stretch
     space.set_displacement(corners * (np.array(stretch) - 1))
     nominal = (solid.residual().T @ corners)[0, 0]
-    return SimpleNamespace(stress=nominal / (b * c), V_f=law.Vf0 / (b * c), strain=float(np.log(a)), E_a=law.E_a)
+    return SimpleNamespace(
+        stress=nominal / (b * c), V_f=law.Vf0 / (b * c), strain=float(np.log(a)), E_a=law.E_a
+    )
 
 
 def released(fabric: str, *, plies: int, friction: float, closed: float) -> SimpleNamespace:

@@ -28,12 +28,20 @@ def shots() -> list[tuple[dict[str, Any], Case]]:
                 "panel.crossovers": "sliding",
                 "panel.crossover_friction": f"{mu}",
                 "panel.symmetry": "whole",
-                "panel.boundary": "clamped" if force == "rigid" else f'{{ clamp_force = "{force} N" }}',
+                "panel.boundary": "clamped"
+                if force == "rigid"
+                else f'{{ clamp_force = "{force} N" }}',
                 "run.end_time": END_TIME,
             }
             changes |= {"panel.impact_point": '["0 mm", "0 mm"]'} if aim == "on" else {}
             case = case_of("", group["input"], tuple(changes.items()))
-            row = {"input": group["input"], "friction": mu, "clamp [N]": force, "struck": aim, "velocity": velocity}
+            row = {
+                "input": group["input"],
+                "friction": mu,
+                "clamp [N]": force,
+                "struck": aim,
+                "velocity": velocity,
+            }
             found.append((row | {"tested": tested}, case))
     return found
 
@@ -51,15 +59,21 @@ def fire(case: Case) -> dict[str, Any]:
     }
 
 
-def settings(varied: Sequence[dict[str, Any]], shots: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def settings(
+    varied: Sequence[dict[str, Any]], shots: Sequence[dict[str, Any]]
+) -> list[dict[str, Any]]:
     """A row a setting: tests met, energy error, and of each velocity outcome and slip at the clamps."""
     found: dict[str, dict[str, Any]] = {}
     for row, shot in zip(varied, shots):
         setting = {key: row[key] for key in ("input", "friction", "clamp [N]", "struck")}
         one = found.setdefault(repr(setting), setting | {"tests met": 0})
-        left = f", {shot['residual_velocity']:.0f} m/s left" if shot["outcome"] == "perforated" else ""
+        left = (
+            f", {shot['residual_velocity']:.0f} m/s left" if shot["outcome"] == "perforated" else ""
+        )
         one["tests met"] += shot["outcome"] == row["tested"]
         one[f"{row['velocity']} m/s"] = f"{shot['outcome']}{left}"
-        one[f"slip at {row['velocity']} m/s, warp / weft [mm]"] = [round(slip, 2) for slip in shot["slip"]]
+        one[f"slip at {row['velocity']} m/s, warp / weft [mm]"] = [
+            round(slip, 2) for slip in shot["slip"]
+        ]
         one["energy error [%]"] = max(shot["error"], one.get("energy error [%]", 0.0))
     return list(found.values())

@@ -30,12 +30,18 @@ RUN = ("computed", "coarse", "error", "energy_error", "commit")  # columns that 
 VALIDATION = ("E", "u_num", "u_input", "u_val", "E_over_u_val")
 
 
-def main(parts: Sequence[str] = (), *, quick: bool = False, jobs: int = 1, out: Path | None = None) -> None:
+def main(
+    parts: Sequence[str] = (), *, quick: bool = False, jobs: int = 1, out: Path | None = None
+) -> None:
     parts, stamp, rows = parts or PARTS[: -1 if quick else None], provenance.stamp(), read()
     folder = out or (KEPT if quick else study.DATA)
     runs: dict[str, Any] = {"folder": KEPT / "runs", "jobs": jobs}
-    cases = {row.id: (None if quick else row.case, row.coarse_case) for row in rows if row.level in parts}
-    wanted = list(dict.fromkeys(case for pair in cases.values() for case in pair if case is not None))
+    cases = {
+        row.id: (None if quick else row.case, row.coarse_case) for row in rows if row.level in parts
+    }
+    wanted = list(
+        dict.fromkeys(case for pair in cases.values() for case in pair if case is not None)
+    )
     found = dict(zip(wanted, run_cache.results(compute, [(case,) for case in wanted], **runs)))
     kept = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
     new = {id: _ran(found, *pair, stamp["commit"]) for id, pair in cases.items() if any(pair)}
@@ -87,20 +93,35 @@ def summary(table: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
     """
     found = []
     for name in dict.fromkeys(row["quantity"] for row in table if row["computed"] or row["coarse"]):
-        rows = [row for row in table if row["quantity"] == name and (row["computed"] or row["coarse"])]
+        rows = [
+            row for row in table if row["quantity"] == name and (row["computed"] or row["coarse"])
+        ]
         values = [row["computed"] or row["coarse"] for row in rows]
-        met = [row["measured"] == value or abs(number(row["E_over_u_val"])) <= 2 for row, value in zip(rows, values)]
+        met = [
+            row["measured"] == value or abs(number(row["E_over_u_val"])) <= 2
+            for row, value in zip(rows, values)
+        ]
         one: dict[str, Any] = {
             "level": rows[0]["level"],
             "quantity": name,
             "words": f"{sum(met)} within the uncertainty",
         }
-        one |= {"n": len(rows), "within 2 u_val": sum(met), "bias": None, "sigma_model": None, "sigma_test": None}
-        measured, computed = ([*map(number, each)] for each in ((row["measured"] for row in rows), values))
+        one |= {
+            "n": len(rows),
+            "within 2 u_val": sum(met),
+            "bias": None,
+            "sigma_model": None,
+            "sigma_test": None,
+        }
+        measured, computed = (
+            [*map(number, each)] for each in ((row["measured"] for row in rows), values)
+        )
         if min(*measured, *computed) > 0:
             of = statistics.of(measured, computed, [float(row["sigma"]) for row in rows])
             one |= {key: round(value, 3) for key, value in vars(of).items()}
-            one["words"] = f"bias {of.bias:.2f}" + ("" if isnan(of.sigma_model) else f", sigma {of.sigma_model:.0%}")
+            one["words"] = f"bias {of.bias:.2f}" + (
+                "" if isnan(of.sigma_model) else f", sigma {of.sigma_model:.0%}"
+            )
         one["words"] += f", n = {len(rows)}"
         found.append(one)
     return found

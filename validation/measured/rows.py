@@ -71,7 +71,10 @@ class Case:
 
     def setup(self, **more: Any) -> Any:
         """The ImpactSetup of an impact, with `more` values of dotted keys."""
-        file, changes = HERE / "inputs" / f"{self.input}.toml", {"numerics.threads": 1} | self.keys | more
+        file, changes = (
+            HERE / "inputs" / f"{self.input}.toml",
+            {"numerics.threads": 1} | self.keys | more,
+        )
         return target.read(str(file), HERE, honoured.IMPACT, changes=changes).setup
 
 
@@ -107,7 +110,11 @@ def _row(measure, input, changes, coarse, **columns):
     if not measure:
         return Row(**columns)
     own, cheapest = (
-        tuple((key.strip(), value) for key, _, value in (part.partition("=") for part in texts.split(";")) if value)
+        tuple(
+            (key.strip(), value)
+            for key, _, value in (part.partition("=") for part in texts.split(";"))
+            if value
+        )
         for texts in (changes, coarse)
     )
     cheap = None if coarse == "-" else case_of(measure, input, (*own, *cheapest))
@@ -131,7 +138,9 @@ def _value(text):
 # {measure: value in the unit of the row} of a wc.ShotResult, of a Strike at a bare block, of a Fabric
 OF_SHOTS: dict[str, Callable[[Any], Any]] = {
     "outcome": lambda shot: shot.outcome,
-    "slip": lambda shot: 1e3 * float(shot.plies["pull_in"].max()),  # largest way of a yarn's end out of its clamp
+    "slip": lambda shot: (
+        1e3 * float(shot.plies["pull_in"].max())
+    ),  # largest way of a yarn's end out of its clamp
     "torn_plies": lambda shot: float(np.count_nonzero(shot.plies["cut_yarns"][-1])),
 }
 OF_BLOCKS: dict[str, Callable[[Strike], float]] = {
@@ -170,13 +179,18 @@ def _limit(case, **more):
     """[m/s] velocity between a stop and a perforation, looked for from the measured V50; half of what lies between."""
     setup, width = case.setup(**more), float(case.options.get("tolerance", 0.03))
     guess = setup.strike_velocity
-    found = ballistic_limit.critical_velocity(setup.target(), tolerance=width * guess, guess=guess, step=1 + width)
+    found = ballistic_limit.critical_velocity(
+        setup.target(), tolerance=width * guess, guess=guess, step=1 + width
+    )
     return found.velocity, found.half_width, max(shot.balance for shot in found.shots)
 
 
 def _growth(case):
     """[-] limit of the pack over that of two plies."""
-    many, few = _limit(case), _limit(case, **{"panel.plies": 2, "projectile.strike_velocity": "240 m/s"})
+    many, few = (
+        _limit(case),
+        _limit(case, **{"panel.plies": 2, "projectile.strike_velocity": "240 m/s"}),
+    )
     ratio = many[0] / few[0]
     return ratio, ratio * float(np.hypot(many[1] / many[0], few[1] / few[0])), max(many[2], few[2])
 
@@ -184,8 +198,12 @@ def _growth(case):
 def _strike(case):
     """What a projectile does to the bare block of a file with the tables [projectile] and [backing] alone."""
     shot, backing = dict(case.scene["projectile"]), case.scene["backing"]
-    setup = wc.setup("S-728", shot.pop("strike_velocity"), opening="200 mm", projectile=shot, backing=backing)
-    return strike(setup.backing, setup.projectile, setup.strike_velocity, 0.03, after=setup.backing.after_stop)
+    setup = wc.setup(
+        "S-728", shot.pop("strike_velocity"), opening="200 mm", projectile=shot, backing=backing
+    )
+    return strike(
+        setup.backing, setup.projectile, setup.strike_velocity, 0.03, after=setup.backing.after_stop
+    )
 
 
 def _closure(case, fabric):

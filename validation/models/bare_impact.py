@@ -29,9 +29,15 @@ class Strike:
 
 
 def strike(
-    backing: Backing, projectile: Projectile, velocity: float, end_time: float, *, dt: float | None = None,
-    every: int = 20, after: float = 0.0,
-) -> Strike:  # fmt: skip
+    backing: Backing,
+    projectile: Projectile,
+    velocity: float,
+    end_time: float,
+    *,
+    dt: float | None = None,
+    every: int = 20,
+    after: float = 0.0,
+) -> Strike:
     """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back.
 
     Parameters
@@ -71,4 +77,6 @@ def strike(
             break
     t, v, z = np.array(rows).T
     named = {name: np.array(energies)[:, k] for k, name in enumerate(own)}
-    return Strike(t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)), result_of(block))
+    return Strike(
+        t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)), result_of(block)
+    )

@@ -35,7 +35,9 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
     Of tensions over the strength, of contact forces over the largest, of the sum of the heights over that at rest, and
     of stored energies over the largest.
     """
-    stretches = [np.array(one) for one in np.broadcast_arrays(np.asarray(stretch1, float), stretch2)]
+    stretches = [
+        np.array(one) for one in np.broadcast_arrays(np.asarray(stretch1, float), stretch2)
+    ]
     weave, found = model.fabric.weave, model.solve(*stretches)
     F, touching = found["F"], found["F"] > 0
     largest = max(float(F.max()), 1e-12)
@@ -51,7 +53,9 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
         tension = yarn.EA * np.maximum(S - S0, 0) / S0
         slope = 0.5 * np.pi * h / w
         force = 2 * tension * slope / np.sqrt(1 + slope**2)
-        free = np.abs(S - np.maximum(S0, 2 * w)) / S0  # a yarn that touches nothing keeps its length, or is straight
+        free = (
+            np.abs(S - np.maximum(S0, 2 * w)) / S0
+        )  # a yarn that touches nothing keeps its length, or is straight
         worst = max(
             worst,
             float(np.abs(tension - T).max()) / yarn.strength,
@@ -69,5 +73,7 @@ def departure(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike) -> flo
     closed = heights / sum(weave.h0) - 1
     worst = max(worst, float(np.abs(closed[touching]).max(initial=0.0)))
     if model.model != "decoupled":
-        worst = max(worst, float(-closed[~touching].min(initial=0.0)))  # contact is lost only where there is room
+        worst = max(
+            worst, float(-closed[~touching].min(initial=0.0))
+        )  # contact is lost only where there is room
     return max(worst, float(np.abs(W - found["W"]).max()) / max(float(W.max()), 1e-30))

@@ -19,7 +19,9 @@ from shellfabric.cell.model import COLUMNS, CellModel
 QUANTITIES = ("T1", "N1", "N2", "C1", "F")
 
 
-def solved(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike, share: float) -> dict[str, FloatArray]:
+def solved(
+    model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike, share: float
+) -> dict[str, FloatArray]:
     """The cell with `share` times the warp's unstretched length.
 
     Parameters
@@ -45,7 +47,9 @@ def solved(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike, share: fl
     return found | {"C1": found["T1"] * (1 + 0.5 * strain) * warp[1] / (2 * warp[0])}
 
 
-def scaled(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike, share: float) -> dict[str, FloatArray]:
+def scaled(
+    model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike, share: float
+) -> dict[str, FloatArray]:
     """The same from the cell at rest length, at the effective stretch of the warp, as the sliding panel has it."""
     first, second = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
     x = first / share
@@ -56,7 +60,14 @@ def scaled(model: CellModel, stretch1: ArrayLike, stretch2: ArrayLike, share: fl
     N = found["N1"] + (share - 1) * alone
     config = x * N / share - 0.5 * alone * slack / (2 * w)
     W = found["W"] + (share - 1) * 0.5 * alone * slack
-    return {"T1": found["T1"], "N1": N / share, "N2": found["N2"], "C1": config, "F": found["F"], "W": W}
+    return {
+        "T1": found["T1"],
+        "N1": N / share,
+        "N2": found["N2"],
+        "C1": config,
+        "F": found["F"],
+        "W": W,
+    }
 
 
 def errors(model: CellModel, shares: ArrayLike, strains: ArrayLike) -> FloatArray:
@@ -72,6 +83,11 @@ def errors(model: CellModel, shares: ArrayLike, strains: ArrayLike) -> FloatArra
     found = []
     for share in np.atleast_1d(shares):
         stretch = share * straight * (1 + np.atleast_1d(strains))
-        exact, table = solved(model, stretch, 1.0, float(share)), scaled(model, stretch, 1.0, float(share))
-        found.append([np.max(np.abs(exact[name] - table[name])) / weave.warp.strength for name in QUANTITIES])
+        exact, table = (
+            solved(model, stretch, 1.0, float(share)),
+            scaled(model, stretch, 1.0, float(share)),
+        )
+        found.append(
+            [np.max(np.abs(exact[name] - table[name])) / weave.warp.strength for name in QUANTITIES]
+        )
     return np.array(found)

@@ -27,7 +27,9 @@ class Iteration:
     converged: bool
 
 
-def iterate(fabric: str, d1: float, d2: float, *, invert: bool = True, below: float = 0.0) -> Iteration:
+def iterate(
+    fabric: str, d1: float, d2: float, *, invert: bool = True, below: float = 0.0
+) -> Iteration:
     """Newton with the exact Jacobian from the heights at rest; `invert` False multiplies by the Jacobian instead.
 
     `below` : share by which it starts below them, for what rounding can do
@@ -63,7 +65,9 @@ def iterations_at_edge(fabric: str, reach: float) -> float:
     """Steps of the iteration where yarns barely touch, of the pairs at which it converges, over those inside."""
     d = np.linspace(-reach, reach, 41)
     ends = {(a, b): iterate(fabric, a, b) for a in d for b in d if a > 0 or b > 0}
-    inside = np.median([e.steps for (a, b), e in ends.items() if a >= 0.01e-3 and b >= 0.01e-3 and e.converged])
+    inside = np.median(
+        [e.steps for (a, b), e in ends.items() if a >= 0.01e-3 and b >= 0.01e-3 and e.converged]
+    )
     cell = CellModel(catalogue.load(fabric), form="equilibrium")
     force = cell.solve(*(1 + np.array(list(ends)) / cell.fabric.weave.w).T)["F"]
     weak = [e.steps for F, e in zip(force, ends.values()) if 0 < F < 1.0 and e.converged]

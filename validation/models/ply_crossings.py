@@ -42,12 +42,21 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
         now = rest + np.stack([u[:size].reshape(shape) for u in state.u], axis=-1)
         warp, weft = (part[:size].reshape(shape) > 0 for part in state.intact_fraction)
         flag = state.element_flag[:size].reshape(shape)[:-1, :-1]
-        is_facet = (warp[:-1, :-1] | warp[:-1, 1:]) & (weft[:-1, :-1] | weft[1:, :-1]) & (flag & ERODED == 0)
+        is_facet = (
+            (warp[:-1, :-1] | warp[:-1, 1:])
+            & (weft[:-1, :-1] | weft[1:, :-1])
+            & (flag & ERODED == 0)
+        )
         is_facet &= (flag == 0) | ~drawn_out(now, rest)
         contact, rows = march.contact, np.arange(c.ni)[:, None]
-        is_facet &= contact.dropped[contact.base[p] + rows * contact.shape[p, 0] + np.arange(c.nj)] == 0
+        is_facet &= (
+            contact.dropped[contact.base[p] + rows * contact.shape[p, 0] + np.arange(c.nj)] == 0
+        )
         number = first + np.arange(size).reshape(shape)
-        a, b, c, d = (part[is_facet] for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+        a, b, c, d = (
+            part[is_facet]
+            for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+        )
         about = np.pad(is_facet, 1)
         warp = warp[:-1] & ~(about[1:-1, 1:] | about[1:-1, :-1])
         weft = weft[:, :-1] & ~(about[1:, 1:-1] | about[:-1, 1:-1])
@@ -57,7 +66,12 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
         places.append(panel.in_pack(now).reshape(-1, 3))
         owner.append(np.full(size, p))
         first += size
-    return np.concatenate(places), np.concatenate(facets), np.concatenate(bare), np.concatenate(owner)
+    return (
+        np.concatenate(places),
+        np.concatenate(facets),
+        np.concatenate(bare),
+        np.concatenate(owner),
+    )
 
 
 def drawn_out(now: FloatArray, rest: FloatArray) -> FloatArray:

@@ -9,7 +9,9 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import Value, scale_laws, scale_shear, scale_yarns, with_shear, with_solids
 
-NEARLY_STRAIGHT = 1e-6  # [-] crimp: the thickness of the fabric is that of its crimp, and must not be zero
+NEARLY_STRAIGHT = (
+    1e-6  # [-] crimp: the thickness of the fabric is that of its crimp, and must not be zero
+)
 
 
 def with_law_form(fabric: Fabric, form: str) -> Fabric:
@@ -64,4 +66,7 @@ def scale_solids(fabric: Fabric, factors: Mapping[str, float]) -> Fabric:
     InputError : the fabric has no solid laws
     """
     laws = with_solids(fabric).solid_laws
-    return with_solids(fabric, **{name: tuple(getattr(law, name) * f for law in laws) for name, f in factors.items()})
+    return with_solids(
+        fabric,
+        **{name: tuple(getattr(law, name) * f for law in laws) for name, f in factors.items()},
+    )

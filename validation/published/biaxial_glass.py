@@ -25,4 +25,6 @@ def free_edge(model: CellModel, direction: str) -> CellPath:
     strain, tension = np.full((241, 2), np.nan), np.zeros((241, 2))
     strain[:, index] = np.linspace(0, end, 241)
     tension[:, index] = model.alone(index, 1 + strain[:, index])
-    return CellPath((1.0 - index, float(index)), strain, dict(zip(("T1", "T2"), tension.T)), direction)
+    return CellPath(
+        (1.0 - index, float(index)), strain, dict(zip(("T1", "T2"), tension.T)), direction
+    )

@@ -111,12 +111,18 @@ def biaxial(
         paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
         solved = {} if compare_3d is None else _crossovers(fabric, paths, meshes.size(compare_3d))
         seconds = time.perf_counter() - began
-        return saved(BiaxialResult(model, paths, solved, options, source, compare_3d, seconds), folder)
+        return saved(
+            BiaxialResult(model, paths, solved, options, source, compare_3d, seconds), folder
+        )
 
 
 def _ratio(text):
     """(warp, weft) from "2:1"."""
-    bad = InputError(key="ratio", value=text, allowed='two numbers of at least 0, one of them above, such as "2:1"')
+    bad = InputError(
+        key="ratio",
+        value=text,
+        allowed='two numbers of at least 0, one of them above, such as "2:1"',
+    )
     try:
         ratio = tuple(float(part) for part in text.split(":"))
     except ValueError:
@@ -135,7 +141,9 @@ def _crossovers(fabric, paths, size):
     with progress.bar(f"3D crossover of {fabric.name}") as advance:
         for number, (text, path) in enumerate(paths.items()):
             advance(number / len(paths), text)
-            solved[text] = biaxial_and_platens.biaxial(built, fabric, (path.ratio[0] * w1, path.ratio[1] * w2))
+            solved[text] = biaxial_and_platens.biaxial(
+                built, fabric, (path.ratio[0] * w1, path.ratio[1] * w2)
+            )
     return solved
 
 
@@ -176,8 +184,16 @@ class BiaxialResult(Result):
     def summary(self) -> dict[str, Any]:
         """Settings, and of each path the yarn that is first at its strength, strains, tensions and contact force there;
         beside the 3D crossover the rms difference of the tensions [N]."""
-        settings = {"fabric": self.fabric.name, "form": self.model.form, "law": self.source, **self.options}
-        return settings | {"mesh": self.size, "paths": {text: self._end(text) for text in self.paths}}
+        settings = {
+            "fabric": self.fabric.name,
+            "form": self.model.form,
+            "law": self.source,
+            **self.options,
+        }
+        return settings | {
+            "mesh": self.size,
+            "paths": {text: self._end(text) for text in self.paths},
+        }
 
     def _end(self, text):
         path, history = self.paths[text], self.solved.get(text)
@@ -196,10 +212,15 @@ class BiaxialResult(Result):
 
     def _columns(self):
         paths = self.paths.values()
-        columns: dict[str, Any] = {"ratio": np.repeat(list(self.paths), [len(path.strain) for path in paths])}
+        columns: dict[str, Any] = {
+            "ratio": np.repeat(list(self.paths), [len(path.strain) for path in paths])
+        }
         strains = np.concatenate([path.strain for path in paths])
         columns |= {"warp strain [-]": strains[:, 0], "weft strain [-]": strains[:, 1]}
-        return columns | {name: np.concatenate([path.response[key] for path in paths]) for key, name in COLUMNS.items()}
+        return columns | {
+            name: np.concatenate([path.response[key] for path in paths])
+            for key, name in COLUMNS.items()
+        }
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
@@ -208,15 +229,22 @@ class BiaxialResult(Result):
 
         out, fabric = Path(out), self.fabric
         stamp = provenance.stamp("", fabric)
-        files.write(out / "biaxial.csv", self.to_dataframe().to_csv(index=False, float_format="%.8g"))
+        files.write(
+            out / "biaxial.csv", self.to_dataframe().to_csv(index=False, float_format="%.8g")
+        )
         for text, history in self.solved.items():
             history.write(out / f"{text.replace(':', '-')}.h5")
         json_file.write(out / "biaxial.json", self.summary() | {"provenance": stamp})
         section = self._section()
         page.write_pictures([section], out / "pictures")
-        title, card = f"{fabric.name}: biaxial response", chapters.law_card(self.model.used_laws[0], source=self.source)
+        title, card = (
+            f"{fabric.name}: biaxial response",
+            chapters.law_card(self.model.used_laws[0], source=self.source),
+        )
         lead = "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first "
-        report = chapters.report(title, lead + "yarn.", (fabric,), (card,), (section,), stamp, {"all": self.seconds})
+        report = chapters.report(
+            title, lead + "yarn.", (fabric,), (card,), (section,), stamp, {"all": self.seconds}
+        )
         page.write(report, out / "report.html")
 
     def _section(self):
@@ -230,7 +258,12 @@ class BiaxialResult(Result):
             history = self.solved.get(text)
             strains[f"strains {text}"] = tuple(path.strain.T)
             if history is not None:
-                strains[f"strains {text}"] = history.d1 / w1, history.d2 / w2, history.T1, history.T2
+                strains[f"strains {text}"] = (
+                    history.d1 / w1,
+                    history.d2 / w2,
+                    history.T1,
+                    history.T2,
+                )
         label = "published law" if self.source == "published" else "law given"
         drawn = chapters.cell(self.fabric, {label: self.fabric.laws}, paths=strains, **self.options)
         ends = {text: self._end(text) for text in self.paths}
@@ -243,7 +276,9 @@ class BiaxialResult(Result):
         }
         if self.solved:
             table["rms from 3D [N]"] = [_pair(end["rms_from_3d"], ".2f") for end in ends.values()]
-        return replace(drawn, tables=(Table.of(DataFrame(table), "Where each path ends, warp / weft"),))
+        return replace(
+            drawn, tables=(Table.of(DataFrame(table), "Where each path ends, warp / weft"),)
+        )
 
     def __str__(self) -> str:
         lines = []

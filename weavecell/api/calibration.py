@@ -110,16 +110,26 @@ def calibrate(
         built = meshes.MeshResult(fabric, meshes.build(fabric, "whole", size=size))
         with progress.bar(f"Calibration of {fabric.name}") as advance:
             watch = progress.by_path(advance, solver.CASES)
-            done = solver.calibrate(fabric, size=size, out=folder, resume=resume, on_progress=watch, **choices)
+            done = solver.calibrate(
+                fabric, size=size, out=folder, resume=resume, on_progress=watch, **choices
+            )
         failed: dict[str, str] = {}
         if assumed_range and assumed.solid_ends(fabric):
             with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
                 watch = progress.by_path(advance, 2 * solver.CASES)
-                done, failed = ends.with_assumed_range(fabric, done, size=size, on_progress=watch, **choices)
+                done, failed = ends.with_assumed_range(
+                    fabric, done, size=size, on_progress=watch, **choices
+                )
         interval = None if solid is None else _interval(solid, runs, choices)
         shot_at = with_linear_density(fabric, "effective") if named else fabric
         result = CalibrationResult(
-            replace(shot_at, laws=(done.law, done.law)), done, built, failed, solid, interval, resumable=bool(folder)
+            replace(shot_at, laws=(done.law, done.law)),
+            done,
+            built,
+            failed,
+            solid,
+            interval,
+            resumable=bool(folder),
         )
         return saved(result, folder)
 
@@ -151,7 +161,9 @@ def _solid(fabric, curve, runs):
             kept[key] = solid_fit.fit_solid(
                 fabric,
                 curve,
-                on_progress=lambda trials, rms: advance(min(trials / TRIALS, 0.99), f"misfit {1e6 * rms:.1f} µm"),
+                on_progress=lambda trials, rms: advance(
+                    min(trials / TRIALS, 0.99), f"misfit {1e6 * rms:.1f} µm"
+                ),
             )
     return kept[key]
 
@@ -165,9 +177,14 @@ def _interval(solid, runs, choices):
         return law_intervals([solid], folder=runs, report=report, **choices)[0]
 
 
-def interval_numbers(interval: LawInterval, around: dict[str, tuple[float, float]]) -> dict[str, Any]:
+def interval_numbers(
+    interval: LawInterval, around: dict[str, tuple[float, float]]
+) -> dict[str, Any]:
     """A LawInterval as plain types, for law-interval.json; `around` of `LawInterval.around`."""
-    ends = [[None if law is None else {"a_m": law.a, "b_m_N^(1/3)": law.b} for law in pair] for pair in interval.ends]
+    ends = [
+        [None if law is None else {"a_m": law.a, "b_m_N^(1/3)": law.b} for law in pair]
+        for pair in interval.ends
+    ]
     return {
         "a_interval_m": around["a"],
         "b_interval_m_N^(1/3)": around["b"],
@@ -213,7 +230,10 @@ class CalibrationResult(Result):
     @property
     def assumed(self) -> tuple[str, ...]:
         """Lines that name the laws that are assumed."""
-        return (*self.mesh.fabric.notes, *assumed.lines(assumed.given(self.mesh.fabric, "failure_length")))
+        return (
+            *self.mesh.fabric.notes,
+            *assumed.lines(assumed.given(self.mesh.fabric, "failure_length")),
+        )
 
     def summary(self) -> dict[str, Any]:
         """a and b with their 95 % intervals, rms of the fit, and the range over the assumed solid law.
@@ -239,9 +259,13 @@ class CalibrationResult(Result):
     def _columns(self):
         units = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "d_c": "m"}
         histories = self.calibration.histories
-        columns: dict[str, Any] = {"path": [name for name, path in histories.items() for _ in path["path"]]}
+        columns: dict[str, Any] = {
+            "path": [name for name, path in histories.items() for _ in path["path"]]
+        }
         for name, unit in units.items():
-            columns[f"{name}_{unit}"] = np.concatenate([np.asarray(path[name]) for path in histories.values()])
+            columns[f"{name}_{unit}"] = np.concatenate(
+                [np.asarray(path[name]) for path in histories.values()]
+            )
         return columns
 
     @property
@@ -255,8 +279,14 @@ class CalibrationResult(Result):
         from unitcell3d.identify.calibration import samples
 
         done = self.calibration
-        laws = {"fitted": done.law} | ({} if done.published is None else {"published": done.published})
-        return {name: samples(path) for name, path in self._stretched.items()}, laws, (done.plates.F_c, done.plates.d_c)
+        laws = {"fitted": done.law} | (
+            {} if done.published is None else {"published": done.published}
+        )
+        return (
+            {name: samples(path) for name, path in self._stretched.items()},
+            laws,
+            (done.plates.F_c, done.plates.d_c),
+        )
 
     def plot(self) -> Figure:
         """A matplotlib figure: compression of a yarn [um] against contact force [N], samples and laws."""
@@ -277,13 +307,22 @@ class CalibrationResult(Result):
         """(name, a [mm], b [mm N^(1/3)], rms [um]) as texts: the law with intervals and spread, what it leaves out."""
         done, law = self.calibration, self.law
         pairs = [("fitted", law), ("published", done.published)]
-        rows = [_row(name, pair.a, pair.b, pair.residual_rms) for name, pair in pairs if pair is not None]
+        rows = [
+            _row(name, pair.a, pair.b, pair.residual_rms)
+            for name, pair in pairs
+            if pair is not None
+        ]
         rows.insert(1, _row("95 % interval", law.a_interval, law.b_interval))
         if done.spread:
             rows.append(_row("each path", done.spread["a"], done.spread["b"]))
         alone = zip(("warp alone", "weft alone"), done.yarn_laws)
-        rows += [_row(name, own.a, own.b, own.residual_rms) for name, own in alone if own is not None]
-        rows += [_row(f"{end} end", *ends) for end, ends in zip(("soft", "stiff"), law.assumed_range or ())]
+        rows += [
+            _row(name, own.a, own.b, own.residual_rms) for name, own in alone if own is not None
+        ]
+        rows += [
+            _row(f"{end} end", *ends)
+            for end, ends in zip(("soft", "stiff"), law.assumed_range or ())
+        ]
         if around := self._around():
             rows.append(_row("of the solid", around["a"], around["b"]))
         if (ratio := done.ratio_law) is not None:
@@ -310,17 +349,31 @@ class CalibrationResult(Result):
                 text = f"a = {a} mm, b = {b} mm N^(1/3)"
             lines.append((name, text + (f", {rms} um rms" if rms else "")))
         low, high = law.F_range or (np.nan, np.nan)
-        lines.append(("residual", f"{1e6 * (law.residual_rms or 0):.2f} um rms over F = {low:.2g} to {high:.3g} N"))
-        better = "" if done.chosen == "one law" else ", although the alternative fits the paths better"
+        lines.append(
+            (
+                "residual",
+                f"{1e6 * (law.residual_rms or 0):.2f} um rms over F = {low:.2g} to {high:.3g} N",
+            )
+        )
+        better = (
+            "" if done.chosen == "one law" else ", although the alternative fits the paths better"
+        )
         lines.append(("impacts use", f"the fitted law{better}"))
         lines += [("note", line) for line in law.outside_ends()]
         for end, why in self.failed.items():
-            lines.append(("no range", f"the {end} end of the assumed solid law has no compression law: {why}"))
+            lines.append(
+                (
+                    "no range",
+                    f"the {end} end of the assumed solid law has no compression law: {why}",
+                )
+            )
         if done.contact is not None:
             lines.append(("plies", done.contact.words()))
         for name, path in done.histories.items():
             if path.failed:
-                lines.append((name, f"ended at {100 * path.path[-1]:.1f} % of its path: {path.failed}"))
+                lines.append(
+                    (name, f"ended at {100 * path.path[-1]:.1f} % of its path: {path.failed}")
+                )
         return "\n".join(f"{name:<13} {text}" for name, text in lines)
 
     def save(self, out: FilePath) -> None:
@@ -344,7 +397,10 @@ class CalibrationResult(Result):
             "the thickness that its yarns lose under their contact force."
         ) + (f" Coulomb friction between the yarns: {done.friction:g}." if done.friction else "")
         card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
-        title, picture = f"{fabric.name}: compression law from the 3D crossover", folder / "crossover.png"
+        title, picture = (
+            f"{fabric.name}: compression law from the 3D crossover",
+            folder / "crossover.png",
+        )
         sections = *self.sections(), chapters.mesh(self.mesh.summary(), picture.read_bytes())
         report = chapters.report(title, lead, (fabric,), (card,), sections, stamp, done.seconds)
         page.write(report, folder / "report.html")
@@ -355,8 +411,13 @@ class CalibrationResult(Result):
 
         fabric, (_, laws, _) = self.mesh.fabric, self._drawn()
         w1, w2 = fabric.weave.w
-        paths = {name: (path.d1 / w1, path.d2 / w2, path.T1, path.T2) for name, path in self._stretched.items()}
-        cell = chapters.cell(fabric, {label: (law, law) for label, law in laws.items()}, paths=paths)
+        paths = {
+            name: (path.d1 / w1, path.d2 / w2, path.T1, path.T2)
+            for name, path in self._stretched.items()
+        }
+        cell = chapters.cell(
+            fabric, {label: (law, law) for label, law in laws.items()}, paths=paths
+        )
         return (self._fit(), *([] if self.solid is None else [self._of_the_solid()]), cell)
 
     def _fit(self):
@@ -378,7 +439,14 @@ class CalibrationResult(Result):
             row = (name, "-", "-", "") if own is None else _row(name, own.a, own.b, off)
             paths.append((*row, _ended(name, path), done.seconds[name]))
         failures = [
-            (name, one.criterion, ("warp", "weft")[one.yarn], *(1e6 * d for d in one.d), *one.T, one.F_c)
+            (
+                name,
+                one.criterion,
+                ("warp", "weft")[one.yarn],
+                *(1e6 * d for d in one.d),
+                *one.T,
+                one.F_c,
+            )
             for name, of_path in done.failures.items()
             for one in of_path
         ]
@@ -386,8 +454,12 @@ class CalibrationResult(Result):
         ab = ("a [mm]", "b [mm N^(1/3)]")
         tables = {
             laws: self._shown(),
-            "Each path": DataFrame(paths, columns=("path", *ab, f"{rms} from the fitted law", "ended", "time [s]")),
-            "Where the fibre strain first reaches the failure strain": DataFrame(failures, columns=heads),
+            "Each path": DataFrame(
+                paths, columns=("path", *ab, f"{rms} from the fitted law", "ended", "time [s]")
+            ),
+            "Where the fibre strain first reaches the failure strain": DataFrame(
+                failures, columns=heads
+            ),
         }
         notes = "".join(f" Note: {line}." for line in law.outside_ends())
         drawn = pictures.render(pictures.fit, *self._drawn())
@@ -414,19 +486,29 @@ class CalibrationResult(Result):
                 "parameter": names,
                 "fitted [SI]": solid.values.values(),
                 "the fabric's file": [_before(solid.started, name) for name in names],
-                "95 % interval": ["{:.3g} to {:.3g}".format(*solid.intervals[name]) for name in names],
-                "determined by the curve": ["yes" if solid.determined[name] else "no" for name in names],
+                "95 % interval": [
+                    "{:.3g} to {:.3g}".format(*solid.intervals[name]) for name in names
+                ],
+                "determined by the curve": [
+                    "yes" if solid.determined[name] else "no" for name in names
+                ],
             }
         )
         loose = [name for name, known in solid.determined.items() if not known]
         lead = f"E_c, V_c and K_r of both yarns, fitted to {solid.curve.source}; misfit {_misfit(solid.misfit)}, "
         lead += f"before the fit {_misfit(solid.misfit_before)}. "
-        lead += f"The curve does not tell {' and '.join(loose)}." if loose else "The curve tells all three."
+        lead += (
+            f"The curve does not tell {' and '.join(loose)}."
+            if loose
+            else "The curve tells all three."
+        )
         for (key, (low, high)), unit in zip(self._around().items(), ("mm", "mm N^(1/3)")):
             lead += f" What it leaves open makes {key} of the law {1e3 * low:.4f} to {1e3 * high:.4f} {unit} (95 %)."
         caption = "What the platens close against their pressure; zero is free."
         drawn = Figure(pictures.render(pictures_crossover.plates, solid), "svg", caption, "solid")
-        return Section("solid", "The solid yarn from a plate test", lead, (drawn,), (Table.of(table),))
+        return Section(
+            "solid", "The solid yarn from a plate test", lead, (drawn,), (Table.of(table),)
+        )
 
 
 def _row(name, a, b, rms=None):
@@ -443,7 +525,9 @@ def _ended(name, path):
         return path.failed
     if name != "plates":
         return f"at {BEYOND:g} times the failure strain" if name == BOTH else "at fibre failure"
-    return "at the test's pressure" if path.path[-1] < 1 else "with the plates at half their distance"
+    return (
+        "at the test's pressure" if path.path[-1] < 1 else "with the plates at half their distance"
+    )
 
 
 def _known(solid, name):

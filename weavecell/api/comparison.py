@@ -95,10 +95,14 @@ def compare(
                 )
             with progress.bar("Shots of the tests") as advance:
                 strikes = sorted(set(fired["velocity"].tolist()))
-                shots = ballistic_limit.shoot(struck, strikes, report=lambda share, _: advance(share), **beside)
+                shots = ballistic_limit.shoot(
+                    struck, strikes, report=lambda share, _: advance(share), **beside
+                )
         computed = [shots[strikes.index(velocity)] for velocity in fired["velocity"]]
         checks = quality.worst(shot.checks for shot in computed)
-        result = saved(ComparisonResult(panel, studies.compare(fired, computed, limit), checks), folder)
+        result = saved(
+            ComparisonResult(panel, studies.compare(fired, computed, limit), checks), folder
+        )
     result.warn()
     return result
 
@@ -134,7 +138,11 @@ class ComparisonResult(StudyResult):
     @property
     def headline(self) -> tuple[str, str]:
         computed, curve = self.comparison.limit.velocity, self.comparison.curve
-        off = "" if curve is None else f", {100 * (computed / curve.V50 - 1):+.1f} % off the V50 of the tests"
+        off = (
+            ""
+            if curve is None
+            else f", {100 * (computed / curve.V50 - 1):+.1f} % off the V50 of the tests"
+        )
         return "Computed critical velocity", f"{computed:.1f} m/s{off}"
 
     def _columns(self):
@@ -176,4 +184,6 @@ class ComparisonResult(StudyResult):
                 "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
             )
         doubtful = int((comparison.table["checks"] == "doubtful").sum())
-        return lines + [f"doubtful: {doubtful} of {count} computed shots (shots.csv)"] * bool(doubtful)
+        return lines + [f"doubtful: {doubtful} of {count} computed shots (shots.csv)"] * bool(
+            doubtful
+        )

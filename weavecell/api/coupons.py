@@ -103,7 +103,11 @@ def coupon(
     key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
-    inputs = case.fabric, case.laws, case.scene.model_dump(exclude={"title": True, "run": {"outputs"}})
+    inputs = (
+        case.fabric,
+        case.laws,
+        case.scene.model_dump(exclude={"title": True, "run": {"outputs"}}),
+    )
     with out_folder.held(out, resume, [inputs]) as folder:
         checkpoint = folder and folder / "checkpoint.h5"
         try:
@@ -137,7 +141,9 @@ def _case(target, test, options):
     for key, value in rest.items():
         name = next((name for name, keys in tables.items() if key in keys), None)
         if name is None:
-            known = sorted({"law", *(key for keys in tables.values() for key in keys)} - {"outputs"})
+            known = sorted(
+                {"law", *(key for keys in tables.values() for key in keys)} - {"outputs"}
+            )
             raise InputError(key=key, value=value, allowed=f"one of {', '.join(known)}")
         table[name][key] = value
     try:
@@ -147,7 +153,9 @@ def _case(target, test, options):
     if scene.trellis_law == "needed":
         fabric = assumed.with_shear(fabric)
     if scene.fabric.cell_model != "compressible":
-        return Case(fabric, 2 * (CompressionLaw.incompressible(),), scene.fabric.cell_model, scene=scene)
+        return Case(
+            fabric, 2 * (CompressionLaw.incompressible(),), scene.fabric.cell_model, scene=scene
+        )
     laws = build.laws_of(fabric, law)
     return Case(fabric, laws, laws[0].provenance, scene=scene)
 
@@ -158,23 +166,44 @@ def _pull_out(case, text, key, *_):
     with progress.bar(_title(case)) as advance:
         hooks = [lambda solver: advance(solver.time / solver.end_time)]
         try:
-            curve = coupon_results.run_pull_out(_table(case), scene.pull_out, hooks, scene.fabric.bending)
+            curve = coupon_results.run_pull_out(
+                _table(case), scene.pull_out, hooks, scene.fabric.bending
+            )
         except UnstableError as problem:
             failure, curve = problem, problem.result
     facts = _facts(case, failure, began) | {"outcome": "unstable" if failure else "complete"}
-    record, checks = coupon_results.pull_out_record(curve, **facts), coupon_results.pull_out_indicators(curve)
+    record, checks = (
+        coupon_results.pull_out_record(curve, **facts),
+        coupon_results.pull_out_indicators(curve),
+    )
     return PullOutResult(record, curve, case, checks, text, key), failure
 
 
 def _relaxed(case, text, key, checkpoint, resume):
     """(CouponResult, the UnstableError that ended the run or None), with a bar and checkpoints."""
     began, scene, table, failure = time.perf_counter(), case.scene, _table(case), None
-    options, inputs, fabric = scene.run.model_dump(exclude={"outputs"}), scene.test_table, table.model.fabric
+    options, inputs, fabric = (
+        scene.run.model_dump(exclude={"outputs"}),
+        scene.test_table,
+        table.model.fabric,
+    )
     stamp = run_cache.stamp(
-        (scene.test, inputs.model_dump(), options, fabric.weave, fabric.shear, table.model.toes, table.potential),
+        (
+            scene.test,
+            inputs.model_dump(),
+            options,
+            fabric.weave,
+            fabric.shear,
+            table.model.toes,
+            table.potential,
+        ),
         "shellfabric.coupon.quasistatic",
     )
-    states = coupon_results.read_states(checkpoint, stamp) if resume and checkpoint and checkpoint.exists() else []
+    states = (
+        coupon_results.read_states(checkpoint, stamp)
+        if resume and checkpoint and checkpoint.exists()
+        else []
+    )
     with progress.bar(_title(case)) as advance:
 
         def keep(state):
@@ -191,7 +220,9 @@ def _relaxed(case, text, key, checkpoint, resume):
             failure, solved = problem, problem.result
         except KeyboardInterrupt:
             kept = checkpoint is not None and checkpoint.exists()
-            raise run_folder.Interrupted("interrupted" + "; --resume goes on from its last step" * kept) from None
+            raise run_folder.Interrupted(
+                "interrupted" + "; --resume goes on from its last step" * kept
+            ) from None
     record = coupon_results.record(inputs, solved, **_facts(case, failure, began))
     checks = coupon_results.indicators(solved, scene.run.tolerance)
     return CouponResult(record, solved, case, checks, text, key), failure
@@ -203,15 +234,25 @@ def _title(case):
 
 def _facts(case, failure, began):
     """What the records of all tests begin with."""
-    names = {"title": _title(case), "fabric": case.fabric.name, "law_name": case.law_name, "test": case.scene.test}
-    return names | {"failure_message": str(failure or ""), "wall_time_s": time.perf_counter() - began}
+    names = {
+        "title": _title(case),
+        "fabric": case.fabric.name,
+        "law_name": case.law_name,
+        "test": case.scene.test,
+    }
+    return names | {
+        "failure_message": str(failure or ""),
+        "wall_time_s": time.perf_counter() - began,
+    }
 
 
 def _table(case):
     """The table of the cell."""
     from shellfabric.cell.model import CellModel
 
-    return CellModel(case.fabric, case.laws, *build.cell_of(case.scene.fabric)).table(coupon_results.TABLE_SIZE)
+    return CellModel(case.fabric, case.laws, *build.cell_of(case.scene.fabric)).table(
+        coupon_results.TABLE_SIZE
+    )
 
 
 @dataclass(frozen=True, repr=False)
@@ -262,13 +303,18 @@ class CouponResult(Result):
     def _columns(self):
         record = self.record
         units = {name: f"_{record.unit(name)}".removesuffix("_1") for name in record.columns}
-        return {name.replace(" ", "_") + units[name]: values for name, values in record.columns.items()}
+        return {
+            name.replace(" ", "_") + units[name]: values for name, values in record.columns.items()
+        }
 
     def lines(self) -> list[str]:
         """What the test came to, as printed."""
         facts = self.record.facts
         return [
-            *(f"{name:<34}{display.text(values[-1], unit, name)}" for name, (unit, values) in self._measured().items()),
+            *(
+                f"{name:<34}{display.text(values[-1], unit, name)}"
+                for name, (unit, values) in self._measured().items()
+            ),
             f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
             f"most, {facts['wall_time_s']:.1f} s",
         ]
@@ -284,7 +330,8 @@ class CouponResult(Result):
         """All load steps, in the units of the report, with residual (out-of-balance force over the reaction)."""
         states = self.solved.states
         return display.frame(self._measured()).assign(
-            residual=[f"{state.residual:.1e}" for state in states], iterations=[state.iterations for state in states]
+            residual=[f"{state.residual:.1e}" for state in states],
+            iterations=[state.iterations for state in states],
         )
 
     def _shown(self):
@@ -292,7 +339,9 @@ class CouponResult(Result):
 
     def _measured(self):
         """{column: (SI unit, values)}."""
-        return {name: (self.record.unit(name), values) for name, values in self.record.columns.items()}
+        return {
+            name: (self.record.unit(name), values) for name, values in self.record.columns.items()
+        }
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """{file: (caption, function that draws it, its arguments beside pyplot)}."""
@@ -308,9 +357,12 @@ class CouponResult(Result):
             drawn = [measure for measure in record.columns if measure.startswith(beginnings)]
             figures[name] = caption, pictures_coupon.curves, (record, drawn, label)
         caption = (
-            "Dynamic relaxation: out-of-balance force on the free nodes over the reaction; lines end the load steps."
+            "Dynamic relaxation: out-of-balance force on the free nodes over the reaction; "
+            "lines end the load steps."
         )
-        return figures | {"relaxation": (caption, pictures_coupon.relaxation, (self.solved, tolerance))}
+        return figures | {
+            "relaxation": (caption, pictures_coupon.relaxation, (self.solved, tolerance))
+        }
 
     def plot(self) -> Figure:
         """A matplotlib figure: the quantities of the test in the unit of the first, against what is prescribed."""
@@ -339,7 +391,10 @@ class CouponResult(Result):
         """Write histories.h5; the further entries of summary.json."""
         record = self.record
         coupon_results.write(out / "histories.h5", record, self.solved)
-        last = {name: {"value": values[-1], "unit": record.unit(name)} for name, values in record.columns.items()}
+        last = {
+            name: {"value": values[-1], "unit": record.unit(name)}
+            for name, values in record.columns.items()
+        }
         return {"at_end": last}
 
     def save(self, out: FilePath) -> None:
@@ -347,36 +402,61 @@ class CouponResult(Result):
         from weavecell.report import chapters, checks, page, pictures
         from weavecell.results import json_file, provenance
 
-        out, case, facts, outputs = Path(out), self.case, self.record.facts, self.case.scene.run.outputs
+        out, case, facts, outputs = (
+            Path(out),
+            self.case,
+            self.record.facts,
+            self.case.scene.run.outputs,
+        )
         stamp = provenance.stamp(self.text, case.fabric)
         if self.text:
             files.write(out / "scene.toml", self.text)
         content = facts | self._write_record(out) | checks.summary(self.checks)
-        json_file.write_summary(out / "summary.json", content | {"run_key": self.key, "provenance": stamp})
+        json_file.write_summary(
+            out / "summary.json", content | {"run_key": self.key, "provenance": stamp}
+        )
         if not outputs:
             return
         figures = []
         for name, (caption, draw, arguments) in self.figures().items():
             kind = "png" if draw is pictures_coupon.cloth else "svg"
-            figures.append(page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name))
-        stopped = f"The run was stopped: {facts['failure_message']}." if facts["failure_message"] else ""
+            figures.append(
+                page.Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name)
+            )
+        stopped = (
+            f"The run was stopped: {facts['failure_message']}." if facts["failure_message"] else ""
+        )
         test, tables = pictures_coupon.TESTS[facts["test"]], (page.Table.of(self.table()),)
         section = page.Section("coupon", test.capitalize(), stopped, tuple(figures), tables)
         if "pictures" in outputs:
             page.write_pictures([section], out / "pictures")
         if "report" not in outputs:
             return
-        model, tone = case.scene.fabric.cell_model, "unstable" if self.outcome == "unstable" else "stopped"
+        model, tone = (
+            case.scene.fabric.cell_model,
+            "unstable" if self.outcome == "unstable" else "stopped",
+        )
         lines = [" ".join(line.split()) for line in self.lines()]
         cards = page.Card(test, self.outcome, tuple(lines), tone), *chapters.law_cards(case)
         sections = (
             section,
-            chapters.cell(case.fabric, {case.law_name: case.laws}, model, **chapters.options(case.scene.fabric)),
+            chapters.cell(
+                case.fabric,
+                {case.law_name: case.laws},
+                model,
+                **chapters.options(case.scene.fabric),
+            ),
             checks.section(self.checks),
         )
         seconds = {"test": facts["wall_time_s"]}
-        title, fabrics, outcome = facts["title"], (case.fabric,), f"{section.title}: {self.outcome}, {lines[0]}."
-        report = chapters.report(title, self._lead(), fabrics, cards, sections, stamp, seconds, outcome, tone)
+        title, fabrics, outcome = (
+            facts["title"],
+            (case.fabric,),
+            f"{section.title}: {self.outcome}, {lines[0]}.",
+        )
+        report = chapters.report(
+            title, self._lead(), fabrics, cards, sections, stamp, seconds, outcome, tone
+        )
         page.write(report, out / "report.html")
 
     def __str__(self) -> str:
@@ -447,6 +527,8 @@ class PullOutResult(CouponResult):
 
     def _write_record(self, out):
         coupon_results.write(out / "histories.h5", self.record)
-        load = self.record.to_dataframe().rename(columns=lambda name: f"{name} [{self.record.unit(name)}]")
+        load = self.record.to_dataframe().rename(
+            columns=lambda name: f"{name} [{self.record.unit(name)}]"
+        )
         files.write(out / "load.csv", load.to_csv(index=False, float_format="%.9g"))
         return {}

@@ -109,24 +109,33 @@ def crossover(
     >>> sheared.record["tau"].max()  # [Pa]  # doctest: +SKIP
     """
     kind, options = _checked(case, locals())
-    gap, text = quantities.number(yarn_gap, "m", "yarn_gap"), mesh if isinstance(mesh, str) else str(mesh).strip("()")
+    gap, text = (
+        quantities.number(yarn_gap, "m", "yarn_gap"),
+        mesh if isinstance(mesh, str) else str(mesh).strip("()"),
+    )
     fabric = meshes.of_3d(fabric)
     if law is not None:  # refused before anything is computed
-        compression.CompressionLaw.from_json(law).require_fabric(fabric.name, key="law", value=str(law))
+        compression.CompressionLaw.from_json(law).require_fabric(
+            fabric.name, key="law", value=str(law)
+        )
     run = kind.run(fabric, **options)
     part = _domain(case, domain, shift)
     with out_folder.held(out) as folder:
         built = meshes.build(fabric, part, size=meshes.size(mesh), section=section, gap=gap)
         with progress.bar(f"{fabric.name}, {case}") as advance:
             record = run(built, hooks=[lambda share, row: advance(share)])
-        result = CrossoverResult(fabric, case, built, record, part, text, kind.summary(fabric, record))
+        result = CrossoverResult(
+            fabric, case, built, record, part, text, kind.summary(fabric, record)
+        )
         saved(result, folder)
     if record.failed:
         raise UnstableError(record.failed, result=result)
     if law is not None:
         from unitcell3d.cases import pull_out
 
-        pull_out.fit(record, text).add_to(law)  # the slip threshold, to the law.json of a calibration
+        pull_out.fit(record, text).add_to(
+            law
+        )  # the slip threshold, to the law.json of a calibration
     result.warn()
     return result
 
@@ -141,7 +150,11 @@ def _checked(case, options):
     if case not in CASES:
         raise InputError(key="case", value=case, allowed=f"one of {', '.join(CASES)}")
     of_cases = dict.fromkeys(key for kind in CASES.values() for key in kind.options)
-    options = {key: options[key] for key in of_cases if options[key] is not None and options[key] is not False}
+    options = {
+        key: options[key]
+        for key in of_cases
+        if options[key] is not None and options[key] is not False
+    }
     for key in options:
         if key not in CASES[case].options:
             raise InputError(key=key, allowed=f"left out with --case {case}")
@@ -156,7 +169,9 @@ def _domain(case, domain, shift):
     if case == "stack":
         domains = ("periodic",) if any(_shift(shift)) else ("quarter",)
     if domain not in (None, *domains):
-        raise InputError(key="domain", value=domain, allowed=f"{' or '.join(domains)} for this case")
+        raise InputError(
+            key="domain", value=domain, allowed=f"{' or '.join(domains)} for this case"
+        )
     return domain or domains[0]
 
 
@@ -274,7 +289,9 @@ def _shift(shift):
 def _stack(fabric, plies=2, shift=None, pressure=None, friction=0.0):
     from unitcell3d.cases import stack
 
-    end = stack.PLATEN_PRESSURE if pressure is None else quantities.number(pressure, "Pa", "pressure")
+    end = (
+        stack.PLATEN_PRESSURE if pressure is None else quantities.number(pressure, "Pa", "pressure")
+    )
     offset = _shift(shift)
     if plies < 1:
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
@@ -287,8 +304,12 @@ def _biaxial(fabric, end_displacement="0 mm", failure=False, friction=0.0):
 
     d = quantities.pair(end_displacement, "m", "end_displacement")
     if not any(d):
-        raise InputError(key="end_displacement", value=end_displacement, allowed="a length that is not 0")
-    return partial(periodic_cell.biaxial, fabric=fabric, d=d, failure=failure, numerics=_numerics(friction))
+        raise InputError(
+            key="end_displacement", value=end_displacement, allowed="a length that is not 0"
+        )
+    return partial(
+        periodic_cell.biaxial, fabric=fabric, d=d, failure=failure, numerics=_numerics(friction)
+    )
 
 
 def _path(fabric, path=None, failure=False, friction=0.0):
@@ -308,11 +329,18 @@ def _shear(fabric, shear_angle=0.6, end_displacement=0.0, failure=False, frictio
     if not 0 < gamma <= periodic_cell.STEEPEST:
         allowed = f"above 0 and at most {periodic_cell.STEEPEST} rad"
         raise InputError(key="shear_angle", value=shear_angle, allowed=allowed)
-    options = {"gamma": gamma, "stretch": stretch, "failure": failure, "numerics": _numerics(friction)}
+    options = {
+        "gamma": gamma,
+        "stretch": stretch,
+        "failure": failure,
+        "numerics": _numerics(friction),
+    }
     return partial(periodic_cell.shear, fabric=fabric, **options)
 
 
-def _pull_out(fabric, yarn="warp", end_displacement=(), pressure=(), pull=None, friction=FRICTION, law=None):
+def _pull_out(
+    fabric, yarn="warp", end_displacement=(), pressure=(), pull=None, friction=FRICTION, law=None
+):
     from unitcell3d.cases import pull_out
 
     family = FAMILIES.index(yarn)
@@ -323,7 +351,8 @@ def _pull_out(fabric, yarn="warp", end_displacement=(), pressure=(), pull=None, 
     if pressures and not min(pressures) > 0:
         raise InputError(key="pressure", value=pressure, allowed="pressures above 0")
     options = {
-        "displacements": lengths or ([] if pressures else list(pull_out.displacements(fabric, family))),
+        "displacements": lengths
+        or ([] if pressures else list(pull_out.displacements(fabric, family))),
         "pressures": pressures,
         "pulled": family,
         "pull": None if pull is None else quantities.number(pull, "m", "pull"),
@@ -348,13 +377,27 @@ _YARN = crossover_cases.yarn, pictures_crossover.yarn
 _SHEAR = crossover_cases.shear, pictures_crossover.shear
 _PULL_OUT = crossover_cases.pull_out, pictures_crossover.pull_out
 CASES = {
-    "yarn": Case(_yarn, ("quarter", "whole"), ("failure", "yarn", "bars", "reduced_integration"), *_YARN),
+    "yarn": Case(
+        _yarn, ("quarter", "whole"), ("failure", "yarn", "bars", "reduced_integration"), *_YARN
+    ),
     "platens": Case(partial(_stack, plies=1), ("quarter",), ("friction", "pressure"), *_STACK),
-    "stack": Case(_stack, ("quarter", "periodic"), ("friction", "plies", "shift", "pressure"), *_STACK),
-    "biaxial": Case(_biaxial, ("whole", "periodic"), ("failure", "friction", "end_displacement"), *_TENSIONS),
+    "stack": Case(
+        _stack, ("quarter", "periodic"), ("friction", "plies", "shift", "pressure"), *_STACK
+    ),
+    "biaxial": Case(
+        _biaxial, ("whole", "periodic"), ("failure", "friction", "end_displacement"), *_TENSIONS
+    ),
     "path": Case(_path, ("quarter", "whole"), ("failure", "friction", "path"), *_TENSIONS),
-    "shear": Case(_shear, ("whole", "periodic"), ("failure", "friction", "end_displacement", "shear_angle"), *_SHEAR),
+    "shear": Case(
+        _shear,
+        ("whole", "periodic"),
+        ("failure", "friction", "end_displacement", "shear_angle"),
+        *_SHEAR,
+    ),
     "pull-out": Case(
-        _pull_out, ("whole",), ("friction", "yarn", "end_displacement", "pressure", "pull", "law"), *_PULL_OUT
+        _pull_out,
+        ("whole",),
+        ("friction", "yarn", "end_displacement", "pressure", "pull", "law"),
+        *_PULL_OUT,
     ),
 }

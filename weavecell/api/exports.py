@@ -104,13 +104,16 @@ class DeckResult(Result):
 
     def _columns(self):
         rows = list(self.errors.values())
-        return {"material": list(self.errors)} | {name: [row[name] for row in rows] for name in rows[0]}
+        return {"material": list(self.errors)} | {
+            name: [row[name] for row in rows] for name in rows[0]
+        }
 
     def __str__(self) -> str:
         from weavecell.decks.folder import ROWS, percent
 
         lines = [
-            f"{name}: " + ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())
+            f"{name}: "
+            + ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())
             for name, numbers in self.errors.items()
         ]
         return "\n".join([*lines, f"of the strength; the deck has not been run in {self.code}"])

@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from weavecell.api.calibration import CalibrationResult
     from weavecell.scenes.impact import Scene
 
-    Law: TypeAlias = CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None
+    Law: TypeAlias = (
+        CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None
+    )
 
 __all__ = ["DEFAULTS", "Keywords", "scene"]
 
@@ -41,10 +43,15 @@ NOT_HERE = (
 )
 # of keys that the input file requires
 DEFAULTS: dict[str, Any] = {
-    "projectile": {key: value for key, value in STANDARD["projectile"].items() if key != "strike_velocity"},
+    "projectile": {
+        key: value for key, value in STANDARD["projectile"].items() if key != "strike_velocity"
+    },
     **STANDARD["panel"],
 }
-_OBJECTS = {"fabric": ("law", "surface"), "panel": ("ply_contact",)}  # may be objects, which no file can hold
+_OBJECTS = {
+    "fabric": ("law", "surface"),
+    "panel": ("ply_contact",),
+}  # may be objects, which no file can hold
 
 Quantity = float | str  # in SI units, or a text with a unit
 Number = float
@@ -94,11 +101,18 @@ def tables() -> dict[str, str]:
     """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
     from weavecell.scenes.impact import Scene
 
-    flat = {key: name for name in FLAT for key in fields_of(Scene, name) if f"{name}.{key}" not in NOT_HERE}
+    flat = {
+        key: name
+        for name in FLAT
+        for key in fields_of(Scene, name)
+        if f"{name}.{key}" not in NOT_HERE
+    }
     return flat | dict.fromkeys(GROUPS, "")
 
 
-def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> tuple[Scene, dict[str, Any]]:
+def scene(
+    fabric: str | None, velocity: object, options: Mapping[str, Any]
+) -> tuple[Scene, dict[str, Any]]:
     """The checked scene of a call, and its table.
 
     Parameters
@@ -116,7 +130,9 @@ def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> t
 
     known = tables()
     table: dict[str, Any] = {name: {} for name in (*FLAT, "projectile")}
-    for key, value in (DEFAULTS | {key: value for key, value in options.items() if value is not None}).items():
+    for key, value in (
+        DEFAULTS | {key: value for key, value in options.items() if value is not None}
+    ).items():
         if key not in known:
             raise _unknown(key, value, known)
         of_file = value if isinstance(value, tuple) and key == "law" else plain(value)
@@ -130,11 +146,16 @@ def scene(fabric: str | None, velocity: object, options: Mapping[str, Any]) -> t
         table["backing"] = {"material": table["backing"]}
     if not isinstance(table["projectile"], dict) or "strike_velocity" in table["projectile"]:
         raise InputError(
-            key="projectile", value=table["projectile"], allowed="a name, or a dict of its keys without strike_velocity"
+            key="projectile",
+            value=table["projectile"],
+            allowed="a name, or a dict of its keys without strike_velocity",
         )
     table["projectile"] |= plain({"strike_velocity": velocity})
     table["fabric"] |= plain({"name": fabric})
-    refused = {**honoured.IMPACT, "history.report_positions": "left out: `weavecell.setup` does not support it"}
+    refused = {
+        **honoured.IMPACT,
+        "history.report_positions": "left out: `weavecell.setup` does not support it",
+    }
     try:
         return impact.check(table, None, refused, PYTHON), table
     except InputError as problem:
@@ -165,11 +186,20 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
     from weavecell.scenes.impact import Scene
 
     objects = (table[name].get(key, "") for name, keys in _OBJECTS.items() for key in keys)
-    if not isinstance(fabric, (str, Path)) or not all(isinstance(one, (str, dict)) for one in objects):
+    if not isinstance(fabric, (str, Path)) or not all(
+        isinstance(one, (str, dict)) for one in objects
+    ):
         return ""
-    named = {"file": str(Path(fabric).resolve())} if str(fabric).endswith(".toml") else {"name": str(fabric)}
+    named = (
+        {"file": str(Path(fabric).resolve())}
+        if str(fabric).endswith(".toml")
+        else {"name": str(fabric)}
+    )
     rest = {key: value for key, value in table["fabric"].items() if key != "name"}
-    content = {key: _text(value, Scene.model_fields[key]) for key, value in {**table, "fabric": named | rest}.items()}
+    content = {
+        key: _text(value, Scene.model_fields[key])
+        for key, value in {**table, "fabric": named | rest}.items()
+    }
     return tomlkit.dumps({key: value for key, value in content.items() if value})
 
 
@@ -193,7 +223,11 @@ def fields_of(model: Any, name: str) -> dict[str, Any]:
 def _fields(entry):
     from fabrics.schema import tables_in
 
-    return {key: field for table in tables_in(entry.annotation) for key, field in table.model_fields.items()}
+    return {
+        key: field
+        for table in tables_in(entry.annotation)
+        for key, field in table.model_fields.items()
+    }
 
 
 def _text(value, entry):
@@ -217,10 +251,14 @@ def _unknown(key, value, known):
 
     for group in GROUPS:
         if key in fields_of(Scene, group) and f"{group}.{key}" != "projectile.strike_velocity":
-            return InputError(f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value)
+            return InputError(
+                f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value
+            )
     near = nearest(key, known, 0.6)
     hint = f", did you mean {near}?" if near else ";"
-    return InputError(f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value)
+    return InputError(
+        f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value
+    )
 
 
 def named(problem: InputError, flat: Sequence[str] = FLAT) -> InputError:

@@ -125,16 +125,27 @@ def critical_velocity(
     width, began = quantities.above_zero(tolerance, "m/s", "tolerance"), time.perf_counter()
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
     with keywords.of_group("scan", shares):
-        around = ScanRange(**{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()})
+        around = ScanRange(
+            **{key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()}
+        )
     panel = targets.of(target, options, honoured.LIMITS)
     search: dict[str, Any] = {"residual_shots": residual_shots, "with_range": assumed_range}
-    search |= {"tolerance": width, "scan": around if scan else None, "jobs": jobs, "executor": executor}
+    search |= {
+        "tolerance": width,
+        "scan": around if scan else None,
+        "jobs": jobs,
+        "executor": executor,
+    }
 
     @contextmanager
     def stage(title):
-        with progress.bar(title, estimate=False) as advance:  # some shots take ten times as long as others
+        with progress.bar(
+            title, estimate=False
+        ) as advance:  # some shots take ten times as long as others
             done = count(1)
-            yield lambda share, shot: advance(share, f"{next(done)} shots, {checks.of_shot(shot)}" if shot else "")
+            yield lambda share, shot: advance(
+                share, f"{next(done)} shots, {checks.of_shot(shot)}" if shot else ""
+            )
 
     with out_folder.held(out) as folder:
         try:
@@ -148,7 +159,9 @@ def critical_velocity(
                     files.write(folder / "scene.toml", panel.text)
             raise
         wall_time = time.perf_counter() - began
-        result = CriticalVelocityResult(panel, study.limit, study.fit, study.range, search["scan"], wall_time)
+        result = CriticalVelocityResult(
+            panel, study.limit, study.fit, study.range, search["scan"], wall_time
+        )
         saved(result, folder)
     result.warn()
     return result
@@ -218,7 +231,9 @@ class CriticalVelocityResult(StudyResult):
         from shellfabric.impact import limit_scan
         from shellfabric.panel import quality
 
-        return *quality.worst(shot.checks for shot in self.limit.shots), limit_scan.indicator(self.limit)
+        return *quality.worst(shot.checks for shot in self.limit.shots), limit_scan.indicator(
+            self.limit
+        )
 
     @property
     def bracket_checks(self) -> str:
@@ -228,11 +243,18 @@ class CriticalVelocityResult(StudyResult):
     @property
     def headline(self) -> tuple[str, str]:
         single, zone = f"{self.limit.velocity:.1f} m/s", self.limit.mixed_zone
-        return "Critical velocity", single if zone is None else f"mixed outcomes, {zone[0]:.1f} to {zone[1]:.1f} m/s"
+        return (
+            "Critical velocity",
+            single if zone is None else f"mixed outcomes, {zone[0]:.1f} to {zone[1]:.1f} m/s",
+        )
 
     def _what(self):
         name = f"{self.target.title}, critical velocity"
-        return name if self.bracket_checks == checks.OK else f"{name}: the limit rests on a {self.bracket_checks}"
+        return (
+            name
+            if self.bracket_checks == checks.OK
+            else f"{name}: the limit rests on a {self.bracket_checks}"
+        )
 
     def summary(self) -> dict[str, Any]:
         """The entries of critical-velocity.json (docs/reference/files.md), but of the shots their number and the worst
@@ -272,24 +294,39 @@ class CriticalVelocityResult(StudyResult):
         """As of `StudyResult`."""
         shots = self.to_dataframe().to_dict("records")
         for shot in shots:
-            shot["peak_tension_N"] = shot.pop("peak_tension_warp_N"), shot.pop("peak_tension_weft_N")
+            shot["peak_tension_N"] = (
+                shot.pop("peak_tension_warp_N"),
+                shot.pop("peak_tension_weft_N"),
+            )
         content = {"format": "weavecell critical velocity 3", **self._facts(), "shots": shots}
         content |= checks.summary(self.checks)
         content |= {} if self.range is None else {"assumed_range": self.range.summary()}
-        return {"critical-velocity.json": content, "shots.csv": csv_of(self.shots), "residual-velocity.svg": None}
+        return {
+            "critical-velocity.json": content,
+            "shots.csv": csv_of(self.shots),
+            "residual-velocity.svg": None,
+        }
 
     def lines(self) -> list[str]:
         """What is printed."""
         title, limit, count = self.title, self.limit, len(self.limit.shots)
         if limit.mixed_zone is None:
             lines = [f"{title}: critical velocity {limit.velocity:.1f} m/s"]
-            lines.append(f"stops at {limit.low:.2f} m/s, perforates at {limit.high:.2f} m/s; {count} shots")
+            lines.append(
+                f"stops at {limit.low:.2f} m/s, perforates at {limit.high:.2f} m/s; {count} shots"
+            )
         else:
             low, high = limit.mixed_zone
-            inside = [shot.perforated for shot in limit.shots if low <= shot.strike_velocity <= high]
+            inside = [
+                shot.perforated for shot in limit.shots if low <= shot.strike_velocity <= high
+            ]
             perforate, stop = inside.count(True), inside.count(False)
-            lines = [f"{title}: no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s"]
-            lines.append(f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {count} shots")
+            lines = [
+                f"{title}: no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s"
+            ]
+            lines.append(
+                f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {count} shots"
+            )
             lines.append(f"{len(inside)} shots in this zone: {perforate} perforate, {stop} stop")
         if self.bracket_checks != checks.OK:
             lines.append(f"the limit rests on a {self.bracket_checks}")
@@ -322,5 +359,7 @@ def csv_of(shots: Sequence[Shot]) -> str:
     from pandas import DataFrame
 
     columns = table_of(shots)
-    table = DataFrame({heading: map(form.format, columns[name]) for heading, (name, form) in _CSV.items()})
+    table = DataFrame(
+        {heading: map(form.format, columns[name]) for heading, (name, form) in _CSV.items()}
+    )
     return table.to_csv(index=False)

@@ -77,8 +77,14 @@ class Listing(Sequence):
     def _repr_html_(self) -> str:
         from pandas import DataFrame
 
-        tables = {title: DataFrame(rows, columns=list(heads)) for title, (heads, rows) in self.tables.items()}
-        return "".join(f"<b>{escape(title)}</b>{of.to_html(index=False, border=0)}" for title, of in tables.items())
+        tables = {
+            title: DataFrame(rows, columns=list(heads))
+            for title, (heads, rows) in self.tables.items()
+        }
+        return "".join(
+            f"<b>{escape(title)}</b>{of.to_html(index=False, border=0)}"
+            for title, of in tables.items()
+        )
 
     def save(self, out: FilePath) -> None:
         """Write the first table as CSV."""
@@ -94,11 +100,17 @@ class Listing(Sequence):
         with console.capture() as shown:
             for number, (title, (heads, rows)) in enumerate(self.tables.items()):
                 right = self.numeric and number == 0
-                table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
+                table = Table(
+                    title=title, title_justify="left", title_style="bold", header_style="bold"
+                )
                 table.box, table.pad_edge, table.padding = box.SIMPLE_HEAD, False, (0, 1, 0, 0)
                 for k, head in enumerate(heads):
                     name, _, unit = head.partition(" [")
-                    text = f"{name}\n[dim]{unit.rstrip(']')}[/]" if right and unit else head.replace("[", "\\[")
+                    text = (
+                        f"{name}\n[dim]{unit.rstrip(']')}[/]"
+                        if right and unit
+                        else head.replace("[", "\\[")
+                    )
                     justify: Any = "right" if right and k else "left"
                     table.add_column(text, justify=justify, overflow="fold", no_wrap=right)
                 for row in rows:
@@ -126,8 +138,14 @@ def fabrics(*, out: FilePath | None = None) -> Listing:
     >>> dict(zip(heads, rows[0]))["mass [g/m²]"]
     '252.9'
     """
-    rows = [tuple(text(fabric) for text in COLUMNS.values()) for fabric in map(catalogue.load, catalogue.list_names())]
-    return saved(Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}, numeric=True), out)
+    rows = [
+        tuple(text(fabric) for text in COLUMNS.values())
+        for fabric in map(catalogue.load, catalogue.list_names())
+    ]
+    return saved(
+        Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}, numeric=True),
+        out,
+    )
 
 
 def projectiles(*, out: FilePath | None = None) -> Listing:
@@ -146,7 +164,9 @@ def projectiles(*, out: FilePath | None = None) -> Listing:
     for name in projectile_data.list_names():
         shape, data = projectile_data.entry(name)
         values = [data[key]["value"] if key in data else "" for key in PROJECTILE]
-        rows.append((name, shape, *values, f"{data['diameter']['status']}: {data['diameter']['source']}"))
+        rows.append(
+            (name, shape, *values, f"{data['diameter']['status']}: {data['diameter']['source']}")
+        )
     heads = ("projectile", "nose", *PROJECTILE, "source of the diameter")
     return saved(Listing({"Projectiles": (heads, rows)}), out)
 
@@ -166,7 +186,9 @@ def backings(*, out: FilePath | None = None) -> Listing:
     rows = []
     for name in backing_data.list_names():
         data, speed = backing_data.entry(name), f"{backing_data.load(name).wave_speed:.0f}"
-        rows.append((name, *(data[key]["value"] for key in BACKING), speed, data["yield_stress"]["status"]))
+        rows.append(
+            (name, *(data[key]["value"] for key in BACKING), speed, data["yield_stress"]["status"])
+        )
     heads = ("backing", *BACKING, "wave speed [m/s]", "status of the yield stress")
     return saved(Listing({"Backings": (heads, rows)}), out)
 
@@ -186,7 +208,9 @@ def show_projectile(name: str) -> Listing:
     from weavecell.scenes.impact import SHAPES
 
     shape, data = projectile_data.entry(name, key="PROJECTILE")
-    steel = "" if name.endswith(".toml") else f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
+    steel = (
+        "" if name.endswith(".toml") else f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
+    )
     return Listing({f"{name}, {SHAPES[shape]}{steel}": _sources(data)})
 
 
@@ -206,7 +230,9 @@ def show_backing(name: str) -> Listing:
 
 
 def _sources(data):
-    return SOURCES, [(key, entry["value"], entry["status"], entry["source"]) for key, entry in data.items()]
+    return SOURCES, [
+        (key, entry["value"], entry["status"], entry["source"]) for key, entry in data.items()
+    ]
 
 
 def show_fabric(fabric: FilePath, *, out: FilePath | None = None) -> Listing:
@@ -237,7 +263,9 @@ def show_fabric(fabric: FilePath, *, out: FilePath | None = None) -> Listing:
             problems.append(f"note: {problem}")
     if out is not None:
         _copy(str(fabric), Path(out))
-    tables: dict[str, Any] = {f"{whole.name}: what follows": (("quantity", "value"), derived.derived(whole))}
+    tables: dict[str, Any] = {
+        f"{whole.name}: what follows": (("quantity", "value"), derived.derived(whole))
+    }
     if rows := _assumptions(plain, whole):
         tables[f"{whole.name}: what is assumed"] = ("key", "value (range)", "source"), rows
     tables[f"{whole.name}: where each number comes from"] = _sources(plain.sources)
@@ -257,10 +285,20 @@ def _assumptions(plain, whole):
             if plain.sources[f"{family}.crimp"]["source"] == data_sheet.FROM_THICKNESS:
                 span = f"{crimp:.2f} % ({low:.2f} .. {high:.2f} %)"
                 rows.append((f"{family}.crimp", span, data_sheet.FROM_THICKNESS))
-        rows.append(("thickness, factor", entries["thickness"].written, entries["thickness"].source))
-        rows.append(("warp share of the heights", entries["warp_share"].written, entries["warp_share"].source))
+        rows.append(
+            ("thickness, factor", entries["thickness"].written, entries["thickness"].source)
+        )
+        rows.append(
+            (
+                "warp share of the heights",
+                entries["warp_share"].written,
+                entries["warp_share"].source,
+            )
+        )
     if "failure_length" in whole.assumed:
-        rows.append(("failure_length", entries["failure_length"].written, entries["failure_length"].source))
+        rows.append(
+            ("failure_length", entries["failure_length"].written, entries["failure_length"].source)
+        )
     added = {key: entry for key, entry in whole.sources.items() if key not in plain.sources}
     rows += [(key, entry["value"], entry["source"]) for key, entry in added.items()]
     gap = ply_gap.ply_gap(plain)
@@ -268,7 +306,13 @@ def _assumptions(plain, whole):
         span = f"{1e3 * gap.value:.3g} mm ({1e3 * gap.low:.3g} .. {1e3 * gap.high:.3g} mm)"
         rows.append(("interlayer_gap", span, f"{gap.source}; {entries['ply_gap'].source}"))
     if plain.section is None:
-        rows.append(("section", "sine, ellipse or conforming", "the first of these that fits (3D crossover)"))
+        rows.append(
+            (
+                "section",
+                "sine, ellipse or conforming",
+                "the first of these that fits (3D crossover)",
+            )
+        )
     return rows
 
 
@@ -279,7 +323,11 @@ def _copy(name, folder):
         raise InputError("exists already", file=target)
     source = Path(catalogue.__file__).parent / f"{name}.toml"
     if not source.exists():
-        raise InputError(key="fabric", value=name, allowed=f"one of {', '.join(catalogue.list_names())} to be copied")
+        raise InputError(
+            key="fabric",
+            value=name,
+            allowed=f"one of {', '.join(catalogue.list_names())} to be copied",
+        )
     with files.replace_whole(target) as beside:
         shutil.copyfile(source, beside)
 
@@ -402,7 +450,9 @@ def view(
     """
     from weavecell.report.shot.view import show
 
-    picture, film, page = (None if path is None else Path(path) for path in (screenshot, movie, html))
+    picture, film, page = (
+        None if path is None else Path(path) for path in (screenshot, movie, html)
+    )
     show(Path(file), picture, film, page, cut)
     for path in (film, page, picture):
         if path is not None:

@@ -91,7 +91,9 @@ def mesh(
     formats = [part.strip().lstrip(".").lower() for part in format.split(",")]
     for part in formats:
         if part not in FORMATS:
-            raise InputError(key="format", value=part, allowed=f"one or more of {', '.join(FORMATS)}")
+            raise InputError(
+                key="format", value=part, allowed=f"one or more of {', '.join(FORMATS)}"
+            )
     options = {
         "size": size(mesh),
         "section": section,
@@ -100,11 +102,17 @@ def mesh(
         "crimp": crimp if crimp in ("hand", "micrograph") else quantities.pair(crimp, "", "crimp"),
         "tip_thickness_ratio": tip_thickness_ratio,
         "overlap": overlap,
-        "end_shells": None if end_shells is None else quantities.number(end_shells, "m", "end_shells"),
+        "end_shells": None
+        if end_shells is None
+        else quantities.number(end_shells, "m", "end_shells"),
     }
     count = None if patch is None else _count(patch)
     with out_folder.held(out) as folder:
-        result = MeshResult(fabric, build(fabric, domain or "quarter", count, **options), tuple(dict.fromkeys(formats)))
+        result = MeshResult(
+            fabric,
+            build(fabric, domain or "quarter", count, **options),
+            tuple(dict.fromkeys(formats)),
+        )
         return saved(result, folder)
 
 
@@ -125,7 +133,9 @@ def of_3d(fabric: Fabric | FilePath) -> Fabric:
     except InputError as problem:
         if problem.file or problem.key:
             raise
-        raise InputError(str(problem), key="fabric", value=getattr(fabric, "name", str(fabric))) from None
+        raise InputError(
+            str(problem), key="fabric", value=getattr(fabric, "name", str(fabric))
+        ) from None
     for line in (*whole.notes, *assumed.lines(assumed.given(whole, "failure_length"))):
         logging.getLogger("weavecell").info(line)
     return whole
@@ -144,7 +154,9 @@ def size(value: Any) -> Any:
         return tuple(map(int, value.split(",")))
     if re.fullmatch(r"\s*[\d.+-][^,]*", value):
         return quantities.number(value, "m", "mesh")
-    raise InputError(key="mesh", value=value, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um")
+    raise InputError(
+        key="mesh", value=value, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um"
+    )
 
 
 def _count(patch):
@@ -153,11 +165,15 @@ def _count(patch):
         return tuple(patch)
     counts = re.fullmatch(r"\s*(\d+)\s*[xX×]\s*(\d+)\s*", patch)
     if counts is None:
-        raise InputError(key="patch", value=patch, allowed="numbers of warp and weft yarns, such as 3x4")
+        raise InputError(
+            key="patch", value=patch, allowed="numbers of warp and weft yarns, such as 3x4"
+        )
     return int(counts[1]), int(counts[2])
 
 
-def build(fabric: Fabric, domain: str, count: Sequence[int] | None = None, **options: Any) -> YarnMesh:
+def build(
+    fabric: Fabric, domain: str, count: Sequence[int] | None = None, **options: Any
+) -> YarnMesh:
     """Mesh a quarter or whole crossover, the periodic cell of 2 x 2, or a patch of `count` (n, m) yarns.
 
     `options` are those of `meshing.crossover.build`.
@@ -165,7 +181,11 @@ def build(fabric: Fabric, domain: str, count: Sequence[int] | None = None, **opt
     from meshing import crossover, patch
 
     count = PERIODIC if domain == "periodic" else count
-    return crossover.build(fabric, domain=domain, **options) if count is None else patch.build(fabric, count, **options)
+    return (
+        crossover.build(fabric, domain=domain, **options)
+        if count is None
+        else patch.build(fabric, count, **options)
+    )
 
 
 @dataclass(frozen=True, repr=False)
@@ -197,16 +217,23 @@ class MeshResult(Result):
         """The main figures of the mesh, as texts."""
         mesh = self.mesh
         gap = 1e6 * mesh.least_gap
-        bars = [sum(len(b) for b, f in zip(mesh.bars, mesh.families) if f == family) for family in (0, 1)]
+        bars = [
+            sum(len(b) for b, f in zip(mesh.bars, mesh.families) if f == family)
+            for family in (0, 1)
+        ]
         return {
             "fabric": mesh.fabric,
-            "domain": "{} warp x {} weft yarns".format(*mesh.count) if self.stem == "patch" else mesh.domain,
+            "domain": "{} warp x {} weft yarns".format(*mesh.count)
+            if self.stem == "patch"
+            else mesh.domain,
             "hexahedra": f"{len(mesh.hexes)}",
             "nodes": f"{len(mesh.points)}",
             "fibre bars": " / ".join(map(str, bars)) + " (warp / weft)",
             "worst scaled Jacobian": f"{mesh.min_scaled_jacobian:.3f}",
             "sections": f"{mesh.sections[0].kind}: {mesh.section_fit.report}",
-            "facets of the mesh": f"overlap by up to {-gap:.2f} um" if gap < 0 else f"apart by at least {gap:.2f} um",
+            "facets of the mesh": f"overlap by up to {-gap:.2f} um"
+            if gap < 0
+            else f"apart by at least {gap:.2f} um",
         }
 
     def _columns(self):
@@ -238,7 +265,10 @@ class MeshResult(Result):
             draw = pictures_patch if self.stem == "patch" else pictures
             draw.picture(self.mesh, out / f"{self.stem}.png")
             pictures_quality.picture(self.mesh, out / "quality.png")
-            json_file.write(out / "mesh.json", self.summary() | {"provenance": provenance.stamp("", self.fabric)})
+            json_file.write(
+                out / "mesh.json",
+                self.summary() | {"provenance": provenance.stamp("", self.fabric)},
+            )
 
     def __str__(self) -> str:
         return "\n".join(f"{key:<24}{value}" for key, value in self.summary().items())

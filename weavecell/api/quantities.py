@@ -34,7 +34,9 @@ def number(value: Any, unit: str, key: str) -> float:
     except (TypeError, ValueError):
         found = float("nan")
     if isinstance(value, bool) or not isfinite(found):
-        raise InputError(key=key, value=value, allowed=f'a number [{unit}], or a text such as "1 {unit}"')
+        raise InputError(
+            key=key, value=value, allowed=f'a number [{unit}], or a text such as "1 {unit}"'
+        )
     return found
 
 
@@ -48,7 +50,13 @@ def above_zero(value: float | str, unit: str, key: str) -> float:
 
 def numbers(value: Any, unit: str, key: str) -> list[float]:
     """Numbers in SI units: of a text such as "5 um, 9 um", of one number, or of several numbers or texts."""
-    parts = value.split(",") if isinstance(value, str) else value if isinstance(value, (tuple, list)) else (value,)
+    parts = (
+        value.split(",")
+        if isinstance(value, str)
+        else value
+        if isinstance(value, (tuple, list))
+        else (value,)
+    )
     return [number(part.strip() if isinstance(part, str) else part, unit, key) for part in parts]
 
 
@@ -61,5 +69,7 @@ def pair(value: Any, unit: str, key: str, what: str = "of warp and weft") -> tup
     """
     values = numbers(value, unit, key)
     if len(values) > 2:
-        raise InputError(key=key, value=value, allowed=f"one value, or two separated by a comma, {what}")
+        raise InputError(
+            key=key, value=value, allowed=f"one value, or two separated by a comma, {what}"
+        )
     return values[0], values[-1]

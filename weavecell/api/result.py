@@ -31,7 +31,9 @@ class Result:
     (True, False, 'ok')
     """
 
-    _tables: ClassVar[tuple[str, ...]] = ()  # of results/keys.toml, with the meaning of what the summary has
+    _tables: ClassVar[
+        tuple[str, ...]
+    ] = ()  # of results/keys.toml, with the meaning of what the summary has
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
@@ -81,7 +83,9 @@ class Result:
         return DataFrame(dict(self._columns()))
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{key}={_text(value)}" for key, value in self.summary().items() if plain(value))
+        shown = ", ".join(
+            f"{key}={_text(value)}" for key, value in self.summary().items() if plain(value)
+        )
         return f"{type(self).__name__}({shown})"
 
     def _shown(self) -> DataFrame:
@@ -111,9 +115,16 @@ class Result:
         if hasattr(self, "plot"):
             picture = b64encode(self.plot()._repr_png_()).decode()
             parts.append(f"<img style='max-width: 100%' src='data:image/png;base64,{picture}'>")
-        rows = table.to_html(index=False, border=0, max_rows=60, na_rep="–", float_format="{:.4g}".format)
+        rows = table.to_html(
+            index=False, border=0, max_rows=60, na_rep="–", float_format="{:.4g}".format
+        )
         opened = " open" if len(table) <= 24 else ""
-        return "".join((*parts, f"<details{opened}><summary>all values, {len(table)} rows</summary>{rows}</details>"))
+        return "".join(
+            (
+                *parts,
+                f"<details{opened}><summary>all values, {len(table)} rows</summary>{rows}</details>",
+            )
+        )
 
 
 def plain(value: object) -> bool:

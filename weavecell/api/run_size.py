@@ -63,17 +63,38 @@ class RunSize(Result):
         pack = setup.target()
         backing = pack.plies[0].backing
         bricks, steps = prod(backing.count) if backing else 0, ceil(setup.end_time / pack.time_step)
-        kind = "pack" if setup.plies > 1 else "one ply" if setup.crossovers is None else "sliding crossovers"
-        cpu_time = [steps * (c * pack.elements + b * bricks) for c, b in zip(COSTS[kind], OF_A_BRICK)]
+        kind = (
+            "pack"
+            if setup.plies > 1
+            else "one ply"
+            if setup.crossovers is None
+            else "sliding crossovers"
+        )
+        cpu_time = [
+            steps * (c * pack.elements + b * bricks) for c, b in zip(COSTS[kind], OF_A_BRICK)
+        ]
         needed = memory.needed(pack.plies, setup.snapshots, written=True)
-        return cls(title, pack.elements, bricks, steps, pack.time_step, needed, (cpu_time[0], cpu_time[1]), assumed)
+        return cls(
+            title,
+            pack.elements,
+            bricks,
+            steps,
+            pack.time_step,
+            needed,
+            (cpu_time[0], cpu_time[1]),
+            assumed,
+        )
 
     def summary(self) -> dict[str, Any]:
         """All of it, names with units."""
         low, high = self.cpu_time
         counts = {"elements": self.elements, "bricks": self.bricks, "steps": self.steps}
         costs = {"time_step_s": self.time_step, "memory_bytes": self.memory}
-        return counts | costs | {"cpu_time_low_s": low, "cpu_time_high_s": high, "assumed": "; ".join(self.assumed)}
+        return (
+            counts
+            | costs
+            | {"cpu_time_low_s": low, "cpu_time_high_s": high, "assumed": "; ".join(self.assumed)}
+        )
 
     def _columns(self):
         return {name: [value] for name, value in self.summary().items()}

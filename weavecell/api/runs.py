@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 __all__ = ["fabric", "projectile", "setup"]
 
 
-def fabric(name: FilePath, *, linear_density: Literal["effective", "nominal"] = "effective") -> Fabric:
+def fabric(
+    name: FilePath, *, linear_density: Literal["effective", "nominal"] = "effective"
+) -> Fabric:
     """A fabric of the catalogue, or of a user's file.
 
     Parameters
@@ -64,7 +66,9 @@ def projectile(name: str, **changes: float | str) -> dict[str, float | str]:
     return projectile_data.table(name, changes)
 
 
-def setup(fabric: Fabric | FilePath | None, velocity: float | str, **options: Unpack[Keywords]) -> ImpactSetup:
+def setup(
+    fabric: Fabric | FilePath | None, velocity: float | str, **options: Unpack[Keywords]
+) -> ImpactSetup:
     """The set-up of one impact, for `sweep` or `shellfabric`.
 
     Parameters

@@ -97,10 +97,14 @@ def v50(
     own: dict[str, Any] = {"shape": weibull_shape}
     for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
         own[key] = None if value is None else quantities.number(value, "", f"{key}_cov")
-    scatter = replace(inputs.published(), **{key: value for key, value in own.items() if value is not None})
+    scatter = replace(
+        inputs.published(), **{key: value for key, value in own.items() if value is not None}
+    )
     panel = targets.of(target, options, honoured.LIMITS)
     drawn = inputs.alone(panel.setup, strike_velocity=1.0), scatter, seed
-    with targets.study(panel, f"{panel.title}, repeated shots", out, resume, jobs, executor, drawn) as run:
+    with targets.study(
+        panel, f"{panel.title}, repeated shots", out, resume, jobs, executor, drawn
+    ) as run:
         sizes = {"shots": shots, "batch": batch, "seed": seed}
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
         return saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
@@ -155,9 +159,13 @@ def sensitivity(
 
     velocities = [quantities.above_zero(text, "m/s", "velocity") for text in velocity or ()]
     panel = targets.of(target, options, honoured.SENSITIVITY)
-    velocities = velocities or [*((panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES)]
+    velocities = velocities or [
+        *((panel.setup.strike_velocity,) if panel.from_file else targets.STRIKES)
+    ]
     drawn = inputs.alone(panel.setup, strike_velocity=1.0), velocities, seed
-    with targets.study(panel, f"{panel.title}, sensitivities", out, resume, jobs, executor, drawn) as run:
+    with targets.study(
+        panel, f"{panel.title}, sensitivities", out, resume, jobs, executor, drawn
+    ) as run:
         sizes = {"samples": samples, "seed": seed}
         indices = sobol.study(panel.setup, velocities, **sizes, report=run.report(), **run.runs)
         return saved(SensitivityResult(indices, panel, samples, seed, run.wall_time), run.folder)
@@ -207,15 +215,25 @@ def draws(
     from weavecell.studies import draws as analysis
     from weavecell.studies import inputs
 
-    scatter = inputs.published() if weibull_shape is None else replace(inputs.published(), shape=weibull_shape)
+    scatter = (
+        inputs.published()
+        if weibull_shape is None
+        else replace(inputs.published(), shape=weibull_shape)
+    )
     panel = targets.of(target, {}, honoured.DRAWS, one_shot=True)
     drawn = inputs.alone(panel.setup, symmetry="whole"), scatter, seed
-    with targets.study(panel, f"{panel.shot_title}, draws", out, resume, jobs, executor, drawn) as run:
-        study = analysis.study(panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs)
+    with targets.study(
+        panel, f"{panel.shot_title}, draws", out, resume, jobs, executor, drawn
+    ) as run:
+        study = analysis.study(
+            panel.setup, scatter, count, seed=seed, report=run.report(), **run.runs
+        )
         result = saved(DrawsResult(study, panel, run.wall_time), run.folder)
     unstable = len(study.draws) - len(study.counted)
     if unstable:
-        raise UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate", result=result)
+        raise UnstableError(
+            f"{unstable} of {count} draws became unstable and count in no estimate", result=result
+        )
     return result
 
 
@@ -262,7 +280,16 @@ class V50Result(StudyResult):
     def _columns(self):
         shots = self.study.shots
         units = {"velocity": "strike_velocity_m_s", "residual": "residual_velocity_m_s"}
-        names = ("number", "velocity", "residual", "perforated", "modulus", "crimp_warp", "crimp_weft", "balance")
+        names = (
+            "number",
+            "velocity",
+            "residual",
+            "perforated",
+            "modulus",
+            "crimp_warp",
+            "crimp_weft",
+            "balance",
+        )
         columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
         weakest = zip(("weakest_warp", "weakest_weft"), zip(*(shot.weakest for shot in shots)))
         return columns | dict(weakest)
@@ -303,12 +330,16 @@ class V50Result(StudyResult):
         if study.doubtful:
             counts = Counter(name for shot in shots for name in shot.doubtful)
             names = ", ".join(f"{name} in {count}" for name, count in counts.most_common())
-            remarks.append(f"{study.doubtful} of {len(shots)} shots are doubtful; checks beyond their limits: {names}.")
+            remarks.append(
+                f"{study.doubtful} of {len(shots)} shots are doubtful; checks beyond their limits: {names}."
+            )
         if study.fit is not None:
             remarks.append(f"Residual velocities, Lambert-Jonas: {study.fit.words()}.")
         if (zones := self._zones()) is not None:
             sides = ", ".join(f"{side:g} up to {until:g}" for until, side in zones)
-            remarks.append(f"Sides of the elements in crossovers, by the distance from the impact point: {sides}.")
+            remarks.append(
+                f"Sides of the elements in crossovers, by the distance from the impact point: {sides}."
+            )
         return remarks + self.notes
 
     def _zones(self):
@@ -322,18 +353,36 @@ class V50Result(StudyResult):
 
         rows = []
         for link, curve in self.study.curves.items():
-            rows += [(link, name, getattr(curve, name), *curve.intervals[name]) for name in ("V0", "V50", "V100")]
+            rows += [
+                (link, name, getattr(curve, name), *curve.intervals[name])
+                for name in ("V0", "V50", "V100")
+            ]
             scale = curve.deviation / curve.s if curve.s else 1.0
-            rows.append((link, "standard deviation", curve.deviation, *(scale * s for s in curve.intervals["s"])))
-        return DataFrame(rows, columns=["curve", "quantity", "value [m/s]", "low, 95 % [m/s]", "high, 95 % [m/s]"])
+            rows.append(
+                (
+                    link,
+                    "standard deviation",
+                    curve.deviation,
+                    *(scale * s for s in curve.intervals["s"]),
+                )
+            )
+        return DataFrame(
+            rows,
+            columns=["curve", "quantity", "value [m/s]", "low, 95 % [m/s]", "high, 95 % [m/s]"],
+        )
 
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
         from weavecell.studies import inputs
 
         study, shots = self.study, self.to_dataframe()
-        shots.insert(2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")])
-        curves = {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()}
+        shots.insert(
+            2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")]
+        )
+        curves = {
+            link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100}
+            for link, curve in study.curves.items()
+        }
         content = {
             **study.summary(),
             "plies": self.target.setup.plies,
@@ -344,7 +393,11 @@ class V50Result(StudyResult):
             "scatter": asdict(study.scatter),
             "grading": self._zones(),
             "curves": curves,
-            "inputs": [asdict(entry) for name in ("weibull", "spread") for entry in inputs.table(name).values()],
+            "inputs": [
+                asdict(entry)
+                for name in ("weibull", "spread")
+                for entry in inputs.table(name).values()
+            ],
             "wall_time": self.wall_time,
         }
         return {
@@ -389,13 +442,20 @@ class DrawsResult(StudyResult):
     def _columns(self):
         from weavecell.studies.draws import QUANTITIES
 
-        units = {name: unit.replace("/", "_") for name, (unit, _) in QUANTITIES.items()} | {"time": "s"}
+        units = {name: unit.replace("/", "_") for name, (unit, _) in QUANTITIES.items()} | {
+            "time": "s"
+        }
         draws = [vars(draw) for draw in self.study.draws]
-        return {f"{name}_{units.get(name, '')}".rstrip("_"): [d[name] for d in draws] for name in draws[0]}
+        return {
+            f"{name}_{units.get(name, '')}".rstrip("_"): [d[name] for d in draws]
+            for name in draws[0]
+        }
 
     @property
     def headline(self) -> tuple[str, str]:
-        return "Probability of perforation", "{:.2f} ({:.2f} to {:.2f})".format(*self.study.probability())
+        return "Probability of perforation", "{:.2f} ({:.2f} to {:.2f})".format(
+            *self.study.probability()
+        )
 
     @property
     def title(self) -> str:
@@ -407,16 +467,22 @@ class DrawsResult(StudyResult):
 
         from weavecell.studies.draws import QUANTITIES
 
-        estimates = ((words, unit, self.study.estimate(name)) for name, (unit, words) in QUANTITIES.items())
+        estimates = (
+            (words, unit, self.study.estimate(name)) for name, (unit, words) in QUANTITIES.items()
+        )
         rows = [(words, unit, of.mean, of.error, of.deviation) for words, unit, of in estimates]
-        return DataFrame(rows, columns=["quantity", "unit", "mean", "standard error", "standard deviation"])
+        return DataFrame(
+            rows, columns=["quantity", "unit", "mean", "standard error", "standard deviation"]
+        )
 
     def lines(self) -> list[str]:
         from weavecell.studies.draws import CONFIDENCE
 
         study, scatter = self.study, self.study.scatter
         share, low, high = study.probability()
-        outcomes = ", ".join(f"{count} {outcome}" for outcome, count in study.outcomes.items() if count)
+        outcomes = ", ".join(
+            f"{count} {outcome}" for outcome, count in study.outcomes.items() if count
+        )
         return [
             *(
                 f"{words}: {mean:.4g} ± {error:.4g} {unit} (mean and standard error), scatter {deviation:.4g}."

@@ -110,13 +110,19 @@ def impact(
     panel = targets.of(target, options, honoured.IMPACT, velocity, one_shot=True)
     climbs = panel.case is not None and panel.case.scene.accuracy is not None
     if climbs and uncertainty:
-        raise InputError(key="uncertainty", allowed="left out with [accuracy], which compares its meshes")
+        raise InputError(
+            key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
+        )
     if panel.case is None and out is not None:
-        raise InputError(key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report")
+        raise InputError(
+            key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
+        )
     if check:
         with panel.named():
             return RunSize.of(panel.setup, panel.shot_title, targets.assumed_of(panel.setup))  # type: ignore[return-value]
-    key = run_cache.key((panel.text, panel.setup, assumed_range, uncertainty), "shellfabric.impact.simulation")
+    key = run_cache.key(
+        (panel.text, panel.setup, assumed_range, uncertainty), "shellfabric.impact.simulation"
+    )
     if out is not None and resume and (before := run_folder.finished(Path(out), key)):
         return before  # type: ignore[return-value]
     with out_folder.held(out, resume, [inputs.alone(panel.setup)]) as folder:
@@ -160,20 +166,37 @@ def _answer(panel, key, folder, resume, uncertainty):
             return shot
         from weavecell.studies import window  # which an impact alone does not need
 
-        with targets.kept_runs(folder, True, WINDOW) as runs, progress.bar("Shots at other velocities") as advance:
+        with (
+            targets.kept_runs(folder, True, WINDOW) as runs,
+            progress.bar("Shots at other velocities") as advance,
+        ):
             report = lambda done, count: advance(done / count)  # noqa: E731
             return replace(shot, window=window.about(shot.result, folder=runs, report=report))
 
     try:
         if scene is None or scene.accuracy is None:
-            shot, pair = mesh_uncertainty.run_pair(setup, shoot_window) if uncertainty else (shoot(setup), None)
+            shot, pair = (
+                mesh_uncertainty.run_pair(setup, shoot_window)
+                if uncertainty
+                else (shoot(setup), None)
+            )
         else:
-            fixed = {field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set}
-            shot, pair = mesh_uncertainty.climb(setup, scene.accuracy.targets, shoot_window, fixed=fixed)
+            fixed = {
+                field
+                for (table, key), field in _BY_HAND.items()
+                if key in getattr(scene, table).model_fields_set
+            }
+            shot, pair = mesh_uncertainty.climb(
+                setup, scene.accuracy.targets, shoot_window, fixed=fixed
+            )
     except KeyboardInterrupt:
         kept = folder is not None and bool(run_folder.checkpoints(folder))
-        raise run_folder.Interrupted("interrupted" + "; --resume goes on from its last checkpoint" * kept) from None
-    return shot_of(panel, shot.result, str(shot.failure or ""), target=panel, pair=pair, key=key), shot.failure
+        raise run_folder.Interrupted(
+            "interrupted" + "; --resume goes on from its last checkpoint" * kept
+        ) from None
+    return shot_of(
+        panel, shot.result, str(shot.failure or ""), target=panel, pair=pair, key=key
+    ), shot.failure
 
 
 def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:
@@ -181,7 +204,14 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
     shapes = tuple(tuple(map(Shape.of, plies)) for plies in result.snapshots)
     fabric, lines = panel.setup.fabric, targets.assumed_of(panel.setup)
     return ShotResult.of(
-        result, panel.shot_title, panel.law_name, message, shapes=shapes, fabric=fabric, assumed=lines, **more
+        result,
+        panel.shot_title,
+        panel.law_name,
+        message,
+        shapes=shapes,
+        fabric=fabric,
+        assumed=lines,
+        **more,
     )
 
 
@@ -193,7 +223,9 @@ def _run(panel, setup, checkpoint=None, every=None, resume=False, table=None):
     from weavecell.studies.mesh_uncertainty import Shot
 
     table = table or setup.table(kept=checkpoint is not None)
-    memory.check([setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None)
+    memory.check(
+        [setup.panel(table)] * setup.plies, setup.snapshots, written=checkpoint is not None
+    )
     hooks = () if checkpoint is None else (Checkpoints(checkpoint, every, LEAST_WALL),)
     again = checkpoint if resume and checkpoint.exists() else None
     run = lambda hooks: simulation.run(setup, hooks=hooks, resume=again, table=table)  # noqa: E731
@@ -209,7 +241,9 @@ def _range(setup, choice, shot):
         return None
     try:
         with progress.bar("Range over the assumed laws") as advance:
-            return assumed_range.residual_velocity(with_ends, shot.outcome, shot.residual_velocity, advance)
+            return assumed_range.residual_velocity(
+                with_ends, shot.outcome, shot.residual_velocity, advance
+            )
     except KeyboardInterrupt:
         return None
 
@@ -262,7 +296,9 @@ class ShotResult(ImpactRecord, Result):
         InputError : a shot of a sweep, or of a set-up, whose panel no report can describe
         """
         if self.target is None or self.target.case is None:
-            raise InputError("a shot of a set-up has no report: give the fabric and its keywords, or an input file")
+            raise InputError(
+                "a shot of a set-up has no report: give the fabric and its keywords, or an input file"
+            )
         return self.target.case
 
     def summary(self) -> dict[str, Any]:
@@ -288,7 +324,10 @@ class ShotResult(ImpactRecord, Result):
             if np.ndim(values) == 1:
                 unit = histories.unit(name).replace("/", "_")
                 columns[name if unit == "1" else f"{name}_{unit}"] = values
-        columns |= {f"reaction_{name}_N": self.plies[f"reaction_{name}"].sum(axis=1) for name in ("warp", "weft")}
+        columns |= {
+            f"reaction_{name}_N": self.plies[f"reaction_{name}"].sum(axis=1)
+            for name in ("warp", "weft")
+        }
         return columns | {"checks": [self.checks_text] * len(self.time)}
 
     def plot(self) -> Figure:
@@ -355,13 +394,21 @@ class ShotResult(ImpactRecord, Result):
         if target.text:
             files.write(out / "scene.toml", target.text)
         self.write(out / "histories.h5")
-        content = self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
+        content = (
+            self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
+        )
         content |= {} if self.range is None else {"assumed_range": self.range.summary()}
-        content |= {"projectile": words.shot_in_words(projectile), "run_key": self.key, "provenance": stamp}
+        content |= {
+            "projectile": words.shot_in_words(projectile),
+            "run_key": self.key,
+            "provenance": stamp,
+        }
         json_file.write_summary(out / "summary.json", content)
         if projectile.stl is not None:
             shutil.copyfile(projectile.stl, out / "projectile.stl")
-        shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
+        shutil.rmtree(
+            out / "panel", ignore_errors=True
+        )  # of an earlier run, whose series may have been longer
         if "paraview" in outputs:
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
@@ -384,14 +431,21 @@ class ShotResult(ImpactRecord, Result):
             by_ply = ", ".join(f"{n:.1f}" for n in self.plies["cut_yarns"][-1])
             lines += [f"cut yarns by ply: {by_ply}", self.gap_words]
         error = text(self.energy_error_max, "1", "error", ".3f")
-        lines.append(f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J")
+        lines.append(
+            f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J"
+        )
         if self.rigid_check:
             lines.append(self.rigid_check)
         if self.backing is not None:
             lines.append(chapters_shot.dent(self))
-        share, lost = text(self.viscous_energy_fraction, "1", "share", ".1f"), self.energies["failure_dissipation"][-1]
+        share, lost = (
+            text(self.viscous_energy_fraction, "1", "share", ".1f"),
+            self.energies["failure_dissipation"][-1],
+        )
         if self.cut_yarns[-1]:
-            lines.append(f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")
+            lines.append(
+                f"failure dissipation {lost:.2f} J, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J"
+            )
             lines.append(f"viscous energy {share} of what was absorbed until the first failure")
             lines += [self.viscous_note] if self.viscous_note else []
         else:
@@ -401,5 +455,7 @@ class ShotResult(ImpactRecord, Result):
         if self.pair is not None:
             lines.append(chapters_discretisation.words(self.pair))
         elif self.outcome == "perforated":
-            lines.append("values at one velocity of a staircase: --uncertainty or weavecell draws give means")
+            lines.append(
+                "values at one velocity of a staircase: --uncertainty or weavecell draws give means"
+            )
         return "\n".join(lines)

@@ -33,7 +33,13 @@ if TYPE_CHECKING:
 
 __all__ = ["SurfaceResult", "surface"]
 
-SHOWN = {"T1": (1.0, "N"), "T2": (1.0, "N"), "F_c": (1.0, "N"), "h1": (1e6, "µm"), "h2": (1e6, "µm")}
+SHOWN = {
+    "T1": (1.0, "N"),
+    "T2": (1.0, "N"),
+    "F_c": (1.0, "N"),
+    "h1": (1e6, "µm"),
+    "h2": (1e6, "µm"),
+}
 
 
 def surface(
@@ -86,7 +92,9 @@ def surface(
     fabric, stamp = meshes.of_3d(fabric), provenance.stamp("")
     spans = [_span(value, key) for value, key in ((d1, "d1"), (d2, "d2"))]
     size = meshes.size(mesh)
-    with out_folder.held(out, resume, [(fabric, spans, points, tolerance, size, friction)]) as folder:
+    with out_folder.held(
+        out, resume, [(fabric, spans, points, tolerance, size, friction)]
+    ) as folder:
         with progress.bar(f"Response surface of {fabric.name}") as advance:
             sampled = response_surface.sample(
                 fabric,
@@ -103,7 +111,13 @@ def surface(
                 on_progress=advance,
                 provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
             )
-        settings = {"fabric": fabric.name, "mesh": mesh, "friction": friction, "d1_m": spans[0], "d2_m": spans[1]}
+        settings = {
+            "fabric": fabric.name,
+            "mesh": mesh,
+            "friction": friction,
+            "d1_m": spans[0],
+            "d2_m": spans[1],
+        }
         settings |= {"lines": sampled.surface.T1.shape, "tolerance": tolerance}
         result = SurfaceResult(fabric, sampled, settings, _cell(fabric, sampled.surface))
         if folder is not None:
@@ -116,7 +130,9 @@ def _span(value, key):
     ends = value.split("..") if isinstance(value, str) else value
     if len(ends) != 2:
         raise InputError(key=key, value=value, allowed='two lengths, such as "0 mm .. 0.03 mm"')
-    low, high = (quantities.number(end.strip() if isinstance(end, str) else end, "m", key) for end in ends)
+    low, high = (
+        quantities.number(end.strip() if isinstance(end, str) else end, "m", key) for end in ends
+    )
     return low, high
 
 
@@ -161,13 +177,18 @@ class SurfaceResult(Result):
 
     def _differences(self):
         """{quantity: rms [N] from the shells' cell}."""
-        return {name: sqrt(((getattr(self.surface, name) - of) ** 2).mean()) for name, of in self.cell.items()}
+        return {
+            name: sqrt(((getattr(self.surface, name) - of) ** 2).mean())
+            for name, of in self.cell.items()
+        }
 
     def summary(self) -> dict[str, Any]:
         """Settings, errors of the lines that are left out, rms from the shells' cell, counts and times."""
         sampled = self.sampled
         return self.settings | {
-            "error_of_left_out_lines": {q: {"rms": e.rms, "largest": e.largest} for q, e in sampled.errors.items()},
+            "error_of_left_out_lines": {
+                q: {"rms": e.rms, "largest": e.largest} for q, e in sampled.errors.items()
+            },
             "rms_from_the_shells_cell_N": self._differences() or None,
             "equilibria": sampled.solves,
             "tangents_factorised": sampled.iterations,
@@ -179,8 +200,13 @@ class SurfaceResult(Result):
 
         surface = self.surface
         d1, d2 = np.meshgrid(surface.d1, surface.d2, indexing="ij")
-        values = {f"{name}_{'N' if unit == 'N' else 'm'}": getattr(surface, name) for name, (_, unit) in SHOWN.items()}
-        return {name: column.ravel() for name, column in ({"d1_m": d1, "d2_m": d2} | values).items()}
+        values = {
+            f"{name}_{'N' if unit == 'N' else 'm'}": getattr(surface, name)
+            for name, (_, unit) in SHOWN.items()
+        }
+        return {
+            name: column.ravel() for name, column in ({"d1_m": d1, "d2_m": d2} | values).items()
+        }
 
     def plot(self) -> Figure:
         """A matplotlib figure: the three forces over the (d1, d2) plane."""
@@ -192,7 +218,11 @@ class SurfaceResult(Result):
         """Write the files that stand at the top of this module to a folder, but partial.h5."""
         from weavecell.report import chapters, page
 
-        out, stamp, friction = Path(out), provenance.stamp("", self.fabric), self.settings["friction"]
+        out, stamp, friction = (
+            Path(out),
+            provenance.stamp("", self.fabric),
+            self.settings["friction"],
+        )
         self.surface.write(out / "surface.h5")
         json_file.write(out / "surface.json", self.summary() | {"provenance": stamp})
         section = self._section()
@@ -201,7 +231,9 @@ class SurfaceResult(Result):
         lead = "Tensions, contact force and heights of one crossing over the end displacements of its two yarns."
         if friction:
             lead += f" Coulomb friction {friction:g}; the weft is stretched first, then the warp."
-        report = chapters.report(title, lead, (self.fabric,), (), (section,), stamp, self.sampled.seconds)
+        report = chapters.report(
+            title, lead, (self.fabric,), (), (section,), stamp, self.sampled.seconds
+        )
         page.write(report, out / "report.html")
 
     def _section(self):
@@ -219,10 +251,24 @@ class SurfaceResult(Result):
             values = factor * getattr(surface, name)
             span, rms = f"{values.min():.4g} to {values.max():.4g}", differences.get(name, "-")
             rows.append((f"{name} [{unit}]", span, factor * error.rms, factor * error.largest, rms))
-        columns = ("quantity", "range", "left-out lines, rms", "left-out lines, largest", "rms from the shell's cell")
+        columns = (
+            "quantity",
+            "range",
+            "left-out lines, rms",
+            "left-out lines, largest",
+            "rms from the shell's cell",
+        )
         pictured = {
-            "surfaces": (pictures_surface.surfaces, (interpolant,), "Forces over (d1, d2); white: samples."),
-            "contours": (pictures_surface.contours, (interpolant,), "Levels of the interpolated quantities."),
+            "surfaces": (
+                pictures_surface.surfaces,
+                (interpolant,),
+                "Forces over (d1, d2); white: samples.",
+            ),
+            "contours": (
+                pictures_surface.contours,
+                (interpolant,),
+                "Levels of the interpolated quantities.",
+            ),
             "slices": (
                 pictures_surface.slices,
                 (surface, self.cell, "shell's cell, published law"),
@@ -240,15 +286,21 @@ class SurfaceResult(Result):
         figures = []
         for name, (draw, arguments, caption) in pictured.items():
             kind = "png" if name in ("surfaces", "contours") else "svg"
-            figures.append(Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name))
+            figures.append(
+                Figure(pictures.render(draw, *arguments, kind=kind), kind, caption, name)
+            )
         lead = f"{surface.d1.size} × {surface.d2.size} samples, {self.sampled.solves} equilibria."
         table = Table.of(DataFrame(rows, columns=columns))
         return Section("surface", "Response surface", lead, tuple(figures), (table,))
 
     def __str__(self) -> str:
-        lines = [f"{'grid':<10}{self.surface.d1.size} x {self.surface.d2.size}, {self.settings['mesh']} mesh"]
+        lines = [
+            f"{'grid':<10}{self.surface.d1.size} x {self.surface.d2.size}, {self.settings['mesh']} mesh"
+        ]
         for name, error in self.sampled.errors.items():
             factor, unit = SHOWN[name]
             rms, largest = factor * error.rms, factor * error.largest
-            lines.append(f"{name:<10}left-out lines missed by {rms:.3g} {unit} rms, {largest:.3g} at most")
+            lines.append(
+                f"{name:<10}left-out lines missed by {rms:.3g} {unit} rms, {largest:.3g} at most"
+            )
         return "\n".join(lines)

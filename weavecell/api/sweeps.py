@@ -43,7 +43,15 @@ if TYPE_CHECKING:
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
 # what a notebook shows of each shot
-_SHOWN = "fabric", "strike_velocity_m_s", "outcome", "residual_velocity_m_s", "max_deflection_m", "cut_yarns", "checks"
+_SHOWN = (
+    "fabric",
+    "strike_velocity_m_s",
+    "outcome",
+    "residual_velocity_m_s",
+    "max_deflection_m",
+    "cut_yarns",
+    "checks",
+)
 
 
 def sweep(
@@ -105,19 +113,27 @@ def sweep(
 
     width = quantities.above_zero(tolerance, "m/s", "tolerance")
     if quantity not in studies.QUANTITIES:
-        raise InputError(key="quantity", value=quantity, allowed=f"one of {', '.join(studies.QUANTITIES)}")
+        raise InputError(
+            key="quantity", value=quantity, allowed=f"one of {', '.join(studies.QUANTITIES)}"
+        )
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
     support = honoured.SWEEP if quantity == "shot" else honoured.LIMITS
     combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
-    panels = [read(str(target), Path(out or "."), support, changes=changes) for changes in combinations]
+    panels = [
+        read(str(target), Path(out or "."), support, changes=changes) for changes in combinations
+    ]
     arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
-    with targets.study(panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor, *arguments) as run:
+    with targets.study(
+        panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor, *arguments
+    ) as run:
         if quantity == "v50":  # whose shots run in parallel, one V50 after the other
             reports = [run.report(number, len(panels)) for number in range(len(panels))]
             options: dict[str, Any] = {"shots": shots, "seed": seed, **run.runs}
-            rows = [studies.row(p.setup, quantity, report=r, **options) for p, r in zip(panels, reports)]
+            rows = [
+                studies.row(p.setup, quantity, report=r, **options) for p, r in zip(panels, reports)
+            ]
         else:
             rows = run_cache.results(studies.row, arguments, report=run.report(), **run.runs)
         table = tuple(
@@ -209,7 +225,9 @@ class SweepTable(StudyResult):
         from weavecell.studies.sweep import QUANTITIES
 
         (x, label), quantity = self._abscissa(), QUANTITIES[self.quantity]
-        return pictures_uncertainty.sweep(pyplot, x, label, self.to_dataframe(), self.keys[1:], quantity)
+        return pictures_uncertainty.sweep(
+            pyplot, x, label, self.to_dataframe(), self.keys[1:], quantity
+        )
 
     def _abscissa(self):
         """(values, label) of the first key: numbers with their unit, areal densities for numbers of plies, or texts."""
@@ -222,7 +240,9 @@ class SweepTable(StudyResult):
             for part in key.split("."):
                 value = getattr(value, part)
             values.append(value)
-        if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+        if not all(
+            isinstance(value, (int, float)) and not isinstance(value, bool) for value in values
+        ):
             return [str(row[key]) for row in self.rows], key
         unit = unit_of(entries(scenes.Scene)[key])
         return values, f"{key} [{unit}]" if unit not in (None, "1") else key
@@ -230,7 +250,11 @@ class SweepTable(StudyResult):
     def files(self) -> dict[str, Any]:
         """As of `StudyResult`."""
         content = {"quantity": self.quantity, "rows": self.rows}
-        return {"sweep.json": content, "sweep.csv": self.to_dataframe().to_csv(index=False), "sweep.png": None}
+        return {
+            "sweep.json": content,
+            "sweep.csv": self.to_dataframe().to_csv(index=False),
+            "sweep.png": None,
+        }
 
     def lines(self) -> list[str]:
         """What is printed."""
@@ -300,7 +324,9 @@ class SweepResult(Result, Sequence):
 
     def _what(self):
         strikes = [
-            f"{shot.strike_velocity:g} m/s" for shot in self.shots if shot.doubtful and shot.outcome != "unstable"
+            f"{shot.strike_velocity:g} m/s"
+            for shot in self.shots
+            if shot.doubtful and shot.outcome != "unstable"
         ]
         return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(strikes)}; worst"
 
@@ -316,14 +342,19 @@ class SweepResult(Result, Sequence):
 
     def __str__(self) -> str:
         counts = ", ".join(
-            f"{value} {name}" for name, value in self.summary().items() if name not in ("shots", "checks")
+            f"{value} {name}"
+            for name, value in self.summary().items()
+            if name not in ("shots", "checks")
         )
         return f"{len(self.shots)} shots: {counts}; checks: {self.checks_text}"
 
     def _columns(self):
         from pandas import DataFrame
 
-        return DataFrame({key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots)
+        return DataFrame(
+            {key: value for key, value in shot.summary().items() if plain(value)}
+            for shot in self.shots
+        )
 
     def _shown(self):
         return self._columns_shown(*_SHOWN)

@@ -65,19 +65,29 @@ def of(
     if isinstance(target, (str, os.PathLike)) and targets.is_input_file(str(target)):
         _refuse(beside, "an input file")
         return targets.read(str(target), Path.cwd(), refused)
-    if isinstance(target, str) and not target.endswith(".toml") and target not in catalogue.list_names():
-        raise InputError(key="TARGET", value=target, allowed=targets.ALLOWED + ", ".join(catalogue.list_names()))
+    if (
+        isinstance(target, str)
+        and not target.endswith(".toml")
+        and target not in catalogue.list_names()
+    ):
+        raise InputError(
+            key="TARGET", value=target, allowed=targets.ALLOWED + ", ".join(catalogue.list_names())
+        )
     if "history" in chosen and not one_shot:
         raise InputError(key="history", allowed=NO_HISTORY)
     if velocity is None and one_shot:
-        raise InputError("is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"')
+        raise InputError(
+            "is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"'
+        )
     panel = made(target, STRIKES[0] if velocity is None else velocity, chosen)
     for line in (f"projectile: {panel.projectile}", *assumed.lines(panel.setup.fabric)):
         targets.build.LOG.info(line)
     return panel
 
 
-def made(fabric: Fabric | FilePath | None, velocity: float | str, options: Mapping[str, Any]) -> Target:
+def made(
+    fabric: Fabric | FilePath | None, velocity: float | str, options: Mapping[str, Any]
+) -> Target:
     """What `weavecell.setup` describes, with the input file that says the same where one can. Its notes are warnings.
 
     Parameters
@@ -100,7 +110,9 @@ def made(fabric: Fabric | FilePath | None, velocity: float | str, options: Mappi
     if options.get("snapshot_interval") is None:
         ply = replace(ply, snapshot_interval=None)
     folder = str(Path(__file__).parent)
-    line_of_the_user = next(n for n, frame in enumerate(inspect.stack(0)) if not frame.filename.startswith(folder))
+    line_of_the_user = next(
+        n for n, frame in enumerate(inspect.stack(0)) if not frame.filename.startswith(folder)
+    )
     for note in ply.notes:
         warnings.warn(note, stacklevel=line_of_the_user + 1)
     return Target(case, ply, keywords.text(written, fabric), ply.title, from_file=False)
@@ -113,7 +125,11 @@ def assumed_of(setup: ImpactSetup) -> tuple[str, ...]:
 
 def as_fabric(fabric: Fabric | FilePath) -> Fabric:
     """A Fabric as it is; that of a name or file with the linear densities of the runs of the thesis."""
-    return fabric if isinstance(fabric, Fabric) else with_linear_density(catalogue.load(fabric), "effective")
+    return (
+        fabric
+        if isinstance(fabric, Fabric)
+        else with_linear_density(catalogue.load(fabric), "effective")
+    )
 
 
 def _refuse(options, beside):
@@ -149,7 +165,13 @@ class Study:
 
 @contextmanager
 def study(
-    panel: Target, title: str, out: FilePath | None, resume: bool, jobs: int, executor: str | Executor, *inputs: Any
+    panel: Target,
+    title: str,
+    out: FilePath | None,
+    resume: bool,
+    jobs: int,
+    executor: str | Executor,
+    *inputs: Any,
 ) -> Iterator[Study]:
     """A study of `inputs` with its folder, the folder of finished runs, emptied but to `resume`, and a bar.
 
@@ -158,7 +180,12 @@ def study(
     InputError : as `out_folder.claim`; any other names the target's file
     """
     place = out_folder.held(out, resume, inputs)
-    with place as folder, kept_runs(folder, resume) as runs, panel.named(), progress.bar(title) as bar:
+    with (
+        place as folder,
+        kept_runs(folder, resume) as runs,
+        panel.named(),
+        progress.bar(title) as bar,
+    ):
         yield Study(folder, {"folder": runs, "executor": executor, "jobs": jobs}, bar)
 
 

@@ -21,7 +21,14 @@ from weavecell.cli import from_signature
 from weavecell.results import out_folder, progress
 
 INTERRUPTED = 130
-UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST}  # bad input
+UNWRITABLE = {
+    errno.EACCES,
+    errno.EPERM,
+    errno.EROFS,
+    errno.ENOTDIR,
+    errno.EISDIR,
+    errno.EEXIST,
+}  # bad input
 # objects from one collection of cyclic garbage to the next (Python: 700): modules, kernels and pictures are hundreds of
 # thousands that live to the end of a command, and going through them again and again took a twentieth of its time
 COLLECT_EVERY = 10_000
@@ -61,7 +68,9 @@ GROUPS = {
 
 def program(word: str = "") -> typer.Typer:
     """The command line; where `word` names a command or a group, of that alone, since each takes 10 ms to make."""
-    chosen = {name: entry for name, entry in COMMANDS.items() if name.partition(" ")[0] == word} or COMMANDS
+    chosen = {
+        name: entry for name, entry in COMMANDS.items() if name.partition(" ")[0] == word
+    } or COMMANDS
     app = typer.Typer(
         name="weavecell",
         no_args_is_help=True,
@@ -76,7 +85,9 @@ def program(word: str = "") -> typer.Typer:
     groups = {"": app}
     for name, text in GROUPS.items():
         groups[name] = typer.Typer(no_args_is_help=True, help=text, rich_markup_mode="rich")
-        app.add_typer(groups[name], name=name, epilog=f"Example: [bold]weavecell {name} list[/bold]")
+        app.add_typer(
+            groups[name], name=name, epilog=f"Example: [bold]weavecell {name} list[/bold]"
+        )
     for name, (function, *rest) in chosen.items():
         group, _, word = name.rpartition(" ")
         command, epilog = from_signature.command(function, name, *rest)
@@ -94,7 +105,8 @@ def _version(wanted: bool) -> None:
 
 def _root(
     version: Annotated[
-        bool | None, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+        bool | None,
+        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
     ] = None,
 ) -> None:
     pass
@@ -111,7 +123,9 @@ class _Lines(logging.Handler):
         if record.levelno == logging.INFO and record.getMessage() in self.printed:
             return
         self.printed.add(record.getMessage())
-        progress.write(self.format(record), sys.stderr if record.levelno > logging.INFO else sys.stdout)
+        progress.write(
+            self.format(record), sys.stderr if record.levelno > logging.INFO else sys.stdout
+        )
 
 
 def main(arguments: Iterable[str] | None = None) -> NoReturn:
@@ -119,11 +133,15 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     gc.set_threshold(COLLECT_EVERY)
     progress.shown = True
     log = logging.getLogger("weavecell")
-    log.propagate = False  # plain lines, whatever an imported library sets up for all loggers (ffcx does)
+    log.propagate = (
+        False  # plain lines, whatever an imported library sets up for all loggers (ffcx does)
+    )
     log.setLevel(logging.INFO)
     log.addHandler(lines := _Lines())
     # click's own class, wherever this typer keeps its click
-    usage_error: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
+    usage_error: Any = next(
+        base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException"
+    )
     try:
         words = sys.argv[1:] if arguments is None else list(arguments)
         code = program(words[0] if words else "")(args=words, standalone_mode=False)
@@ -132,7 +150,10 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     except usage_error as problem:
         _fail(" ".join(problem.format_message().split()), InputError.exit_code)
     except ModuleNotFoundError as problem:
-        _fail(f"this command needs the Python package {problem.name}, which is not installed{_hint(problem.name)}", 1)
+        _fail(
+            f"this command needs the Python package {problem.name}, which is not installed{_hint(problem.name)}",
+            1,
+        )
     except OSError as problem:  # a full disk, a folder that may not be written to
         code = InputError.exit_code if problem.errno in UNWRITABLE else 1
         _fail(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem), code)
@@ -150,7 +171,15 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
 
 def _hint(package):
     """What to install for the packages of the 3D part, which pip does not bring."""
-    if (package or "").partition(".")[0] not in ("dolfinx", "petsc4py", "mpi4py", "ufl", "basix", "gmsh", "meshio"):
+    if (package or "").partition(".")[0] not in (
+        "dolfinx",
+        "petsc4py",
+        "mpi4py",
+        "ufl",
+        "basix",
+        "gmsh",
+        "meshio",
+    ):
         return ""
     debian = "python3-dolfinx python3-petsc4py python3-gmsh python3-meshio"
     return f"; the 3D part needs: apt install {debian} (Debian), or conda-forge's fenics-dolfinx, python-gmsh, meshio"

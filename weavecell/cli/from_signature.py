@@ -28,7 +28,9 @@ from weavecell.report import checks
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
 DEFAULTS: dict[str, Any] = {"jobs": CORES}
-LEFT_OUT = {"assumed_range": "laws"}  # what a function gets where neither the option nor --no-... is given
+LEFT_OUT = {
+    "assumed_range": "laws"
+}  # what a function gets where neither the option nor --no-... is given
 ARGUMENTS = ("target", "tests", "fabric", "name", "file")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 WORDS = {"values": "from"}  # options with another name than their parameter
@@ -40,7 +42,9 @@ _SECTION = re.compile(r"\n\n[A-Z]\w+\n-{3,}\n")
 _ENTRY = re.compile(r"^(\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
 
-def command(function: Callable[..., Any], name: str, example: str, *keywords: str) -> tuple[Callable[..., None], str]:
+def command(
+    function: Callable[..., Any], name: str, example: str, *keywords: str
+) -> tuple[Callable[..., None], str]:
     """The function that typer makes the command `name` of, and the line below its help.
 
     Parameters
@@ -53,7 +57,9 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
     given = inspect.signature(function).parameters.values()
     own = [p for p in given if p.name not in OF_PYTHON or p.kind is p.KEYWORD_ONLY]
     parameters = [p for p in own if p.kind is not p.VAR_KEYWORD]
-    required = [p.name for p in parameters if p.default is p.empty and p.name not in ("out", "tests")]
+    required = [
+        p.name for p in parameters if p.default is p.empty and p.name not in ("out", "tests")
+    ]
     has_checks = inspect.signature(function).return_annotation not in ("None", "Listing")
 
     def call(strict: bool = False, **values: Any) -> None:
@@ -82,11 +88,18 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
         elif strict and result is not None and result.doubtful:  # done before
             raise DoubtfulError("the result is doubtful")
 
-    strict = Annotated[bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit.")]
+    strict = Annotated[
+        bool,
+        typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit."),
+    ]
     signature = [_parameter(p, meanings.get(p.name, "")) for p in parameters]
     signature += [_parameter(_keyword(key), _escaped(_meaning(key))) for key in keywords]
     if has_checks:
-        signature.append(inspect.Parameter("strict", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=strict))
+        signature.append(
+            inspect.Parameter(
+                "strict", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=strict
+            )
+        )
     made: Any = call
     made.__signature__ = inspect.Signature(signature)
     made.__annotations__ = {p.name: p.annotation for p in signature}
@@ -95,7 +108,9 @@ def command(function: Callable[..., Any], name: str, example: str, *keywords: st
 
 
 def _keyword(key):
-    return inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation="str | None")
+    return inspect.Parameter(
+        key, inspect.Parameter.KEYWORD_ONLY, default=None, annotation="str | None"
+    )
 
 
 def _meaning(key):
@@ -141,11 +156,16 @@ def _parameter(parameter, meaning):
     name, default = parameter.name, parameter.default
     default = None if name in LEFT_OUT and default is False else DEFAULTS.get(name, default)
     kinds = parameter.annotation.split(" | ")
-    kind = next((kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds), str)
+    kind = next(
+        (kind for text, kind in (("bool", bool), ("int", int), ("float", float)) if text in kinds),
+        str,
+    )
     kind = str if "str" in kinds or "FilePath" in kinds else kind
     kind = list[str] if kinds[0].startswith("list[") else kind
     choices = kind is str and re.search(r"Literal\[(.*?)\]", parameter.annotation)
-    metavar = METAVARS.get(name, re.sub("[\"' ]", "", choices[1]).replace(",", "|") if choices else None)
+    metavar = METAVARS.get(
+        name, re.sub("[\"' ]", "", choices[1]).replace(",", "|") if choices else None
+    )
     settings: dict[str, Any] = {"help": meaning, "metavar": metavar, "min": LEAST.get(name)}
     if name in ARGUMENTS:
         settings["metavar"] = metavar or name.upper()
@@ -157,10 +177,17 @@ def _parameter(parameter, meaning):
         default = None if name == "out" else ...
     word = _option(name)
     with_no = default is True or name in LEFT_OUT
-    words = [f"{word}/--no-{word[2:]}" if with_no else word, *(SHORT[key] for key in SHORT if key == name)]
-    annotation = Annotated[kind if default is not None else kind | None, typer.Option(*words, **settings)]
+    words = [
+        f"{word}/--no-{word[2:]}" if with_no else word,
+        *(SHORT[key] for key in SHORT if key == name),
+    ]
+    annotation = Annotated[
+        kind if default is not None else kind | None, typer.Option(*words, **settings)
+    ]
     default = parameter.empty if default is ... else default
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation
+    )
 
 
 def _option(name):
@@ -171,8 +198,20 @@ def _of_option(problem, names):
     """An InputError of a parameter, with the option that has its value."""
     if problem.key not in names or problem.file is not None:
         return problem
-    key = METAVARS.get(problem.key, problem.key.upper()) if problem.key in ARGUMENTS else _option(problem.key)
-    message = str(problem).removeprefix(f"{problem.key} = {problem.value!r}: ").removeprefix(f"{problem.key}: ")
-    renamed = InputError(f"{key} = {problem.value!r}: {message}" if problem.value is not None else f"{key}: {message}")
+    key = (
+        METAVARS.get(problem.key, problem.key.upper())
+        if problem.key in ARGUMENTS
+        else _option(problem.key)
+    )
+    message = (
+        str(problem)
+        .removeprefix(f"{problem.key} = {problem.value!r}: ")
+        .removeprefix(f"{problem.key}: ")
+    )
+    renamed = InputError(
+        f"{key} = {problem.value!r}: {message}"
+        if problem.value is not None
+        else f"{key}: {message}"
+    )
     renamed.key, renamed.value, renamed.allowed = key, problem.value, problem.allowed
     return renamed

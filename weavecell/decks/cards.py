@@ -19,7 +19,9 @@ def heading(mark: str, names: Iterable[str], widths: Iterable[int]) -> str:
     mark : with which comments begin
     names : of the fields; those that begin with _ have none
     """
-    line = "".join(f"{'' if name.startswith('_') else name:>{width}}" for name, width in zip(names, widths))
+    line = "".join(
+        f"{'' if name.startswith('_') else name:>{width}}" for name, width in zip(names, widths)
+    )
     return f"{mark}{line[len(mark) :].rstrip()}\n"
 
 
@@ -30,7 +32,9 @@ def card(mark: str, texts: Mapping[str, str]) -> str:
 
 def table(mark: str, template: str, names: str, *columns: ArrayLike) -> str:
     """A card a row of the columns side by side, in a %-template; one comment line above all."""
-    return heading(mark, names.split(), map(int, re.findall(r"%(\d+)", template))) + lines(template, *columns)
+    return heading(mark, names.split(), map(int, re.findall(r"%(\d+)", template))) + lines(
+        template, *columns
+    )
 
 
 def numbers(mark: str, name: str, values: Sequence[int] | IntArray, per_line: int) -> str:

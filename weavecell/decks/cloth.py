@@ -101,7 +101,9 @@ class Cloth:
     @cached_property
     def plane(self) -> tuple[FloatArray, FloatArray, BoolArray]:
         """(L1, L2, inside), each (n, n): stretches from rest on, and whether both yarns are below their strengths."""
-        L1, L2 = np.meshgrid(*(np.linspace(1, high, _PLANE) for _, high in self.model.range()), indexing="ij")
+        L1, L2 = np.meshgrid(
+            *(np.linspace(1, high, _PLANE) for _, high in self.model.range()), indexing="ij"
+        )
         state, (warp, weft) = self.model.solve(L1, L2), self.model.fabric.weave.yarns
         return L1, L2, (state["T1"] <= warp.strength) & (state["T2"] <= weft.strength)
 

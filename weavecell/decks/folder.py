@@ -25,8 +25,15 @@ ROWS = {
     "uniaxial": "largest in uniaxial tension",
     "shear": "largest in trellis shear until locking",
 }
-_SIDES = [f"panel.boundary.{side}{key}" for side in ("", "warp.", "weft.") for key in SlipTable.model_fields]
-_IN_PART = "panel.boundary", "panel.ply.angle"  # refused for some of their values, the angle by `model.build`
+_SIDES = [
+    f"panel.boundary.{side}{key}"
+    for side in ("", "warp.", "weft.")
+    for key in SlipTable.model_fields
+]
+_IN_PART = (
+    "panel.boundary",
+    "panel.ply.angle",
+)  # refused for some of their values, the angle by `model.build`
 NOT_HONOURED = (
     honoured.SHOTS
     | {"history": None}
@@ -42,12 +49,18 @@ def check(to: str, units: str, match: str) -> None:
     ------
     InputError : a code that is none of CODES, or unknown units or match
     """
-    for key, value, names in (("to", to, CODES), ("units", units, model.UNITS), ("match", match, MATCHES)):
+    for key, value, names in (
+        ("to", to, CODES),
+        ("units", units, model.UNITS),
+        ("match", match, MATCHES),
+    ):
         if value not in names:
             raise InputError(key=key, value=value, allowed=" or ".join(names))
 
 
-def write(deck: model.Deck, out: Path, to: str, stem: str, match: str, text: str, fabric: Any) -> None:
+def write(
+    deck: model.Deck, out: Path, to: str, stem: str, match: str, text: str, fabric: Any
+) -> None:
     """Write the files of the folder, each whole or not at all.
 
     Parameters
@@ -66,9 +79,15 @@ def write(deck: model.Deck, out: Path, to: str, stem: str, match: str, text: str
     json_file.write(out / "summary.json", summary | {"provenance": provenance.stamp(text, fabric)})
     worst = max(card.mismatch.worst for card in deck.cards)
     tone = "unstable" if worst > LIMIT else "plain"
-    head = page.Card("Error of the material card", f"{percent(worst)} of the strength at most", (), tone)
-    header = page.Section("header", "Header of the deck", details=(("as in the file", "\n".join(deck.header)),))
-    report = page.Report(deck.title, f"Deck for {code.NAME}, not run in it", ((head,),), (error, header))
+    head = page.Card(
+        "Error of the material card", f"{percent(worst)} of the strength at most", (), tone
+    )
+    header = page.Section(
+        "header", "Header of the deck", details=(("as in the file", "\n".join(deck.header)),)
+    )
+    report = page.Report(
+        deck.title, f"Deck for {code.NAME}, not run in it", ((head,),), (error, header)
+    )
     page.write(report, out / "report.html")
 
 
@@ -76,11 +95,14 @@ def error_section(deck: model.Deck) -> page.Section:
     """Error of the cards in a table and a plot."""
     first, names = deck.cards[0], tuple(card.name for card in deck.cards)
     errors = [card.mismatch.numbers() for card in deck.cards]
-    rows = tuple((words, *(percent(numbers[key]) for numbers in errors)) for key, words in ROWS.items())
+    rows = tuple(
+        (words, *(percent(numbers[key]) for numbers in errors)) for key, words in ROWS.items()
+    )
     caption = f"Law less cell of {first.name}, where both yarns are below their strength."
     figure = page.Figure(pictures.render(mismatch.plot, first.mismatch), "svg", caption, "mapping")
     lead = (
-        f"The law is evaluated here by its own equations, and held against the unit cell. Not held: {first.law.lost}."
+        "The law is evaluated here by its own equations, and held against the unit cell. "
+        f"Not held: {first.law.lost}."
     )
     table = page.Table(("over the strength", *names), rows, "", names)
     return page.Section("mapping", "Error of the mapping", lead, (figure,), (table,))

@@ -132,7 +132,12 @@ class CrimpExchange:
         """(2, ...) [Pa] nominal along warp and weft, in equilibrium."""
         L1, L2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
         y1, y2, height = self._alone(0, L1), self._alone(1, L2), self.rest[1]
-        both = _root(lambda y: self._yarn(0, L1, y)[0] - self._yarn(1, L2, -y)[0], -height[0], height[1], L1.shape)
+        both = _root(
+            lambda y: self._yarn(0, L1, y)[0] - self._yarn(1, L2, -y)[0],
+            -height[0],
+            height[1],
+            L1.shape,
+        )
         touching = y1 + y2 < 0
         y1, y2 = np.where(touching, both, y1), np.where(touching, -both, y2)
         return np.stack([self._yarn(0, L1, y1)[1], self._yarn(1, L2, y2)[1]])
@@ -157,7 +162,9 @@ class CrimpExchange:
         return np.interp(np.degrees(gamma), *self.table.T) * np.cos(gamma)
 
 
-def _root(function: Callable[[FloatArray], FloatArray], low: float, high: float, shape: tuple[int, ...]) -> FloatArray:
+def _root(
+    function: Callable[[FloatArray], FloatArray], low: float, high: float, shape: tuple[int, ...]
+) -> FloatArray:
     """Where a rising function of an array is zero, by bisection; `low` where it is positive there already."""
     a, b = np.full(shape, low), np.full(shape, high)
     for _ in range(50):

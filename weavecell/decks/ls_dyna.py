@@ -25,7 +25,12 @@ NAME, LAW, KEYWORD = "LS-DYNA", UncoupledCurves, "*MAT_FABRIC (034), FORM 14"
 MEMBRANE, SHELL = 9, 2  # ELFORM
 _MARK = "$#"
 _COURANT = 0.9
-_PLANES = {(False, False): 0, (True, False): 1, (False, True): 2, (True, True): 4}  # CON1: what is held of x and y
+_PLANES = {
+    (False, False): 0,
+    (True, False): 1,
+    (False, True): 2,
+    (True, True): 4,
+}  # CON1: what is held of x and y
 
 
 def write(deck: Deck, name: str) -> dict[str, str]:
@@ -38,7 +43,9 @@ def _control(deck: Deck) -> Iterator[str]:
     s = deck.units.s
     pictures, samples = (s * interval for interval in deck.intervals)
     yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header) + f"*TITLE\n{deck.title}\n"
-    yield "*CONTROL_TERMINATION\n" + _card(ENDTIM=s * deck.end_time, ENDCYC=0, DTMIN=0.0, ENDENG=0.0, ENDMAS=0.0)
+    yield "*CONTROL_TERMINATION\n" + _card(
+        ENDTIM=s * deck.end_time, ENDCYC=0, DTMIN=0.0, ENDENG=0.0, ENDMAS=0.0
+    )
     yield "*CONTROL_TIMESTEP\n" + _card(DTINIT=0.0, TSSFAC=_COURANT)
     yield "*CONTROL_ENERGY\n" + _card(HGEN=2, RWEN=2, SLNTEN=2, RYLEN=1)
     for database in ("GLSTAT", "MATSUM", "RCFORC", "RBDOUT"):
@@ -48,7 +55,9 @@ def _control(deck: Deck) -> Iterator[str]:
 
 def _mesh(deck: Deck) -> Iterator[str]:
     points = deck.points * deck.units.m
-    yield "*NODE\n" + table(_MARK, "%8d%16.9E%16.9E%16.9E", "NID X Y Z", range(1, len(points) + 1), points)
+    yield "*NODE\n" + table(
+        _MARK, "%8d%16.9E%16.9E%16.9E", "NID X Y Z", range(1, len(points) + 1), points
+    )
     yield "*ELEMENT_SHELL\n" + table(_MARK, "%8d" * 6, "EID PID N1 N2 N3 N4", deck.shells)
 
 
@@ -61,9 +70,17 @@ def _parts(deck: Deck) -> Iterator[str]:
     yield "*SECTION_SHELL_TITLE\nsurface of the projectile\n"
     yield _card(SECID=deck.nose_card, ELFORM=SHELL, SHRF=1.0, NIP=2) + _thickness(u.m * deck.skin)
     for ply in deck.plies:
-        yield f"*PART\n{ply.name}\n" + _card(PID=ply.number, SECID=ply.card.number, MID=ply.card.number)
-    yield "*PART_INERTIA\nprojectile\n" + _card(PID=deck.nose_part, SECID=deck.nose_card, MID=deck.nose_card)
-    (x, y, z), (vx, vy, vz), J = u.m * nose.centre, u.velocity(nose.velocity), u.kg * u.m**2 * nose.inertia
+        yield f"*PART\n{ply.name}\n" + _card(
+            PID=ply.number, SECID=ply.card.number, MID=ply.card.number
+        )
+    yield "*PART_INERTIA\nprojectile\n" + _card(
+        PID=deck.nose_part, SECID=deck.nose_card, MID=deck.nose_card
+    )
+    (x, y, z), (vx, vy, vz), J = (
+        u.m * nose.centre,
+        u.velocity(nose.velocity),
+        u.kg * u.m**2 * nose.inertia,
+    )
     yield _card(XC=x, YC=y, ZC=z, TM=u.kg * nose.mass, IRCS=0, NODEID=nose.reference)
     yield _card(IXX=J, IXY=0.0, IXZ=0.0, IYY=J, IYZ=0.0, IZZ=J)
     yield _card(VTX=vx, VTY=vy, VTZ=vz, VRX=0.0, VRY=0.0, VRZ=0.0)
@@ -75,7 +92,9 @@ def _materials(deck: Deck) -> Iterator[str]:
     for material in deck.cards:
         yield from _fabric(material, deck)
     (density, E, nu), u = STEEL, deck.units
-    yield "*MAT_RIGID_TITLE\nprojectile\n" + _card(MID=deck.nose_card, RO=u.density(density), E=u.stress(E), PR=nu)
+    yield "*MAT_RIGID_TITLE\nprojectile\n" + _card(
+        MID=deck.nose_card, RO=u.density(density), E=u.stress(E), PR=nu
+    )
     yield _card(CMO=1.0, CON1=_PLANES[deck.mirrors], CON2=7)
     yield _card(LCO=0, A2=0.0, A3=0.0, V1=0.0, V2=0.0, V3=0.0)
 
@@ -87,14 +106,29 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     warp, weft, shear = (3 * material.number - k for k in (2, 1, 0))
     EA, EB = (u.stress(np.max(np.diff(curve[:, 1]) / np.diff(curve[:, 0]))) for curve in law.curves)
     yield f"*MAT_FABRIC_TITLE\n{material.name}\n"
-    yield _card(MID=material.number, RO=u.density(cloth.density), EA=EA, EB=EB, _=None, PRBA=0.0, PRAB=0.0)
-    yield _card(GAB=u.stress(cloth.shear.G1), _1=None, _2=None, CSE=1.0, EL=0.0, PRL=0.0, LRATIO=0.0, DAMP=0.0)
+    yield _card(
+        MID=material.number, RO=u.density(cloth.density), EA=EA, EB=EB, _=None, PRBA=0.0, PRAB=0.0
+    )
+    yield _card(
+        GAB=u.stress(cloth.shear.G1),
+        _1=None,
+        _2=None,
+        CSE=1.0,
+        EL=0.0,
+        PRL=0.0,
+        LRATIO=0.0,
+        DAMP=0.0,
+    )
     yield _card(AOPT=2.0, FLC=0.0, FAC=0.0, ELA=0.0, LNRC=0.0, FORM=14.0, FVOPT=0.0, TSRFAC=0.0)
     yield _card(_=None, RGBRTH=0.0, A0REF=0.0, A1=1.0, A2=0.0, A3=0.0, X0=0.0, X1=0.0)
     yield _card(V1=0.0, V2=0.0, V3=0.0, _1=None, _2=None, _3=None, BETA=0.0, ISREFG=0)
     yield _card(LCA=warp, LCB=weft, LCAB=shear, LCUA=0, LCUB=0, LCUAB=0, RL=0.0)
     yield "$ Nominal stress, engineering strain; shear: angle. Check this on one element\n"
-    curves = (warp, "warp", law.curves[0], -2), (weft, "weft", law.curves[1], -2), (shear, "shear", law.trellis, 0)
+    curves = (
+        (warp, "warp", law.curves[0], -2),
+        (weft, "weft", law.curves[1], -2),
+        (shear, "shear", law.trellis, 0),
+    )
     for number, name, curve, kind in curves:
         yield f"*DEFINE_CURVE_TITLE\n{material.name}, {name}\n"
         yield _card(LCID=number, SIDR=0, SFA=1.0, SFO=1.0, OFFA=0.0, OFFO=0.0, DATTYP=kind)
@@ -105,7 +139,9 @@ def _boundary(deck: Deck) -> Iterator[str]:
     names = "DOFX", "DOFY", "DOFZ", "DOFRX", "DOFRY", "DOFRZ"
     fixed = {"clamped": (1,) * 6, "mirror_x": (1, 0, 0, 0, 1, 1), "mirror_y": (0, 1, 0, 1, 0, 1)}
     for number, (name, nodes) in enumerate(deck.held().items(), 1):
-        yield f"*SET_NODE_LIST_TITLE\n{name}\n" + _card(SID=number) + numbers(_MARK, "NID", nodes, 8)
+        yield (
+            f"*SET_NODE_LIST_TITLE\n{name}\n" + _card(SID=number) + numbers(_MARK, "NID", nodes, 8)
+        )
         yield "*BOUNDARY_SPC_SET\n" + _card(NSID=number, CID=0, **dict(zip(names, fixed[name])))
 
 

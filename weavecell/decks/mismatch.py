@@ -40,7 +40,9 @@ class Mismatch:
         tension = []
         for family in (0, 1):
             stretch, stress = cloth.uniaxial(family)
-            tension.append(np.abs(law.uniaxial(stretch, family) - stress).max() / cloth.strength[family])
+            tension.append(
+                np.abs(law.uniaxial(stretch, family) - stress).max() / cloth.strength[family]
+            )
         gamma = np.linspace(0, cloth.shear.gamma2, 201)
         shear = np.abs(law.shear(gamma) - cloth.shear.stress(gamma)).max() / cloth.strength.min()
         return cls(L1, L2, inside, difference, float(max(tension)), float(shear))
@@ -62,7 +64,12 @@ class Mismatch:
 
     def numbers(self) -> dict[str, float]:
         """The four numbers, by name."""
-        return {"rms": self.rms, "largest": self.largest, "uniaxial": self.uniaxial, "shear": self.shear}
+        return {
+            "rms": self.rms,
+            "largest": self.largest,
+            "uniaxial": self.uniaxial,
+            "shear": self.shear,
+        }
 
 
 def plot(pyplot: Any, mismatch: Mismatch) -> Any:
@@ -72,7 +79,9 @@ def plot(pyplot: Any, mismatch: Mismatch) -> Any:
     x, y = (100 * (stretch - 1) for stretch in (mismatch.stretch1, mismatch.stretch2))
     for axes, difference, family in zip(pair, mismatch.difference, ("warp", "weft")):
         shown = np.where(mismatch.inside, 100 * difference, np.nan)
-        image = axes.pcolormesh(x, y, shown, cmap="RdBu_r", vmin=-top, vmax=top, shading="nearest", rasterized=True)
+        image = axes.pcolormesh(
+            x, y, shown, cmap="RdBu_r", vmin=-top, vmax=top, shading="nearest", rasterized=True
+        )
         axes.set(xlabel="strain along the warp [%]", title=f"stress along the {family}")
     pair[0].set_ylabel("strain along the weft [%]")
     figure.colorbar(image, ax=pair, label="law less cell [% of the strength]")

@@ -31,25 +31,50 @@ from weavecell.decks.laws import Law
 from weavecell.decks.mismatch import LIMIT, Mismatch
 from weavecell.decks.nose import mesh
 
-STEEL = 7800.0, 2e11, 0.3  # [kg/m3], [Pa], [-] of the projectile's shells: its mass is given, its contact needs these
+STEEL = (
+    7800.0,
+    2e11,
+    0.3,
+)  # [kg/m3], [Pa], [-] of the projectile's shells: its mass is given, its contact needs these
 _TABLE = 8  # samples a side of a cell's table that nothing uses
-_SKIN, _CLEARANCE = 0.1, 0.01  # [ply thicknesses] of the projectile's shells, and from them to the first ply
+_SKIN, _CLEARANCE = (
+    0.1,
+    0.01,
+)  # [ply thicknesses] of the projectile's shells, and from them to the first ply
 _SEEN = 0.9  # of the volume of a body of any shape that this surface holds at least
 _PICTURES, _SAMPLES = 50, 1000  # of a run
-_NEAREST = {"plane": "nearest to the cell over the biaxial plane", "uniaxial": "nearest to it in uniaxial tension"}
+_NEAREST = {
+    "plane": "nearest to the cell over the biaxial plane",
+    "uniaxial": "nearest to it in uniaxial tension",
+}
 
 # what a membrane of another code does not have: key of the input file, what is allowed, and whether a set-up has it
 REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
-    "backing": ("left out: a block behind the fabric is not exported", lambda ply: ply.backing is not None),
-    "fabric.surface": ("left out: a card is made from compression laws", lambda ply: ply.surface is not None),
-    "fabric.bending": ("0: a membrane has no bending stiffness", lambda ply: bool(np.any(ply.bending))),
+    "backing": (
+        "left out: a block behind the fabric is not exported",
+        lambda ply: ply.backing is not None,
+    ),
+    "fabric.surface": (
+        "left out: a card is made from compression laws",
+        lambda ply: ply.surface is not None,
+    ),
+    "fabric.bending": (
+        "0: a membrane has no bending stiffness",
+        lambda ply: bool(np.any(ply.bending)),
+    ),
     "panel.weave_angle": ("0: an oblique weave is not exported", lambda ply: ply.weave_angle != 0),
     "panel.ply.angle": ("0 or 90 deg in an exported deck", lambda ply: ply.angled),
     "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
     "panel.impact_point": ("0", lambda ply: any(ply.impact_point or ())),
     "panel.rate_dependence": ("false: cards have one strength", lambda ply: ply.rate_dependence),
-    "panel.crossovers": ('"pinned": no law here lets yarns slide', lambda ply: ply.crossovers is not None),
-    "panel.boundary": ("clamped or free: no side that slips is exported", lambda ply: boundary.slips(ply.edge)),
+    "panel.crossovers": (
+        '"pinned": no law here lets yarns slide',
+        lambda ply: ply.crossovers is not None,
+    ),
+    "panel.boundary": (
+        "clamped or free: no side that slips is exported",
+        lambda ply: boundary.slips(ply.edge),
+    ),
     "projectile.body": ('"rigid"', lambda ply: ply.projectile.bar is not None),
 }
 
@@ -84,7 +109,10 @@ class Units:
         return value * self.m / self.s
 
 
-UNITS = {"kg-m-s": Units("kg", "m", "s", 1.0, 1.0, 1.0), "g-mm-ms": Units("g", "mm", "ms", 1e3, 1e3, 1e3)}
+UNITS = {
+    "kg-m-s": Units("kg", "m", "s", 1.0, 1.0, 1.0),
+    "g-mm-ms": Units("g", "mm", "ms", 1e3, 1e3, 1e3),
+}
 
 
 @dataclass(frozen=True)
@@ -202,8 +230,14 @@ class Deck:
 
     def held(self) -> dict[str, IntArray]:
         """{name: node numbers}: clamped, and on planes of symmetry without those; empty sets are left out."""
-        sets = {name: np.concatenate([ply.held[name] for ply in self.plies]) for name in self.plies[0].held}
-        chosen = {name: held if name == "clamped" else held & ~sets["clamped"] for name, held in sets.items()}
+        sets = {
+            name: np.concatenate([ply.held[name] for ply in self.plies])
+            for name in self.plies[0].held
+        }
+        chosen = {
+            name: held if name == "clamped" else held & ~sets["clamped"]
+            for name, held in sets.items()
+        }
         return {name: np.flatnonzero(held) + 1 for name, held in chosen.items() if held.any()}
 
     def watched(self) -> dict[str, int]:
@@ -214,7 +248,9 @@ class Deck:
         return nodes
 
 
-def build(setup: ImpactSetup, code: ModuleType, units: str, match: str, *, title: str, source: str) -> Deck:
+def build(
+    setup: ImpactSetup, code: ModuleType, units: str, match: str, *, title: str, source: str
+) -> Deck:
     """The deck of a set-up.
 
     Parameters
@@ -247,11 +283,15 @@ def build(setup: ImpactSetup, code: ModuleType, units: str, match: str, *, title
         for axis, mirror, places, spacing in zip("xy", panel.mirrors, (x, y), panel.spacing):
             held[f"mirror_{axis}"] = mirror & (np.abs(places) < 1e-9 * spacing)
         points = np.column_stack([x, y, np.full(x.size, z)])
-        plies.append(Ply(p + 1, f"ply {p + 1}", cards[id(panel)], points, quads(panel) + first, held))
+        plies.append(
+            Ply(p + 1, f"ply {p + 1}", cards[id(panel)], points, quads(panel) + first, held)
+        )
         first += len(points)
     materials, share, mirrors = tuple(cards.values()), pack.plies[0].share, pack.plies[0].mirrors
     nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
-    header = _header(materials, units, share, f"{code.KEYWORD}, {_NEAREST[match]}", source, code.NAME)
+    header = _header(
+        materials, units, share, f"{code.KEYWORD}, {_NEAREST[match]}", source, code.NAME
+    )
     title, end, friction = _ascii(title)[:70], setup.end_time, pack.friction
     return Deck(title, header, UNITS[units], materials, tuple(plies), nose, mirrors, friction, end)
 
@@ -268,9 +308,15 @@ def _nose(setup, share, thickness, ply, first):
         if seen < _SEEN * volume(shot.solid.points, shot.solid.faces):
             allowed = "a body whose surface is seen from its axis: from there it is drawn"
             raise InputError(key="projectile.stl", allowed=allowed)
-    mass, centre, number = share * shot.mass, start - shot.radius * shot.frame[2], first + len(points)
+    mass, centre, number = (
+        share * shot.mass,
+        start - shot.radius * shot.frame[2],
+        first + len(points),
+    )
     inertia, velocity = 0.4 * mass * shot.radius**2, setup.strike_velocity * shot.flight
-    return Nose(start + points, faces + first, centre, number, mass, inertia, velocity, shot.friction)
+    return Nose(
+        start + points, faces + first, centre, number, mass, inertia, velocity, shot.friction
+    )
 
 
 def _header(cards, units, share, law, source, code):
@@ -281,17 +327,25 @@ def _header(cards, units, share, law, source, code):
         f"Material: {law}; computed from a unit cell, not measured; compression law: {source}",
     ]
     for card in cards:
-        rms, largest, uniaxial, shear = (f"{100 * value:.1f} %" for value in card.mismatch.numbers().values())
+        rms, largest, uniaxial, shear = (
+            f"{100 * value:.1f} %" for value in card.mismatch.numbers().values()
+        )
         text.append(
             f"Law {card.number} ({card.name}) less the cell, over the strength: rms {rms}, largest {largest} over the "
             f"biaxial plane; {uniaxial} in uniaxial tension, {shear} in shear until locking"
         )
         if card.mismatch.worst > LIMIT:
-            text.append(f"WARNING: law {card.number} is off by more than {100 * LIMIT:.0f} % of the strength")
+            text.append(
+                f"WARNING: law {card.number} is off by more than {100 * LIMIT:.0f} % of the strength"
+            )
     text.append(f"Not held: {cards[0].law.lost}")
     if share < 1:
-        text.append(f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part")
-    return tuple(line for entry in text for line in textwrap.wrap(_ascii(entry), 76, subsequent_indent="  "))
+        text.append(
+            f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part"
+        )
+    return tuple(
+        line for entry in text for line in textwrap.wrap(_ascii(entry), 76, subsequent_indent="  ")
+    )
 
 
 def _ascii(text):

@@ -16,9 +16,15 @@ from scipy.ndimage import map_coordinates
 from fabrics.checks import FloatArray, IntArray
 from shellfabric.projectile.projectile import Projectile
 
-_LEAST, _MOST = 6, 24  # elements along a side of the grid; one more where an element, not a node, is to face the middle
+_LEAST, _MOST = (
+    6,
+    24,
+)  # elements along a side of the grid; one more where an element, not a node, is to face the middle
 _POINTED = "cone", "stl"  # whose tip is a node
-_GRID, _ROUND = 0.5, 0.875  # [radii] of arc to the sides of the grid, and to the first ring that is a circle
+_GRID, _ROUND = (
+    0.5,
+    0.875,
+)  # [radii] of arc to the sides of the grid, and to the first ring that is a circle
 _BEND = np.radians(45)  # of the meridian within one element
 _RAYS, _TURNS = 101, 145  # samples of the surface from tip to side, and about the axis
 
@@ -31,7 +37,9 @@ def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
     shot : Projectile
     size : [m] of the fabric's elements, which those of the projectile have within _LEAST and _MOST along the grid
     """
-    n = int(np.clip(np.ceil(0.5 * np.pi * shot.radius / size), _LEAST, _MOST)) // 2 * 2 + (shot.shape not in _POINTED)
+    n = int(np.clip(np.ceil(0.5 * np.pi * shot.radius / size), _LEAST, _MOST)) // 2 * 2 + (
+        shot.shape not in _POINTED
+    )
     surface = shot.surface(rise=_RAYS, around=_TURNS)
     arc, measure = _meridian(surface[:, 0], 0.5 * np.pi * shot.radius / n)
     grid_arc, total = _GRID * shot.radius, arc[-1]
@@ -40,17 +48,31 @@ def mesh(shot: Projectile, size: float) -> tuple[FloatArray, IntArray]:
     side = np.linspace(-1, 1, n + 1)
     square = np.stack(np.meshgrid(side, side, indexing="ij"), axis=-1).reshape(-1, 2)
     number = np.arange(len(square)).reshape(n + 1, n + 1)
-    rim = np.concatenate([number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]])  # anticlockwise
+    rim = np.concatenate(
+        [number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]]
+    )  # anticlockwise
     # nodes: of the front grid, of the rings, of the rear grid
-    drawn = [(square, grid_arc), *((square[rim], ring) for ring in rings), (square, total - grid_arc)]
+    drawn = [
+        (square, grid_arc),
+        *((square[rim], ring) for ring in rings),
+        (square, total - grid_arc),
+    ]
     place, turn = np.hstack([_placed(points, at, total, shot.radius) for points, at in drawn])
-    sample = np.interp(place, arc, np.arange(len(arc))), turn % (2 * np.pi) * (_TURNS - 1) / (2 * np.pi)
-    points = np.stack([map_coordinates(component, sample, order=1) for component in np.moveaxis(surface, 2, 0)], axis=1)
+    sample = (
+        np.interp(place, arc, np.arange(len(arc))),
+        turn % (2 * np.pi) * (_TURNS - 1) / (2 * np.pi),
+    )
+    points = np.stack(
+        [map_coordinates(component, sample, order=1) for component in np.moveaxis(surface, 2, 0)],
+        axis=1,
+    )
     # elements: of the front grid, between two loops of nodes each, of the rear grid
     rear = len(square) + len(rings) * len(rim)
     loops = np.vstack([rim, np.arange(len(square), rear).reshape(-1, len(rim)), rear + rim])
     ahead = np.roll(loops, -1, axis=1)
-    face = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
+    face = np.stack(
+        [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1
+    ).reshape(-1, 4)
     around = np.stack([loops[:-1], loops[1:], ahead[1:], ahead[:-1]], axis=-1).reshape(-1, 4)
     return points, np.vstack([face, around, rear + face[:, ::-1]])
 
@@ -62,7 +84,9 @@ def _meridian(line: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
     moving = lengths > 0
     along = steps[moving] / lengths[moving, None]
     bends = np.zeros(len(lengths))
-    bends[np.flatnonzero(moving)[1:]] = np.arccos(np.clip((along[1:] * along[:-1]).sum(axis=1), -1, 1))
+    bends[np.flatnonzero(moving)[1:]] = np.arccos(
+        np.clip((along[1:] * along[:-1]).sum(axis=1), -1, 1)
+    )
     return np.append(0, np.cumsum(lengths)), np.append(0, np.cumsum(lengths / size + bends / _BEND))
 
 
@@ -73,7 +97,11 @@ def _placed(square: FloatArray, arc: float, total: float, radius: float) -> Floa
     """
     x, y = square.T
     wide = np.abs(x) >= np.abs(y)
-    angle = 0.25 * np.pi * np.where(wide, y / np.where(wide & (x != 0), x, 1), 2 - x / np.where(wide, 1, y))
+    angle = (
+        0.25
+        * np.pi
+        * np.where(wide, y / np.where(wide & (x != 0), x, 1), 2 - x / np.where(wide, 1, y))
+    )
     circle = np.where(wide, x, y) * np.array([np.cos(angle), np.sin(angle)])
     near = min(arc, total - arc)
     share = np.interp(near / radius, [_GRID, _ROUND], [0.5, 1.0])

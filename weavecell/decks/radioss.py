@@ -55,7 +55,11 @@ def _materials(deck: Deck) -> Iterator[str]:
     (density, E, nu), u = STEEL, deck.units
     for material in deck.cards:
         yield from _fabric(material, deck)
-    yield f"/MAT/LAW1/{deck.nose_card}\nprojectile\n" + _card(RHO_I=u.density(density)) + _card(E=u.stress(E), nu=nu)
+    yield (
+        f"/MAT/LAW1/{deck.nose_card}\nprojectile\n"
+        + _card(RHO_I=u.density(density))
+        + _card(E=u.stress(E), nu=nu)
+    )
 
 
 def _fabric(material: Card, deck: Deck) -> Iterator[str]:
@@ -71,7 +75,9 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     yield _card(fct_ID2=0, _=None, Fscale2=0.0)
     yield _card(fct_ID3=number, _=None, Fscale3=1.0)
     (start1, start2), (end1, end2) = law.limit, _BROKEN * law.limit
-    strains = _card(Eps_f1=start1, Eps_r1=end1, Eps_f2=start2, Eps_r2=end2, _=None, Ndir=2).splitlines()[1]
+    strains = _card(
+        Eps_f1=start1, Eps_r1=end1, Eps_f2=start2, Eps_r2=end2, _=None, Ndir=2
+    ).splitlines()[1]
     failure = f"/FAIL/FABRIC/{number}", strains, f"{0:20.12E}"
     yield "".join(f"#{line}\n" for line in (*_NO_FAILURE, *failure))
     yield f"/FUNCT/{number}\n{material.name}, shear\n"
@@ -91,13 +97,19 @@ def _properties(deck: Deck) -> Iterator[str]:
     yield f"/PROP/TYPE1/{deck.nose_card}\nprojectile\n" + flags
     yield _card(N=1, Istrain=0, Thick=m * deck.skin, Ashear=0.0)
     for ply in deck.plies:
-        yield f"/PART/{ply.number}\n{ply.name}\n" + _card(prop_ID=ply.card.number, mat_ID=ply.card.number)
-    yield f"/PART/{deck.nose_part}\nprojectile\n" + _card(prop_ID=deck.nose_card, mat_ID=deck.nose_card)
+        yield f"/PART/{ply.number}\n{ply.name}\n" + _card(
+            prop_ID=ply.card.number, mat_ID=ply.card.number
+        )
+    yield f"/PART/{deck.nose_part}\nprojectile\n" + _card(
+        prop_ID=deck.nose_card, mat_ID=deck.nose_card
+    )
 
 
 def _mesh(deck: Deck) -> Iterator[str]:
     points = deck.points * deck.units.m
-    yield "/NODE\n" + table(_MARK, "%10d%20.12E%20.12E%20.12E", "node_ID X Y Z", range(1, len(points) + 1), points)
+    yield "/NODE\n" + table(
+        _MARK, "%10d%20.12E%20.12E%20.12E", "node_ID X Y Z", range(1, len(points) + 1), points
+    )
     shells, names = deck.shells, "shell_ID node_ID1 node_ID2 node_ID3 node_ID4"
     for part in range(1, deck.nose_part + 1):
         own = shells[shells[:, 1] == part]
@@ -112,23 +124,36 @@ def _groups(deck: Deck) -> Iterator[str]:
         yield f"/BCS/{number}\n{name}\n" + _held(fixed[name], number)
     for part in range(1, deck.nose_part + 1):
         for kind in ("GRNOD", "SURF"):
-            yield f"/{kind}/PART/{_group(part)}\npart {part}\n" + numbers(_MARK, "part_ID", [part], 10)
+            yield f"/{kind}/PART/{_group(part)}\npart {part}\n" + numbers(
+                _MARK, "part_ID", [part], 10
+            )
     yield f"/GRNOD/PART/{_plies(deck)}\nplies\n"
     yield numbers(_MARK, "part_ID", [ply.number for ply in deck.plies], 10)
 
 
 def _body(deck: Deck) -> Iterator[str]:
-    nose, u, main, surface = deck.nose, deck.units, _group(deck.nose_part + 2), _group(deck.nose_part)
+    nose, u, main, surface = (
+        deck.nose,
+        deck.units,
+        _group(deck.nose_part + 2),
+        _group(deck.nose_part),
+    )
     J, (vx, vy, vz) = u.kg * u.m**2 * nose.inertia, u.velocity(nose.velocity)
-    yield f"/GRNOD/NODE/{main}\nmain node of the projectile\n" + numbers(_MARK, "node_ID", [nose.reference], 10)
+    yield f"/GRNOD/NODE/{main}\nmain node of the projectile\n" + numbers(
+        _MARK, "node_ID", [nose.reference], 10
+    )
     yield "/RBODY/1\nprojectile\n"
     node, mass = nose.reference, u.kg * nose.mass
     flags = {"grnd_ID": surface, "Ikrem": 0, "ICoG": 4, "surf_ID": 0}
     yield _card(node_ID=node, sens_ID=0, skew_ID=0, Ispher=0, Mass=mass, **flags)
     yield _card(J11=J, J22=J, J33=J) + _card(J12=0.0, J23=0.0, J13=0.0) + _card(Ioptoff=0)
-    yield f"/BCS/{main}\nprojectile\n" + _held("".join(str(int(mirror)) for mirror in deck.mirrors) + "0 111", main)
+    yield f"/BCS/{main}\nprojectile\n" + _held(
+        "".join(str(int(mirror)) for mirror in deck.mirrors) + "0 111", main
+    )
     for number, nodes in enumerate((main, surface), 1):
-        yield f"/INIVEL/TRA/{number}\nprojectile\n" + _card(Vx=vx, Vy=vy, Vz=vz, grnd_ID=nodes, skew_ID=0)
+        yield f"/INIVEL/TRA/{number}\nprojectile\n" + _card(
+            Vx=vx, Vy=vy, Vz=vz, grnd_ID=nodes, skew_ID=0
+        )
     yield f"/TH/RBODY/1\nprojectile\n{'DEF':<10}\n" + _card(body_ID=1)
     yield f"/TH/NODE/2\nmotion\n{'DEF':<10}\n"
     yield "".join(f"{node:10d}{0:10d}{name}\n" for name, node in deck.watched().items())
@@ -139,15 +164,33 @@ def _contact(deck: Deck) -> Iterator[str]:
     pairs = [(_plies(deck), _group(deck.nose_part), half, deck.nose.friction, _STIFF[0])]
     for p, (z, beyond) in enumerate(pairwise(heights), 1):
         gap = min(2 * half, _GAP * (beyond - z))
-        pairs += [(_group(a), _group(b), gap, deck.friction, _STIFF[1]) for a, b in ((p, p + 1), (p + 1, p))]
+        pairs += [
+            (_group(a), _group(b), gap, deck.friction, _STIFF[1])
+            for a, b in ((p, p + 1), (p + 1, p))
+        ]
     for number, (nodes, surface, gap, friction, stiffness) in enumerate(pairs, 1):
         yield f"/INTER/TYPE7/{number}\ncontact {number}\n"
-        yield _card(grnd_IDs=nodes, surf_IDm=surface, Istf=0, Ithe=0, Igap=0, _=0, Ibag=0, Idel=2, Icurv=0, Iadm=0)
+        yield _card(
+            grnd_IDs=nodes,
+            surf_IDm=surface,
+            Istf=0,
+            Ithe=0,
+            Igap=0,
+            _=0,
+            Ibag=0,
+            Idel=2,
+            Icurv=0,
+            Iadm=0,
+        )
         yield _card(Fscale_gap=0.0, Gapmax=0.0, Fpenmax=0.0)
         yield _card(Stmin=0.0, Stmax=0.0, mesh_size=0.0, dtmin=0.0, Irem_gap=0, Irem_i2=0)
-        yield _card(Stfac=stiffness, Fric=friction, Gapmin=deck.units.m * gap, Tstart=0.0, Tstop=0.0)
+        yield _card(
+            Stfac=stiffness, Fric=friction, Gapmin=deck.units.m * gap, Tstart=0.0, Tstop=0.0
+        )
         yield _card(IBC=f"{'000':>10}", _=" " * 20, Inacti=0, VIS_S=0.0, VIS_F=0.0, Bumult=0.0)
-        yield _card(Ifric=0, Ifiltr=0, Xfreq=0.0, Iform=2, sens_ID=0, fct_IDF=0, AscaleF=0.0, fric_ID=0)
+        yield _card(
+            Ifric=0, Ifiltr=0, Xfreq=0.0, Iform=2, sens_ID=0, fct_IDF=0, AscaleF=0.0, fric_ID=0
+        )
 
 
 def _engine(deck: Deck, name: str) -> Iterator[str]:

@@ -27,7 +27,9 @@ def fabric_card(fabric: Fabric) -> Card:
     weave = fabric.weave
     written = fabric.sources.get("warp.linear_density", {}).get("value", "")
     unit = next((unit for unit in ("denier", "dtex", "tex") if unit in written), "dtex")
-    density = " / ".join(f"{yarn.linear_density / FACTORS['kg/m'][unit]:.0f}" for yarn in weave.yarns)
+    density = " / ".join(
+        f"{yarn.linear_density / FACTORS['kg/m'][unit]:.0f}" for yarn in weave.yarns
+    )
     kinds = {"effective": ", as in the published runs", "nominal": ", of the data sheet"}
     kind = "" if fabric.effective_linear_density is None else kinds[density_kind(fabric)]
     return Card(
@@ -42,7 +44,9 @@ def fabric_card(fabric: Fabric) -> Card:
     )
 
 
-def law_card(law: CompressionLaw, published: CompressionLaw | None = None, source: str = "") -> Card:
+def law_card(
+    law: CompressionLaw, published: CompressionLaw | None = None, source: str = ""
+) -> Card:
     """Which compression law, beside the published one; its constants where it was fitted."""
     title, headline = "Compression of the yarns", source.partition(" (")[0]
     if law.a == law.b == 0:  # of a cell whose yarns are not compressed
@@ -70,7 +74,14 @@ def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
         "mesh",
         "The crossover in hexahedra",
         "One crossing of warp (blue) and weft (orange). Mesh lines along the yarns are fibre lines and carry the bars.",
-        (Figure(picture, "png", "The whole crossover; by symmetry a quarter of it is solved.", "mesh"),),
+        (
+            Figure(
+                picture,
+                "png",
+                "The whole crossover; by symmetry a quarter of it is solved.",
+                "mesh",
+            ),
+        ),
         (Table(("quantity", "value"), tuple(facts.items())),),
         beside=True,
     )
@@ -105,7 +116,9 @@ def cell(
         main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
         curves = {}
         for label, pair in laws.items():
-            state = CellModel(fabric, pair, model=model, **options).solve(1 + share * ends[0], 1 + share * ends[1])
+            state = CellModel(fabric, pair, model=model, **options).solve(
+                1 + share * ends[0], 1 + share * ends[1]
+            )
             curves[label] = (state["N1"], state["N2"])
         measured = ((warp, weft)[main], *tensions) if tensions else None
         cases[title] = {"strain": share * ends[main], "curves": curves, "points": measured}
@@ -147,8 +160,14 @@ def sources(*fabrics: Fabric) -> Section:
         of = f" {fabric.name}" if fabrics[1:] else ""
         data = sorted(fabric.sources.items())
         rows = tuple((key, entry["value"], entry["status"], entry["source"]) for key, entry in data)
-        tables.append(Table(("key", "value", "status", "source"), rows, caption=f"Data of the fabric{of}"))
-        tables.append(Table(("quantity", "value"), tuple(derived(fabric)), caption=f"What follows from them{of}"))
+        tables.append(
+            Table(("key", "value", "status", "source"), rows, caption=f"Data of the fabric{of}")
+        )
+        tables.append(
+            Table(
+                ("quantity", "value"), tuple(derived(fabric)), caption=f"What follows from them{of}"
+            )
+        )
     return Section(
         "sources",
         "Where each number comes from",
@@ -158,7 +177,9 @@ def sources(*fabrics: Fabric) -> Section:
     )
 
 
-def making(stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[Table, ...] = ()) -> Section:
+def making(
+    stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[Table, ...] = ()
+) -> Section:
     """How the page was made: times, further tables, versions, machine and scene; folded."""
     rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
     times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
@@ -173,7 +194,11 @@ def struck(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = False) -
     """What is shot at, how it is held, what is behind it, and the projectile, in a sentence."""
     plies = f"One ply of {setup.name}"
     if setup.plies > 1:
-        plies = f"{setup.plies} plies: {setup.name}" if setup.lay_up else f"{setup.plies} plies of {setup.name}"
+        plies = (
+            f"{setup.plies} plies: {setup.name}"
+            if setup.lay_up
+            else f"{setup.plies} plies of {setup.name}"
+        )
         plies += "" if setup.lay_up else f", {setup.stacking}"
     if scene is None:
         return f"{plies}."
@@ -206,4 +231,12 @@ def report(
     """
     cards = (*cards[:1], *map(fabric_card, fabrics), *cards[1:])
     sections = (*sections, sources(*fabrics), making(stamp, seconds, more))
-    return Report(title, lead, (cards,), sections, f"weavecell {stamp['weavecell']}, {stamp['date']}", outcome, tone)
+    return Report(
+        title,
+        lead,
+        (cards,),
+        sections,
+        f"weavecell {stamp['weavecell']}, {stamp['date']}",
+        outcome,
+        tone,
+    )

@@ -17,7 +17,9 @@ _INDEX = (
     "Uncertainty of the results {} by the grid convergence index of ASME V&V 20, from two meshes with an assumed order "
     "of 2 and a safety factor of 3, of the largest difference of their histories{}."
 )
-AGAINST_TESTS = Path(__file__).with_name("against_tests.csv")  # written by `python -m validation measured`
+AGAINST_TESTS = Path(__file__).with_name(
+    "against_tests.csv"
+)  # written by `python -m validation measured`
 _MEANS = "; of means that of the means, to which their standard errors are added"
 
 
@@ -29,12 +31,21 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
     meshes, window = list(pair.meshes), pair.windows[0]
     errors = () if window is None else ("standard_error", f"{other}_standard_error")
     results: dict[str, Any] = {
-        one.name: {"unit": one.unit, "value": one.value, other: one.other, "uncertainty": one.uncertainty}
+        one.name: {
+            "unit": one.unit,
+            "value": one.value,
+            other: one.other,
+            "uncertainty": one.uncertainty,
+        }
         | dict(zip(errors, one.standard_errors))
         for one in pair.intervals
     }
     entries: dict[str, Any] = {} if window is None else {"window": window.summary()}
-    entries["discretisation"] = {"meshes": meshes, "outcomes": list(pair.outcomes), "results": results}
+    entries["discretisation"] = {
+        "meshes": meshes,
+        "outcomes": list(pair.outcomes),
+        "results": results,
+    }
     if pair.targets:
         entries["accuracy"] = {
             "targets": dict(pair.targets),
@@ -54,7 +65,10 @@ def words(pair: Discretisation) -> str:
     found, window = [], pair.windows[0]
     if window is not None:
         found = [f"mean and standard error, {_of_window(window)}:"]
-        found += [f"  {' '.join(row[:-1])} ({row[-1]} at {window.strike_velocity:g} m/s)" for row in _means(window)]
+        found += [
+            f"  {' '.join(row[:-1])} ({row[-1]} at {window.strike_velocity:g} m/s)"
+            for row in _means(window)
+        ]
     found.append(f"discretisation uncertainty, from {' and '.join(pair.meshes[-2:])}:")
     found += [f"  {line}" for line in _outcomes(pair)]
     other = "coarser" if pair.targets else "finer"
@@ -79,7 +93,9 @@ def _means(window):
     """(quantity, mean with standard error and unit, value at the one velocity) of each quantity."""
     from weavecell.studies.window import QUANTITIES
 
-    shot = next(shot for shot in window.shots if shot["strike_velocity_m_s"] == window.strike_velocity)
+    shot = next(
+        shot for shot in window.shots if shot["strike_velocity_m_s"] == window.strike_velocity
+    )
     for name, (key, words, unit) in QUANTITIES.items():
         mean, error = window.mean(name)
         yield words, f"{mean:.4g} +- {error:.2g} {unit}".rstrip(), f"{shot[key]:.4g}"
@@ -92,7 +108,11 @@ def _outcomes(pair):
         return [f"the outcome depends on the mesh: {first}, and {last} on the finer one"]
     one, other = (window and _counts(window) for window in (pair.windows[0], pair.windows[-1]))
     mesh = "coarser" if pair.targets else "finer"
-    return [] if one == other else [f"outcomes in the window depend on the mesh: {one}, and {other} on the {mesh} one"]
+    return (
+        []
+        if one == other
+        else [f"outcomes in the window depend on the mesh: {one}, and {other} on the {mesh} one"]
+    )
 
 
 def _verdict(pair):
@@ -122,18 +142,31 @@ def section(pair: Discretisation) -> Section:
     """For the report."""
     from pandas import DataFrame
 
-    meshes, tables, window = pair.meshes[-1:-3:-1] if pair.targets else pair.meshes, [], pair.windows[0]
+    meshes, tables, window = (
+        pair.meshes[-1:-3:-1] if pair.targets else pair.meshes,
+        [],
+        pair.windows[0],
+    )
     lead = " ".join(
-        line[0].upper() + line[1:] + "." for line in (*_verdict(pair), *_outcomes(pair), *_against_tests(pair))
+        line[0].upper() + line[1:] + "."
+        for line in (*_verdict(pair), *_outcomes(pair), *_against_tests(pair))
     )
     if pair.intervals:
-        counts, of_means = "on the finer mesh" if pair.targets else "on the mesh of the scene", _MEANS * bool(window)
+        counts, of_means = (
+            "on the finer mesh" if pair.targets else "on the mesh of the scene",
+            _MEANS * bool(window),
+        )
         lead = f"{lead} {_INDEX.format(counts, of_means)}".strip()
-        rows = [(f"{one.name} [{one.unit}]", one.value, one.other, one.uncertainty) for one in pair.intervals]
+        rows = [
+            (f"{one.name} [{one.unit}]", one.value, one.other, one.uncertainty)
+            for one in pair.intervals
+        ]
         tables.append(Table.of(DataFrame(rows, columns=["result", *meshes, "uncertainty"])))
     if window is not None:
         heads = ["result", "mean and standard error", f"at {window.strike_velocity:g} m/s"]
-        tables.append(Table.of(DataFrame(_means(window), columns=heads), f"Means: {_of_window(window)}"))
+        tables.append(
+            Table.of(DataFrame(_means(window), columns=heads), f"Means: {_of_window(window)}")
+        )
     if pair.targets:
         runs = DataFrame({"mesh": pair.meshes, "outcome": pair.outcomes})
         tables.append(Table.of(runs, "Meshes that were run"))

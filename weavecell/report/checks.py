@@ -18,12 +18,18 @@ _SHOWN = 3  # indicators of the printed line
 
 def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
     """{"checks": {"status", "indicators"}} for summary.json."""
-    return {"checks": {"status": status(indicators), "indicators": [one.entry() for one in indicators]}}
+    return {
+        "checks": {"status": status(indicators), "indicators": [one.entry() for one in indicators]}
+    }
 
 
 def line(indicators: Iterable[Indicator], status: str = DOUBTFUL) -> str:
     """The worst indicators of a status, each with value and limit; "" if there is none."""
-    found = sorted((one for one in indicators if one.status == status), key=lambda one: one.excess, reverse=True)
+    found = sorted(
+        (one for one in indicators if one.status == status),
+        key=lambda one: one.excess,
+        reverse=True,
+    )
     more = f"; {len(found) - _SHOWN} more in the summary" if len(found) > _SHOWN else ""
     return "; ".join(map(str, found[:_SHOWN])) + more if found else ""
 
@@ -71,7 +77,10 @@ def section(indicators: Sequence[Indicator]) -> Section:
     lead = " ".join(sentences) if sentences else "Every indicator is within its limit."
     notes = ["" if one.note is None else f" (noted above {one.note:g})" for one in indicators]
     rows = tuple(
-        (one.name, one.number, f"{one.limit:g}", one.status + note, one.meaning) for one, note in zip(indicators, notes)
+        (one.name, one.number, f"{one.limit:g}", one.status + note, one.meaning)
+        for one, note in zip(indicators, notes)
     )
     columns = ("indicator", "value", "limit", "status", "value is")
-    return Section("checks", "Quality checks", lead, tables=(Table(columns, rows, numeric=columns[1:3]),))
+    return Section(
+        "checks", "Quality checks", lead, tables=(Table(columns, rows, numeric=columns[1:3]),)
+    )

@@ -13,11 +13,16 @@ from fabrics.record import Record
 
 def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:
     """One yarn pulled straight."""
-    taut, yarn = record["T_taut"] > 0.1 * record["T_taut"].max(), fabric.weave.yarns[record.facts["yarn"]]
+    taut, yarn = (
+        record["T_taut"] > 0.1 * record["T_taut"].max(),
+        fabric.weave.yarns[record.facts["yarn"]],
+    )
     found = {"greatest tension [N]": record["T"].max()}
     if np.count_nonzero(taut) > 1 and not record["broken"].any():
         slope, start = np.polyfit(record["strain"][taut], record["T"][taut], 1)
-        found["stiffness when taut over E A / (1 + crimp) [-]"] = slope * (1 + record.facts["crimp"]) / yarn.EA
+        found["stiffness when taut over E A / (1 + crimp) [-]"] = (
+            slope * (1 + record.facts["crimp"]) / yarn.EA
+        )
         found["strain at which it is straight [-]"] = -start / slope
         found["crimp [-]"] = record.facts["crimp"]
     if record["broken"].any():
@@ -83,8 +88,12 @@ def shear(fabric: Fabric, record: Record) -> dict[str, Any]:
         slope = np.gradient(tau, gamma)
         for part, modulus in (("G1", fabric.shear.G1), ("G2", fabric.shear.G2)):
             stiffer = np.flatnonzero(slope >= modulus)
-            found[f"tangent modulus passes the data's {part} at [rad]"] = gamma[stiffer[0]] if stiffer.size else None
-        found |= {"fabric's data (Table 4-1): " + key: value for key, value in _law(fabric.shear).items()}
+            found[f"tangent modulus passes the data's {part} at [rad]"] = (
+                gamma[stiffer[0]] if stiffer.size else None
+            )
+        found |= {
+            "fabric's data (Table 4-1): " + key: value for key, value in _law(fabric.shear).items()
+        }
     return found
 
 
@@ -97,7 +106,9 @@ def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
         "Coulomb's coefficient of the contact [-]": record.facts["friction"],
         "contact forces in slip [N]": F_c.tolist(),
         "slip thresholds [N]": T_f.tolist(),
-        "largest force of the normal pressures along the axis [N]": np.abs(record["P_geometric"]).max(),
+        "largest force of the normal pressures along the axis [N]": np.abs(
+            record["P_geometric"]
+        ).max(),
         "largest share of Coulomb's limit [-]": record["mobilised"].max(),
     }
     if F_c.size > 1:
@@ -113,4 +124,9 @@ def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
 
 
 def _law(law):
-    return {"gamma1 [rad]": law.gamma1, "gamma2 [rad]": law.gamma2, "G1 [MPa]": law.G1 / 1e6, "G2 [MPa]": law.G2 / 1e6}
+    return {
+        "gamma1 [rad]": law.gamma1,
+        "gamma2 [rad]": law.gamma2,
+        "G1 [MPa]": law.G1 / 1e6,
+        "G2 [MPa]": law.G2 / 1e6,
+    }

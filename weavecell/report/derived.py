@@ -22,7 +22,9 @@ def derived(fabric: Fabric) -> list[tuple[str, str]]:
     if fabric.effective_linear_density is not None:
         rows.insert(0, ("linear density", _densities(fabric)))
     if fabric.areal_density_measured is not None:
-        rows.insert(-2, ("areal density, measured", f"{1e3 * fabric.areal_density_measured:.1f} g/m²"))
+        rows.insert(
+            -2, ("areal density, measured", f"{1e3 * fabric.areal_density_measured:.1f} g/m²")
+        )
     if fabric.thickness is not None:
         rows.insert(-2, ("thickness, data sheet", f"{1e3 * fabric.thickness:.4g} mm"))
     return rows
@@ -36,7 +38,10 @@ def density_kind(fabric: Fabric) -> str:
 
 def _densities(fabric):
     """Which linear densities are used, and what follows from the others, in words."""
-    nominal = tuple(si(fabric.sources[f"{family}.linear_density"]["value"], "kg/m") for family in ("warp", "weft"))
+    nominal = tuple(
+        si(fabric.sources[f"{family}.linear_density"]["value"], "kg/m")
+        for family in ("warp", "weft")
+    )
     both = {"effective": fabric.effective_linear_density, "nominal": nominal}
     kind = density_kind(fabric)
     other = "nominal" if kind == "effective" else "effective"
@@ -45,7 +50,9 @@ def _densities(fabric):
         "effective": "effective, of the published runs (erratum E-07 of the thesis)",
         "nominal": "nominal, of the data sheet",
     }
-    denier = {name: " / ".join(f"{9e6 * value:.0f}" for value in pair) for name, pair in both.items()}
+    denier = {
+        name: " / ".join(f"{9e6 * value:.0f}" for value in pair) for name, pair in both.items()
+    }
     return (
         f"{denier[kind]} denier: {names[kind]}; with {denier[other]} denier ({names[other]}) a yarn has "
         f"{weave.warp.strength:.1f} N and the fabric {1e3 * weave.areal_density:.1f} g/m²"

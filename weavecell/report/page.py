@@ -39,7 +39,9 @@ class Figure:
     content: bytes
     kind: str  # "svg", "png" or "gif"
     caption: str
-    name: str  # of its file, where it is written as one; also the text for readers who cannot see it
+    name: (
+        str  # of its file, where it is written as one; also the text for readers who cannot see it
+    )
     wide: bool = True
     tall: bool = False  # as two others that stand beside it
 
@@ -61,7 +63,9 @@ class Table:
     def of(cls, frame: DataFrame, caption: str = "", numeric: Iterable[str] = ()) -> Table:
         """The table of a frame, numbers with four digits; `numeric` are columns of texts that are numbers."""
         rows = frame.itertuples(index=False, name=None)
-        texts = tuple(tuple(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) for row in rows)
+        texts = tuple(
+            tuple(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row) for row in rows
+        )
         return cls(tuple(frame), texts, caption, (*frame.select_dtypes("number"), *numeric))
 
 
@@ -101,7 +105,11 @@ def render(report: Report) -> str:
     folder = resources.files("weavecell.report") / "templates"
     loader = jinja2.FunctionLoader(lambda name: (folder / name).read_text("utf-8"))
     environment = jinja2.Environment(
-        loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+        loader=loader,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
     )
     return environment.get_template("report.html.j2").render(report=report)
 

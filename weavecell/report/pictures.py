@@ -77,7 +77,14 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
 
 
 def place(
-    figure: Any, left: float, right: float, bottom: float, top: float, *, across: float = 0.0, down: float = 0.0
+    figure: Any,
+    left: float,
+    right: float,
+    bottom: float,
+    top: float,
+    *,
+    across: float = 0.0,
+    down: float = 0.0,
 ) -> None:
     """Set the margins of a figure without a layout engine, and the gaps between its axes, all in inches.
 
@@ -88,7 +95,12 @@ def place(
     wide = (width - left - right - (columns - 1) * across) / columns  # of one axes
     high = (height - bottom - top - (rows - 1) * down) / rows
     figure.subplots_adjust(
-        left / width, bottom / height, 1 - right / width, 1 - top / height, across / wide, down / high
+        left / width,
+        bottom / height,
+        1 - right / width,
+        1 - top / height,
+        across / wide,
+        down / high,
     )
 
 
@@ -103,15 +115,36 @@ def fit(pyplot: Any, samples: Any, laws: Any, platen: Any = None) -> Any:
     """
     figure, axes = pyplot.subplots(figsize=(10.4, 4.6))
     for (name, (F, d)), colour in zip(samples.items(), COLOURS):
-        axes.plot(F, UM * np.asarray(d), "o", ms=5, color=colour, alpha=0.75, mew=0, label=f"3D crossover, {name}")
+        axes.plot(
+            F,
+            UM * np.asarray(d),
+            "o",
+            ms=5,
+            color=colour,
+            alpha=0.75,
+            mew=0,
+            label=f"3D crossover, {name}",
+        )
     if platen is not None:
         F, d = platen
-        axes.plot(F, UM * np.asarray(d), "s", ms=4.5, mfc="none", mec=FAINT, label="3D crossover between rigid plates")
+        axes.plot(
+            F,
+            UM * np.asarray(d),
+            "s",
+            ms=4.5,
+            mfc="none",
+            mec=FAINT,
+            label="3D crossover between rigid plates",
+        )
     top = max(float(np.max(F)) for F, _ in samples.values())
     force = np.linspace(0.0, 1.05 * top, 600)
     for (label, law), colour, dash in zip(laws.items(), (INK, PUBLISHED), DASHES):
         axes.plot(force, UM * law.d(force), dash, color=colour, label=label, zorder=3)
-    axes.set(xlabel="contact force F [N]", ylabel="compression of one yarn d$_c$ [µm]", xlim=(0, 1.05 * top))
+    axes.set(
+        xlabel="contact force F [N]",
+        ylabel="compression of one yarn d$_c$ [µm]",
+        xlim=(0, 1.05 * top),
+    )
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
@@ -124,17 +157,28 @@ def cell(pyplot: Any, cases: Any) -> Any:
     ----------
     cases : {title: {"strain": (n,), "curves": {label: (T1, T2)}, "points": (strain, T1, T2) or None}} [-, N]
     """
-    figure, row = pyplot.subplots(1, len(cases), figsize=(10.4, 4.2), sharey=True, squeeze=False, layout="none")
+    figure, row = pyplot.subplots(
+        1, len(cases), figsize=(10.4, 4.2), sharey=True, squeeze=False, layout="none"
+    )
     place(figure, 0.75, 0.1, 0.6, 0.32, across=0.15)
     for axes, (title, case) in zip(row[0], cases.items()):
         for (label, tensions), dash in zip(case["curves"].items(), DASHES):
             for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
-                axes.plot(100 * case["strain"], tension, dash, color=colour, label=f"{family}, {label}")
+                axes.plot(
+                    100 * case["strain"], tension, dash, color=colour, label=f"{family}, {label}"
+                )
         if case.get("points") is not None:
             strain, *tensions = case["points"]
             for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
                 axes.plot(
-                    100 * strain, tension, "o", ms=5, mfc="white", mec=colour, mew=1.4, label=f"{family}, 3D crossover"
+                    100 * strain,
+                    tension,
+                    "o",
+                    ms=5,
+                    mfc="white",
+                    mec=colour,
+                    mew=1.4,
+                    label=f"{family}, 3D crossover",
                 )
         axes.set_title(title, y=1.0)
         axes.set_xlabel("strain of the cell [%]")
@@ -158,7 +202,14 @@ def velocity(pyplot: Any, runs: Any) -> Any:
     for label, (t, v) in runs.items():
         strike = round(float(v[0]), 6)
         broad = {"lw": 5.5, "alpha": 0.4} if seen[strike] == 0 and len(runs) > len(strikes) else {}
-        axes.plot(US * t, v, DASHES[seen[strike] % 4], color=COLOURS[strikes.index(strike) % 6], label=label, **broad)
+        axes.plot(
+            US * t,
+            v,
+            DASHES[seen[strike] % 4],
+            color=COLOURS[strikes.index(strike) % 6],
+            label=label,
+            **broad,
+        )
         seen[strike] += 1
     axes.axhline(0.0, color=FAINT, lw=1)
     axes.set(xlabel="time after strike [µs]", ylabel="velocity of the projectile [m/s]")
@@ -183,12 +234,31 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
     low, high = 0.94 * min(strike.min(), limit.low), 1.02 * strike.max()
     figure, axes = _of_velocities(pyplot, title, low, high)
     if fit is not None:
-        velocities = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3  # it rises steeply at the limit
+        velocities = (
+            fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
+        )  # it rises steeply at the limit
         curve = fit.residual_velocity(velocities)
         axes.plot(velocities, curve, color=BLUE, label="Lambert-Jonas\n" + fit.words("\n"))
-    axes.plot(strike[through], residual[through], "o", ms=7, color=RED, mec="white", label="perforated", zorder=3)
     axes.plot(
-        strike[~through], residual[~through], "o", ms=7, mfc="white", mec=GREEN, mew=1.8, label="stopped", zorder=3
+        strike[through],
+        residual[through],
+        "o",
+        ms=7,
+        color=RED,
+        mec="white",
+        label="perforated",
+        zorder=3,
+    )
+    axes.plot(
+        strike[~through],
+        residual[~through],
+        "o",
+        ms=7,
+        mfc="white",
+        mec=GREEN,
+        mew=1.8,
+        label="stopped",
+        zorder=3,
     )
     zone, alpha = (limit.low, limit.high), 0.8
     name = f"critical velocity\n{limit.velocity:.1f} ± {limit.half_width:.1f} m/s"
@@ -227,14 +297,27 @@ def tested_and_computed(pyplot: Any, title: str, found: Any) -> Any:
         axes.axvline(found.curve.V50, color=STEEL, lw=1.5, label=words)
     words = f"computed critical\nvelocity {found.limit.velocity:.1f} m/s"
     axes.axvline(found.limit.velocity, color=ORANGE, lw=1.5, label=words)
-    fits = ((found.tested, STEEL, "tests, Lambert-Jonas"), (found.computed, BLUE, "computed, Lambert-Jonas"))
+    fits = (
+        (found.tested, STEEL, "tests, Lambert-Jonas"),
+        (found.computed, BLUE, "computed, Lambert-Jonas"),
+    )
     for fit, color, words in fits:
         if fit is not None:
             at = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3
             axes.plot(at, fit.residual_velocity(at), color=color, lw=1.2, label=words)
     for outcome, fill in (("perforated", STEEL), ("stopped", "white")):
-        residual = table["tested residual velocity [m/s]"].where(table["tested"] == outcome).dropna()
-        axes.plot(strike[residual.index], residual, "s", ms=7, mfc=fill, mec=STEEL, label=f"test, {outcome}")
+        residual = (
+            table["tested residual velocity [m/s]"].where(table["tested"] == outcome).dropna()
+        )
+        axes.plot(
+            strike[residual.index],
+            residual,
+            "s",
+            ms=7,
+            mfc=fill,
+            mec=STEEL,
+            label=f"test, {outcome}",
+        )
     computed = table["computed residual velocity [m/s]"]
     axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)

@@ -17,7 +17,10 @@ from meshing.pictures_style import RED, STEEL, tension_map
 SIZE = (1120, 612)  # [pixels] width and height of an image
 _CLOTH_DEPTH = 1e-3  # [m] by which the projectile lies behind fabric that it touches
 _VIEWER = 0.55, -1.4, 0.95  # direction of the viewer behind the panel
-_LIGHTS, _INTENSITIES = np.array([(0.62, 0.58, 0.53), (-0.6, 0.1, 0.79)]), (0.475, 0.185)  # directions in these axes
+_LIGHTS, _INTENSITIES = (
+    np.array([(0.62, 0.58, 0.53), (-0.6, 0.1, 0.79)]),
+    (0.475, 0.185),
+)  # directions in these axes
 _AMBIENT = 0.48
 
 
@@ -47,12 +50,18 @@ def panel(
 
     fabric = coloured(grid, strength, mirrors)
     quads, colours = fabric.points[fabric.cells.reshape(-1, 5)[:, 1:]], fabric["colour"] / 255
-    steel = np.stack([body[:-1, :-1], body[1:, :-1], body[1:, 1:], body[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+    steel = np.stack([body[:-1, :-1], body[1:, :-1], body[1:, 1:], body[:-1, 1:]], axis=2).reshape(
+        -1, 4, 3
+    )
     colours = np.vstack([colours, np.tile(to_rgb(STEEL), (len(steel), 1))])
     side, axes_of_view = -1 if front else 1, _axes(front)
-    seen = (np.concatenate([quads, steel - side * _CLOTH_DEPTH * axes_of_view[2]]) - centre) @ axes_of_view.T
+    seen = (
+        np.concatenate([quads, steel - side * _CLOTH_DEPTH * axes_of_view[2]]) - centre
+    ) @ axes_of_view.T
     normal = np.cross(seen[:, 2] - seen[:, 0], seen[:, 3] - seen[:, 1])
-    normal *= np.where(normal[:, 2:] < 0, -1, 1) / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    normal *= np.where(normal[:, 2:] < 0, -1, 1) / np.maximum(
+        np.linalg.norm(normal, axis=1, keepdims=True), 1e-300
+    )
     light = _AMBIENT + np.maximum(normal @ (_LIGHTS * (1, side, 1)).T, 0) @ _INTENSITIES
     order = np.argsort(seen[..., 2].mean(axis=1), kind="stable")
     paint = np.clip(colours * light[:, None], 0, 1)[order]
@@ -61,7 +70,9 @@ def panel(
     axes = figure.add_axes((0, 0, 1, 1), xlim=np.array([-1, 1]) * half_height * SIZE[0] / SIZE[1])
     axes.set_ylim(-half_height, half_height)
     axes.axis("off")
-    elements = PolyCollection(seen[order, :, :2], facecolors=paint, edgecolors=paint, linewidths=0.5)
+    elements = PolyCollection(
+        seen[order, :, :2], facecolors=paint, edgecolors=paint, linewidths=0.5
+    )
     axes.add_collection(elements, autolim=False)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
@@ -90,8 +101,12 @@ def coloured(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:
     from matplotlib.colors import to_rgb
 
     failed = np.asarray(grid["failed_yarns"])
-    share = (np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]) / strength).max(axis=1)
-    paint = np.where((failed == 1)[:, None], to_rgb(RED), tension_map()(np.clip(share, 0, 1))[:, :3])
+    share = (np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]) / strength).max(
+        axis=1
+    )
+    paint = np.where(
+        (failed == 1)[:, None], to_rgb(RED), tension_map()(np.clip(share, 0, 1))[:, :3]
+    )
     whole = grid.copy(deep=True)
     whole.clear_data()
     whole["colour"] = np.round(255 * paint).astype(np.uint8)

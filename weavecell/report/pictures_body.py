@@ -23,7 +23,9 @@ def bar(pyplot: Any, history: BarHistory) -> Any:
     ----------
     history : shellfabric.projectile.dynamics.BarHistory
     """
-    figure, (top, low) = pyplot.subplots(2, 1, figsize=(10.4, 6.2), sharex=True, height_ratios=(1.5, 1))
+    figure, (top, low) = pyplot.subplots(
+        2, 1, figsize=(10.4, 6.2), sharex=True, height_ratios=(1.5, 1)
+    )
     t = US * history.t
     top.plot(t, history.tip_velocity, color=RED, lw=1.0, label="tip")
     top.plot(t, history.tail_velocity, color=BLUE, lw=1.2, label="tail")
@@ -53,7 +55,11 @@ def crater(pyplot: Any, blocks: Any) -> Any:
     down = -(-len(blocks) // across)
     tall = (1.35 * deepest + 0.006) / (2 * reach) * 10.4 / across
     figure, grid = pyplot.subplots(
-        down, across, figsize=(10.4, 0.8 + down * (0.84 * tall + 0.45)), squeeze=False, layout="constrained"
+        down,
+        across,
+        figsize=(10.4, 0.8 + down * (0.84 * tall + 0.45)),
+        squeeze=False,
+        layout="constrained",
     )
     for axes in grid.flat[len(blocks) :]:
         axes.set_visible(False)
@@ -63,13 +69,20 @@ def crater(pyplot: Any, blocks: Any) -> Any:
         cut = ~block.gone & (np.abs(x[:, [0, 1, 4, 5], 1]).max(axis=1) < 1e-9)
         corners = MM * x[cut][:, [0, 1, 5, 4]][..., [0, 2]] - np.array([0, MM * block.face])
         for side in (1, -1) if block.share < 1 else (1,):
-            faces = PolyCollection(corners * np.array([side, 1]), cmap="YlOrBr", ec="#6b5a45", lw=0.25)
+            faces = PolyCollection(
+                corners * np.array([side, 1]), cmap="YlOrBr", ec="#6b5a45", lw=0.25
+            )
             faces.set_array(block.plastic[cut])
             faces.set_clim(0, most)
             axes.add_collection(faces)
         for side in (1, -1):
             axes.plot(side * MM * block.crater[:, 0], MM * block.crater[:, 1], color=INK, lw=1.4)
-        axes.set(xlim=(-MM * reach, MM * reach), ylim=(MM * (1.35 * deepest + 2e-3), -4), title=title, aspect="equal")
+        axes.set(
+            xlim=(-MM * reach, MM * reach),
+            ylim=(MM * (1.35 * deepest + 2e-3), -4),
+            title=title,
+            aspect="equal",
+        )
         axes.grid(False)
     figure.supxlabel("from the impact point [mm]", fontsize=12)
     figure.supylabel("depth [mm]", fontsize=12)
@@ -89,7 +102,9 @@ def depth_map(pyplot: Any, block: BackingResult) -> Any:
     for axis in (0, 1) if block.share < 1 else ():  # the quarter and its mirror images
         back = tuple(slice(None, 0, -1) if c == axis else slice(None) for c in (0, 1))
         signs = (-1, 1, 1) if axis == 0 else (1, -1, 1)
-        x, y, depth = (np.concatenate([sign * v[back], v], axis) for sign, v in zip(signs, (x, y, depth)))
+        x, y, depth = (
+            np.concatenate([sign * v[back], v], axis) for sign, v in zip(signs, (x, y, depth))
+        )
     reach = max(MM * _AT, 3.0 * MM * block.half_width)
     most = max(MM * block.back_face_signature, 1e-6)
     figure, axes = pyplot.subplots(figsize=(6.4, 5.2), layout="constrained")
@@ -99,6 +114,8 @@ def depth_map(pyplot: Any, block: BackingResult) -> Any:
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     axes.grid(False)
     ticks = most * np.arange(6) / 5
-    bar_ = figure.colorbar(map_, ax=axes, shrink=0.9, ticks=ticks, format="%.1f", label="depth [mm]")
+    bar_ = figure.colorbar(
+        map_, ax=axes, shrink=0.9, ticks=ticks, format="%.1f", label="depth [mm]"
+    )
     bar_.outline.set_visible(False)
     return figure

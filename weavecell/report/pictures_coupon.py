@@ -33,10 +33,17 @@ CURVES: dict[str, tuple[tuple[str, tuple[str, ...], str, str], ...]] = {
             "Mean angle in the three zones: of zone A both yarns lead to a clamp, of B one, of C none.",
         ),
     ),
-    "picture_frame": (("stress", ("shear stress", "trellis"), "shear stress", "Work of the frame, by volume."),),
+    "picture_frame": (
+        ("stress", ("shear stress", "trellis"), "shear stress", "Work of the frame, by volume."),
+    ),
     "uniaxial": (
         ("load", ("load of a yarn",), "load of a yarn", "Load over the yarns that carry it."),
-        ("strains", ("strain in the",), "strain", "Strain of the middle of the strip along the load and across."),
+        (
+            "strains",
+            ("strain in the",),
+            "strain",
+            "Strain of the middle of the strip along the load and across.",
+        ),
     ),
     "biaxial": (
         (
@@ -48,7 +55,14 @@ CURVES: dict[str, tuple[tuple[str, tuple[str, ...], str, str], ...]] = {
     ),
 }
 _KNOWN = ("cell", "trellis", "zone C")  # closed forms, which are dashed
-_SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # even steps of lightness
+_SHEARS = (
+    "#f3f5f7",
+    "#fde0a6",
+    "#f4a259",
+    "#d1495b",
+    "#7b2d6b",
+    "#2d1244",
+)  # even steps of lightness
 
 
 def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
@@ -57,18 +71,29 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
     from matplotlib.colors import LinearSegmentedColormap
 
     coupon, x = solved.coupon, 1e3 * solved.states[-1].x
-    degrees, tension = np.degrees(np.abs(solved.shear())), np.concatenate(coupon.tensions(solved.states[-1].x))
+    degrees, tension = (
+        np.degrees(np.abs(solved.shear())),
+        np.concatenate(coupon.tensions(solved.states[-1].x)),
+    )
     width, height = np.ptp(x, axis=0)
     tall = float(np.clip(height / width, 0.15, 2.0))
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 2.0 + 4.4 * tall))
-    shears, most = LinearSegmentedColormap.from_list("shear", _SHEARS), max(float(np.quantile(degrees, 0.995)), 1.0)
+    shears, most = (
+        LinearSegmentedColormap.from_list("shear", _SHEARS),
+        max(float(np.quantile(degrees, 0.995)), 1.0),
+    )
     looks: dict[str, Any] = {"edgecolors": "face", "linewidth": 0.2, "rasterized": True}
     elements = PolyCollection(x[coupon.quads], array=degrees, cmap=shears, clim=(0, most), **looks)
     left.add_collection(elements)
     tightest_last = np.argsort(tension)
-    edges, tension = np.concatenate([x[family] for family in coupon.edges])[tightest_last], tension[tightest_last]
+    edges, tension = (
+        np.concatenate([x[family] for family in coupon.edges])[tightest_last],
+        tension[tightest_last],
+    )
     top = max(float(np.quantile(tension, 0.995)), solved.force_floor)
-    yarns = LineCollection(edges, array=tension, cmap=tension_map(), clim=(0, top), linewidth=1.0, rasterized=True)
+    yarns = LineCollection(
+        edges, array=tension, cmap=tension_map(), clim=(0, top), linewidth=1.0, rasterized=True
+    )
     right.add_collection(yarns)
     if record.facts["test"] == "bias_extension":
         _zones(left, solved)
@@ -82,7 +107,9 @@ def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
         axes.set(aspect="equal", title=title, xlabel="mm")
         axes.autoscale_view()
         axes.grid(False)
-        bar = figure.colorbar(drawn, ax=axes, location="bottom", shrink=0.8, aspect=30, extend="max", label=label)
+        bar = figure.colorbar(
+            drawn, ax=axes, location="bottom", shrink=0.8, aspect=30, extend="max", label=label
+        )
         bar.outline.set_visible(False)
     left.set_ylabel("mm")
     return figure
@@ -99,26 +126,39 @@ def _zones(axes, solved):
             line = middle + np.column_stack([side * (half[0] - along), end * (half[1] - along)])
             nearest = np.argmin(((points[None] - line[:, None]) ** 2).sum(axis=-1), axis=1)
             axes.plot(*x[nearest].T, color=INK, lw=1.2, ls="--")
-    places = {"A": (0.0, half[1] - 0.3 * half[0]), "B": (0.8 * half[0], half[1] - half[0]), "C": (0.0, 0.0)}
+    places = {
+        "A": (0.0, half[1] - 0.3 * half[0]),
+        "B": (0.8 * half[0], half[1] - half[0]),
+        "C": (0.0, 0.0),
+    }
     circle = {"boxstyle": "circle", "fc": "white", "ec": INK, "lw": 0.8}
     for name, place in places.items():
         nearest = np.argmin(((points - middle - place) ** 2).sum(axis=1))
-        axes.annotate(name, x[nearest], ha="center", va="center", color=INK, weight="bold", bbox=circle)
+        axes.annotate(
+            name, x[nearest], ha="center", va="center", color=INK, weight="bold", bbox=circle
+        )
 
 
 def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any:
     """Columns of one unit against what was prescribed; closed forms (cell, trellis law, zone C of yarns that do not
     stretch) are dashed. The label of the axis is without its unit."""
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
-    prescribed, (unit, factor) = record.facts["prescribed_name"], shown(record.unit(names[0]), names[0])
+    prescribed, (unit, factor) = (
+        record.facts["prescribed_name"],
+        shown(record.unit(names[0]), names[0]),
+    )
     across_unit, across = shown(record.unit(prescribed), prescribed)
     computed = " ".join(name for name in names if not name.startswith(_KNOWN))
     colours = iter((WARP, WEFT) if "warp" in computed and "weft" in computed else COLOURS)
     for name in names:
         known = name.startswith(_KNOWN)
-        looks = {"ls": "--", "lw": 1.6, "zorder": 3} if known else {"ls": "-", "marker": "o", "ms": 4.5}
+        looks = (
+            {"ls": "--", "lw": 1.6, "zorder": 3} if known else {"ls": "-", "marker": "o", "ms": 4.5}
+        )
         colour = INK if known else next(colours)
-        axes.plot(across * record[prescribed], factor * record[name], color=colour, label=name, **looks)
+        axes.plot(
+            across * record[prescribed], factor * record[name], color=colour, label=name, **looks
+        )
     axes.set(xlabel=f"{prescribed} [{across_unit}]", ylabel=f"{label} [{unit}]")
     axes.set_xlim(left=0)
     if unit != "°" and all(record[name].min() >= 0 for name in names):
@@ -133,7 +173,9 @@ def relaxation(pyplot: Any, solved: Result, tolerance: float) -> Any:
     figure, axes = pyplot.subplots(figsize=(10.4, 3.6))
     out, reaction = np.concatenate([state.history for state in solved.states]).T
     ratio = out / np.maximum(reaction, solved.force_floor)
-    axes.semilogy(np.arange(1, ratio.size + 1), np.maximum(ratio, 0.1 * tolerance), color=COLOURS[0], lw=0.8)
+    axes.semilogy(
+        np.arange(1, ratio.size + 1), np.maximum(ratio, 0.1 * tolerance), color=COLOURS[0], lw=0.8
+    )
     axes.axhline(tolerance, color=INK, lw=1.2, ls="--", label="tolerance")
     for end in np.cumsum([state.iterations for state in solved.states]):
         axes.axvline(end, color=FAINT, lw=0.5)
@@ -145,16 +187,22 @@ def relaxation(pyplot: Any, solved: Result, tolerance: float) -> Any:
 
 def pull_out(pyplot: Any, curve: PullOutCurve) -> Any:
     """Load of a pulled yarn, and the crossovers that it slides through and has left, against the displacement."""
-    figure, (upper, lower) = pyplot.subplots(2, 1, figsize=(10.4, 6.4), sharex=True, height_ratios=(2, 1))
+    figure, (upper, lower) = pyplot.subplots(
+        2, 1, figsize=(10.4, 6.4), sharex=True, height_ratios=(2, 1)
+    )
     displacement = 1e3 * curve.displacement
     upper.plot(displacement, curve.load, color=WARP, lw=1.2)
     if curve.plateau is not None:
-        upper.axhline(curve.plateau, color=INK, lw=1.2, ls="--", label=f"plateau {curve.plateau:.3g} N")
+        upper.axhline(
+            curve.plateau, color=INK, lw=1.2, ls="--", label=f"plateau {curve.plateau:.3g} N"
+        )
         upper.legend(loc="upper right")
     upper.set(ylabel="load [N]")
     upper.set_ylim(bottom=0)
     lower.plot(displacement, curve.sliding, color=WARP, lw=1.2, label="in slip")
-    lower.plot(displacement, curve.left, color=WEFT, lw=1.2, ls="--", label="left by the yarn's end")
+    lower.plot(
+        displacement, curve.left, color=WEFT, lw=1.2, ls="--", label="left by the yarn's end"
+    )
     lower.set(xlabel="displacement of the crosshead [mm]", ylabel="crossovers")
     lower.set_xlim(left=0)
     lower.set_ylim(bottom=0)

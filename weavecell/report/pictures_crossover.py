@@ -26,12 +26,27 @@ def yarn(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     """Tension against strain, with the closed form."""
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
     strain, name = 100 * record["strain"], ("warp", "weft")[record.facts["yarn"]]
-    axes.plot(strain, record["T_taut"], color=FAINT, lw=1.6, ls="--", label="fibres without bending, eq. 4-7")
     axes.plot(
-        strain, record["T"], "o-", color=(WARP, WEFT)[record.facts["yarn"]], ms=4, label=f"{name}, solid and bars"
+        strain,
+        record["T_taut"],
+        color=FAINT,
+        lw=1.6,
+        ls="--",
+        label="fibres without bending, eq. 4-7",
+    )
+    axes.plot(
+        strain,
+        record["T"],
+        "o-",
+        color=(WARP, WEFT)[record.facts["yarn"]],
+        ms=4,
+        label=f"{name}, solid and bars",
     )
     axes.axvline(100 * record.facts["crimp"], color=FAINT, lw=1, ls=":")
-    at, beside = (100 * record.facts["crimp"], 1), {"xytext": (4, -4), "textcoords": "offset points", "va": "top"}
+    at, beside = (
+        (100 * record.facts["crimp"], 1),
+        {"xytext": (4, -4), "textcoords": "offset points", "va": "top"},
+    )
     axes.annotate("crimp", at, xycoords=("data", "axes fraction"), color=FAINT, **beside)
     axes.set(xlabel="strain of the end distance [%]", ylabel="tension [N]")
     axes.set_title(f"{fabric.name}, one {name} pulled straight")
@@ -47,7 +62,12 @@ def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     plies = record.facts["plies"]
     pressed = record["pressure"] > 0
     axes.semilogy(
-        UM * record["closure_ply"][pressed], MPA * record["pressure"][pressed], "o-", color=WARP, ms=4, label="3D yarns"
+        UM * record["closure_ply"][pressed],
+        MPA * record["pressure"][pressed],
+        "o-",
+        color=WARP,
+        ms=4,
+        label="3D yarns",
     )
     if fabric.areal_density_measured is not None and plies in (1, 4, 8, 16):
         pressure, _, closure = law_closure(fabric, record)
@@ -70,7 +90,11 @@ def tensions(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         2, 1, figsize=(7.6, 6.0), sharex=True, height_ratios=(2.2, 1), layout="constrained"
     )
     share = 100 * record["path"]
-    for key, colour, label in (("T1", WARP, "warp tension"), ("T2", WEFT, "weft tension"), ("F_c", GREEN, "contact")):
+    for key, colour, label in (
+        ("T1", WARP, "warp tension"),
+        ("T2", WEFT, "weft tension"),
+        ("F_c", GREEN, "contact"),
+    ):
         upper.plot(share, record[key], color=colour, label=label)
     lower.plot(share, UM * record["d1"], color=WARP, label="d$_1$")
     lower.plot(share, UM * record["d2"], color=WEFT, ls="--", label="d$_2$")
@@ -86,7 +110,9 @@ def shear(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     from fabrics.errors import InputError
     from unitcell3d.identify import shear_fit
 
-    figure, (upper, lower) = pyplot.subplots(2, 1, figsize=(7.6, 7.0), sharex=True, height_ratios=(1.5, 1))
+    figure, (upper, lower) = pyplot.subplots(
+        2, 1, figsize=(7.6, 7.0), sharex=True, height_ratios=(1.5, 1)
+    )
     turned = np.arange(np.flatnonzero(record["gamma"] == 0)[-1], len(record["gamma"]))
     gamma, tau = record["gamma"][turned], record["tau"][turned]
     upper.plot(gamma, MPA * tau, "o", color=WARP, ms=4.5, mfc="white", label="3D yarns")
@@ -99,14 +125,26 @@ def shear(pyplot: Any, fabric: Fabric, record: Record) -> Any:
         pass
     if fabric.shear is not None:
         label = f"fabric's data: γ$_1$ {fabric.shear.gamma1:g}, γ$_2$ {fabric.shear.gamma2:g}"
-        upper.plot(fine, MPA * fabric.shear.stress(fine), color=ORANGE, ls="--", lw=1.8, label=label)
+        upper.plot(
+            fine, MPA * fabric.shear.stress(fine), color=ORANGE, ls="--", lw=1.8, label=label
+        )
     upper.set(xlim=(0, 1.02 * gamma[-1]), ylim=(0, 1.15 * MPA * tau.max()))
     upper.set(ylabel="shear stress [MPa]", title=f"{fabric.name}, shear of the weave")
     upper.legend(loc="upper left", facecolor="w", framealpha=1, frameon=True, edgecolor="w")
     lower.plot(gamma, record["F_c"][turned], color=GREEN, label="at a crossing")
     for family, (name, colour) in enumerate((("warps", WARP), ("wefts", WEFT))):
-        lower.plot(gamma, record["F_side"][turned, family], color=colour, ls="--", label=f"between parallel {name}")
-    lower.set(xlabel="shear angle γ [rad]", ylabel="contact force [N]", ylim=(0, 1.45 * record["F_c"].max()))
+        lower.plot(
+            gamma,
+            record["F_side"][turned, family],
+            color=colour,
+            ls="--",
+            label=f"between parallel {name}",
+        )
+    lower.set(
+        xlabel="shear angle γ [rad]",
+        ylabel="contact force [N]",
+        ylim=(0, 1.45 * record["F_c"].max()),
+    )
     lower.legend(loc="upper left")
     return figure
 
@@ -119,7 +157,13 @@ def pull_out(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     F_c, T_f = case.thresholds(record)
     for number in np.unique(record["load"]):
         of = (record["load"] == number) & ((record["pull"] > 0) | (np.roll(record["pull"], -1) > 0))
-        left.plot(UM * record["pull"][of], record["P"][of], "o-", ms=3, label=f"F$_c$ {record['F_c'][of][-1]:.3g} N")
+        left.plot(
+            UM * record["pull"][of],
+            record["P"][of],
+            "o-",
+            ms=3,
+            label=f"F$_c$ {record['F_c'][of][-1]:.3g} N",
+        )
     left.set(xlabel="pull along the axis [µm]", ylabel="axial force [N]")
     name = ("warp", "weft")[int(record.facts["pulled"])]
     left.set_title(f"{fabric.name}, {name} pulled, friction {record.facts['friction']:g}")
@@ -145,7 +189,9 @@ def plates(pyplot: Any, fit: Any) -> Any:
     """
     figure, axes = pyplot.subplots(figsize=(8.6, 4.6))
     pressure = MPA * fit.pressure
-    axes.plot(1e6 * fit.measured, pressure, "o", ms=6, mfc="white", mec=INK, mew=1.4, label="measured")
+    axes.plot(
+        1e6 * fit.measured, pressure, "o", ms=6, mfc="white", mec=INK, mew=1.4, label="measured"
+    )
     axes.plot(1e6 * fit.before, pressure, "--", color=FAINT, lw=2, label="before the fit")
     axes.plot(1e6 * fit.computed, pressure, color=FITTED, lw=2.4, label="fitted")
     axes.set(xlabel="closed by the plates [µm]", ylabel="pressure [MPa]", yscale="log")
@@ -169,14 +215,19 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     from unitcell3d.model import submeshes
 
     bodies, images = _bodies(mesh, record, submeshes)
-    scene, looks = plotter(WINDOW), {"edge_color": INK, "line_width": 0.7, "ambient": 0.4, "diffuse": 0.7}
+    scene, looks = (
+        plotter(WINDOW),
+        {"edge_color": INK, "line_width": 0.7, "ambient": 0.4, "diffuse": 0.7},
+    )
     try:
         for family, grid, x in bodies:
             for image in images(x, grid):
                 for sheet in _sheets(grid):
                     nodes = 1e3 * image[sheet]
                     surface = pyvista.StructuredGrid(*(nodes[..., c] for c in range(3)))
-                    scene.add_mesh(surface, color=COLOURS[("warp", "weft")[family]], show_edges=True, **looks)
+                    scene.add_mesh(
+                        surface, color=COLOURS[("warp", "weft")[family]], show_edges=True, **looks
+                    )
         scene.enable_parallel_projection()
         scene.view_vector((-5, -7, 6))
         scene.camera.zoom(1.3)
@@ -196,12 +247,17 @@ def _bodies(mesh, record, yarns):
         plies, shift = int(record.facts["plies"]), record.facts["shift"]
         pitch = record["distance"][0] / plies if not any(shift) else _nested(mesh, record)
         step = [2 * w * part for w, part in zip(mesh.w, shift)]
-        of = yarns.stacked(mesh, [(*(ply * np.array(step)), (ply - (plies - 1) / 2) * pitch) for ply in range(plies)])
+        of = yarns.stacked(
+            mesh,
+            [(*(ply * np.array(step)), (ply - (plies - 1) / 2) * pitch) for ply in range(plies)],
+        )
     x = of.points + record.last["u"]
     bodies = [(family, grid, x) for family, grid in zip(of.families, of.grids)]
     quarter = getattr(mesh, "domain", "") == "quarter"
     if quarter:
-        return bodies, lambda points, grid: (points * np.array([a, b, 1]) for a in (1, -1) for b in (1, -1))
+        return bodies, lambda points, grid: (
+            points * np.array([a, b, 1]) for a in (1, -1) for b in (1, -1)
+        )
     if "crossings" not in record.facts or hasattr(mesh, "count"):
         return bodies, lambda points, grid: (points,)
     return bodies, _glides(mesh, x)

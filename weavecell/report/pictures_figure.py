@@ -77,7 +77,9 @@ class StyledFigure(Figure):
 figure = StyledFigure
 
 
-def subplots(rows: int = 1, columns: int = 1, *, figsize: Any = None, layout: Any = None, **axes: Any) -> Any:
+def subplots(
+    rows: int = 1, columns: int = 1, *, figsize: Any = None, layout: Any = None, **axes: Any
+) -> Any:
     """(figure, its axes) as of pyplot."""
     made = figure(figsize=figsize, layout=layout)
     return made, made.subplots(rows, columns, **axes)

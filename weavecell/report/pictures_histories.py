@@ -31,7 +31,9 @@ def tensions(pyplot: Any, t: np.ndarray, yarns: Any, places: Sequence[float]) ->
     for axes, yarn in zip(grid, yarns):
         for place, colour in zip(places, (COLOURS * 3)):
             k = yarn.element_at(place)
-            axes.plot(US * t, yarn.tension[:, k], color=colour, lw=1.8, label=f"{MM * yarn.X[k]:.1f} mm")
+            axes.plot(
+                US * t, yarn.tension[:, k], color=colour, lw=1.8, label=f"{MM * yarn.X[k]:.1f} mm"
+            )
         axes.set(title=name(yarn), xlabel="time after strike [µs]", ylabel="tension [N]")
         axes.set_xlim(0, US * t[-1])
         axes.set_ylim(bottom=0)
@@ -60,7 +62,14 @@ def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
         side = yarn.X > 0
         X = MM * yarn.X[side]
         image = axes.pcolormesh(
-            X, US * t, yarn.tension[:, side], cmap=tension_map(), vmin=0, vmax=top, rasterized=True, shading="nearest"
+            X,
+            US * t,
+            yarn.tension[:, side],
+            cmap=tension_map(),
+            vmin=0,
+            vmax=top,
+            rasterized=True,
+            shading="nearest",
         )
         for wave in waves:
             if wave.family != yarn.family or wave.time.size == 0:
@@ -71,7 +80,11 @@ def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
                 label = f"{wave.kind}, {wave.speed:.0f} m/s"
                 axes.plot(ends, US * (wave.start + ends / MM / wave.speed), color=ORANGE, lw=1.6)
                 axes.plot([], [], color=_WAVES[wave.kind], marker=".", ls="-", label=label)
-        axes.set(title=name(yarn), xlabel="from the impact point, at rest [mm]", ylabel="time after strike [µs]")
+        axes.set(
+            title=name(yarn),
+            xlabel="from the impact point, at rest [mm]",
+            ylabel="time after strike [µs]",
+        )
         axes.set(xlim=(0, X[-1]), ylim=(0, US * t[-1]))
         axes.grid(False)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.3), ncols=2, fontsize=10)
@@ -89,11 +102,23 @@ def profiles(pyplot: Any, t: np.ndarray, yarns: Any) -> Any:
             shade = 0.25 + 0.75 * number / max(1, chosen.size - 1)
             colour = WARP if yarn.family == "warp" else WEFT
             label = f"{US * t[k]:.0f} µs" if k in (chosen[0], chosen[-1]) else None
-            axes.plot(MM * yarn.place[k], MM * yarn.deflection[k], color=colour, alpha=shade, lw=1.8, label=label)
-        axes.set(title=f"along the {yarn.family}", xlabel="from the impact point [mm]", ylabel="deflection [mm]")
+            axes.plot(
+                MM * yarn.place[k],
+                MM * yarn.deflection[k],
+                color=colour,
+                alpha=shade,
+                lw=1.8,
+                label=label,
+            )
+        axes.set(
+            title=f"along the {yarn.family}",
+            xlabel="from the impact point [mm]",
+            ylabel="deflection [mm]",
+        )
         axes.set_xlim(MM * min(0.0, yarn.X[0]), MM * yarn.X[-1])
         axes.legend(
-            loc="upper right", title=f"every {US * (t[chosen[1]] - t[chosen[0]]):.0f} µs" if chosen.size > 1 else None
+            loc="upper right",
+            title=f"every {US * (t[chosen[1]] - t[chosen[0]]):.0f} µs" if chosen.size > 1 else None,
         )
     return figure
 

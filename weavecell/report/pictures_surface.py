@@ -24,13 +24,32 @@ def surfaces(pyplot: Any, interpolant: Any) -> Any:
         axes = figure.add_subplot(1, 3, place, projection="3d")
         values = interpolant(name, x[:, None], y[None, :])
         axes.plot_surface(
-            UM * x[:, None], UM * y[None, :], values, cmap="cividis", lw=0, rcount=61, ccount=61, antialiased=True
+            UM * x[:, None],
+            UM * y[None, :],
+            values,
+            cmap="cividis",
+            lw=0,
+            rcount=61,
+            ccount=61,
+            antialiased=True,
         )
         samples = getattr(surface, name)
         for i in np.unique(np.linspace(0, surface.d1.size - 1, 6).astype(int)):
-            axes.plot(np.full(surface.d2.size, UM * surface.d1[i]), UM * surface.d2, samples[i], color="w", lw=0.8)
+            axes.plot(
+                np.full(surface.d2.size, UM * surface.d1[i]),
+                UM * surface.d2,
+                samples[i],
+                color="w",
+                lw=0.8,
+            )
         for j in np.unique(np.linspace(0, surface.d2.size - 1, 6).astype(int)):
-            axes.plot(UM * surface.d1, np.full(surface.d1.size, UM * surface.d2[j]), samples[:, j], color="w", lw=0.8)
+            axes.plot(
+                UM * surface.d1,
+                np.full(surface.d1.size, UM * surface.d2[j]),
+                samples[:, j],
+                color="w",
+                lw=0.8,
+            )
         axes.set_title(f"{title} [N]", y=0.98)
         axes.set_xlabel("d$_1$ [µm]", fontsize=10)
         axes.set_ylabel("d$_2$ [µm]", fontsize=10)
@@ -56,7 +75,11 @@ def contours(pyplot: Any, interpolant: Any) -> Any:
         axes.contourf(UM * x, UM * y, values.T, 24, cmap="cividis")
         low, high = values.min(), values.max()
         # lines no nearer than a twentieth to the extremes, which lie in corners, where a label is cut
-        levels = [v for v in MaxNLocator(8).tick_values(low, high) if 0.05 < (v - low) / (high - low) < 0.95]
+        levels = [
+            v
+            for v in MaxNLocator(8).tick_values(low, high)
+            if 0.05 < (v - low) / (high - low) < 0.95
+        ]
         shades = ["w" if v < 0.5 * (low + high) else INK for v in levels]
         lines = axes.contour(UM * x, UM * y, values.T, levels, colors=shades, linewidths=0.9)
         axes.clabel(lines, fontsize=9, fmt=f"%.{decimals}f")
@@ -88,15 +111,27 @@ def slices(pyplot: Any, surface: ResponseSurface, cell: Any, label: str) -> Any:
         for axes, (name, title) in zip(grid[row], FORCES):
             for cut, colour in zip(cuts, (COLOURS[0], COLOURS[2], COLOURS[3])):
                 ours, theirs = (
-                    values[:, cut] if row == 0 else values[cut] for values in (getattr(surface, name), cell[name])
+                    values[:, cut] if row == 0 else values[cut]
+                    for values in (getattr(surface, name), cell[name])
                 )
                 label_of_cut = f"3D, {names[1]} = {UM * across[cut]:.0f} µm"
-                axes.plot(UM * along, ours, "o", ms=4, mfc="white", mec=colour, mew=1.3, label=label_of_cut)
+                axes.plot(
+                    UM * along,
+                    ours,
+                    "o",
+                    ms=4,
+                    mfc="white",
+                    mec=colour,
+                    mew=1.3,
+                    label=label_of_cut,
+                )
                 axes.plot(UM * along, theirs, color=colour, lw=1.8)
             axes.set(xlabel=f"{names[0]} [µm]", title=title if row == 0 else "")
             axes.set_xlim(UM * along[0], UM * along[-1])
         grid[row, 0].set_ylabel("force [N]")
-        grid[row, 2].legend(loc="upper left", fontsize=9.5, title=f"lines: {label}", title_fontsize=9.5)
+        grid[row, 2].legend(
+            loc="upper left", fontsize=9.5, title=f"lines: {label}", title_fontsize=9.5
+        )
     grid[0, 2].set_ylim(top=1.35 * max(np.max(surface.F_c), np.max(cell["F_c"])))
     return figure
 
@@ -107,9 +142,18 @@ def missed(pyplot: Any, surface: ResponseSurface, errors: Any) -> Any:
     for number, (axes, axis) in enumerate(zip(pair, (surface.d1, surface.d2))):
         for (name, title), colour, dash in zip(FORCES, (WARP, WEFT, INK), DASHES):
             worst = errors[name].lines[number] / np.abs(getattr(surface, name)).max()
-            axes.semilogy(UM * axis, 100 * worst, dash + "o", color=colour, ms=4, lw=1.5, label=title)
+            axes.semilogy(
+                UM * axis, 100 * worst, dash + "o", color=colour, ms=4, lw=1.5, label=title
+            )
         axes.set(xlabel=f"left-out line at d$_{number + 1}$ [µm]")
-        axes.plot(UM * axis, np.full(axis.size, 0.03), "|", color=FAINT, ms=8, transform=axes.get_xaxis_transform())
+        axes.plot(
+            UM * axis,
+            np.full(axis.size, 0.03),
+            "|",
+            color=FAINT,
+            ms=8,
+            transform=axes.get_xaxis_transform(),
+        )
     pair[0].set_ylabel("largest miss [% of the largest]")
     pair[0].legend(loc="upper right")
     return figure

@@ -19,7 +19,11 @@ if TYPE_CHECKING:
     from weavecell.studies.sweep import Quantity
     from weavecell.studies.v50 import Study
 
-LABELS = {"modulus": "yarn modulus", "crimp_warp": "warp crimp", "crimp_weft": "weft crimp"}  # of inputs
+LABELS = {
+    "modulus": "yarn modulus",
+    "crimp_warp": "warp crimp",
+    "crimp_weft": "weft crimp",
+}  # of inputs
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 
@@ -34,12 +38,17 @@ def indices(pyplot: Any, indices: Sequence[Indices], title: str) -> Any:
             (of.total, of.total_half, 0.19, ORANGE, "total order"),
         ):
             axis.barh(y + shift, values, 0.36, color=colour, label=label)
-            axis.errorbar(values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5)
+            axis.errorbar(
+                values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5
+            )
         axis.set_yticks(y, [LABELS.get(name, name.replace("_", " ")) for name in of.names])
         axis.invert_yaxis() if axis is axes[0, 0] else None
         axis.grid(axis="y", visible=False)
         axis.axvline(0, color=FAINT, lw=0.9)
-        axis.set(title=f"{of.quantity}, struck at {of.velocity:g} m/s", xlabel="share of the variance [-]")
+        axis.set(
+            title=f"{of.quantity}, struck at {of.velocity:g} m/s",
+            xlabel="share of the variance [-]",
+        )
     axes.flat[0].legend(loc="lower right")
     for axis in axes.flat[len(indices) :]:
         axis.set_visible(False)
@@ -69,7 +78,9 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     V = np.array([shot.velocity for shot in study.shots])
     hit = np.array([shot.perforated for shot in study.shots])
     curve = study.curves["probit"]
-    figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(9, 9.4), sharex=True, height_ratios=(1.3, 1))
+    figure, (axis, lower) = pyplot.subplots(
+        2, 1, figsize=(9, 9.4), sharex=True, height_ratios=(1.3, 1)
+    )
     left, right = V.min() - 2, V.max() + 2
     edges = probit.band(V, hit, curve, _PROBABILITIES)
     ends = np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right)
@@ -82,7 +93,14 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     axis.plot(V[~hit], -0.03 - lift[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
     axis.plot(V[hit], 1.03 + lift[hit], "s", ms=4.5, color=RED, label="perforated")
     axis.plot(*_shares(V, hit), "D", ms=6, color=FAINT, label="share of ten shots")
-    axis.axvspan(*study.deterministic, color=ORANGE, alpha=0.8, lw=1, ec=ORANGE, label="limit without scatter")
+    axis.axvspan(
+        *study.deterministic,
+        color=ORANGE,
+        alpha=0.8,
+        lw=1,
+        ec=ORANGE,
+        label="limit without scatter",
+    )
     axis.set(ylabel="probability of perforation [-]", title=title)
     axis.set(xlim=(left, right), ylim=(-0.12, 1.12), yticks=np.linspace(0, 1, 6))
     axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -114,7 +132,9 @@ def draws(pyplot: Any, study: Draws, title: str) -> Any:
     n = np.arange(2, values.size + 1)
     means = np.array([values[:k].mean() for k in n])
     errors = np.array([values[:k].std(ddof=1) / np.sqrt(k) for k in n])
-    right.fill_between(n, means - errors, means + errors, color=BLUE, alpha=0.18, lw=0, label="standard error")
+    right.fill_between(
+        n, means - errors, means + errors, color=BLUE, alpha=0.18, lw=0, label="standard error"
+    )
     right.plot(n, means, color=BLUE, label="mean")
     right.set(xlabel="number of draws", ylabel="mean residual velocity [m/s]")
     right.legend(loc="best")
@@ -123,7 +143,12 @@ def draws(pyplot: Any, study: Draws, title: str) -> Any:
 
 
 def sweep(
-    pyplot: Any, x: Sequence[Any], label: str, table: DataFrame, others: Sequence[str], quantity: Quantity
+    pyplot: Any,
+    x: Sequence[Any],
+    label: str,
+    table: DataFrame,
+    others: Sequence[str],
+    quantity: Quantity,
 ) -> Any:
     """A quantity against the first key of a sweep, a line for each combination of the other keys.
 
@@ -134,15 +159,22 @@ def sweep(
     others : the other keys, columns of the table
     """
     figure, axes = pyplot.subplots(figsize=(9, 5))
-    table = table.reindex(columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ())))))
+    table = table.reindex(
+        columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ()))))
+    )
     for values, rows in (
-        table.assign(x=x).dropna(subset=[quantity.column]).groupby(list(others) or (lambda _: 0), sort=False)
+        table.assign(x=x)
+        .dropna(subset=[quantity.column])
+        .groupby(list(others) or (lambda _: 0), sort=False)
     ):
         y, error = rows[quantity.column], None
         if quantity.ends is not None:
             low, high = (rows[end] for end in quantity.ends)
             error = np.maximum([y - low, high - y], 0)
-        name = ", ".join(f"{key} = {value}" for key, value in zip(others, np.atleast_1d(np.array(values, object))))
+        name = ", ".join(
+            f"{key} = {value}"
+            for key, value in zip(others, np.atleast_1d(np.array(values, object)))
+        )
         axes.errorbar(rows["x"], y, yerr=error, fmt="o-", ms=6, capsize=4, label=name or None)
     axes.set(xlabel=label, ylabel=quantity.label)
     axes.set_ylim(bottom=0)

@@ -18,19 +18,32 @@ _LINES = 2  # of the card
 
 def page(study: StudyResult, stamp: Mapping[str, str]) -> Report:
     """The report of a study."""
-    setup, case, (label, value), lines = study.target.setup, study.target.case, study.headline, study.lines()
+    setup, case, (label, value), lines = (
+        study.target.setup,
+        study.target.case,
+        study.headline,
+        study.lines(),
+    )
     picture = Figure(pictures.render(study.draw), "svg", "", "result")
-    sections = [Section("result", "Result", "", (picture,), (Table.of(study.table()),), points=tuple(lines))]
+    sections = [
+        Section("result", "Result", "", (picture,), (Table.of(study.table()),), points=tuple(lines))
+    ]
     shown, span = [line for line in lines if value not in line][:_LINES], []
     if (around := getattr(study, "range", None)) is not None:
         sections.append(chapters_shot.assumed(around))
         span = [f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"]
     laws = [line for fabric in setup.fabrics for line in assumed.lines(fabric)]
-    sections.append(chapters_shot.assumptions(setup, laws, drawn=hasattr(getattr(study, "study", None), "scatter")))
+    sections.append(
+        chapters_shot.assumptions(
+            setup, laws, drawn=hasattr(getattr(study, "study", None), "scatter")
+        )
+    )
     if study.checks:
         sections.append(checks.section(study.checks))
     doubtful = [check.name for check in study.checks if check.doubtful]
-    outcome = f"{label} {', '.join([value, *span])}." + f" DOUBTFUL: {', '.join(doubtful)}." * bool(doubtful)
+    outcome = f"{label} {', '.join([value, *span])}." + f" DOUBTFUL: {', '.join(doubtful)}." * bool(
+        doubtful
+    )
     card = Card(label, value, (*span, *shown))
     seconds = {"study": study.wall_time} if hasattr(study, "wall_time") else {}
     title = study.title if ":" in study.title else f"{study.title}: {label[0].lower()}{label[1:]}"

@@ -27,7 +27,11 @@ if TYPE_CHECKING:
     from shellfabric.coupon.solver import Result
     from shellfabric.panel.quality import Indicator
 
-FORMAT, CHECKPOINT, PULL_OUT_FORMAT = "weavecell coupon 2", "weavecell coupon checkpoint 3", "weavecell pull-out 1"
+FORMAT, CHECKPOINT, PULL_OUT_FORMAT = (
+    "weavecell coupon 2",
+    "weavecell coupon checkpoint 3",
+    "weavecell pull-out 1",
+)
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 PRESCRIBED = {  # by each test: name, unit
     "bias_extension": ("elongation", "m"),
@@ -65,7 +69,12 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
     facts : further ones that come first, the name of the test among them
     """
     test = facts["test"]
-    measure = {"bias_extension": _bias, "picture_frame": _frame, "uniaxial": _uniaxial, "biaxial": _biaxial}[test]
+    measure = {
+        "bias_extension": _bias,
+        "picture_frame": _frame,
+        "uniaxial": _uniaxial,
+        "biaxial": _biaxial,
+    }[test]
     name, unit = PRESCRIBED[test]
     measures = {name: (unit, solved.prescribed)} | measure(inputs, solved)
     return Record(
@@ -87,17 +96,26 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
 def _bias(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    size, shear_angles = quasistatic.bias_size(solved), [solved.shear(step) for step in range(len(solved.states))]
+    size, shear_angles = (
+        quasistatic.bias_size(solved),
+        [solved.shear(step) for step in range(len(solved.states))],
+    )
     zones = quasistatic.zones(solved.coupon, *size)
     angles = [
         np.array([0.5 * pi - gamma[zones == number].mean() for gamma in shear_angles])
         for number in range(len(quasistatic.ZONES))
     ]
-    rigid = [0.5 * pi - quasistatic.inextensible_shear(*size, elongation) for elongation in solved.prescribed]
+    rigid = [
+        0.5 * pi - quasistatic.inextensible_shear(*size, elongation)
+        for elongation in solved.prescribed
+    ]
     concentration = [quasistatic.concentration(gamma, zones == 2) for gamma in shear_angles]
     return {
         "load": ("N", np.abs(solved.force(1, 1))),
-        **{f"angle in zone {zone}": ("rad", angle) for zone, angle in zip(quasistatic.ZONES, angles)},
+        **{
+            f"angle in zone {zone}": ("rad", angle)
+            for zone, angle in zip(quasistatic.ZONES, angles)
+        },
         "B less the mean of A and C": ("rad", angles[1] - 0.5 * (angles[0] + angles[2])),
         "zone C, yarns that do not stretch": ("rad", np.array(rigid)),
         "shear concentration": ("1", np.array(concentration)),
@@ -131,13 +149,19 @@ def _uniaxial(inputs, solved):
 def _biaxial(inputs, solved):
     from shellfabric.coupon import quasistatic
 
-    strains = quasistatic.middle_strain(solved, [0.6 * inputs.centre * w for w in solved.coupon.weave.w])
+    strains = quasistatic.middle_strain(
+        solved, [0.6 * inputs.centre * w for w in solved.coupon.weave.w]
+    )
     measures = {}
-    for family, load, strain in zip(("warp", "weft"), (solved.force(1, 0), solved.force(3, 1)), strains.T):
+    for family, load, strain in zip(
+        ("warp", "weft"), (solved.force(1, 0), solved.force(3, 1)), strains.T
+    ):
         measures[f"load of a {family} yarn"] = "N", load / inputs.centre
         measures[f"strain in the middle, {family}"] = "1", strain
     cell = solved.coupon.table.model.solve(*(1 + strains.T))
-    return measures | {f"cell at these strains, {f}": ("N", cell[N]) for f, N in (("warp", "N1"), ("weft", "N2"))}
+    return measures | {
+        f"cell at these strains, {f}": ("N", cell[N]) for f, N in (("warp", "N1"), ("weft", "N2"))
+    }
 
 
 def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
@@ -148,10 +172,14 @@ def indicators(solved: Result, tolerance: float) -> tuple[Indicator, ...]:
     peaks = [float(tension.max()) for tension in coupon.tensions(solved.states[-1].x)]
     if solved.outcome == "yarn at its strength":
         peaks = [min(peak, yarn.strength) for peak, yarn in zip(peaks, coupon.weave.yarns)]
-    return quality.of_coupon(coupon.table, peaks, max(state.residual for state in solved.states), tolerance)
+    return quality.of_coupon(
+        coupon.table, peaks, max(state.residual for state in solved.states), tolerance
+    )
 
 
-def run_pull_out(table: CellTable, inputs: Any, hooks: Sequence[Any] = (), bending: float = 0.0) -> PullOutCurve:
+def run_pull_out(
+    table: CellTable, inputs: Any, hooks: Sequence[Any] = (), bending: float = 0.0
+) -> PullOutCurve:
     """Run the pull-out of a cell's table.
 
     Parameters
@@ -171,16 +199,27 @@ def run_pull_out(table: CellTable, inputs: Any, hooks: Sequence[Any] = (), bendi
     from shellfabric.panel.numerics import Numerics
     from shellfabric.sliding.model import CrossoverFriction
 
-    friction = CrossoverFriction(inputs.crossover_friction, inputs.crossover_cohesion, (bending, bending))
+    friction = CrossoverFriction(
+        inputs.crossover_friction, inputs.crossover_cohesion, (bending, bending)
+    )
     coupon = PullOut(
-        table, inputs.crossings, inputs.velocity, inputs.pre_tension, friction, Numerics(threads=1), inputs.all_yarns
+        table,
+        inputs.crossings,
+        inputs.velocity,
+        inputs.pre_tension,
+        friction,
+        Numerics(threads=1),
+        inputs.all_yarns,
     )
     return pull_out_curve.follow(coupon, inputs.displacement, samples=inputs.samples, hooks=hooks)
 
 
 def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
     """The record of a curve, a row a sample; `facts` come first."""
-    coupon, columns = curve.coupon, ("time", "displacement", "load", "sliding", "left", "friction_work")
+    coupon, columns = (
+        curve.coupon,
+        ("time", "displacement", "load", "sliding", "left", "friction_work"),
+    )
     return Record(
         columns={name: getattr(curve, column) for name, column in zip(PULL_OUT, columns)},
         meanings=PULL_OUT,
@@ -214,10 +253,16 @@ def pull_out_indicators(curve: PullOutCurve) -> tuple[Indicator, ...]:
 
 def write(path: FilePath, record: Record, solved: Result | None = None) -> None:
     """Write histories.h5, whole or not at all; `solved` is what the solver returned, None of a pull-out."""
-    datasets = {f"histories/{name}": (values, record.unit(name)) for name, values in record.columns.items()}
+    datasets = {
+        f"histories/{name}": (values, record.unit(name)) for name, values in record.columns.items()
+    }
     with write_hdf5(path, FORMAT if solved is not None else PULL_OUT_FORMAT) as file:
-        file.attrs.update({name: value for name, value in record.facts.items() if value is not None})
-        for name, (values, unit) in (datasets | ({} if solved is None else _arrays(solved))).items():
+        file.attrs.update(
+            {name: value for name, value in record.facts.items() if value is not None}
+        )
+        for name, (values, unit) in (
+            datasets | ({} if solved is None else _arrays(solved))
+        ).items():
             put(file, name, values, unit)
 
 
@@ -237,7 +282,9 @@ def _arrays(solved):
         "coupon/grips": (solved.grips, "1"),
         "states/x": (x, "m"),
         "states/shear": ([coupon.shear_angles(nodes) for nodes in x], "rad"),
-        **{f"final/tension_{f}": (T, "N") for f, T in zip(("warp", "weft"), coupon.tensions(x[-1]))},
+        **{
+            f"final/tension_{f}": (T, "N") for f, T in zip(("warp", "weft"), coupon.tensions(x[-1]))
+        },
         "relaxation": (np.concatenate([state.history for state in states]), "N"),
     }
 
@@ -264,6 +311,9 @@ def read_states(path: FilePath, stamp: Mapping[str, str]) -> list[State]:
         groups = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
     scalars: dict[str, Any] = {"load": float, "residual": float, "energies": tuple}
     return [
-        State(settled=True, **{name: scalars.get(name, np.asarray)(values) for name, values in group.items()})
+        State(
+            settled=True,
+            **{name: scalars.get(name, np.asarray)(values) for name, values in group.items()},
+        )
         for group in groups
     ]

@@ -13,9 +13,17 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 # SI unit: unit shown, factor
-SHOWN = {"m": ("mm", 1e3), "s": ("µs", 1e6), "Pa": ("MPa", 1e-6), "m3": ("cm³", 1e6), "rad": ("°", 180 / pi)}
+SHOWN = {
+    "m": ("mm", 1e3),
+    "s": ("µs", 1e6),
+    "Pa": ("MPa", 1e-6),
+    "m3": ("cm³", 1e6),
+    "rad": ("°", 180 / pi),
+}
 MM, US = SHOWN["m"][1], SHOWN["s"][1]
-_SHARE = re.compile(r"strain|strength|_over_|fraction|ratio|share|error")  # in the names of numbers shown in %
+_SHARE = re.compile(
+    r"strain|strength|_over_|fraction|ratio|share|error"
+)  # in the names of numbers shown in %
 
 
 def shown(unit: str, name: str = "") -> tuple[str, float]:
@@ -57,7 +65,9 @@ def frame(columns: Mapping[str, tuple[str, Any]]) -> DataFrame:
 
     return DataFrame(
         {
-            heading(label, unit): np.asarray(values) * shown(unit, label)[1] if shown(unit, label)[1] != 1 else values
+            heading(label, unit): np.asarray(values) * shown(unit, label)[1]
+            if shown(unit, label)[1] != 1
+            else values
             for label, (unit, values) in columns.items()
         }
     )

@@ -17,7 +17,11 @@ _PACKED_FROM = 1000  # numbers
 def put(file: Any, name: str, values: ArrayLike, unit: str) -> None:
     """Write an array to an open HDF5 file, with its unit; a large one is compressed."""
     array = np.asarray(values)
-    packing = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if array.size >= _PACKED_FROM else {}
+    packing = (
+        {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        if array.size >= _PACKED_FROM
+        else {}
+    )
     file.create_dataset(name, data=array, **packing).attrs["unit"] = unit
 
 

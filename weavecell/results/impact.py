@@ -115,14 +115,18 @@ class ImpactRecord:
     slips: tuple[SlipSummary, ...] = ()
 
     @classmethod
-    def of(cls, result: ImpactResult, title: str, law_name: str, message: str = "", **more: Any) -> Self:
+    def of(
+        cls, result: ImpactResult, title: str, law_name: str, message: str = "", **more: Any
+    ) -> Self:
         """The record of a `shellfabric.impact.simulation.ImpactResult`; `more` fields of a derived class."""
         from shellfabric.output.snapshots import quads
 
         setup, panels, target = result.setup, result.panels, result.target
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         final = tuple(map(Shape.of, result.last))
-        same = {entry.name for entry in fields(ImpactRecord)} & {entry.name for entry in fields(result)} - {"velocity"}
+        same = {entry.name for entry in fields(ImpactRecord)} & {
+            entry.name for entry in fields(result)
+        } - {"velocity"}
         return cls(
             **{name: getattr(result, name) for name in same},
             **more,
@@ -178,14 +182,18 @@ class ImpactRecord:
         """The gap between plies at rest, its range and its source in one line."""
         low, high = (self.pack[f"ply_gap_{end}_m"] for end in ("low", "high"))
         span = (
-            f" ({display.number(low, 'm', form='.3g')} .. {display.text(high, 'm', form='.3g')})" if high > low else ""
+            f" ({display.number(low, 'm', form='.3g')} .. {display.text(high, 'm', form='.3g')})"
+            if high > low
+            else ""
         )
         return f"ply gap {display.text(self.gaps[0], 'm', form='.3g')}{span}, {self.pack['ply_gap_source']}"
 
     @property
     def stop_time(self) -> float | None:
         """[s] at which the projectile stopped, or None."""
-        return float(self.time[np.argmax(self.velocity <= 0)]) if self.outcome == "stopped" else None
+        return (
+            float(self.time[np.argmax(self.velocity <= 0)]) if self.outcome == "stopped" else None
+        )
 
     @property
     def strike_energy(self) -> float:
@@ -217,7 +225,9 @@ class ImpactRecord:
         """That viscosity dissipated more in the whole run than the check allows until the first failure, or ""."""
         from shellfabric.panel.quality import LIMITS
 
-        share = float(self.energies["viscous"][-1]) / max(self.absorbed_energy, 1e-3 * self.strike_energy)
+        share = float(self.energies["viscous"][-1]) / max(
+            self.absorbed_energy, 1e-3 * self.strike_energy
+        )
         if not self.cut_yarns[-1] or share <= LIMITS["viscous energy"][0]:
             return ""
         return f"viscosity took {100 * share:.0f} % of what the whole run absorbed; its check ends at the first failure"
@@ -242,7 +252,12 @@ class ImpactRecord:
     def nose_place(self, t: float) -> FloatArray:
         """(2,) [m] place x and y of the nose at time t, linear between impact, half energy and end."""
         places = np.array([np.zeros(3), *(shape.projectile_position for shape in self.rear)])
-        return np.array([np.interp(t, [0.0, *(shape.time for shape in self.rear)], places[:, axis]) for axis in (0, 1)])
+        return np.array(
+            [
+                np.interp(t, [0.0, *(shape.time for shape in self.rear)], places[:, axis])
+                for axis in (0, 1)
+            ]
+        )
 
     @property
     def ply_shares(self) -> FloatArray:
@@ -256,7 +271,9 @@ class ImpactRecord:
         for family, name in enumerate(("warp", "weft")):
             at = int(np.argmax(self.peak_tension[:, family])), family
             tension, time = float(self.peak_tension[at]), float(self.peak_tension_time[at])
-            peaks[name] = Peak(tension, tension / self.strength[at], time, self.peak_tension_place[at], at[0] + 1)
+            peaks[name] = Peak(
+                tension, tension / self.strength[at], time, self.peak_tension_place[at], at[0] + 1
+            )
         return peaks
 
     @property
@@ -264,14 +281,21 @@ class ImpactRecord:
         """Sliding crossovers of all plies: the largest lengths, the sums of segments and work."""
         longest = {name: max(getattr(slip, name) for slip in self.slips) for name in _LENGTHS}
         sums = {
-            name: sum(getattr(slip, name) for slip in self.slips) for name in ("pulled_out_segments", "friction_work")
+            name: sum(getattr(slip, name) for slip in self.slips)
+            for name in ("pulled_out_segments", "friction_work")
         }
         return type(self.slips[0])(**longest, **sums)
 
     def facts(self) -> dict[str, Any]:
         """{key: value} of all quantities of results/keys.toml, as summary.json has them."""
-        tables = ["run", "impact", *(table for part, table in keys.OF_SOME.items() if getattr(self, part))]
-        known = {key.name: key.value(self) for key in keys.table(*tables)} | self.pack | self.failure
+        tables = [
+            "run",
+            "impact",
+            *(table for part, table in keys.OF_SOME.items() if getattr(self, part)),
+        ]
+        known = (
+            {key.name: key.value(self) for key in keys.table(*tables)} | self.pack | self.failure
+        )
         at_end = {name: values[-1] for name, values in self.energies.items()}
         return json_file.finite(known | {"energies_at_end_J": at_end})
 
@@ -279,13 +303,18 @@ class ImpactRecord:
     def histories(self) -> Record:
         """All that has a value an instant: of the shot, (n,) energy_NAME [J] of `energies`, (n, plies) ply_NAME."""
         values = {key: key.value(self) for key in TABLES["histories"]}
-        for prefix, table, held in (("energy", "energies", self.energies), ("ply", "ply_histories", self.plies)):
+        for prefix, table, held in (
+            ("energy", "energies", self.energies),
+            ("ply", "ply_histories", self.plies),
+        ):
             known = {key.name: key for key in TABLES[table]}
             for name, history in held.items():
                 key = known.get(name, keys.Key(name, "J", name.replace("_", " ")))
                 values[key._replace(name=f"{prefix}_{name}")] = history
         meanings = {key.name: f"[{key.unit}] {key.meaning}" for key in values}
-        return Record({key.name: history for key, history in values.items()}, meanings, self.facts())
+        return Record(
+            {key.name: history for key, history in values.items()}, meanings, self.facts()
+        )
 
     def to_xarray(self) -> Dataset:
         """The histories as an xarray.Dataset over time, those of plies over time and ply, with units and meanings."""
@@ -293,17 +322,29 @@ class ImpactRecord:
 
     def write(self, path: FilePath) -> None:
         """Write the record, whole or not at all."""
-        groups: dict[str, tuple[Any, str]] = {"histories": (self, "histories"), "plies": (self, "plies")}
-        groups |= {f"half_energy/{ply:02d}": (shape, "shape") for ply, shape in enumerate(self.half_energy)}
+        groups: dict[str, tuple[Any, str]] = {
+            "histories": (self, "histories"),
+            "plies": (self, "plies"),
+        }
+        groups |= {
+            f"half_energy/{ply:02d}": (shape, "shape") for ply, shape in enumerate(self.half_energy)
+        }
         groups |= {f"final/{ply:02d}": (shape, "shape") for ply, shape in enumerate(self.final)}
         groups |= {f"cuts/{number:04d}": (cut, "cut") for number, cut in enumerate(self.cuts)}
         groups |= {f"slip/{ply:02d}": (slip, "slip") for ply, slip in enumerate(self.slips)}
-        groups |= {name: (getattr(self, name), name) for name in ("bar", "backing") if getattr(self, name) is not None}
+        groups |= {
+            name: (getattr(self, name), name)
+            for name in ("bar", "backing")
+            if getattr(self, name) is not None
+        }
         units = {key.name: key.unit for key in TABLES["ply_histories"]}
         with write_hdf5(path, FORMAT) as file:
             for name, key in SCALARS.items():
                 file.attrs[key] = getattr(self, name)
-            for name, content in (("checks", list(map(asdict, self.checks))), *((n, getattr(self, n)) for n in _TEXTS)):
+            for name, content in (
+                ("checks", list(map(asdict, self.checks))),
+                *((n, getattr(self, n)) for n in _TEXTS),
+            ):
                 file.attrs[name] = json.dumps(content)
             for name, (source, table) in groups.items():
                 write_group(file.create_group(name), source, TABLES[table])
@@ -333,7 +374,9 @@ class ImpactRecord:
         from shellfabric.sliding.model import SlipSummary
 
         with read_hdf5(path, FORMAT) as file:
-            parts = {name: [group for _, group in sorted(file.get(name, {}).items())] for name in _PARTS}
+            parts = {
+                name: [group for _, group in sorted(file.get(name, {}).items())] for name in _PARTS
+            }
             values = {name: plain(file.attrs[key]) for name, key in SCALARS.items()}
             for group in ("histories", "plies"):
                 values |= {key.name: file[group][key.name][()] for key in TABLES[group]}
@@ -344,13 +387,19 @@ class ImpactRecord:
             for name, kind in (("bar", BarHistory), ("backing", BackingResult)):
                 values[name] = read_group(file[name], kind, name) if name in file else None
             values |= {name: json.loads(file.attrs.get(name, "{}")) for name in _TEXTS}
-            lines = [tuple(line[()] for _, line in sorted(group["lines"].items())) for group in parts["cuts"]]
+            lines = [
+                tuple(line[()] for _, line in sorted(group["lines"].items()))
+                for group in parts["cuts"]
+            ]
             return cls(
                 **values,
                 checks=tuple(Indicator(**entry) for entry in json.loads(file.attrs["checks"])),
                 quads=tuple(quads[()] for quads in parts["quads"]),
                 projectile=file["projectile"][()],
-                cuts=tuple(read_group(group, Cut, "cut", lines=own) for group, own in zip(parts["cuts"], lines)),
+                cuts=tuple(
+                    read_group(group, Cut, "cut", lines=own)
+                    for group, own in zip(parts["cuts"], lines)
+                ),
                 measured=tuple(map(_read_measured, parts["measured"])),
                 slips=tuple(read_group(group, SlipSummary, "slip") for group in parts["slip"]),
             )
@@ -377,13 +426,17 @@ def _write_measured(group, measured):
     for name, forces in measured.edges.items():
         put(group, f"edges/{name}", forces, "N")
     for front in fronts(measured):
-        write_group(group.create_group(f"fronts/{front.family}-{front.kind}"), front, TABLES["front"])
+        write_group(
+            group.create_group(f"fronts/{front.family}-{front.kind}"), front, TABLES["front"]
+        )
 
 
 def _read_measured(group):
     from shellfabric.output.histories import EDGES, Histories, YarnHistory
 
-    yarns = tuple(read_group(yarn, YarnHistory, "yarn") for _, yarn in sorted(group.get("yarns", {}).items()))
+    yarns = tuple(
+        read_group(yarn, YarnHistory, "yarn") for _, yarn in sorted(group.get("yarns", {}).items())
+    )
     return Histories(group["time"][()], yarns, {name: group[f"edges/{name}"][()] for name in EDGES})
 
 
@@ -392,7 +445,11 @@ def _stacked(setup, pack):
     from shellfabric.plies.gap import PlyGap, gap_between
 
     law, given = pack.laws[0], setup.lay_up[0].gap if setup.lay_up else setup.ply_gap
-    gap = PlyGap(given, given, given, "given") if given is not None else gap_between(*map(setup.fabric_of, (0, 1)))
+    gap = (
+        PlyGap(given, given, given, "given")
+        if given is not None
+        else gap_between(*map(setup.fabric_of, (0, 1)))
+    )
     plies = range(setup.plies)
     return {
         "stacking": "lay-up" if setup.lay_up else setup.stacking,
@@ -412,7 +469,10 @@ def _failure(result):
     if not result.setup.rate_dependence:
         return {}
     count, *sums = result.failures.sum(axis=0)
-    return {key.name: float(value / count) if count else None for key, value in zip(TABLES["failure"], sums)}
+    return {
+        key.name: float(value / count) if count else None
+        for key, value in zip(TABLES["failure"], sums)
+    }
 
 
 def _half_energy(result, final):

@@ -12,7 +12,15 @@ if TYPE_CHECKING:
     from shellfabric.output.snapshots import Snapshot
     from shellfabric.panel.model import Panel
 
-_GRIDS = ("nodes", "tension", "failed", "pressure", "area", "failed_segments", "slip")  # of nodes or elements
+_GRIDS = (
+    "nodes",
+    "tension",
+    "failed",
+    "pressure",
+    "area",
+    "failed_segments",
+    "slip",
+)  # of nodes or elements
 
 
 @dataclass(frozen=True)
@@ -44,7 +52,10 @@ class Shape:
     def of(cls, shot: Snapshot) -> Shape:
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         grids = {name: getattr(shot, name) for name in _GRIDS}
-        flat = {name: grid.reshape(grid.shape[0] * grid.shape[1], *grid.shape[2:]) for name, grid in grids.items()}
+        flat = {
+            name: grid.reshape(grid.shape[0] * grid.shape[1], *grid.shape[2:])
+            for name, grid in grids.items()
+        }
         return cls(float(shot.t), float(shot.nose_position), shot.projectile_position, **flat)
 
 
@@ -73,7 +84,10 @@ class Cut:
                 line, gone = _across(shot, panel)
             # beyond the opening it has no length
             long = np.flatnonzero(np.abs(np.diff(line, axis=0)).max(axis=1) > 1e-9)
-            line, gone = line[long[0] : long[-1] + 2], gone[(gone >= long[0]) & (gone <= long[-1])] - long[0]
+            line, gone = (
+                line[long[0] : long[-1] + 2],
+                gone[(gone >= long[0]) & (gone <= long[-1])] - long[0],
+            )
             lines.append(np.insert(line, gone + 1, np.nan, axis=0))
         return cls(float(shots[0].t), float(shots[0].nose_position), tuple(lines))
 
@@ -87,7 +101,9 @@ def _across(shot, panel):
     at = np.unique(np.concatenate([line / step for line, step in zip(lines, way)]))
     inside = [(at * step >= line[0]) & (at * step <= line[-1]) for line, step in zip(lines, way)]
     at = at[inside[0] & inside[1]]
-    middle = [np.searchsorted(line, 0.5 * (at[1:] + at[:-1]) * step) - 1 for line, step in zip(lines, way)]
+    middle = [
+        np.searchsorted(line, 0.5 * (at[1:] + at[:-1]) * step) - 1 for line, step in zip(lines, way)
+    ]
     places = RegularGridInterpolator(lines, shot.nodes[..., [0, 2]])(np.multiply.outer(at, way))
     return places, np.flatnonzero(shot.failed[middle[0], middle[1], :2].any(axis=1))
 

@@ -49,5 +49,7 @@ def read_summary(path: FilePath) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as problem:
         raise InputError(f"cannot be read; must be a summary.json ({problem})", file=path) from None
     if content.get("format") != keys.SUMMARY_FORMAT:
-        raise InputError(file=path, key="format", value=content.get("format"), allowed=repr(keys.SUMMARY_FORMAT))
+        raise InputError(
+            file=path, key="format", value=content.get("format"), allowed=repr(keys.SUMMARY_FORMAT)
+        )
     return content

@@ -40,7 +40,9 @@ class Key(NamedTuple):
     @property
     def label(self) -> str:
         """The beginning of its meaning, with the unit in which it is shown."""
-        return display.heading(self.meaning.partition(";")[0].replace("`", ""), self.unit, self.name)
+        return display.heading(
+            self.meaning.partition(";")[0].replace("`", ""), self.unit, self.name
+        )
 
     def value(self, source: Any) -> Any:
         """Of an object, such as a record."""
@@ -82,7 +84,9 @@ OF_IMPACTS = (
     Key("cuts/*/lines/*", "m", "x and z of a ply's middle surface, NaN where its yarn has failed"),
     Key("checks", "", "quality indicators as JSON"),
     Key("pack", "", "what is stacked, as JSON; empty of one ply"),
-    Key("failure", "", "what the strength came to at failures, as JSON; empty where it is constant"),
+    Key(
+        "failure", "", "what the strength came to at failures, as JSON; empty where it is constant"
+    ),
 )
 DATASETS = tuple(key for key in OF_IMPACTS if key.unit)
 ATTRIBUTES = tuple(key for key in OF_IMPACTS if not key.unit)

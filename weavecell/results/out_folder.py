@@ -18,7 +18,9 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 
 LOCK, INPUT = ".lock", ".input"
-_held: dict[Path, tuple[int, list[Path]]] = {}  # folder: descriptor of its lock, and folders that were made for it
+_held: dict[
+    Path, tuple[int, list[Path]]
+] = {}  # folder: descriptor of its lock, and folders that were made for it
 
 
 def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> None:
@@ -63,7 +65,9 @@ def claim(folder: Path, resume: bool = False, inputs: Iterable[object] = ()) -> 
 
 
 @contextmanager
-def held(out: FilePath | None, resume: bool = False, inputs: Iterable[object] = ()) -> Iterator[Path | None]:
+def held(
+    out: FilePath | None, resume: bool = False, inputs: Iterable[object] = ()
+) -> Iterator[Path | None]:
     """The folder, which is claimed in this block, while an outer claim goes on; None where nothing is written."""
     if out is None:
         yield None
@@ -130,5 +134,10 @@ def _earlier(folder):
             content = json.loads(path.read_text("utf-8"))
         stamp = content.get("provenance", content) if isinstance(content, dict) else None
         if isinstance(stamp, dict) and "date" in stamp:
-            found.append((str(stamp["date"]), str(content.get("title") or content.get("fabric") or path.stem)))
+            found.append(
+                (
+                    str(stamp["date"]),
+                    str(content.get("title") or content.get("fabric") or path.stem),
+                )
+            )
     return "{1} of {0}".format(*max(found)) if found else None

@@ -59,7 +59,9 @@ def write(line: str, file: Any) -> None:
         print(line, file=file, flush=True)
 
 
-def watched(run: Callable[[tuple], Any], title: str, hooks: Sequence = ()) -> tuple[Any, UnstableError | None]:
+def watched(
+    run: Callable[[tuple], Any], title: str, hooks: Sequence = ()
+) -> tuple[Any, UnstableError | None]:
     """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or None)."""
     from shellfabric.output.hooks import Progress
 
@@ -77,7 +79,9 @@ def by_path(advance: Callable[..., object], count: int) -> Callable[..., None]:
 
     def report_path(fabric, path, share):
         shares[fabric, path] = share
-        text = ", ".join(f"{name} {100 * done:.0f} %" for (_, name), done in shares.items() if done < 1)
+        text = ", ".join(
+            f"{name} {100 * done:.0f} %" for (_, name), done in shares.items() if done < 1
+        )
         advance(sum(shares.values()) / count, text)
 
     return report_path

@@ -34,7 +34,9 @@ PACKAGES = (
 )
 
 
-def stamp(scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None) -> dict[str, str]:
+def stamp(
+    scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None
+) -> dict[str, str]:
     """What a reader needs to repeat a run, as a flat dict of texts; of fabrics, also those of a set-up, which of their
     tables were assumed, and of a set-up its notes and what a projectile from an STL file was."""
     fabrics = fabrics if setup is None else (*fabrics, *setup.fabrics)

@@ -43,7 +43,11 @@ def finished(out: Path, key: str) -> Finished | None:
     """The results that a folder holds of the run with a `run_cache.key`, if it has ended and was not unstable."""
     file = out / "summary.json"
     content = json_file.read_summary(file) if file.exists() and not checkpoints(out) else {}
-    return None if content.get("run_key") != key or content["outcome"] == "unstable" else Finished(out, content)
+    return (
+        None
+        if content.get("run_key") != key or content["outcome"] == "unstable"
+        else Finished(out, content)
+    )
 
 
 def checkpoints(out: Path) -> list[Path]:

@@ -26,7 +26,9 @@ def grid(nodes: FloatArray, quads: IntArray) -> Any:
     """A pyvista.UnstructuredGrid of quadrilaterals (m, 4) of nodes (n, 3) [m]."""
     import pyvista
 
-    return pyvista.UnstructuredGrid({pyvista.CellType.QUAD: np.asarray(quads)}, np.asarray(nodes, float))
+    return pyvista.UnstructuredGrid(
+        {pyvista.CellType.QUAD: np.asarray(quads)}, np.asarray(nodes, float)
+    )
 
 
 def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
@@ -42,7 +44,9 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
         np.concatenate([shape.nodes for shape in plies]),
         np.concatenate([numbers + start for numbers, start in zip(quads, first)]),
     )
-    tension, failed = (np.concatenate([getattr(shape, name) for shape in plies]) for name in ("tension", "failed"))
+    tension, failed = (
+        np.concatenate([getattr(shape, name) for shape in plies]) for name in ("tension", "failed")
+    )
     together.cell_data.update(
         {
             "tension_warp_N": tension[:, 0].astype(float),
@@ -50,7 +54,9 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
             "failed_warp": failed[:, 0].astype(np.int8),
             "failed_weft": failed[:, 1].astype(np.int8),
             "failed_yarns": failed_yarns(failed),
-            "ply": np.repeat(np.arange(1, 1 + len(quads), dtype=np.int8), [len(numbers) for numbers in quads]),
+            "ply": np.repeat(
+                np.arange(1, 1 + len(quads), dtype=np.int8), [len(numbers) for numbers in quads]
+            ),
         }
     )
     together.point_data["area_m2"] = np.concatenate([shape.area for shape in plies])
@@ -94,7 +100,9 @@ def write_series(path: FilePath, times: Mapping[str, float]) -> None:
     ----------
     times : {name of a file beside the .pvd: time [s]}
     """
-    sets = "\n".join(f'    <DataSet timestep="{time:.9e}" file="{name}"/>' for name, time in times.items())
+    sets = "\n".join(
+        f'    <DataSet timestep="{time:.9e}" file="{name}"/>' for name, time in times.items()
+    )
     write(
         path,
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'

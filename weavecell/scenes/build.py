@@ -93,7 +93,9 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     if file is not None and shot is not None and (shot.name is not None or shot.stl is not None):
         LOG.info(f"projectile: {shot_in_words(shot)}")
     if panel is None or not panel.ply:
-        return Case(**vars(material(scene.fabric, "fabric", scene, file, fabric)), scene=scene, name=name)
+        return Case(
+            **vars(material(scene.fabric, "fabric", scene, file, fabric)), scene=scene, name=name
+        )
     from shellfabric.impact.simulation import Ply
 
     materials: dict[str, Material] = {}
@@ -110,7 +112,9 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     return Case(**vars(next(iter(materials.values()))), scene=scene, name=name, lay_up=tuple(plies))
 
 
-def material(table: FabricTable, key: str, scene: Any, file: FilePath | None, given: Fabric | None = None) -> Material:
+def material(
+    table: FabricTable, key: str, scene: Any, file: FilePath | None, given: Fabric | None = None
+) -> Material:
     """The Material of a table [fabric].
 
     Parameters
@@ -127,9 +131,17 @@ def material(table: FabricTable, key: str, scene: Any, file: FilePath | None, gi
         try:
             fabric = assumed.with_strain_rate(fabric)
         except InputError as problem:
-            raise InputError(f"needs more: {problem}", file=file, key="panel.rate_dependence") from None
-    fails = getattr(getattr(scene, "test_table", None), "failure", False) if panel is None else panel.yarn_failure
-    fabric = fabric if fails else assumed.given(fabric, "failure_length")  # which is of no use without failure
+            raise InputError(
+                f"needs more: {problem}", file=file, key="panel.rate_dependence"
+            ) from None
+    fails = (
+        getattr(getattr(scene, "test_table", None), "failure", False)
+        if panel is None
+        else panel.yarn_failure
+    )
+    fabric = (
+        fabric if fails else assumed.given(fabric, "failure_length")
+    )  # which is of no use without failure
     fabric = _sheared(fabric, getattr(scene, "trellis_law", "needed"), file)
     if table.surface is not None:
         return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
@@ -142,7 +154,9 @@ def material(table: FabricTable, key: str, scene: Any, file: FilePath | None, gi
                 raise
             key = "panel.ply_contact" if problem.key in (None, "ply_contact") else problem.key
             message = None if problem.key is not None else str(problem)
-            raise InputError(message, file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+            raise InputError(
+                message, file=file, key=key, value=problem.value, allowed=problem.allowed
+            ) from None
     return Material(fabric, laws, law_name)
 
 
@@ -191,12 +205,16 @@ def _surface(surface, fabric):
     if isinstance(surface, ResponseSurface):
         return SurfaceCell(fabric, surface).surface
     if not os.path.exists(surface):
-        raise InputError("cannot be read; must be a surface written by `weavecell surface`", file=surface)
+        raise InputError(
+            "cannot be read; must be a surface written by `weavecell surface`", file=surface
+        )
     read = ResponseSurface.read(surface)
     try:
         return SurfaceCell(fabric, read).surface
     except InputError as problem:
-        raise InputError(file=surface, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+        raise InputError(
+            file=surface, key=problem.key, value=problem.value, allowed=problem.allowed
+        ) from None
 
 
 def _laws(table, key, fabric, file, given):
@@ -209,7 +227,9 @@ def _laws(table, key, fabric, file, given):
             own = CompressionLaw(law.a, law.b, law.form, provenance="given in the scene")
         except InputError as problem:
             key = f"{key}.law.{problem.key}"
-            raise InputError(file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+            raise InputError(
+                file=file, key=key, value=problem.value, allowed=problem.allowed
+            ) from None
         return (own, own), own.provenance
     if law == "published" and fabric.laws is None and file is not None:
         raise InputError(
@@ -220,14 +240,20 @@ def _laws(table, key, fabric, file, given):
         )
     laws = laws_of(fabric, law, file, f"{key}.law")
     if law != "published":
-        return laws, "fitted to the 3D crossover" if isinstance(law, (str, Path)) else laws[0].provenance
+        return laws, "fitted to the 3D crossover" if isinstance(law, (str, Path)) else laws[
+            0
+        ].provenance
     if given is not None:
         return laws, laws[0].provenance
-    sources = " ".join(entry["source"] for name, entry in fabric.sources.items() if name.startswith("compression"))
+    sources = " ".join(
+        entry["source"] for name, entry in fabric.sources.items() if name.startswith("compression")
+    )
     return laws, "published (Table 5-1)" if "Table 5-1" in sources else "published"
 
 
-def laws_of(fabric: Fabric, law: Any = None, file: FilePath | None = None, key: str = "law") -> Laws:
+def laws_of(
+    fabric: Fabric, law: Any = None, file: FilePath | None = None, key: str = "law"
+) -> Laws:
     """(warp, weft) compression laws.
 
     Parameters
@@ -262,7 +288,13 @@ def laws_of(fabric: Fabric, law: Any = None, file: FilePath | None = None, key: 
 
 def cell_of(table: FabricTable) -> tuple[Any, ...]:
     """Gap, model, form, profile and slack of the CellModel that a table [fabric] asks for."""
-    return table.crossover_gap, table.cell_model, table.cell_formulation, table.cell_profile, table.fibre_slack
+    return (
+        table.crossover_gap,
+        table.cell_model,
+        table.cell_formulation,
+        table.cell_profile,
+        table.fibre_slack,
+    )
 
 
 def setup(case: Case, file: FilePath | None) -> ImpactSetup:
@@ -280,13 +312,26 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     of_setup = {field.name for field in fields(ShortSetup)}
     given: dict[str, Any] = {}
     for name in ("fabric", "panel", "run"):
-        given |= {key: value for key, value in _given(getattr(scene, name), name).items() if key in of_setup}
-    history = scene.history and HistoryRequest(**_given(scene.history, "history", but=("report_positions",)))
+        given |= {
+            key: value
+            for key, value in _given(getattr(scene, name), name).items()
+            if key in of_setup
+        }
+    history = scene.history and HistoryRequest(
+        **_given(scene.history, "history", but=("report_positions",))
+    )
     try:
         # in place of texts and tables the objects that they describe
         given |= {name: getattr(case, name) for name in ("fabric", "laws", "surface", "lay_up")}
-        given |= {"strike_velocity": scene.projectile.strike_velocity, "projectile": _projectile(scene.projectile)}
-        given |= {"edge": _edge(panel.boundary), "round": panel.opening_shape == "round", "history": history}
+        given |= {
+            "strike_velocity": scene.projectile.strike_velocity,
+            "projectile": _projectile(scene.projectile),
+        }
+        given |= {
+            "edge": _edge(panel.boundary),
+            "round": panel.opening_shape == "round",
+            "history": history,
+        }
         given |= {"crossovers": _crossovers(panel), "backing": _backing(scene.backing)}
         made = ShortSetup(**given, numerics=Numerics(**_given(scene.numerics, "numerics")))
     except InputError as problem:
@@ -298,7 +343,11 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
 
 def _given(table, name, but=()):
     """{field: value} of the keys that a table sets."""
-    return {FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
+    return {
+        FIELDS.get(f"{name}.{key}", key): value
+        for key, value in table
+        if value is not None and key not in but
+    }
 
 
 def _crossovers(table):
@@ -331,7 +380,9 @@ def _backing(table):
     given = _given(table, "backing")
     given["name"] = given.pop("material", "")
     of_material = {field.name for field in fields(Isotropic)}
-    material = replace(load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material})
+    material = replace(
+        load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material}
+    )
     return Backing(material=material, **given)
 
 
@@ -352,7 +403,9 @@ def _side(side):
         return side
     if side.clamp_force is not None:
         return Grip(side.clamp_force)
-    return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
+    return PullIn(
+        side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone})
+    )
 
 
 def of_file(problem: InputError) -> bool:
@@ -373,7 +426,9 @@ def in_file(
     if problem.file is not None:
         return problem
     if of_scene is None:
-        of_scene = {name: table for name, table in tables(Scene).items() if name and "." not in name}
+        of_scene = {
+            name: table for name, table in tables(Scene).items() if name and "." not in name
+        }
     keys = {key: f"{name}.{key}" for name, table in of_scene.items() for key in table.model_fields}
     keys |= {"model": "fabric.cell_model"} | {field: key for key, field in FIELDS.items()}
     key = keys.get(problem.key or "", problem.key)

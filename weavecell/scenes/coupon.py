@@ -26,7 +26,12 @@ from weavecell.scenes import honoured
 from weavecell.scenes.fabric_table import FabricTable, anchored, exactly_one
 
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
-_OF_STEPS = "steps", "elements_per_crossover", "tolerance", "max_iterations"  # keys of [run] without use in a pull-out
+_OF_STEPS = (
+    "steps",
+    "elements_per_crossover",
+    "tolerance",
+    "max_iterations",
+)  # keys of [run] without use in a pull-out
 TOLERANCE = 1e-3  # [-] of the out-of-balance force over the reaction, by default (docs/coupons.md)
 
 
@@ -117,10 +122,18 @@ class PullOutTable(Table):
     crossings: whole("crossovers that the yarn is pulled through", 8, 400, 10) = 20
     displacement: quantity("displacement of the crosshead at the end", "m", "5 mm")
     velocity: quantity("velocity of the crosshead", "m/s", "2 m/s", kind="a velocity {}") = 2.0
-    pre_tension: quantity("tension of each crossing yarn before the pull", "N", "10 N", zero=True) = 0.0
-    crossover_friction: number("Coulomb coefficient of yarn on yarn (assumed)", 0.3, ge=0.0, le=2.0) = 0.2
-    crossover_cohesion: quantity("friction of a crossover without contact force", "N", "0.1 N", zero=True) = 0.0
-    all_yarns: flag("whether all warp yarns are pulled by the same displacement, or one alone") = False
+    pre_tension: quantity(
+        "tension of each crossing yarn before the pull", "N", "10 N", zero=True
+    ) = 0.0
+    crossover_friction: number(
+        "Coulomb coefficient of yarn on yarn (assumed)", 0.3, ge=0.0, le=2.0
+    ) = 0.2
+    crossover_cohesion: quantity(
+        "friction of a crossover without contact force", "N", "0.1 N", zero=True
+    ) = 0.0
+    all_yarns: flag("whether all warp yarns are pulled by the same displacement, or one alone") = (
+        False
+    )
     samples: whole("samples of the load that are kept", 10, 100_000, 100) = 500
 
     @model_validator(mode="after")
@@ -140,9 +153,15 @@ class CouponRunTable(Table):
 
     steps: whole("load steps; not used in a pull-out", 1, 1000) = 20
     elements_per_crossover: whole("elements along each side of a crossover", 1, 8) = 1
-    tolerance: number("convergence: out-of-balance force over the reaction", 1e-2, gt=0.0, le=0.1) = TOLERANCE
-    max_iterations: whole("iterations of dynamic relaxation in a load step at most", 10, 10_000_000, 100) = 50_000
-    outputs: some_of("which outputs are written beside `histories.h5` and `summary.json`", "pictures", "report") = (
+    tolerance: number(
+        "convergence: out-of-balance force over the reaction", 1e-2, gt=0.0, le=0.1
+    ) = TOLERANCE
+    max_iterations: whole(
+        "iterations of dynamic relaxation in a load step at most", 10, 10_000_000, 100
+    ) = 50_000
+    outputs: some_of(
+        "which outputs are written beside `histories.h5` and `summary.json`", "pictures", "report"
+    ) = (
         "pictures",
         "report",
     )
@@ -153,7 +172,9 @@ class CouponScene(Table):
 
     title: string("heading of the report", "a text") = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
-    bias_extension: Annotated[BiasTable | None, Field(description="a table [bias_extension]")] = None
+    bias_extension: Annotated[BiasTable | None, Field(description="a table [bias_extension]")] = (
+        None
+    )
     picture_frame: Annotated[FrameTable | None, Field(description="a table [picture_frame]")] = None
     uniaxial: Annotated[UniaxialTable | None, Field(description="a table [uniaxial]")] = None
     biaxial: Annotated[BiaxialTable | None, Field(description="a table [biaxial]")] = None
@@ -166,7 +187,9 @@ class CouponScene(Table):
         exactly_one(self, TESTS)
         if self.test != "pull_out":
             if self.fabric.sets("bending"):
-                allowed = "left out: the yarns of a coupon have no bending stiffness, but in a pull-out"
+                allowed = (
+                    "left out: the yarns of a coupon have no bending stiffness, but in a pull-out"
+                )
                 raise InputError(key="fabric.bending", allowed=allowed)
             return self
         for table, key in (("fabric", "fibre_slack"), *(("run", key) for key in _OF_STEPS)):
@@ -209,7 +232,10 @@ def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[CouponSc
 
 
 def check(
-    table: dict[str, Any], file: FilePath | None, refused: honoured.Keys | None = None, context: Any = None
+    table: dict[str, Any],
+    file: FilePath | None,
+    refused: honoured.Keys | None = None,
+    context: Any = None,
 ) -> CouponScene:
     """Turn a scene's table into a checked CouponScene; parameters as of `scenes.impact.check`."""
     scene = validated(CouponScene, table, file, context)

@@ -70,15 +70,21 @@ def picture_frame(path: FilePath, thickness: float, side: float | None = None) -
         what="a picture-frame curve",
         content="a picture-frame curve: shear angle, and shear stress or force",
         heading="shear angle, shear stress or force with its unit, such as shear angle [deg]",
-        accepts=lambda names: sorted(names) in (["shear angle", "shear stress"], ["force", "shear angle"]),
+        accepts=lambda names: (
+            sorted(names) in (["shear angle", "shear stress"], ["force", "shear angle"])
+        ),
         columns="shear angle, and shear stress or force",
     )
     gamma = column["shear angle"]
     if not np.all(np.diff(gamma) > 0) or gamma.min(initial=0.0) < 0:
-        raise InputError(file=path, key="shear angle", value="not rising", allowed="at least 0 and rising")
+        raise InputError(
+            file=path, key="shear angle", value="not rising", allowed="at least 0 and rising"
+        )
     if "force" in column:
         if side is None or not side > 0:
-            raise InputError("gives the force of the crosshead: the side of the frame is needed", file=path)
+            raise InputError(
+                "gives the force of the crosshead: the side of the frame is needed", file=path
+            )
         stress = column["force"] / (2 * np.cos(0.5 * (0.5 * np.pi - gamma))) / (side * thickness)
     else:
         stress = column["shear stress"]

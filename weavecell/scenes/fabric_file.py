@@ -93,7 +93,11 @@ class Draft:
                 if key not in OF_FABRIC
             ]
         if self.shear:
-            lines += ["", "[shear]", *(f"{key} = {_entry(*entry)}" for key, entry in self.shear.items())]
+            lines += [
+                "",
+                "[shear]",
+                *(f"{key} = {_entry(*entry)}" for key, entry in self.shear.items()),
+            ]
         return "\n".join(lines) + "\n"
 
     def write(self, path: FilePath) -> Fabric:
@@ -128,7 +132,9 @@ def read_values(path: FilePath) -> dict[str, Value]:
     rows = read_csv(path, "a CSV file of key, warp, weft")
     heading = rows[0][1] if rows else []
     if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS):
-        raise InputError(file=path, key="columns", value=", ".join(heading), allowed=", ".join(COLUMNS))
+        raise InputError(
+            file=path, key="columns", value=", ".join(heading), allowed=", ".join(COLUMNS)
+        )
     found: dict[str, Value] = {}
     problems: list[InputError] = []
     tried: set[str] = set()
@@ -137,8 +143,12 @@ def read_values(path: FilePath) -> dict[str, Value]:
         tried |= {key, nearest(key, ALL) or key}
         if not 2 <= len(cells) <= len(heading):
             hint = decimal_comma(",".join(cells))
-            message = f"{len(cells)} fields, {len(heading)} expected" + (f"; {hint}" if hint else "")
-            problems.append(InputError(message, file=path, key=f"line {number}", value=", ".join(cells)))
+            message = f"{len(cells)} fields, {len(heading)} expected" + (
+                f"; {hint}" if hint else ""
+            )
+            problems.append(
+                InputError(message, file=path, key=f"line {number}", value=", ".join(cells))
+            )
         elif (value := _row(dict(zip(heading, cells)), path, problems)) is not None:
             found[key] = value
     for key in REQUIRED:
@@ -179,7 +189,11 @@ def _row(entry, path, problems):
 
 
 def with_curves(
-    draft: Draft, *, yarn: FilePath | None = None, frame: FilePath | None = None, side: float | None = None
+    draft: Draft,
+    *,
+    yarn: FilePath | None = None,
+    frame: FilePath | None = None,
+    side: float | None = None,
 ) -> tuple[Draft, list[str]]:
     """The draft with values that are fitted to curves, and a line about each fit.
 
@@ -220,8 +234,13 @@ def with_curves(
             source += "; ends before the yarns lock: G2 and gamma2 are not determined"
         texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
         texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
-        draft = replace(draft, shear={key: (value, source, "fitted") for key, value in texts.items()})
-        fitted.append(f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa" + ("" if found.locked else ", not locked"))
+        draft = replace(
+            draft, shear={key: (value, source, "fitted") for key, value in texts.items()}
+        )
+        fitted.append(
+            f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa"
+            + ("" if found.locked else ", not locked")
+        )
     return draft, fitted
 
 

@@ -34,7 +34,12 @@ class InlineLaw(Table):
     b = "0.058 mm N^(1/3)"
     """
 
-    a: quantity("thickness reduction of a yarn at large contact force, thesis eq. 4-12", "m", "0.045 mm", zero=True)
+    a: quantity(
+        "thickness reduction of a yarn at large contact force, thesis eq. 4-12",
+        "m",
+        "0.045 mm",
+        zero=True,
+    )
     b: quantity(
         "coefficient of the cube root of the contact force, thesis eq. 4-12",
         "m N^(1/3)",
@@ -58,7 +63,9 @@ def _law_kind(value):
 
 
 def _law(value, info):
-    if in_python(info) or (isinstance(value, str) and (value == "published" or value.endswith(".json"))):
+    if in_python(info) or (
+        isinstance(value, str) and (value == "published" or value.endswith(".json"))
+    ):
         return value
     raise ValueError("not a law")
 
@@ -70,7 +77,8 @@ def _object(value, info):
 
 
 Law = Annotated[
-    Annotated[Any, BeforeValidator(_law), Tag("text"), WithJsonSchema(TEXT)] | Annotated[InlineLaw, Tag("inline")],
+    Annotated[Any, BeforeValidator(_law), Tag("text"), WithJsonSchema(TEXT)]
+    | Annotated[InlineLaw, Tag("inline")],
     Discriminator(_law_kind),
 ]
 
@@ -94,8 +102,12 @@ class WeavingDamageTable(Table):
     status = "measured"
     """
 
-    modulus: number("modulus of the woven yarn over that of the virgin yarn", 0.9, gt=0.0, le=1.0) = 1.0
-    strength: number("strength of the woven yarn over that of the virgin yarn", 0.8, gt=0.0, le=1.0) = 1.0
+    modulus: number(
+        "modulus of the woven yarn over that of the virgin yarn", 0.9, gt=0.0, le=1.0
+    ) = 1.0
+    strength: number(
+        "strength of the woven yarn over that of the virgin yarn", 0.8, gt=0.0, le=1.0
+    ) = 1.0
     source: Annotated[
         str,
         described(
@@ -104,7 +116,9 @@ class WeavingDamageTable(Table):
             min_length=1,
         ),
     ]
-    status: one_of("whether the ratios are measured or assumed, kept in the results", *STATUSES) = "assumed"
+    status: one_of("whether the ratios are measured or assumed, kept in the results", *STATUSES) = (
+        "assumed"
+    )
 
 
 class FabricTable(Table):
@@ -120,7 +134,10 @@ class FabricTable(Table):
         "fabric of the catalogue (`weavecell fabrics list`); either this or `fabric.file`",
         "the name of a fabric of the catalogue",
     ) = None
-    file: string("fabric file of the user; either this or `fabric.name`", "the path of a fabric file (*.toml)") = None
+    file: string(
+        "fabric file of the user; either this or `fabric.name`",
+        "the path of a fabric file (*.toml)",
+    ) = None
     linear_density: one_of(
         "the linear density that is used where a fabric file has two: `effective`, from the areal density of the runs "
         "of the thesis (erratum E-07), or `nominal`, of the data sheet",
@@ -128,7 +145,8 @@ class FabricTable(Table):
         "nominal",
     ) = "effective"
     weaving_damage: Annotated[
-        WeavingDamageTable | None, Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }')
+        WeavingDamageTable | None,
+        Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }'),
     ] = None
     law: Annotated[
         Law,
@@ -150,7 +168,9 @@ class FabricTable(Table):
         "equilibrium",
         "direct",
     ) = "variational"
-    cell_profile: one_of("centre line of a crimped yarn in the cell", "cosine", "straight") = "cosine"
+    cell_profile: one_of("centre line of a crimped yarn in the cell", "cosine", "straight") = (
+        "cosine"
+    )
     fibre_slack: from_text(
         float | tuple[float, float],
         _toe,
@@ -169,7 +189,9 @@ class FabricTable(Table):
             "the path of a surface written by `weavecell surface`",
         ),
     ] = None
-    crossover_gap: quantity("play between warp and weft at a crossover before they touch", "m", "0 mm", zero=True) = 0.0
+    crossover_gap: quantity(
+        "play between warp and weft at a crossover before they touch", "m", "0 mm", zero=True
+    ) = 0.0
     bending: quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True) = 0.0
 
     @model_validator(mode="after")
@@ -185,7 +207,9 @@ class FabricTable(Table):
             self.refuse("crossover_gap", words)
         other, words = ("direct", "without") if self.surface is None else ("equilibrium", "with")
         if self.cell_formulation == other:
-            forms = "variational or equilibrium" if self.surface is None else "variational or direct"
+            forms = (
+                "variational or equilibrium" if self.surface is None else "variational or direct"
+            )
             raise InputError(key="cell_formulation", allowed=f"{forms} {words} fabric.surface")
         return self
 
@@ -201,13 +225,21 @@ def anchored(scene: Any, file: FilePath) -> Any:
     def of(name, table, keys):
         """The table [name] whose paths, all texts but the names of laws, are taken from that folder."""
         given = {key: getattr(table, key) for key in keys}
-        texts = {key: text for key, text in given.items() if isinstance(text, str) and text not in _NAMED_LAWS}
+        texts = {
+            key: text
+            for key, text in given.items()
+            if isinstance(text, str) and text not in _NAMED_LAWS
+        }
         paths = {key: os.path.normpath(Path(file).parent / text) for key, text in texts.items()}
         for key, path in paths.items():
             if not os.path.isfile(path):
                 allowed = type(table).model_fields[key].description
                 raise InputError(
-                    f"there is no file {path}", file=file, key=f"{name}.{key}", value=texts[key], allowed=allowed
+                    f"there is no file {path}",
+                    file=file,
+                    key=f"{name}.{key}",
+                    value=texts[key],
+                    allowed=allowed,
                 )
         return table.model_copy(update=paths)
 
@@ -225,4 +257,6 @@ def exactly_one(table: Table, keys: Sequence[str], name: str = "") -> None:
     """InputError unless exactly one of some keys of the table [name] is given."""
     if sum(getattr(table, key) is not None for key in keys) != 1:
         paths = [f"{name}.{key}".lstrip(".") for key in keys]
-        raise InputError(f"give exactly one of {', '.join(paths[:-1])} and {paths[-1]}", key=name or None)
+        raise InputError(
+            f"give exactly one of {', '.join(paths[:-1])} and {paths[-1]}", key=name or None
+        )

@@ -27,9 +27,15 @@ def silent(table: str, names: str) -> Keys:
 
 
 NO_HISTORY = "left out: the shots record nothing along yarns; `weavecell impact` does"
-IMPACT: Keys = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear
-UNWRITTEN = silent("run", "snapshot_interval checkpoint_interval outputs")  # by functions that shoot many times
-SHOTS: Keys = IMPACT | UNWRITTEN | {"accuracy": "left out: the shots are computed on the mesh of the scene"}
+IMPACT: Keys = {
+    "fabric.fibre_slack": "left out in an impact"
+}  # a yarn whose crossings have failed is linear
+UNWRITTEN = silent(
+    "run", "snapshot_interval checkpoint_interval outputs"
+)  # by functions that shoot many times
+SHOTS: Keys = (
+    IMPACT | UNWRITTEN | {"accuracy": "left out: the shots are computed on the mesh of the scene"}
+)
 DRAWS: Keys = (
     IMPACT
     | UNWRITTEN
@@ -37,8 +43,12 @@ DRAWS: Keys = (
     | {"accuracy": "left out of draws, which run the mesh of the scene"}
 )
 SENSITIVITY: Keys = SHOTS | {"title": None, "history": NO_HISTORY}
-LIMITS: Keys = SENSITIVITY | silent("", "projectile.strike_velocity run.end_time backing.after_stop")
-SWEEP: Keys = SENSITIVITY | {"history": "left out: a sweep records nothing along yarns; `weavecell impact` does"}
+LIMITS: Keys = SENSITIVITY | silent(
+    "", "projectile.strike_velocity run.end_time backing.after_stop"
+)
+SWEEP: Keys = SENSITIVITY | {
+    "history": "left out: a sweep records nothing along yarns; `weavecell impact` does"
+}
 COUPON: Keys = {"fabric.surface": "left out: the cell of a coupon is made from laws"}
 
 

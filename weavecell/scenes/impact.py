@@ -41,7 +41,11 @@ SHAPES = {  # of `shellfabric.projectile.projectile`, in words
 def _name_or_size(schema):
     """The JSON Schema of [projectile] as files have it: what `projectiles` knows of a name is not required."""
     schema["required"] = ["strike_velocity"]
-    schema["anyOf"] = [{"required": ["name"]}, {"required": ["mass", "diameter"]}, {"required": ["stl"]}]
+    schema["anyOf"] = [
+        {"required": ["name"]},
+        {"required": ["mass", "diameter"]},
+        {"required": ["stl"]},
+    ]
 
 
 class ProjectileTable(Table):
@@ -80,29 +84,46 @@ class ProjectileTable(Table):
         "m",
         "8 mm",
     ) = None
-    half_angle: angle("angle between axis and flank of a cone; required for a cone", 5, 85, "45 deg") = None
+    half_angle: angle(
+        "angle between axis and flank of a cone; required for a cone", 5, 85, "45 deg"
+    ) = None
     tip_radius: quantity("rounding of the tip of a cone; required for a cone", "m", "0.5 mm") = None
-    flat_width: quantity("width of the flat strip across a chisel nose; required for a chisel", "m", "2.5 mm") = None
+    flat_width: quantity(
+        "width of the flat strip across a chisel nose; required for a chisel", "m", "2.5 mm"
+    ) = None
     flat_angle: angle(
-        "angle of a chisel's two flats against the plane of the nose; required for a chisel", 5, 85, "35 deg"
+        "angle of a chisel's two flats against the plane of the nose; required for a chisel",
+        5,
+        85,
+        "35 deg",
     ) = None
     stl: string(
         "STL file of the body, its z axis along the flight; required for the shape stl. Its path is relative to the "
         "input file",
         "the path of an STL file (*.stl)",
     ) = None
-    stl_unit: one_of("unit of the lengths in the STL file; required with it", *stl_file.UNITS) = None
-    density: quantity("density of the body of an STL file, in place of its mass", "kg/m^3", "7.85 g/cm^3") = None
+    stl_unit: one_of("unit of the lengths in the STL file; required with it", *stl_file.UNITS) = (
+        None
+    )
+    density: quantity(
+        "density of the body of an STL file, in place of its mass", "kg/m^3", "7.85 g/cm^3"
+    ) = None
     obliquity: angle("angle between line of flight and normal of the panel", 0, 75, "30 deg") = 0.0
-    azimuth: angle("direction of the obliquity in the plane of the panel, from the warp", -360, 360, "90 deg") = 0.0
+    azimuth: angle(
+        "direction of the obliquity in the plane of the panel, from the warp", -360, 360, "90 deg"
+    ) = 0.0
     yaw: angle("angle between axis and line of flight", -75, 75, "5 deg") = 0.0
     roll: angle("rotation about the axis", -360, 360, "45 deg") = 0.0
     friction: number("Coulomb coefficient between projectile and fabric", 0.2, ge=0.0, le=2.0) = 0.0
     body: one_of(
-        "rigid body, or elastic-plastic steel bar along the axis (one-dimensional waves)", "rigid", "elastic_bar"
+        "rigid body, or elastic-plastic steel bar along the axis (one-dimensional waves)",
+        "rigid",
+        "elastic_bar",
     ) = "rigid"
     bore_diameter: quantity(
-        "diameter of a bore into the rear of the elastic bar; its depth follows from the mass", "m", "4.5 mm"
+        "diameter of a bore into the rear of the elastic bar; its depth follows from the mass",
+        "m",
+        "4.5 mm",
     ) = None
 
     @model_validator(mode="after")
@@ -134,28 +155,48 @@ class BackingTable(Table):
         "the name of a backing",
     ) = None
     size: quantities(
-        "length, width and thickness of the block", "m", "a list of three lengths", '["300 mm", "300 mm", "180 mm"]'
+        "length, width and thickness of the block",
+        "m",
+        "a list of three lengths",
+        '["300 mm", "300 mm", "180 mm"]',
     ) = None
-    standoff: quantity("clearance between last ply and face of the block", "m", "0.5 mm", zero=True) = 0.0
+    standoff: quantity(
+        "clearance between last ply and face of the block", "m", "0.5 mm", zero=True
+    ) = 0.0
     modulus: quantity("Young's modulus of the block", "Pa", "100 MPa") = None
     density: quantity("density of the block", "kg/m^3", "3 g/cm^3") = None
     poisson: number("Poisson's ratio of the block", 0.4, ge=0.0, lt=0.5) = None
-    yield_stress: quantity("initial yield stress of the block at slow rates (J2 plasticity)", "Pa", "20 MPa") = None
-    hardening: quantity("isotropic hardening modulus of the block", "Pa", "0 Pa", zero=True) = None
-    erosion_strain: number("effective plastic strain at which an element is eroded", 0.9, gt=0.0) = None
-    rate_exponent: number(
-        "exponent m of the rate: the yield stress is multiplied by (1 + rate / reference_rate)^m", 0.1, ge=0.0, le=1.0
+    yield_stress: quantity(
+        "initial yield stress of the block at slow rates (J2 plasticity)", "Pa", "20 MPa"
     ) = None
-    reference_rate: quantity("rate of effective plastic strain in that formula", "1/s", "1 / s") = None
+    hardening: quantity("isotropic hardening modulus of the block", "Pa", "0 Pa", zero=True) = None
+    erosion_strain: number(
+        "effective plastic strain at which an element is eroded", 0.9, gt=0.0
+    ) = None
+    rate_exponent: number(
+        "exponent m of the rate: the yield stress is multiplied by (1 + rate / reference_rate)^m",
+        0.1,
+        ge=0.0,
+        le=1.0,
+    ) = None
+    reference_rate: quantity("rate of effective plastic strain in that formula", "1/s", "1 / s") = (
+        None
+    )
     outer_boundary: one_of(
         "condition on the faces other than the struck one: fixed, absorbing (dashpots) or free",
         "fixed",
         "absorbing",
         "free",
     ) = None
-    min_size: quantity("edge length of the smallest elements, under the impact point", "m", "1 mm") = None
-    refined_depth: quantity("extent of the smallest elements from the axis and from the face", "m", "8 mm") = None
-    growth: number("ratio of the edge lengths of neighbouring elements outside the refined region", 1.3, ge=1.0) = None
+    min_size: quantity(
+        "edge length of the smallest elements, under the impact point", "m", "1 mm"
+    ) = None
+    refined_depth: quantity(
+        "extent of the smallest elements from the axis and from the face", "m", "8 mm"
+    ) = None
+    growth: number(
+        "ratio of the edge lengths of neighbouring elements outside the refined region", 1.3, ge=1.0
+    ) = None
     after_stop: quantity(
         "time for which the run goes on after the projectile has stopped, so that the block comes to rest; where not "
         "given, the run ends with the dent as it is then",
@@ -193,7 +234,9 @@ class RunTable(Table):
         1,
         8,
     ) = None
-    snapshot_interval: quantity("time between the shapes kept for ParaView and the pictures", "s", "10 us") = 1e-5
+    snapshot_interval: quantity(
+        "time between the shapes kept for ParaView and the pictures", "s", "10 us"
+    ) = 1e-5
     checkpoint_interval: quantity(
         "time between checkpoints for `--resume`; in the first 10 s of wall time, and within 10 s of the last, none "
         "is written",
@@ -201,7 +244,10 @@ class RunTable(Table):
         "50 us",
     ) = 5e-5
     outputs: some_of(
-        "which outputs are written beside `histories.h5` and `summary.json`", "paraview", "pictures", "report"
+        "which outputs are written beside `histories.h5` and `summary.json`",
+        "paraview",
+        "pictures",
+        "report",
     ) = ("paraview", "pictures", "report")
 
     @model_validator(mode="after")
@@ -224,8 +270,12 @@ class HistoryTable(Table):
     """
 
     interval: quantity("time between samples along yarns and at the edges", "s", "1 us") = 1e-6
-    warp: quantities("warp yarns that are recorded", "m", _YARNS.format("warp"), '["0 mm", "10 mm"]') = (0.0,)
-    weft: quantities("weft yarns that are recorded", "m", _YARNS.format("weft"), '["0 mm", "10 mm"]') = (0.0,)
+    warp: quantities(
+        "warp yarns that are recorded", "m", _YARNS.format("warp"), '["0 mm", "10 mm"]'
+    ) = (0.0,)
+    weft: quantities(
+        "weft yarns that are recorded", "m", _YARNS.format("weft"), '["0 mm", "10 mm"]'
+    ) = (0.0,)
     report_positions: quantities(
         "positions along the yarns at which the report plots tension and strain",
         "m",
@@ -259,7 +309,9 @@ class AccuracyTable(Table):
     @model_validator(mode="after")
     def _of_one_target(self):
         if not self.targets:
-            raise InputError("has no target", allowed=f"at least one of {', '.join(type(self).model_fields)}")
+            raise InputError(
+                "has no target", allowed=f"at least one of {', '.join(type(self).model_fields)}"
+            )
         return self
 
 
@@ -272,16 +324,22 @@ class NumericsTable(Table):
     """
 
     cfl: number("time step over its stability bound (Courant factor)", 0.5, gt=0.0, le=1.0) = None
-    stretch_viscosity: number("damping ratio of the highest mode along a yarn", 0.2, ge=0.0, le=1.0) = None
+    stretch_viscosity: number(
+        "damping ratio of the highest mode along a yarn", 0.2, ge=0.0, le=1.0
+    ) = None
     penalty: number(
         "stiffness of the contact between projectile and fabric, in units of nodal mass over the square of the time "
         "step",
         0.3,
         gt=0.0,
     ) = None
-    contact_damping: number("damping ratio of the contact between projectile and fabric", 0.6, ge=0.0) = None
+    contact_damping: number(
+        "damping ratio of the contact between projectile and fabric", 0.6, ge=0.0
+    ) = None
     contact_points: whole(
-        "contact points along each side of a crossover; where not given 8, and more under a sharp nose", 1, 64
+        "contact points along each side of a crossover; where not given 8, and more under a sharp nose",
+        1,
+        64,
     ) = None
     threads: Annotated[
         int | None,
@@ -314,7 +372,11 @@ class Scene(Table):
     @model_validator(mode="after")
     def _of_tables_that_fit(self):
         fabric, shot, panel = self.fabric, self.projectile, self.panel
-        if not (panel.ply and all(ply.name or ply.file for ply in panel.ply) and fabric.name is fabric.file is None):
+        if not (
+            panel.ply
+            and all(ply.name or ply.file for ply in panel.ply)
+            and fabric.name is fabric.file is None
+        ):
             if "fabric" not in self.model_fields_set or not fabric.model_fields_set:
                 allowed = "a table [fabric], which may be left out where every [[panel.ply]] has name or file"
                 raise InputError("is missing", key="fabric", allowed=allowed)
@@ -363,7 +425,10 @@ def load(path: FilePath, refused: honoured.Keys | None = None) -> tuple[Scene, s
 
 
 def check(
-    table: dict[str, Any], file: FilePath | None, refused: honoured.Keys | None = None, context: Any = None
+    table: dict[str, Any],
+    file: FilePath | None,
+    refused: honoured.Keys | None = None,
+    context: Any = None,
 ) -> Scene:
     """Turn a scene's table into a checked Scene.
 
@@ -380,7 +445,11 @@ def check(
     scene = validated(Scene, table, file, context)
     if refused is not None:
         honoured.check(scene, table, file, refused)
-        if "panel.symmetry" in refused and scene.panel.crossovers == "sliding" and scene.panel.plies == 1:
+        if (
+            "panel.symmetry" in refused
+            and scene.panel.crossovers == "sliding"
+            and scene.panel.plies == 1
+        ):
             panel = scene.panel.model_copy(update={"symmetry": "whole"})
             scene = scene.model_copy(update={"panel": panel})
     return scene if file is None else anchored(scene, file)

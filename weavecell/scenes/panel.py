@@ -38,18 +38,26 @@ class SlipTable(Table):
     weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
     """
 
-    clamp_force: quantity("friction-limited clamp: tension of a yarn at which it slips", "N", "20 N") = None
-    pull_in: quantity("prescribed slip of the yarn in the middle of the zone, into the panel", "m", "5 mm") = None
+    clamp_force: quantity(
+        "friction-limited clamp: tension of a yarn at which it slips", "N", "20 N"
+    ) = None
+    pull_in: quantity(
+        "prescribed slip of the yarn in the middle of the zone, into the panel", "m", "5 mm"
+    ) = None
     start: quantity("time at which the prescribed slip begins", "s", "200 us", zero=True) = None
     end: quantity("time at which the prescribed slip ends", "s", "650 us") = None
     zone: quantity(
-        "width of the triangular zone of the side that slips, about its middle; 60 mm where not given", "m", "60 mm"
+        "width of the triangular zone of the side that slips, about its middle; 60 mm where not given",
+        "m",
+        "60 mm",
     ) = None
 
     @model_validator(mode="after")
     def _clamped_or_pulled(self):
         given = {name for name in self.model_fields_set if getattr(self, name) is not None}
-        if given == {"clamp_force"} or (type(self) is not SlipTable and not given & set(SlipTable.model_fields)):
+        if given == {"clamp_force"} or (
+            type(self) is not SlipTable and not given & set(SlipTable.model_fields)
+        ):
             return self
         if given - {"zone"} != {"pull_in", "start", "end"}:
             raise InputError("give clamp_force alone, or pull_in with start and end (and zone)")
@@ -67,7 +75,13 @@ _BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a ta
 
 
 def _kind(value):
-    return "inline" if isinstance(value, (Mapping, Table)) else "pair" if isinstance(value, (list, tuple)) else "text"
+    return (
+        "inline"
+        if isinstance(value, (Mapping, Table))
+        else "pair"
+        if isinstance(value, (list, tuple))
+        else "text"
+    )
 
 
 _Text = Annotated[Literal["clamped", "free"], Tag("text")]
@@ -99,18 +113,32 @@ Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discrimina
 
 
 def _opening(value, read):
-    sides = [read(text, "m") for text in (value if isinstance(value, list) and len(value) == 2 else [value])]
+    sides = [
+        read(text, "m")
+        for text in (value if isinstance(value, list) and len(value) == 2 else [value])
+    ]
     if not 0 < min(sides) <= max(sides) <= WIDEST:
         raise ValueError("out of range")
     return sides[0] if len(sides) == 1 else tuple(sides)
 
 
-_ZONE = {"type": "array", "prefixItems": [{"type": ["number", "string"]}] * 2, "minItems": 2, "maxItems": 2}
-_PLY_CONTACT = '"solid", "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv'
+_ZONE = {
+    "type": "array",
+    "prefixItems": [{"type": ["number", "string"]}] * 2,
+    "minItems": 2,
+    "maxItems": 2,
+}
+_PLY_CONTACT = (
+    '"solid", "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv'
+)
 
 
 def _ply_contact(value, info):
-    if in_python(info) or value in (None, "solid", "pressure_law") or str(value).endswith((".json", ".csv")):
+    if (
+        in_python(info)
+        or value in (None, "solid", "pressure_law")
+        or str(value).endswith((".json", ".csv"))
+    ):
         return value
     raise ValueError("no law")
 
@@ -128,7 +156,11 @@ def _zones(value):
     """Zones (until, side) [crossovers] of a grading, as numbers."""
     if value is None:
         return None
-    numbers = [part for zone in value for part in zone] if all(isinstance(zone, list) for zone in value) else [None]
+    numbers = (
+        [part for zone in value for part in zone]
+        if all(isinstance(zone, list) for zone in value)
+        else [None]
+    )
     if any(isinstance(part, bool) or not isinstance(part, (int, float, str)) for part in numbers):
         raise ValueError("no zones")
     return tuple((_crossovers(until), _crossovers(side)) for until, side in value)
@@ -165,7 +197,9 @@ class PlyTable(Table):
         "fabric of the catalogue; without name and file the fabric of the table [fabric]",
         "the name of a fabric of the catalogue",
     ) = None
-    file: string("fabric file; its path is relative to the input file", "the path of a fabric file (*.toml)") = None
+    file: string(
+        "fabric file; its path is relative to the input file", "the path of a fabric file (*.toml)"
+    ) = None
     law: Annotated[
         Law | None,
         described(
@@ -215,7 +249,9 @@ class PanelTable(Table):
         "203 mm",
         TEXT_OR_TWO,
     )
-    opening_shape: one_of("shape of the opening; round needs clamped edges", "rectangular", "round") = "rectangular"
+    opening_shape: one_of(
+        "shape of the opening; round needs clamped edges", "rectangular", "round"
+    ) = "rectangular"
     impact_point: Annotated[
         quantities(
             "where the projectile hits, from the middle of the opening along its two sides. Where not given the "
@@ -227,7 +263,9 @@ class PanelTable(Table):
         ),
         Field(min_length=2, max_length=2),
     ] = None
-    boundary: Annotated[Boundary, described("how the yarns end at the frame", _BOUNDARY)] = "clamped"
+    boundary: Annotated[Boundary, described("how the yarns end at the frame", _BOUNDARY)] = (
+        "clamped"
+    )
     symmetry: one_of(
         "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg). Where "
         "not given, one ply with sliding crossovers is whole: symmetry can decide its outcome",
@@ -237,8 +275,12 @@ class PanelTable(Table):
     ) = "quarter"
     weave_angle: angle("angle of the warp to the sides of the opening", -89, 89, "45 deg") = 0.0
     plies: whole("number of plies; above 1 a pack with contact between plies", 1, MOST_PLIES) = 1
-    ply: Annotated[tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")] = ()
-    stacking: one_of("pack: all plies alike, or every second turned by 90 deg", "aligned", "alternating") = "aligned"
+    ply: Annotated[
+        tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")
+    ] = ()
+    stacking: one_of(
+        "pack: all plies alike, or every second turned by 90 deg", "aligned", "alternating"
+    ) = "aligned"
     ply_gap: quantity(
         "pack: clearance between plies at rest; where not given the gap of the fabric file, else an assumed gap with "
         "a range ([Packs](../pack.md))",
@@ -278,10 +320,16 @@ class PanelTable(Table):
         "sliding",
     ) = "pinned"
     crossover_friction: number(
-        "sliding crossovers: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given", 0.3, ge=0.0, le=2.0
+        "sliding crossovers: Coulomb coefficient of yarn on yarn; 0.2 (assumed) where not given",
+        0.3,
+        ge=0.0,
+        le=2.0,
     ) = None
     crossover_cohesion: quantity(
-        "sliding crossovers: friction of a crossover without contact force; 0 where not given", "N", "0.1 N", zero=True
+        "sliding crossovers: friction of a crossover without contact force; 0 where not given",
+        "N",
+        "0.1 N",
+        zero=True,
     ) = None
 
     @property
@@ -308,7 +356,9 @@ class PanelTable(Table):
         if not self.yarn_failure:
             self.refuse("rate_dependence", "left out where yarns do not fail")
         if self.crossovers == "pinned":
-            self.refuse("crossover_friction crossover_cohesion", "left out where crossovers are pinned")
+            self.refuse(
+                "crossover_friction crossover_cohesion", "left out where crossovers are pinned"
+            )
         if self.angled:
             self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
             self.refuse("crossovers", f"pinned {BESIDE_ANGLES}")

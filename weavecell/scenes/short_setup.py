@@ -19,7 +19,9 @@ class ShortSetup(ImpactSetup):
 def _changed(value):
     """NAME=VALUE of each field of a dataclass that has not its default."""
     shown = [(entry, getattr(value, entry.name)) for entry in fields(value) if entry.repr]
-    return [f"{entry.name}={_text(own)}" for entry, own in shown if repr(own) != repr(_default(entry))]
+    return [
+        f"{entry.name}={_text(own)}" for entry, own in shown if repr(own) != repr(_default(entry))
+    ]
 
 
 def _text(value):

@@ -68,8 +68,12 @@ class Surface:
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
         edges = np.sort(_edges(self.faces), axis=1)
         order = np.lexsort(edges.T)
-        one, other = (order[k::2] % len(self.faces) for k in (0, 1))  # the two triangles of each edge
-        below = np.einsum("ij,ij->i", corners[other].mean(axis=1) - corners[one].mean(axis=1), normals[one])
+        one, other = (
+            order[k::2] % len(self.faces) for k in (0, 1)
+        )  # the two triangles of each edge
+        below = np.einsum(
+            "ij,ij->i", corners[other].mean(axis=1) - corners[one].mean(axis=1), normals[one]
+        )
         cosine = np.einsum("ij,ij->i", normals[one], normals[other])
         return bool(np.any((below < 0) & (cosine < np.cos(np.radians(SHARP)))))
 
@@ -84,7 +88,9 @@ def surface(path: FilePath, unit: str) -> Surface:
     try:
         digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
     except OSError as problem:
-        raise InputError(f"cannot be read; must be an STL file ({problem.strerror})", file=path) from None
+        raise InputError(
+            f"cannot be read; must be an STL file ({problem.strerror})", file=path
+        ) from None
     return _surface(str(path), unit, digest)
 
 
@@ -107,18 +113,25 @@ def _surface(path, unit, digest):
         np.round(corners.reshape(-1, 3) / scale), axis=0, return_index=True, return_inverse=True
     )
     faces = numbers.reshape(-1, 3)
-    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]  # what has shrunk to a line or a point goes
+    faces = faces[
+        (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    ]  # what has shrunk to a line or a point goes
     _check_closed(faces, path)
     points = UNITS[unit] * corners.reshape(-1, 3)[first]
     points[:, 2] -= points[:, 2].max()
     volume = solid_body.volume(points, faces)
     if volume <= 0:
-        raise InputError("its triangles face inwards; must be a surface whose normals point outwards", file=path)
+        raise InputError(
+            "its triangles face inwards; must be a surface whose normals point outwards", file=path
+        )
     found = Surface(points, faces, volume, digest)
     if not WIDTHS[0] <= max(found.width, found.length) or not found.width <= WIDTHS[1]:
         low, high = (1e3 * width for width in WIDTHS)
         wide = f"{1e3 * found.width:.4g} mm wide and {1e3 * found.length:.4g} mm long in {unit}"
-        raise InputError(f"is {wide}; must be a body of {low:g} to {high:g} mm: see projectile.stl_unit", file=path)
+        raise InputError(
+            f"is {wide}; must be a body of {low:g} to {high:g} mm: see projectile.stl_unit",
+            file=path,
+        )
     return found
 
 
@@ -130,7 +143,9 @@ def _edges(faces):
 def _check_closed(faces, path):
     """Every edge has two triangles, which go along it both ways."""
     edges = _edges(faces)
-    _, together, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    _, together, count = np.unique(
+        np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
     wrong = {
         "is not closed: {} edges have one triangle": np.sum(count == 1),
         "is not the surface of a body: {} edges have more than two triangles": np.sum(count > 2),
@@ -140,7 +155,9 @@ def _check_closed(faces, path):
     }
     for words, number in wrong.items():
         if number:
-            raise InputError(f"{words.format(number)}; must be a watertight surface, normals outwards", file=path)
+            raise InputError(
+                f"{words.format(number)}; must be a watertight surface, normals outwards", file=path
+            )
 
 
 def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[str, str]:
@@ -151,20 +168,32 @@ def data(given: dict[str, Any], path: FilePath, file: FilePath | None) -> dict[s
     InputError : as `surface`; a mass that the body cannot have in this unit, or no edge radius
     """
     found = surface(path, given["stl_unit"])
-    known = {"mass": given.get("mass", "1 g"), "diameter": f"{found.width!r} m", "length": f"{found.length!r} m"}
+    known = {
+        "mass": given.get("mass", "1 g"),
+        "diameter": f"{found.width!r} m",
+        "length": f"{found.length!r} m",
+    }
     try:
-        mass = si(given["mass"], "kg") if "mass" in given else si(given["density"], "kg/m^3") * found.volume
+        mass = (
+            si(given["mass"], "kg")
+            if "mass" in given
+            else si(given["density"], "kg/m^3") * found.volume
+        )
     except InputError:
         return known  # the schema tells of it
     mean, (low, high) = mass / found.volume, DENSITIES
     if not low <= mean <= high:
         allowed = f"a unit in which the body has a mean density of {1e-3 * low:g} to {1e-3 * high:g} g/cm^3, not "
         allowed += f"{1e-3 * mean:.3g}"
-        raise InputError(file=file, key="projectile.stl_unit", value=given["stl_unit"], allowed=allowed)
+        raise InputError(
+            file=file, key="projectile.stl_unit", value=given["stl_unit"], allowed=allowed
+        )
     return known | {"mass": f"{mass!r} kg"}
 
 
-def described(table: dict[str, Any], fields: Mapping[str, Any], file: FilePath | None) -> dict[str, Any]:
+def described(
+    table: dict[str, Any], fields: Mapping[str, Any], file: FilePath | None
+) -> dict[str, Any]:
     """The table of a scene with what the STL file of [projectile] says of it, as if it were written there; the whole
     panel unless another symmetry is given.
 
@@ -183,16 +212,30 @@ def described(table: dict[str, Any], fields: Mapping[str, Any], file: FilePath |
         return table
     for key in ("stl", "stl_unit", "edge_radius"):
         if key not in given:
-            raise InputError("is missing", file=file, key=f"projectile.{key}", allowed=fields[key].description)
-    for key, fits in (("stl", isinstance(given["stl"], str)), ("stl_unit", given["stl_unit"] in [*UNITS])):
+            raise InputError(
+                "is missing", file=file, key=f"projectile.{key}", allowed=fields[key].description
+            )
+    for key, fits in (
+        ("stl", isinstance(given["stl"], str)),
+        ("stl_unit", given["stl_unit"] in [*UNITS]),
+    ):
         if not fits:
-            raise InputError(file=file, key=f"projectile.{key}", value=given[key], allowed=fields[key].description)
+            raise InputError(
+                file=file,
+                key=f"projectile.{key}",
+                value=given[key],
+                allowed=fields[key].description,
+            )
     for key in ("diameter", "length"):
         if key in given:
             allowed = "left out: the STL file has it"
             raise InputError(file=file, key=f"projectile.{key}", value=given[key], allowed=allowed)
     if ("mass" in given) == ("density" in given):
-        raise InputError("give exactly one of projectile.mass and projectile.density", file=file, key="projectile")
+        raise InputError(
+            "give exactly one of projectile.mass and projectile.density",
+            file=file,
+            key="projectile",
+        )
     found = data(given, Path("." if file is None else Path(file).parent, given["stl"]), file)
     panel = table.get("panel")
     whole = {"panel": {"symmetry": "whole"} | panel} if isinstance(panel, dict) else {}
@@ -213,9 +256,16 @@ def check_mass(shot: Any) -> None:
     InputError : a mean density outside DENSITIES, of any length of LENGTHS where none is given
     """
     ball, known = shot.shape == "sphere", shot.shape == "sphere" or shot.length is not None
-    lengths = (2 / 3 * shot.diameter if ball else shot.length,) * 2 if known else [x * shot.diameter for x in LENGTHS]
+    lengths = (
+        (2 / 3 * shot.diameter if ball else shot.length,) * 2
+        if known
+        else [x * shot.diameter for x in LENGTHS]
+    )
     section = np.pi / 4 * shot.diameter**2
-    low, high = DENSITIES[0] * section * lengths[0] * (1 if ball else 1 / 3), DENSITIES[1] * section * lengths[1]
+    low, high = (
+        DENSITIES[0] * section * lengths[0] * (1 if ball else 1 / 3),
+        DENSITIES[1] * section * lengths[1],
+    )
     if not low <= shot.mass <= high:
         size = (
             "diameter"
@@ -245,13 +295,19 @@ def _solid(path, digest, unit, edge_radius):
     size = np.prod(np.array([found.width, found.width, found.length]) / h)
     if size > MOST_SAMPLES:
         least = 1e3 * edge_radius * (size / MOST_SAMPLES) ** (1 / 3)
-        raise InputError(key="edge_radius", value=edge_radius, allowed=f"at least {least:.2g} mm for this body")
+        raise InputError(
+            key="edge_radius", value=edge_radius, allowed=f"at least {least:.2g} mm for this body"
+        )
     axes = solid_body.Solid.axes(found.points, h)
     distances = _distances(found, axes, h, edge_radius, path)
     middle = distances[axes[0].size // 2, axes[1].size // 2]
     if not middle.min() < 0:
-        raise InputError("its z axis, x = y = 0, must lie in the body: it is the projectile's axis", file=path)
-    return solid_body.Solid(f"{digest} {unit} {edge_radius!r}", h, found.points, found.faces, distances)
+        raise InputError(
+            "its z axis, x = y = 0, must lie in the body: it is the projectile's axis", file=path
+        )
+    return solid_body.Solid(
+        f"{digest} {unit} {edge_radius!r}", h, found.points, found.faces, distances
+    )
 
 
 def _distances(found, axes, h, rho, path):
@@ -263,7 +319,9 @@ def _distances(found, axes, h, rho, path):
     from scipy import ndimage
 
     def distance(places, skin):
-        return np.array(pyvista.PolyData(places).compute_implicit_distance(skin)["implicit_distance"])
+        return np.array(
+            pyvista.PolyData(places).compute_implicit_distance(skin)["implicit_distance"]
+        )
 
     def places(axes):
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
@@ -275,14 +333,23 @@ def _distances(found, axes, h, rho, path):
     d = ndimage.zoom(d, [axis.size / one.size for axis, one in zip(axes, wide)], order=1)
     at, near = places(axes), np.abs(d) < 2 * rho
     d[near] = distance(at[near], skin)
-    steps = (np.abs(np.diff(np.clip(d, -1.2 * rho, 1.2 * rho), axis=axis)).max() for axis in range(3))
+    steps = (
+        np.abs(np.diff(np.clip(d, -1.2 * rho, 1.2 * rho), axis=axis)).max() for axis in range(3)
+    )
     if max(steps) > 1.05 * h:
-        raise InputError("its distance jumps; must be a surface that does not cut itself, without slivers", file=path)
+        raise InputError(
+            "its distance jumps; must be a surface that does not cut itself, without slivers",
+            file=path,
+        )
     if found.sharp:
-        grid: Any = pyvista.ImageData(dimensions=d.shape, spacing=(h, h, h), origin=[axis[0] for axis in axes])
+        grid: Any = pyvista.ImageData(
+            dimensions=d.shape, spacing=(h, h, h), origin=[axis[0] for axis in axes]
+        )
         core: Any = grid.contour([-rho], scalars=d.ravel(order="F"))
         if not core.n_cells:
-            raise InputError(key="edge_radius", value=rho, allowed=f"below {-1e3 * d.min():.3g} mm for this body")
+            raise InputError(
+                key="edge_radius", value=rho, allowed=f"below {-1e3 * d.min():.3g} mm for this body"
+            )
         shell = near & (d > -rho)
         d[shell] = np.abs(distance(at[shell], core)) - rho
     return d

@@ -23,7 +23,12 @@ from weavecell.scenes.honoured import Keys
 
 ALLOWED = "an input file or fabric file (*.toml), or one of "
 STANDARD = {
-    "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "strike_velocity": "92.5 m/s"},
+    "projectile": {
+        "mass": "3 g",
+        "diameter": "5.5 mm",
+        "edge_radius": "0.3 mm",
+        "strike_velocity": "92.5 m/s",
+    },
     "panel": {"opening": "203 mm"},
 }
 _OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
@@ -88,7 +93,9 @@ class Target:
         return build.in_file(problem, self.name)
 
 
-def read(name: str, out: Path, refused: Keys, *, changes: Mapping[str, Any] | None = None) -> Target:
+def read(
+    name: str, out: Path, refused: Keys, *, changes: Mapping[str, Any] | None = None
+) -> Target:
     """The target of a name.
 
     Parameters
@@ -108,14 +115,24 @@ def read(name: str, out: Path, refused: Keys, *, changes: Mapping[str, Any] | No
     elif name.endswith(".toml"):
         text, table = scenes.read_toml(name, what="scene or fabric")
         if _OF_A_SCENE & set(table):
-            return _target(scenes.check(changed(table, changes), name, refused), name, stem, text, from_file=True)
+            return _target(
+                scenes.check(changed(table, changes), name, refused),
+                name,
+                stem,
+                text,
+                from_file=True,
+            )
         catalogue.read(name)
         fabric = {"file": os.path.relpath(name, out)}
     else:
-        raise InputError(key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names()))
+        raise InputError(
+            key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names())
+        )
     table = {"fabric": fabric, **{key: dict(value) for key, value in STANDARD.items()}}
     text = tomlkit.dumps(table)
-    return _target(scenes.check(changed(table, changes), out / "scene.toml", refused), name, stem, text)
+    return _target(
+        scenes.check(changed(table, changes), out / "scene.toml", refused), name, stem, text
+    )
 
 
 def is_input_file(name: str) -> bool:
@@ -125,7 +142,9 @@ def is_input_file(name: str) -> bool:
     ------
     InputError : no such file, or not TOML
     """
-    return name.endswith(".toml") and bool(_OF_A_SCENE & set(scenes.read_toml(name, what="scene or fabric")[1]))
+    return name.endswith(".toml") and bool(
+        _OF_A_SCENE & set(scenes.read_toml(name, what="scene or fabric")[1])
+    )
 
 
 def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -141,7 +160,9 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any] | None) -> dict[st
         for part in parts:
             inner = inner.setdefault(part, {})
             if not isinstance(inner, dict):
-                raise InputError(key=key, value=value, allowed=f"left out: {part} is no table of the input file")
+                raise InputError(
+                    key=key, value=value, allowed=f"left out: {part} is no table of the input file"
+                )
         inner[last] = value
     return table
 

@@ -23,7 +23,9 @@ def shot_in_words(shot: ProjectileTable) -> str:
 
 def backing_in_words(block: BackingTable) -> str:
     """The block behind the last ply, for the reader."""
-    size = "" if block.size is None else f", {' x '.join(f'{1e3 * side:g}' for side in block.size)} mm"
+    size = (
+        "" if block.size is None else f", {' x '.join(f'{1e3 * side:g}' for side in block.size)} mm"
+    )
     return f"a block{f' of {block.material}' if block.material else ''}{size}"
 
 
@@ -35,13 +37,17 @@ def panel_in_words(panel: PanelTable) -> str:
         else f"{1e3 * panel.opening:g} mm {'round' if panel.opening_shape == 'round' else 'square'}"
     )
     if panel.impact_point is not None and any(panel.impact_point):
-        words += f", struck {' and '.join(f'{1e3 * x:g}' for x in panel.impact_point)} mm off its middle"
+        words += (
+            f", struck {' and '.join(f'{1e3 * x:g}' for x in panel.impact_point)} mm off its middle"
+        )
     if panel.weave_angle:
         words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
     crossovers = ", with sliding crossovers" if panel.crossovers == "sliding" else ""
     if isinstance(panel.boundary, str):
         return f"{words} and {panel.boundary}{crossovers}"
-    ends = " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in panel.boundary.sides.items())
+    ends = " and ".join(
+        f"{name} ends {_side_in_words(side)}" for name, side in panel.boundary.sides.items()
+    )
     return f"{words}, {ends}{crossovers}"
 
 

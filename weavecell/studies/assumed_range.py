@@ -101,7 +101,10 @@ class AssumedRange:
             "shares": self.shares,
             "low_m_s": self.low,
             "high_m_s": self.high,
-            "runs": [dict(zip(("laws", "outcome", "velocity_m_s", "varied"), astuple(row))) for row in self.rows],
+            "runs": [
+                dict(zip(("laws", "outcome", "velocity_m_s", "varied"), astuple(row)))
+                for row in self.rows
+            ],
         }
 
 
@@ -111,7 +114,11 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
     if choice not in (True, "laws", False):
         raise InputError(key="assumed_range", value=choice, allowed='True, False or "laws"')
     found = set(changes(setup)) if choice else set()
-    return setup if (found - {"failure length", *inputs.ranges()} if choice == "laws" else found) else None
+    return (
+        setup
+        if (found - {"failure length", *inputs.ranges()} if choice == "laws" else found)
+        else None
+    )
 
 
 def changes(setup: ImpactSetup) -> dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]:
@@ -128,11 +135,19 @@ def changes(setup: ImpactSetup) -> dict[str, dict[str, Callable[[ImpactSetup], I
     if setup.laws is not None and setup.laws[0].assumed_range is not None:
         ends = [law.ends() or dict.fromkeys(("soft", "stiff"), law) for law in setup.laws]
         pairs = {end: (ends[0][end], ends[1][end]) for end in ("soft", "stiff")}
-        found["solid law"] = {f"yarns {end}": partial(replace, laws=pair) for end, pair in pairs.items()}
+        found["solid law"] = {
+            f"yarns {end}": partial(replace, laws=pair) for end, pair in pairs.items()
+        }
     for name, one in inputs.ranges().items():
-        values = [end for end in (one.low, one.high) if end != one.value and _of_setup(setup, name, end) != setup]
+        values = [
+            end
+            for end in (one.low, one.high)
+            if end != one.value and _of_setup(setup, name, end) != setup
+        ]
         if values:
-            found[name] = {f"{name} {end:g}": partial(_of_setup, name=name, value=end) for end in values}
+            found[name] = {
+                f"{name} {end:g}": partial(_of_setup, name=name, value=end) for end in values
+            }
     return found
 
 
@@ -166,7 +181,10 @@ def _gripped(edge, factor):
 
 
 def residual_velocity(
-    setup: ImpactSetup, outcome: str, velocity: float, on_progress: Callable[[float], object] | None = None
+    setup: ImpactSetup,
+    outcome: str,
+    velocity: float,
+    on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
     """Range of the residual velocity of a shot; None where nothing is assumed.
 
@@ -204,7 +222,9 @@ def critical_velocity(
     tolerance, beside : as of `ballistic_limit.critical_velocity`
     on_progress : called as on_progress(share of the searches) after each
     """
-    from shellfabric.impact import ballistic_limit  # with the kernels of packs, which a shot on one ply does not use
+    from shellfabric.impact import (
+        ballistic_limit,
+    )  # with the kernels of packs, which a shot on one ply does not use
 
     def search(changed):
         try:
@@ -238,8 +258,12 @@ def _over_ends(quantity, setup, outcome, velocity, run, on_progress):
             add(words, change(setup), name)
     alone = {row.laws: row.velocity - velocity for row in rows if row.velocity is not None}
     for words, sign in (("all that lower it", -1.0), ("all that raise it", 1.0)):
-        found = [max(of_one, key=lambda end: sign * alone.get(end, 0.0)) for of_one in ends.values()]
-        chosen = [ends[name][end] for name, end in zip(ends, found) if sign * alone.get(end, 0.0) > 0]
+        found = [
+            max(of_one, key=lambda end: sign * alone.get(end, 0.0)) for of_one in ends.values()
+        ]
+        chosen = [
+            ends[name][end] for name, end in zip(ends, found) if sign * alone.get(end, 0.0) > 0
+        ]
         if len(chosen) > 1:
             add(words, reduce(lambda changed, change: change(changed), chosen, setup))
     return AssumedRange(quantity, tuple(rows)) if ends else None

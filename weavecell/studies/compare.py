@@ -60,13 +60,19 @@ def _units(heading, path):
     for cell in heading:
         name, _, unit = cell.partition("[")
         name, unit = name.strip(), unit.rstrip("] ")
-        if name not in (VELOCITY, OUTCOME, RESIDUAL) or name in units or (name == OUTCOME) == bool(unit):
+        if (
+            name not in (VELOCITY, OUTCOME, RESIDUAL)
+            or name in units
+            or (name == OUTCOME) == bool(unit)
+        ):
             allowed = f"{VELOCITY} [m/s], {OUTCOME} and {RESIDUAL} [m/s], each once"
             raise InputError(file=path, key="heading", value=cell, allowed=allowed)
         units[name] = si(f"1 {unit}", "m/s", file=path, key=name) if unit else None
     for name in (VELOCITY, OUTCOME):
         if name not in units:
-            raise InputError(file=path, key="heading", value=", ".join(heading), allowed=f"with a column {name}")
+            raise InputError(
+                file=path, key="heading", value=", ".join(heading), allowed=f"with a column {name}"
+            )
     return units
 
 
@@ -74,7 +80,9 @@ def _row(number, values, units, path):
     """{column: value} of a line, in SI."""
     cells, line = dict(zip(units, values)), f"line {number}"
     if len(values) != len(units):
-        raise InputError(file=path, key=line, value=", ".join(values), allowed=f"{len(units)} values")
+        raise InputError(
+            file=path, key=line, value=", ".join(values), allowed=f"{len(units)} values"
+        )
 
     def refusal(name, allowed):
         return refused(cells[name], allowed, file=path, key=f"{line}, {name}")
@@ -94,7 +102,11 @@ def _row(number, values, units, path):
     velocity, residual = speed(VELOCITY), speed(RESIDUAL) if cells.get(RESIDUAL) else nan
     if outcome == "stopped" and residual > 0:
         raise refusal(RESIDUAL, "left out of a stop, or 0")
-    return {VELOCITY: velocity, OUTCOME: outcome, RESIDUAL: residual if outcome == "perforated" else 0.0}
+    return {
+        VELOCITY: velocity,
+        OUTCOME: outcome,
+        RESIDUAL: residual if outcome == "perforated" else 0.0,
+    }
 
 
 @dataclass(frozen=True)
@@ -129,12 +141,26 @@ class Comparison:
         and rms
         """
         tests = self.table[self.table["tested"] == "perforated"]
-        off = (tests["computed residual velocity [m/s]"] - tests["tested residual velocity [m/s]"]).dropna().to_numpy()
+        off = (
+            (tests["computed residual velocity [m/s]"] - tests["tested residual velocity [m/s]"])
+            .dropna()
+            .to_numpy()
+        )
         if off.size < 2:
             return {"shots": int(off.size)} | dict.fromkeys(("mean", "low", "high", "rms"))
-        half = student.ppf(0.5 + CONFIDENCE / 2, off.size - 1) * float(off.std(ddof=1)) / sqrt(off.size)
+        half = (
+            student.ppf(0.5 + CONFIDENCE / 2, off.size - 1)
+            * float(off.std(ddof=1))
+            / sqrt(off.size)
+        )
         mean, rms = float(off.mean()), float(np.sqrt(np.mean(off**2)))
-        return {"shots": int(off.size), "mean": mean, "low": mean - half, "high": mean + half, "rms": rms}
+        return {
+            "shots": int(off.size),
+            "mean": mean,
+            "low": mean - half,
+            "high": mean + half,
+            "rms": rms,
+        }
 
     def summary(self) -> dict[str, Any]:
         """All of it as plain numbers, keys with their units."""
@@ -148,7 +174,11 @@ class Comparison:
             "tested_V50_m_s": curve and float(curve.V50),
             "tested_V50_interval_m_s": curve and [float(v) for v in curve.intervals["V50"]],
             "critical_velocity_over_V50": curve and float(limit.velocity / curve.V50),
-            **{f"residual_velocity_{name}_m_s": v for name, v in self.difference().items() if name != "shots"},
+            **{
+                f"residual_velocity_{name}_m_s": v
+                for name, v in self.difference().items()
+                if name != "shots"
+            },
             "lambert_jonas_tested": self.tested and asdict(self.tested),
             "lambert_jonas_computed": self.computed and asdict(self.computed),
         }
@@ -173,7 +203,9 @@ def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison
     if perforated.any() and not perforated.all():
         curve = probit.fit(table["velocity [m/s]"], perforated, confidence=CONFIDENCE)
     known = limit.velocity if limit.single else None
-    return Comparison(table, limit, curve, _fit(table, "tested", None), _fit(table, "computed", known))
+    return Comparison(
+        table, limit, curve, _fit(table, "tested", None), _fit(table, "computed", known)
+    )
 
 
 def _fit(table, kind, limit):
@@ -181,7 +213,9 @@ def _fit(table, kind, limit):
     shots = table[table[kind] == "perforated"].dropna(subset=[f"{kind} residual velocity [m/s]"])
     if len(shots) <= (3 if limit is None else 2):
         return None
-    velocities = (shots[name].to_numpy() for name in ("velocity [m/s]", f"{kind} residual velocity [m/s]"))
+    velocities = (
+        shots[name].to_numpy() for name in ("velocity [m/s]", f"{kind} residual velocity [m/s]")
+    )
     try:
         return lambert_jonas.fit(*velocities, limit=limit)
     except InputError:

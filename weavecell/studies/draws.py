@@ -97,7 +97,11 @@ class Draws:
         """The Estimate of one of `QUANTITIES`; not a number of no draws, or of one its deviation."""
         values = np.array([getattr(draw, quantity) for draw in self.counted])
         deviation = float(values.std(ddof=1)) if values.size > 1 else nan
-        return Estimate(float(values.mean()) if values.size else nan, deviation, deviation / sqrt(max(values.size, 1)))
+        return Estimate(
+            float(values.mean()) if values.size else nan,
+            deviation,
+            deviation / sqrt(max(values.size, 1)),
+        )
 
     @property
     def outcomes(self) -> dict[str, int]:
@@ -171,7 +175,12 @@ def study(setup: ImpactSetup, scatter: Scatter, count: int, *, seed: int = 1, **
     """
     if count < 2:
         raise InputError(key="draws", value=count, allowed="at least 2")
-    strengths_alone, whole = replace(scatter, modulus=0.0, crimp=0.0), inputs.alone(setup, symmetry="whole")
+    strengths_alone, whole = (
+        replace(scatter, modulus=0.0, crimp=0.0),
+        inputs.alone(setup, symmetry="whole"),
+    )
     strengths.check(whole, strengths_alone)
-    draws = run_cache.results(fire, [(whole, strengths_alone, seed, number) for number in range(count)], **runs)
+    draws = run_cache.results(
+        fire, [(whole, strengths_alone, seed, number) for number in range(count)], **runs
+    )
     return Draws(tuple(draws), scatter, seed)

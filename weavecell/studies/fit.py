@@ -48,7 +48,9 @@ class Fit:
 
 
 def fit(
-    model: Callable[..., ArrayLike], measured: ArrayLike, unknowns: Mapping[str, tuple[float, float, float]]
+    model: Callable[..., ArrayLike],
+    measured: ArrayLike,
+    unknowns: Mapping[str, tuple[float, float, float]],
 ) -> Fit:
     """Fit numbers of a model to measured points, of which the largest is the scale of all misfits.
 
@@ -77,12 +79,19 @@ def fit(
 
     from unitcell3d.identify.least_squares import identify
 
-    points, (low, start, high) = np.asarray(measured, float), np.array(list(unknowns.values()), float).T
+    points, (low, start, high) = (
+        np.asarray(measured, float),
+        np.array(list(unknowns.values()), float).T,
+    )
     freedom, scale, width = len(points) - len(unknowns), np.abs(points).max(), high - low
     if not np.all((low <= start) & (start <= high) & (low < high)):
-        raise InputError(key="unknowns", value=unknowns, allowed="{name: (low, start, high)}, which rise")
+        raise InputError(
+            key="unknowns", value=unknowns, allowed="{name: (low, start, high)}, which rise"
+        )
     if freedom < 1:
-        raise InputError(key="measured", value=len(points), allowed=f"more than the {len(unknowns)} unknowns")
+        raise InputError(
+            key="measured", value=len(points), allowed=f"more than the {len(unknowns)} unknowns"
+        )
 
     @cache
     def misfit(*u):
@@ -97,7 +106,11 @@ def fit(
         """By central differences, one-sided at the bounds and where a run fails."""
         columns = []
         for axis in STEP * np.eye(len(u)):
-            at = [v for v in np.clip([u - axis, u, u + axis], 0.0, 1.0) if np.isfinite(misfit(*v)).all()]
+            at = [
+                v
+                for v in np.clip([u - axis, u, u + axis], 0.0, 1.0)
+                if np.isfinite(misfit(*v)).all()
+            ]
             if np.all(at[0] == at[-1]):
                 raise UnstableError("no run on either side of a trial")
             columns.append((misfit(*at[-1]) - misfit(*at[0])) / np.sum(at[-1] - at[0]))
@@ -107,15 +120,32 @@ def fit(
     if not np.isfinite(misfit(*begin)).all():
         raise UnstableError("the model cannot be computed with the values that the fit begins with")
     solution = least_squares(
-        lambda u: misfit(*u), begin, jac=jacobian, bounds=(0.0, 1.0), xtol=CONVERGED, ftol=CONVERGED, max_nfev=MOST
+        lambda u: misfit(*u),
+        begin,
+        jac=jacobian,
+        bounds=(0.0, 1.0),
+        xtol=CONVERGED,
+        ftol=CONVERGED,
+        max_nfev=MOST,
     )
     off, values, square = solution.fun, low + solution.x * width, np.sum(solution.fun**2)
     r = float(np.sum(off[1:] * off[:-1]) / square) if square > 0 else 0.0
     r = min(r, 0.99) if r > 2 / sqrt(len(off)) else 0.0  # below it is no more than scatter gives
-    half, correlation, _, _ = identify(solution.jac, sqrt(square / freedom * (1 + r) / (1 - r)), freedom)
+    half, correlation, _, _ = identify(
+        solution.jac, sqrt(square / freedom * (1 + r) / (1 - r)), freedom
+    )
     half *= width
     known = (half < 0.5 * np.abs(values)) & (half < 0.25 * width)
-    fitted, halves, determined = (dict(zip(unknowns, numbers.tolist())) for numbers in (values, half, known))
+    fitted, halves, determined = (
+        dict(zip(unknowns, numbers.tolist())) for numbers in (values, half, known)
+    )
     return Fit(
-        fitted, halves, determined, correlation, points + scale * off, sqrt(square / len(off)), r, solution.status > 0
+        fitted,
+        halves,
+        determined,
+        correlation,
+        points + scale * off,
+        sqrt(square / len(off)),
+        r,
+        solution.status > 0,
     )

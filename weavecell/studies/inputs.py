@@ -55,7 +55,9 @@ class Scatter:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         for key in ("modulus", "crimp"):
             if not 0 <= getattr(self, key) < 1:
-                raise InputError(key=key, value=getattr(self, key), allowed="at least 0 and below 1")
+                raise InputError(
+                    key=key, value=getattr(self, key), allowed="at least 0 and below 1"
+                )
 
 
 @cache
@@ -65,7 +67,9 @@ def table(section: str) -> dict[str, Entry]:
     entries = {}
     for name, row in tomllib.loads(text)[section].items():
         if row.get("status") not in STATUSES or not row.get("source"):
-            raise InputError(file=FILE, key=f"{section}.{name}", allowed="a value with its source and status")
+            raise InputError(
+                file=FILE, key=f"{section}.{name}", allowed="a value with its source and status"
+            )
         value = si(row["value"], "m" if name == "gauge_length" else "", file=FILE, key=name)
         up = si(row["up"], "", file=FILE, key=name) if "up" in row else value
         entries[name] = Entry(name, value, row["source"], row["status"], up)
@@ -79,12 +83,21 @@ def ranges() -> dict[str, families.Entry]:
 
     text = (resources.files("weavecell.studies") / FILE).read_text("utf-8")
     of_crossovers = {"friction of crossovers": DATA["crossover_friction"]}
-    return {name: families.entry(row, "") for name, row in (tomllib.loads(text)["assumed"] | of_crossovers).items()}
+    return {
+        name: families.entry(row, "")
+        for name, row in (tomllib.loads(text)["assumed"] | of_crossovers).items()
+    }
 
 
 def published() -> Scatter:
     """The scatter of inputs.toml."""
-    return Scatter(**{name: entry.value for part in ("weibull", "spread") for name, entry in table(part).items()})
+    return Scatter(
+        **{
+            name: entry.value
+            for part in ("weibull", "spread")
+            for name, entry in table(part).items()
+        }
+    )
 
 
 def changed(fabric: Fabric, **factors: float) -> Fabric:
@@ -100,7 +113,9 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
         raise InputError(key=min(unknown), allowed=f"one of {', '.join(factor)}")
     factor |= factors
     crimp = factor["crimp_warp"], factor["crimp_weft"]
-    fabric = variants.scale_yarns(fabric, E=factor["modulus"], failure_strain=factor["failure_strain"], crimp=crimp)
+    fabric = variants.scale_yarns(
+        fabric, E=factor["modulus"], failure_strain=factor["failure_strain"], crimp=crimp
+    )
     fabric = variants.scale_areal_density(fabric, factor["areal_density"])
     fabric = variants.scale_laws(fabric, factor["compression_a"], factor["compression_b"])
     fabric = variants.with_failure_length(fabric, factor["failure_length"] * fabric.failure_length)
@@ -110,7 +125,9 @@ def changed(fabric: Fabric, **factors: float) -> Fabric:
 def alone(setup: ImpactSetup, **others: Any) -> ImpactSetup:
     """The set-up on one thread, since others run beside it, that records nothing beside its samples; others change."""
     numerics = replace(setup.numerics, threads=1)
-    return replace(setup, **{"numerics": numerics, "history": None, "snapshot_interval": None} | others)
+    return replace(
+        setup, **{"numerics": numerics, "history": None, "snapshot_interval": None} | others
+    )
 
 
 def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
@@ -124,7 +141,9 @@ def changed_setup(setup: ImpactSetup, **factors: float) -> ImpactSetup:
     laws_factors = (factors.get("compression_a", 1.0), factors.get("compression_b", 1.0))
 
     def changed_ply(ply):
-        laws = ply.laws and variants.scale_laws(replace(ply.fabric, laws=ply.laws), *laws_factors).laws
+        laws = (
+            ply.laws and variants.scale_laws(replace(ply.fabric, laws=ply.laws), *laws_factors).laws
+        )
         return replace(ply, fabric=changed(ply.fabric, **factors), laws=laws)
 
     return changed_ply(replace(setup, lay_up=tuple(map(changed_ply, setup.lay_up))))

@@ -79,14 +79,20 @@ def search(
 
     try:
         with stage(f"{setup.title}, critical velocity") as advance:
-            limit = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **reported(advance))
+            limit = ballistic_limit.critical_velocity(
+                panel, tolerance=tolerance, **reported(advance)
+            )
         if scan is not None and scan.ladder(limit):
             with stage("Scan about the bracket") as advance:
                 limit = limit_scan.scan(panel, limit, scan, **reported(advance))
         if residual_shots:
             with stage("Residual velocities") as advance:
-                strikes = max(limit.high, limit.highest_stop) * np.geomspace(*RESIDUAL_SHOTS, residual_shots)
-                limit = limit_scan.with_shots(limit, ballistic_limit.shoot(panel, strikes, **reported(advance)))
+                strikes = max(limit.high, limit.highest_stop) * np.geomspace(
+                    *RESIDUAL_SHOTS, residual_shots
+                )
+                limit = limit_scan.with_shots(
+                    limit, ballistic_limit.shoot(panel, strikes, **reported(advance))
+                )
     except (UndecidedError, UnstableError) as problem:
         problem.shots = tuple(ended)
         raise
@@ -94,7 +100,11 @@ def search(
     if not setup.lay_up and (with_ends := assumed_range.with_ends(setup, with_range)):
         with stage("Range over the assumed laws") as advance:
             over_laws = assumed_range.critical_velocity(
-                with_ends, limit.velocity, tolerance=tolerance, on_progress=lambda share: advance(share, None), **beside
+                with_ends,
+                limit.velocity,
+                tolerance=tolerance,
+                on_progress=lambda share: advance(share, None),
+                **beside,
             )
     return LimitStudy(limit, residual_fit(limit), over_laws)
 

@@ -41,7 +41,10 @@ if TYPE_CHECKING:
     from weavecell.studies.window import Window
 
 RATIO, ORDER, SAFETY = 2, 2.0, 3.0
-REACH, LATEST = 10.0, 60.0  # [crossovers] from the impact point up to which elements are halved: at least, at most
+REACH, LATEST = (
+    10.0,
+    60.0,
+)  # [crossovers] from the impact point up to which elements are halved: at least, at most
 MOST_ELEMENTS = 8  # a crossover, of the finest mesh
 
 
@@ -55,7 +58,9 @@ class Shot:
     window: Window | None = None
 
 
-Shoot: TypeAlias = Callable[..., Shot]  # called as shoot(setup, table of the cell, name of the mesh)
+Shoot: TypeAlias = Callable[
+    ..., Shot
+]  # called as shoot(setup, table of the cell, name of the mesh)
 
 
 @dataclass(frozen=True)
@@ -121,7 +126,9 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
     count = RATIO / zones[0][1]
     if count > MOST_ELEMENTS * (1 + 1e-9):
         asked = f"a finer mesh of {count:g} elements per crossover"
-        allowed = f"at most {MOST_ELEMENTS // RATIO} elements per crossover, which the finer mesh doubles"
+        allowed = (
+            f"at most {MOST_ELEMENTS // RATIO} elements per crossover, which the finer mesh doubles"
+        )
         raise InputError(key="--uncertainty", value=asked, allowed=allowed)
     reach = min(zones[0][0], REACH)
     while reach <= LATEST:
@@ -208,14 +215,21 @@ def climb(
     while True:
         shot = shoot(setup, table, f"{projectile.body} {len(meshes) + 1}")
         result = shot.result
-        if "projectile" not in fixed and projectile.bar is None and result.rigidity and not result.rigidity.enough:
+        if (
+            "projectile" not in fixed
+            and projectile.bar is None
+            and result.rigidity
+            and not result.rigidity.enough
+        ):
             bar = replace(setup, projectile=replace(projectile, body="elastic_bar"))
             return climb(bar, targets, shoot, fixed={"symmetry", "projectile"})
         meshes, outcomes = (*meshes, in_words(setup)), (*outcomes, result.outcome)
         levels = Discretisation(setup, meshes, outcomes, (), targets, windows=(shot.window,))
         if before is not None and shot.failure is None:
             pair = compare(before, shot, of_finer=True)
-            levels = replace(levels, intervals=pair.intervals, errors=pair.errors, windows=pair.windows)
+            levels = replace(
+                levels, intervals=pair.intervals, errors=pair.errors, windows=pair.windows
+            )
         if levels.confirmed:
             return shot, levels
         before = shot if shot.failure is None else None
@@ -228,11 +242,20 @@ def climb(
 def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisation:
     """The pair of shots, of which the coarser mesh counts, or the finer."""
     result, other_result = coarse.result, fine.result
-    errors = {name: index(norm, of_finer=of_finer) for name, norm in differences(result, other_result).items()}
-    scales = {"residual_velocity": result.setup.strike_velocity, "absorbed_energy": result.strike_energy}
+    errors = {
+        name: index(norm, of_finer=of_finer)
+        for name, norm in differences(result, other_result).items()
+    }
+    scales = {
+        "residual_velocity": result.setup.strike_velocity,
+        "absorbed_energy": result.strike_energy,
+    }
     if coarse.window and fine.window:
         for quantity, scale in scales.items():
-            (mean, error), (other_mean, other_error) = coarse.window.mean(quantity), fine.window.mean(quantity)
+            (mean, error), (other_mean, other_error) = (
+                coarse.window.mean(quantity),
+                fine.window.mean(quantity),
+            )
             difference = index(abs(other_mean - mean), of_finer=of_finer)
             errors[quantity] = (difference + hypot(error, other_error)) / scale
     counts, other = (fine, coarse) if of_finer else (coarse, fine)
@@ -241,15 +264,23 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
         Interval(name, unit, value, second, errors[quantity] * scale, (error, other_error))
         for (name, unit, quantity, scale, value, error), (*_, second, other_error) in rows
     )
-    meshes, outcomes = zip(*((in_words(shot.result.setup), shot.result.outcome) for shot in (coarse, fine)))
+    meshes, outcomes = zip(
+        *((in_words(shot.result.setup), shot.result.outcome) for shot in (coarse, fine))
+    )
     windows = counts.window, other.window
-    return Discretisation(counts.result.setup, meshes, outcomes, intervals, errors=errors, windows=windows)
+    return Discretisation(
+        counts.result.setup, meshes, outcomes, intervals, errors=errors, windows=windows
+    )
 
 
 def _rows(shot):
     """(name, unit, quantity, what its uncertainty is a share of, value, its standard error) of each result there is."""
     result = shot.result
-    strike, energy, deepest = result.setup.strike_velocity, result.strike_energy, 1e3 * result.step_history[:, 1].max()
+    strike, energy, deepest = (
+        result.setup.strike_velocity,
+        result.strike_energy,
+        1e3 * result.step_history[:, 1].max(),
+    )
     left, (warp, weft) = max(result.residual_velocity, 0.0), result.peak_tension
     velocities, energies = (left, 0.0), (result.absorbed_energy, 0.0)
     if shot.window is not None:
@@ -280,4 +311,6 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
         "deflection": holds and np.abs(depths).max() / z.max(),
         "peak_tension": holds and max(tensions, default=0.0),
     }
-    return {name: float(norm) if coarse.outcome == fine.outcome else inf for name, norm in norms.items()}
+    return {
+        name: float(norm) if coarse.outcome == fine.outcome else inf for name, norm in norms.items()
+    }

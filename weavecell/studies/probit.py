@@ -93,7 +93,10 @@ class _Likelihood:
     def over_slope(self, at: float, z: float = 0.0) -> tuple[float, float]:
         """(largest likelihood, its beta) with P(at) = F(z)."""
         top = minimize_scalar(
-            lambda t: -self(at, exp(t), z), bounds=self.betas, method="bounded", options={"xatol": 1e-9}
+            lambda t: -self(at, exp(t), z),
+            bounds=self.betas,
+            method="bounded",
+            options={"xatol": 1e-9},
         )
         return -top.fun, exp(top.x)
 
@@ -102,12 +105,17 @@ class _Likelihood:
         reach = 10 * self.range + 10 / beta
         bounds = float(self.V.min()) - reach, float(self.V.max()) + reach
         top = minimize_scalar(
-            lambda at: -self(at, beta), bounds=bounds, method="bounded", options={"xatol": 1e-9 * self.range}
+            lambda at: -self(at, beta),
+            bounds=bounds,
+            method="bounded",
+            options={"xatol": 1e-9 * self.range},
         )
         return -top.fun, top.x
 
 
-def fit(velocity: ArrayLike, perforated: ArrayLike, *, link: str = "probit", confidence: float = 0.95) -> Curve:
+def fit(
+    velocity: ArrayLike, perforated: ArrayLike, *, link: str = "probit", confidence: float = 0.95
+) -> Curve:
     """Fit a curve to shots.
 
     Parameters
@@ -127,7 +135,9 @@ def fit(velocity: ArrayLike, perforated: ArrayLike, *, link: str = "probit", con
     if V.ndim != 1 or V.shape != hit.shape or not np.isfinite(V).all():
         raise InputError("velocities and outcomes must be two rows of the same length, and finite")
     if not 0 < np.count_nonzero(hit) < hit.size or not np.ptp(V) > 0:
-        raise InputError("a curve of perforation needs shots that stopped and shots that perforated")
+        raise InputError(
+            "a curve of perforation needs shots that stopped and shots that perforated"
+        )
     if not 0 < confidence < 1:
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
     likelihood, separated = _Likelihood(V, hit, link), V[hit].min() > V[~hit].max()
@@ -145,7 +155,9 @@ def fit(velocity: ArrayLike, perforated: ArrayLike, *, link: str = "probit", con
     return Curve(link, V50, s, deviation, intervals, best, bool(separated), confidence)
 
 
-def band(velocity: ArrayLike, perforated: ArrayLike, curve: Curve, probabilities: Iterable[float]) -> np.ndarray:
+def band(
+    velocity: ArrayLike, perforated: ArrayLike, curve: Curve, probabilities: Iterable[float]
+) -> np.ndarray:
     """(k, 2) [m/s] intervals of the velocities at which the shares `probabilities` perforate."""
     likelihood = _Likelihood(np.asarray(velocity, float), np.asarray(perforated, bool), curve.link)
     floor = curve.likelihood - 0.5 * chi2.ppf(curve.confidence, 1)
@@ -172,11 +184,16 @@ def _edge(above, inside, step):
 def _top(likelihood):
     """(V50, s, likelihood) where it is largest."""
     top = minimize_scalar(
-        lambda t: -likelihood.over_place(exp(t))[0], bounds=likelihood.betas, method="bounded", options={"xatol": 1e-9}
+        lambda t: -likelihood.over_place(exp(t))[0],
+        bounds=likelihood.betas,
+        method="bounded",
+        options={"xatol": 1e-9},
     )
     best, V50 = likelihood.over_place(exp(top.x))
     if exp(top.x) < 2 * _FLATTEST / likelihood.range:
-        raise InputError("the shots do not perforate the more the faster they are: no curve can be fitted")
+        raise InputError(
+            "the shots do not perforate the more the faster they are: no curve can be fitted"
+        )
     return float(V50), exp(-top.x), best
 
 

@@ -62,7 +62,12 @@ def series(curve: Curve, seed: int = 1, count: int = SERIES) -> Series:
         return Series(*(nan,) * 4, shots=float(MOST), share=0.0)
     low, high = np.quantile(results, (0.025, 0.975)).tolist()
     return Series(
-        float(results.mean()), float(results.std(ddof=1)), low, high, float(shots.mean()), results.size / count
+        float(results.mean()),
+        float(results.std(ddof=1)),
+        low,
+        high,
+        float(shots.mean()),
+        results.size / count,
     )
 
 

@@ -78,7 +78,9 @@ def estimate(problem: Mapping[str, Any], y: np.ndarray, seed: int) -> tuple[np.n
 
     if not np.ptp(y) > 1e-12 * np.abs(y).max():
         return (np.full(problem["num_vars"], np.nan),) * 4
-    indices = sobol.analyze(problem, y, calc_second_order=False, num_resamples=1000, conf_level=CONFIDENCE, seed=seed)
+    indices = sobol.analyze(
+        problem, y, calc_second_order=False, num_resamples=1000, conf_level=CONFIDENCE, seed=seed
+    )
     return tuple(np.asarray(indices[key]) for key in ("S1", "S1_conf", "ST", "ST_conf"))
 
 
@@ -100,8 +102,12 @@ def shots(
             result: Any = run(replace(changed, strike_velocity=velocity), table=table)
         except UnstableError as trouble:
             changes = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
-            raise UnstableError(str(trouble), when=f"of the shot at {velocity:g} m/s with {changes}") from None
-        values[velocity, "velocity"] = float(np.interp(INSTANT, result.t, np.maximum(result.v, 0.0)))
+            raise UnstableError(
+                str(trouble), when=f"of the shot at {velocity:g} m/s with {changes}"
+            ) from None
+        values[velocity, "velocity"] = float(
+            np.interp(INSTANT, result.t, np.maximum(result.v, 0.0))
+        )
         values[velocity, "peak tension"] = float(np.max(result.peak_tension))
         values[velocity, "perforated"] = result.outcome == "perforated"
     return values
@@ -127,10 +133,16 @@ def study(
     factors = problem(inputs.table("range"))
     rows = sample(factors, samples, seed)
     if setup.surface is not None:
-        raise InputError("a response surface holds for one fabric", key="surface", allowed="left out")
+        raise InputError(
+            "a response surface holds for one fabric", key="surface", allowed="left out"
+        )
     plain = inputs.alone(setup, strike_velocity=1.0, table_size=TABLE)
     arguments = [
-        (plain, tuple((name, round(float(x), _DIGITS)) for name, x in zip(factors["names"], row)), tuple(velocities))
+        (
+            plain,
+            tuple((name, round(float(x), _DIGITS)) for name, x in zip(factors["names"], row)),
+            tuple(velocities),
+        )
         for row in rows
     ]
     values = run_cache.results(shots, arguments, **runs)
@@ -140,6 +152,8 @@ def study(
         perforated = float(np.mean([row[velocity, "perforated"] for row in values]))
         estimates = estimate(factors, y, seed)
         names = tuple(factors["names"])
-        return Indices(velocity, quantity, names, *estimates, float(y.mean()), float(y.std()), perforated)
+        return Indices(
+            velocity, quantity, names, *estimates, float(y.mean()), float(y.std()), perforated
+        )
 
     return tuple(indices(velocity, quantity) for velocity in velocities for quantity in QUANTITIES)

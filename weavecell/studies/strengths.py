@@ -59,7 +59,9 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
     whole = alone(setup, symmetry="whole")
     check(whole, scatter)
     plies = replace(whole, table_size=_SMALL).target().plies
-    draws = [draw(scatter, seed, number * len(plies) + p, *_yarns(ply)) for p, ply in enumerate(plies)]
+    draws = [
+        draw(scatter, seed, number * len(plies) + p, *_yarns(ply)) for p, ply in enumerate(plies)
+    ]
     factors = draws[0][0]
     alike = all(factor == 1 for factor in factors.values())
     table = whole.table(kept=True) if alike else None
@@ -68,7 +70,9 @@ def drawn(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn
         replace(ply, strength_factors=strengths if ply.sides is None else of_lines(strengths, ply))
         for ply, (_, strengths) in zip(pack.plies, draws)
     )
-    warp, weft = (min(float(strengths[family].min()) for _, strengths in draws) for family in (0, 1))
+    warp, weft = (
+        min(float(strengths[family].min()) for _, strengths in draws) for family in (0, 1)
+    )
     return Drawn(replace(pack, plies=drawn_plies), factors, (warp, weft))
 
 
@@ -76,18 +80,25 @@ def check(setup: ImpactSetup, scatter: Scatter) -> None:
     """InputError where the strengths of these plies cannot be drawn."""
     if not setup.failure:
         raise InputError(
-            "strengths are drawn, and the yarns do not fail", key="yarn_failure", value=False, allowed="true"
+            "strengths are drawn, and the yarns do not fail",
+            key="yarn_failure",
+            value=False,
+            allowed="true",
         )
     if setup.surface is not None and (scatter.modulus or scatter.crimp):
         raise InputError(
-            "a response surface holds for one modulus and one crimp", key="scatter of modulus and crimp", allowed="0"
+            "a response surface holds for one modulus and one crimp",
+            key="scatter of modulus and crimp",
+            allowed="0",
         )
 
 
 def _yarns(panel):
     """((warp, weft) yarns of a panel, (warp, weft) [m] of one)."""
     uniform = replace(panel, grading=None)
-    return uniform.yarn_counts, tuple(count * side for count, side in zip(uniform.counts, uniform.spacing))
+    return uniform.yarn_counts, tuple(
+        count * side for count, side in zip(uniform.counts, uniform.spacing)
+    )
 
 
 def draw(
@@ -109,7 +120,9 @@ def draw(
     factors = {
         name: _log_normal(spread, z)
         for name, spread, z in zip(
-            ("modulus", "crimp_warp", "crimp_weft"), (scatter.modulus, scatter.crimp, scatter.crimp), normal
+            ("modulus", "crimp_warp", "crimp_weft"),
+            (scatter.modulus, scatter.crimp, scatter.crimp),
+            normal,
         )
     }
     uniform = tuple(random.uniform(size=count) for count in counts)
@@ -131,4 +144,7 @@ def _log_normal(spread, z):
 def of_lines(strengths: Sequence[np.ndarray], panel: Panel) -> tuple[np.ndarray, ...]:
     """(warp, weft) strength factors of the lines of a graded panel, from those of all yarns."""
     lines = zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_axes[::-1])
-    return tuple(grading_of_panels.weakest(factors, np.rint(x[axes] / (2 * w))) for factors, x, w, axes in lines)
+    return tuple(
+        grading_of_panels.weakest(factors, np.rint(x[axes] / (2 * w)))
+        for factors, x, w, axes in lines
+    )

@@ -26,12 +26,16 @@ class Quantity:
 
 QUANTITIES = {
     "shot": Quantity("residual_velocity_m_s", "residual velocity [m/s]"),
-    "critical-velocity": Quantity("critical_velocity_m_s", "critical velocity [m/s]", ("lower_m_s", "upper_m_s")),
+    "critical-velocity": Quantity(
+        "critical_velocity_m_s", "critical velocity [m/s]", ("lower_m_s", "upper_m_s")
+    ),
     "v50": Quantity("v50_m_s", "V50 [m/s], 95 % interval", ("v50_low_m_s", "v50_high_m_s")),
 }
 
 
-def row(setup: ImpactSetup, quantity: str, tolerance: float = 1.0, **options: Any) -> dict[str, Any]:
+def row(
+    setup: ImpactSetup, quantity: str, tolerance: float = 1.0, **options: Any
+) -> dict[str, Any]:
     """The row of a set-up; one that cannot be computed says why in "outcome".
 
     Parameters
@@ -45,10 +49,16 @@ def row(setup: ImpactSetup, quantity: str, tolerance: float = 1.0, **options: An
         if quantity == "v50":
             study = v50.study(setup, inputs.published(), **options)
             names = ", ".join(dict.fromkeys(name for shot in study.shots for name in shot.doubtful))
-            return {"outcome": "fitted", **study.summary(), "checks": f"doubtful: {names}" if names else quality.OK}
+            return {
+                "outcome": "fitted",
+                **study.summary(),
+                "checks": f"doubtful: {names}" if names else quality.OK,
+            }
         return shot(setup) if quantity == "shot" else critical_velocity(setup, tolerance)
     except (UnstableError, UndecidedError) as problem:
-        return {"outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"}
+        return {
+            "outcome": f"{'unstable' if isinstance(problem, UnstableError) else 'undecided'}: {problem}"
+        }
 
 
 def shot(setup: ImpactSetup) -> dict[str, Any]:

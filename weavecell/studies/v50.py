@@ -114,7 +114,10 @@ class Study:
             "perforated": sum(shot.perforated for shot in self.shots),
             "doubtful": self.doubtful,
             "energy_error_max": max(shot.balance for shot in self.shots),
-            **{f"series_{name}_m_s": getattr(self.series, name) for name in ("mean", "deviation", "low", "high")},
+            **{
+                f"series_{name}_m_s": getattr(self.series, name)
+                for name in ("mean", "deviation", "low", "high")
+            },
             "series_with_result": self.series.share,
         }
 
@@ -126,15 +129,31 @@ def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity:
         (shot,) = ballistic_limit.shoot(drawn.pack, (velocity,), stops_below=STOPS_BELOW)
     except UnstableError as problem:
         raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
-    left, through, weakest, balance = shot.residual_velocity, shot.perforated, drawn.weakest, shot.balance
+    left, through, weakest, balance = (
+        shot.residual_velocity,
+        shot.perforated,
+        drawn.weakest,
+        shot.balance,
+    )
     doubtful = tuple(check.name for check in shot.checks if check.doubtful)
-    return Shot(number, velocity, left, through, **drawn.factors, weakest=weakest, balance=balance, doubtful=doubtful)
+    return Shot(
+        number,
+        velocity,
+        left,
+        through,
+        **drawn.factors,
+        weakest=weakest,
+        balance=balance,
+        doubtful=doubtful,
+    )
 
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
     """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part that the set-up models."""
     numerics = replace(setup.numerics, threads=1)
-    limit = ballistic_limit.critical_velocity(replace(setup, numerics=numerics).target(), tolerance=tolerance)
+    limit = ballistic_limit.critical_velocity(
+        replace(setup, numerics=numerics).target(), tolerance=tolerance
+    )
     return limit.low, limit.high
 
 
@@ -146,7 +165,11 @@ def graded(setup: ImpactSetup) -> ImpactSetup:
     impacts off the middle), oblique shots and sliding crossovers have the uniform mesh; so has
     `elements_per_crossover = 1`.
     """
-    named = setup.grading is not None or setup.elements_per_crossover is not None or setup.crossovers is not None
+    named = (
+        setup.grading is not None
+        or setup.elements_per_crossover is not None
+        or setup.crossovers is not None
+    )
     clamped = all(side == "clamped" for pair in boundary.sides(setup.edge) for side in pair)
     stepped = setup.weave_angle != 0 or setup.round or any(setup.struck_at)
     if setup.plies > 1 or named:
@@ -206,7 +229,9 @@ def study(
         if value < 4:
             raise InputError(key=key, value=value, allowed="at least 4")
     strengths.check(setup, scatter)
-    setup = replace(graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None)  # which name no kept shot
+    setup = replace(
+        graded(setup), strike_velocity=1.0, history=None, snapshot_interval=None
+    )  # which name no kept shot
     scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
     fired: list[Shot] = []
     with open_executor(runs.get("executor", "local"), runs.get("jobs", 1)) as pool:
@@ -215,12 +240,17 @@ def study(
         while (begun := len(fired)) < shots:
             count = min(batch, shots - begun)
             if fired:
-                velocities = plan([s.velocity for s in fired], [s.perforated for s in fired], count, scatters)
+                velocities = plan(
+                    [s.velocity for s in fired], [s.perforated for s in fired], count, scatters
+                )
             else:
                 velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
             fired += run_cache.results(
                 fire,
-                [(setup, scatter, seed, begun + k, round(float(V), 6)) for k, V in enumerate(velocities)],
+                [
+                    (setup, scatter, seed, begun + k, round(float(V), 6))
+                    for k, V in enumerate(velocities)
+                ],
                 report=partial(lambda begun, done, _: report(begun + done, shots), begun),
                 **runs,
             )

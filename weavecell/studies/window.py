@@ -54,13 +54,22 @@ class Window:
     def mean(self, quantity: str) -> tuple[float, float]:
         """(mean, standard error) of one of `QUANTITIES`, in its unit; NaN of fewer than three shots."""
         counted = [shot for shot in self.shots if shot["outcome"] != "unstable"]
-        points = np.array([(shot["strike_velocity_m_s"], shot[QUANTITIES[quantity][0]]) for shot in counted])
+        points = np.array(
+            [(shot["strike_velocity_m_s"], shot[QUANTITIES[quantity][0]]) for shot in counted]
+        )
         return on_line(points[:, 0], points[:, 1], self.strike_velocity)
 
     def summary(self) -> dict[str, Any]:
         """All of it as plain values."""
-        mean, error = ({key: self.mean(name)[k] for name, (key, *_) in QUANTITIES.items()} for k in (0, 1))
-        return {"mean": mean, "standard_error": error, "stopped": self.outcomes["stopped"], "shots": list(self.shots)}
+        mean, error = (
+            {key: self.mean(name)[k] for name, (key, *_) in QUANTITIES.items()} for k in (0, 1)
+        )
+        return {
+            "mean": mean,
+            "standard_error": error,
+            "stopped": self.outcomes["stopped"],
+            "shots": list(self.shots),
+        }
 
 
 def on_line(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
@@ -92,7 +101,14 @@ def about(result: ImpactResult, **runs: Any) -> Window | None:
     """
     if result.outcome != "perforated":
         return None
-    plain, velocity = replace(result.setup, snapshot_interval=None, history=None), result.setup.strike_velocity
-    others = [(replace(plain, strike_velocity=factor * velocity),) for factor in FACTORS if factor != 1]
+    plain, velocity = (
+        replace(result.setup, snapshot_interval=None, history=None),
+        result.setup.strike_velocity,
+    )
+    others = [
+        (replace(plain, strike_velocity=factor * velocity),) for factor in FACTORS if factor != 1
+    ]
     rows = run_cache.results(fire, others, **runs) if runs else [fire(*other) for other in others]
-    return Window(velocity, tuple(sorted([*rows, _row(result)], key=lambda row: row["strike_velocity_m_s"])))
+    return Window(
+        velocity, tuple(sorted([*rows, _row(result)], key=lambda row: row["strike_velocity_m_s"]))
+    )

@@ -19,7 +19,12 @@ from shellfabric.projectile.projectile import Projectile
 BACKING = load("backing")
 ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)
 SMALL = Backing(
-    material=ELASTIC, size=(0.012, 0.012, 0.008), min_size=1e-3, refined_depth=4e-3, growth=1.3, hourglass=0.1
+    material=ELASTIC,
+    size=(0.012, 0.012, 0.008),
+    min_size=1e-3,
+    refined_depth=4e-3,
+    growth=1.3,
+    hourglass=0.1,
 )
 
 
@@ -30,18 +35,32 @@ def rotation(axis, angle):
 
 
 def law_of(material):
-    return np.array([
-        material.bulk, material.shear, material.yield_stress, material.hardening, material.erosion_strain,
-        material.rate_exponent, material.reference_rate, 0.0,
-    ])  # fmt: skip
+    return np.array(
+        [
+            material.bulk,
+            material.shear,
+            material.yield_stress,
+            material.hardening,
+            material.erosion_strain,
+            material.rate_exponent,
+            material.reference_rate,
+            0.0,
+        ]
+    )
 
 
 def nodal(block, dt=0.0):
     """Internal forces (n, 3) [N] of the bricks at the places as they are, `dt` [s] after the last call."""
     block_kernels.forces(
-        block.shape, block.x, (block._gradient, block._volume, block._twist, block._control, block._edges),
-        block._law, dt, (block.metric, block.alpha, block.last, block.past, block.gone), block._own, block.energy,
-    )  # fmt: skip
+        block.shape,
+        block.x,
+        (block._gradient, block._volume, block._twist, block._control, block._edges),
+        block._law,
+        dt,
+        (block.metric, block.alpha, block.last, block.past, block.gone),
+        block._own,
+        block.energy,
+    )
     total = np.zeros_like(block.x)
     np.add.at(total, block.bricks, block._own)
     return total
@@ -54,7 +73,9 @@ def plain_hencky(F, C, alpha, material):
     dev = e - np.trace(e) / 3 * np.eye(3)
     q = 2 * material.shear * np.sqrt(1.5) * np.linalg.norm(dev)
     if q > material.yield_stress + material.hardening * alpha:
-        step = (q - material.yield_stress - material.hardening * alpha) / (3 * material.shear + material.hardening)
+        step = (q - material.yield_stress - material.hardening * alpha) / (
+            3 * material.shear + material.hardening
+        )
         alpha, dev = alpha + step, dev * (1 - 3 * material.shear * step / q)
         G = np.linalg.inv(F)
         C = G @ expm(2 * (dev + np.trace(e) / 3 * np.eye(3))) @ G.T
@@ -69,7 +90,9 @@ def test_law_equals_its_plain_twin(material):
         C, alpha = np.eye(3), 0.0
         twin = C.copy(), alpha
         for _ in range(3):
-            F = rotation(random.normal(size=3), 2.0) @ (np.eye(3) + 0.25 * random.uniform(-1, 1, (3, 3)))
+            F = rotation(random.normal(size=3), 2.0) @ (
+                np.eye(3) + 0.25 * random.uniform(-1, 1, (3, 3))
+            )
             _, _, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, 0.0, P)
             expected, *twin = plain_hencky(F, *twin, material)
             assert P == pytest.approx(expected, rel=1e-8, abs=1.0)
@@ -90,12 +113,19 @@ def test_hourglass_control_has_the_energy_of_the_full_rule(mode, direction):
     stiff = np.where(np.arange(3) == direction, MODULI[direction], SHEAR)
     for point in CORNERS / np.sqrt(3):
         factors = 1 + CORNERS * point
-        slopes = np.stack([CORNERS[:, i] * np.delete(factors, i, axis=1).prod(axis=1) for i in range(3)], axis=1)
+        slopes = np.stack(
+            [CORNERS[:, i] * np.delete(factors, i, axis=1).prod(axis=1) for i in range(3)], axis=1
+        )
         strains = size * PATTERNS[mode] @ slopes / (4 * BOX)
         energy += 0.5 * np.sum(stiff * strains**2) * BOX.prod() / 8
     brick_kernels.mean_deformation(x, bricks.gradient[0], f)
-    scratch, control = (np.empty((4, 3)), np.empty((3, 3)), np.empty((8, 3))), bricks.control(MODULI, SHEAR)[0]
-    assert brick_kernels.hourglass(f, x, bricks.twist[0], control, *scratch) == pytest.approx(energy, rel=1e-3)
+    scratch, control = (
+        (np.empty((4, 3)), np.empty((3, 3)), np.empty((8, 3))),
+        bricks.control(MODULI, SHEAR)[0],
+    )
+    assert brick_kernels.hourglass(f, x, bricks.twist[0], control, *scratch) == pytest.approx(
+        energy, rel=1e-3
+    )
 
 
 def test_patch_test():
@@ -157,17 +187,23 @@ def test_absorbing_faces_take_a_wave_in_and_fixed_ones_throw_it_back():
             block.advance()
         energies = block.energies()
         left[far] = (energies["kinetic"] + energies["elastic"]) / start
-        assert sum(energies.values()) == pytest.approx(start, rel=4e-3)  # the start stands half a step off
+        assert sum(energies.values()) == pytest.approx(
+            start, rel=4e-3
+        )  # the start stands half a step off
     assert left["fixed"] > 0.6  # viscosity takes the rest
     assert left["absorbing"] < 0.05
 
 
 @pytest.mark.parametrize(
-    ("material", "viscosity", "size", "part"), [(ELASTIC, 1.0, 0.05, "viscous"), (BACKING, 0.0, 0.4, "plastic")]
+    ("material", "viscosity", "size", "part"),
+    [(ELASTIC, 1.0, 0.05, "viscous"), (BACKING, 0.0, 0.4, "plastic")],
 )
 def test_what_bricks_take_is_the_work_of_their_forces(material, viscosity, size, part):
     """Bent and squeezed faster and faster in ten steps, by forces at their mean over each step."""
-    block, random = replace(SMALL, material=material, viscosity=viscosity).block(1e-7), np.random.default_rng(4)
+    block, random = (
+        replace(SMALL, material=material, viscosity=viscosity).block(1e-7),
+        np.random.default_rng(4),
+    )
     bend = block.rest @ random.uniform(-1, 1, (3, 3)) + 50.0 * block.rest[:, [1, 2, 0]] ** 2
     before, work = nodal(block), 0.0
     for n in range(1, 11):
@@ -178,7 +214,9 @@ def test_what_bricks_take_is_the_work_of_their_forces(material, viscosity, size,
         before = after
     told = block.energies()
     assert told[part] > 0.1 * work
-    assert sum(told[name] for name in ("elastic", "plastic", "hourglass", "viscous")) == pytest.approx(work, rel=3e-3)
+    assert sum(
+        told[name] for name in ("elastic", "plastic", "hourglass", "viscous")
+    ) == pytest.approx(work, rel=3e-3)
 
 
 def test_hertz():
@@ -189,7 +227,12 @@ def test_hertz():
     R, depth, time = 0.02, 1e-4, 2.5e-4
     backing = Backing(ELASTIC, (0.1, 0.1, 0.05), 2e-4, 2e-3, 1.45, "absorbing", contact_damping=0.3)
     block = backing.block(0.9 * backing.longest_step)
-    ball, position, speed, found = Projectile(shape="sphere", radius=R), np.zeros(3), np.zeros(3), []
+    ball, position, speed, found = (
+        Projectile(shape="sphere", radius=R),
+        np.zeros(3),
+        np.zeros(3),
+        [],
+    )
     while block.time < 1.4 * time:
         share = min(block.time / time, 1)
         speed[2] = depth * np.pi / 2 / time * np.sin(np.pi * share) if share < 1 else 0.0
@@ -208,14 +251,21 @@ def test_points_press_as_a_plate_and_give_what_they_take():
     places = np.stack([*np.meshgrid(side, side), np.full((24, 24), 2e-5)], axis=-1).reshape(-1, 3)
     forces = block.press(places, np.zeros_like(places), np.full(len(places), 1e4))
     assert forces == pytest.approx(np.tile([0, 0, -0.2], (len(places), 1)), abs=1e-12)
-    assert block._outer.sum(axis=0) == pytest.approx([0, 0, -0.2 * len(places)], rel=1e-12)  # internal sign
+    assert block._outer.sum(axis=0) == pytest.approx(
+        [0, 0, -0.2 * len(places)], rel=1e-12
+    )  # internal sign
     assert block.energies()["contact"] == pytest.approx(0.5 * 1e4 * 4e-10 * len(places), rel=1e-12)
     # nothing within the thickness kept, nothing off the block
     away = block.press(
-        places - np.array([0, 0, 2e-5 + 1e-4]), np.zeros_like(places), np.ones(len(places)), thickness=1e-4
+        places - np.array([0, 0, 2e-5 + 1e-4]),
+        np.zeros_like(places),
+        np.ones(len(places)),
+        thickness=1e-4,
     )
     assert np.abs(away).max() < 1e-9
-    assert not block.press(places + np.array([1, 0, 0]), np.zeros_like(places), np.ones(len(places))).any()
+    assert not block.press(
+        places + np.array([1, 0, 0]), np.zeros_like(places), np.ones(len(places))
+    ).any()
 
 
 def test_points_push_along_the_line_from_their_foot_and_by_the_slope_of_their_energy():
@@ -227,7 +277,9 @@ def test_points_push_along_the_line_from_their_foot_and_by_the_slope_of_their_en
     block.x += random.normal(0, 5e-5, block.x.shape)
     places = np.column_stack([random.uniform(5e-4, 4.5e-3, (40, 2)), np.zeros(40)])
     places[:, 2] = 6e-3 * np.cos(250.0 * places[:, 0]) + 1.5e-3 * np.sin(500.0 * places[:, 1])
-    fast = np.tile([0.0, 0.0, 1e4], (40, 1))  # so that no change of depth is taken for a step of the face
+    fast = np.tile(
+        [0.0, 0.0, 1e4], (40, 1)
+    )  # so that no change of depth is taken for a step of the face
     keep = 5e-4
 
     def press(move, part):
@@ -256,18 +308,22 @@ def test_points_push_along_the_line_from_their_foot_and_by_the_slope_of_their_en
 
 def test_a_point_beside_a_facet_that_is_twisted_is_found_where_it_is():
     """Newton's steps from the middle of this facet, out of a shot, circle within it: the point is 3 mm beside it."""
-    grid = np.array([
-        [[4.0, 4.0], [4.2, 6.5], [4.0, 8.0]],
-        [[6.5, 4.0], [6.68, 6.629], [5.968, 7.526]],
-        [[8.0, 3.9], [7.67, 5.822], [7.498, 7.344]],
-    ])  # fmt: skip
+    grid = np.array(
+        [
+            [[4.0, 4.0], [4.2, 6.5], [4.0, 8.0]],
+            [[6.5, 4.0], [6.68, 6.629], [5.968, 7.526]],
+            [[8.0, 3.9], [7.67, 5.822], [7.498, 7.344]],
+        ]
+    )
     x = np.zeros((3, 3, 2, 3))
     x[..., :2], x[..., 1, 2] = grid[:, :, None], 1.0
     column, place, nodes = np.array([1, 1]), np.zeros(2), np.zeros(4, np.int64)
     x = x.reshape(-1, 3)
     for point in ((4.523, 4.206), (5.074, 4.189), (4.964, 4.108)):
         column[:] = 1
-        assert backing_contact_kernels.locate(*point, x, column, 2, 2, 1, np.zeros(4, bool), place, nodes)
+        assert backing_contact_kernels.locate(
+            *point, x, column, 2, 2, 1, np.zeros(4, bool), place, nodes
+        )
         w = np.zeros(4)
         backing_contact_kernels.weights(*place, w)
         assert tuple(column) == (0, 0)
@@ -338,7 +394,13 @@ def test_the_grid_grows_as_asked():
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("outer_boundary", "soft"), ("size", (0.1, 0.1)), ("growth", 0.9), ("hourglass", -1), ("penalty", 0)],
+    [
+        ("outer_boundary", "soft"),
+        ("size", (0.1, 0.1)),
+        ("growth", 0.9),
+        ("hourglass", -1),
+        ("penalty", 0),
+    ],
 )
 def test_bad_input_is_reported(key, value):
     with pytest.raises(InputError, match=key):

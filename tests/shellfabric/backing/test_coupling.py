@@ -26,7 +26,9 @@ QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 40e-6, "backing": BLOC
 
 def test_momentum_of_all_three_is_kept(fabric):
     """Free cloth before a free block: what the projectile loses they have, along its flight."""
-    setup = ImpactSetup(fabric, 100.0, **QUICK | {"backing": replace(BLOCK, outer_boundary="free"), "edge": "free"})
+    setup = ImpactSetup(
+        fabric, 100.0, **QUICK | {"backing": replace(BLOCK, outer_boundary="free"), "edge": "free"}
+    )
     march = PackSolver(setup.panel(), 100.0, 20e-6)
     start = march.const.projectile_mass * 100.0
     march.run()
@@ -61,8 +63,14 @@ def test_a_step_of_the_face_throws_no_point_out():
     """A point that comes over a higher column is inside it at once by the step, which pushes it by nothing; going
     further in by motion it is pushed by that, and after it has come out the step is forgotten."""
     block = replace(BLOCK, material=ELASTIC).block(1e-7)
-    block.gone.reshape(block.shape)[:2, :, 0] = True  # the two columns nearest the axis are a brick lower
-    push = lambda x, z, v=0.0: block.press(np.array([[x, 1e-3, z]]), np.array([[0, 0, v]]), np.ones(1))[0, 2]  # noqa: E731
+    block.gone.reshape(block.shape)[:2, :, 0] = (
+        True  # the two columns nearest the axis are a brick lower
+    )
+
+    def push(x, z, v=0.0):
+        places, velocities = np.array([[x, 1e-3, z]]), np.array([[0, 0, v]])
+        return block.press(places, velocities, np.ones(1))[0, 2]
+
     assert push(5.9e-3, 2e-3) == 0.0  # above the lower column
     assert push(6.1e-3, 2e-3) == 0.0  # 2 mm inside the higher one
     assert push(6.1e-3, 2.01e-3, 100.0) == pytest.approx(-1e-5, rel=1e-6)
@@ -94,16 +102,22 @@ def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     rested = run(long, hooks=(checkpoint.Checkpoints(path, stopped.t[-1] + 10e-6),))
     assert (stopped.outcome, rested.outcome, rested.residual_velocity) == ("stopped", "stopped", 0)
     assert rested.t[-1] == pytest.approx(stopped.t[-1] + 30e-6, abs=2.1e-6)
-    np.testing.assert_array_equal(rested.step_history[: len(stopped.step_history)], stopped.step_history)
+    np.testing.assert_array_equal(
+        rested.step_history[: len(stopped.step_history)], stopped.step_history
+    )
     assert rested.energies["backing_kinetic"][-1] < stopped.energies["backing_kinetic"][-1]
     assert rested.energy_error_max < 5e-3
     march = PackSolver(long.panel(), 60.0, long.end_time)
     checkpoint.read(march, path)
     assert march.time > stopped.t[-1]
-    np.testing.assert_array_equal(collect_result(long, march.run()).step_history, rested.step_history)
+    np.testing.assert_array_equal(
+        collect_result(long, march.run()).step_history, rested.step_history
+    )
     cut = run(replace(long, end_time=stopped.t[-1] + 10e-6))
     assert cut.outcome == "stopped"
-    assert ballistic_limit.shoot(long.target(), [60.0])[0].time == pytest.approx(stopped.t[-1], abs=2.1e-6)
+    assert ballistic_limit.shoot(long.target(), [60.0])[0].time == pytest.approx(
+        stopped.t[-1], abs=2.1e-6
+    )
 
 
 def test_a_block_that_breaks_down_ends_a_run_of_two_threads(fabric):
@@ -120,7 +134,9 @@ def test_a_block_that_breaks_down_ends_a_run_of_two_threads(fabric):
 
 
 def test_measures_of_a_crater():
-    cone = np.stack([np.linspace(0, 0.02, 41), np.maximum(0.01 - 2 * np.linspace(0, 0.02, 41), 0)], axis=1)
+    cone = np.stack(
+        [np.linspace(0, 0.02, 41), np.maximum(0.01 - 2 * np.linspace(0, 0.02, 41), 0)], axis=1
+    )
     assert radius_at(cone, 0.5) == pytest.approx(2.5e-3)
     assert wall_angle(cone) == pytest.approx(np.arctan(2))
 
@@ -155,7 +171,9 @@ def test_a_block_behind_a_turned_ply_lies_along_the_opening(fabric):
     behind.block.x[:, 2] += 0.02 * behind.block.x[:, 0]  # a face that leans along the opening
     behind.step(state)
     pushed = -np.array([force.sum() for force in state.f_block_cloth])
-    got = behind.block.mass @ behind.block.v / (0.5 * const.dt)  # from rest, the first kick is half a step's
+    got = (
+        behind.block.mass @ behind.block.v / (0.5 * const.dt)
+    )  # from rest, the first kick is half a step's
     assert abs(got[0]) > 0.01 * abs(got[2]) > 0.01
     assert np.append(panel.axes @ got[:2], got[2]) == pytest.approx(pushed, rel=1e-6)
     assert not np.any(behind._stiffness[~np.repeat(inner(panel).ravel(), behind.p**2)])

@@ -80,7 +80,9 @@ def test_a_flattened_block_makes_shorter_steps_of_its_own():
     block = backing.block(0.7 * backing.longest_step)
     assert block.stable_step() == pytest.approx(backing.longest_step, rel=1e-9)
     block.x[:, 2] *= 0.1
-    assert block.stable_step() == pytest.approx(backing.longest_step * np.sqrt(3 / (2 + 100)), rel=1e-9)
+    assert block.stable_step() == pytest.approx(
+        backing.longest_step * np.sqrt(3 / (2 + 100)), rel=1e-9
+    )
     block.v[:] = 0.0
     block.advance()  # the first look at it is at the next interval
     block._substeps[1] = 10
@@ -115,14 +117,18 @@ def test_volume_of_a_dent():
     depth = 0.01 * (1 - (x**2 + y**2) / 0.02**2)
     face = np.stack([x, y, depth], axis=-1)
     assert 4 * dent_volume(face) == pytest.approx(0.5 * np.pi * 0.02**2 * 0.01, rel=2e-3)
-    block = Backing(material=backings.load("gelatine 10 %"), size=(0.05, 0.05, 0.02), min_size=5e-3).block(1e-7)
+    block = Backing(
+        material=backings.load("gelatine 10 %"), size=(0.05, 0.05, 0.02), min_size=5e-3
+    ).block(1e-7)
     whole = replace(result_of(block), depth_map=face)
     assert whole.volume == pytest.approx(0.5 * np.pi * 0.02**2 * 0.01, rel=2e-3)
     assert whole.back_face_signature == pytest.approx(0.01)
 
 
 def test_the_depth_map_holds_both_craters():
-    block = Backing(Isotropic(3000, 1e8, 0.3), (0.02, 0.02, 0.02), 2e-3, 4e-3, 1.5, standoff=1e-3).block(1e-8)
+    block = Backing(
+        Isotropic(3000, 1e8, 0.3), (0.02, 0.02, 0.02), 2e-3, 4e-3, 1.5, standoff=1e-3
+    ).block(1e-8)
     block.gone.reshape(block.shape)[:2, :1, 0] = True
     block.x[:, 2] += 1e-4 * block.rest[:, 0] / 0.01
     face = block.depth_map()
@@ -140,7 +146,9 @@ def test_gelatine_has_the_moduli_that_its_sources_state():
     assert material.bulk == pytest.approx(1030 * 1520**2, rel=5e-3)
 
 
-@pytest.mark.parametrize("changes", [{"rate_exponent": -0.1}, {"rate_exponent": 2.0}, {"reference_rate": 0.0}])
+@pytest.mark.parametrize(
+    "changes", [{"rate_exponent": -0.1}, {"rate_exponent": 2.0}, {"reference_rate": 0.0}]
+)
 def test_a_rate_out_of_range_is_refused(changes):
     with pytest.raises(InputError):
         replace(CLAY, **changes)
@@ -151,7 +159,14 @@ def test_contacts_act_as_one_impulse_on_steps_of_the_blocks_own(monkeypatch):
     within half a per cent. With the force held over the four it was made."""
     monkeypatch.setattr("shellfabric.backing.block.CHECK_INTERVAL", 10**9)
     backing = Backing(
-        Isotropic(3000, 1e8, 0.3), (0.02, 0.02, 0.01), 1e-3, 4e-3, 1.4, "free", viscosity=0.0, contact_damping=0.0
+        Isotropic(3000, 1e8, 0.3),
+        (0.02, 0.02, 0.01),
+        1e-3,
+        4e-3,
+        1.4,
+        "free",
+        viscosity=0.0,
+        contact_damping=0.0,
     )
     block, speed = backing.block(0.5 * backing.longest_step), np.array([0.0, 0.0, 10.0])
     block._substeps[:] = 4, 1

@@ -12,7 +12,15 @@ from validation.models.variants import with_law_form
 
 PAIRS = [(1.004, 1.0), (1.0, 1.006), (1.008, 1.008), (1.012, 0.997), (0.998, 1.012), (1.012, 1.01)]
 # of aramid; at rest only the printed law has forces
-WIDER = [(1.0, 1.0), (1.01, 1.0), (1.0, 1.01), (1.02, 1.02), (1.03, 0.985), (0.98, 1.03), (1.04, 1.03)]
+WIDER = [
+    (1.0, 1.0),
+    (1.01, 1.0),
+    (1.0, 1.01),
+    (1.02, 1.02),
+    (1.03, 0.985),
+    (0.98, 1.03),
+    (1.04, 1.03),
+]
 OPTIONS = {
     "toe": {"toe": 1e-3},
     "toes": {"toe": (5e-4, 2e-3)},
@@ -43,10 +51,17 @@ def plain_cell(model, *stretches):
     w = [stretch * half for stretch, half in zip(stretches, weave.w)]
 
     def bisect_length(m, S, least):
-        return brentq(lambda h: length(model.profile, w[m], h) - S, least, 2 * w[m], xtol=1e-16, rtol=1e-14)
+        return brentq(
+            lambda h: length(model.profile, w[m], h) - S, least, 2 * w[m], xtol=1e-16, rtol=1e-14
+        )
 
-    lowest = [bisect_length(m, weave.S0[m], 0.0) if weave.S0[m] > 2 * w[m] else 0.0 for m in range(2)]
-    rest = [brentq(lambda h, m=m: length(model.profile, weave.w[m], h) - weave.S0[m], 0, weave.w[m]) for m in range(2)]
+    lowest = [
+        bisect_length(m, weave.S0[m], 0.0) if weave.S0[m] > 2 * w[m] else 0.0 for m in range(2)
+    ]
+    rest = [
+        brentq(lambda h, m=m: length(model.profile, weave.w[m], h) - weave.S0[m], 0, weave.w[m])
+        for m in range(2)
+    ]
 
     def tension(m, h):
         e = max(length(model.profile, w[m], h) / weave.S0[m] - 1, 0.0)
@@ -55,7 +70,9 @@ def plain_cell(model, *stretches):
     def force(m, h):
         if model.form == "variational":
             step = 1e-6 * w[m]
-            slope = (length(model.profile, w[m], h + step) - length(model.profile, w[m], h - step)) / (2 * step)
+            slope = (
+                length(model.profile, w[m], h + step) - length(model.profile, w[m], h - step)
+            ) / (2 * step)
             return tension(m, h) * slope * (SPREAD if model.profile == "cosine" else 1.0)
         tangent = h / w[m] if model.profile == "straight" else np.pi * h / (2 * w[m])
         return 2 * tension(m, h) * np.sin(np.arctan(tangent))
@@ -76,8 +93,9 @@ def plain_cell(model, *stretches):
 
 CELLS = {name: (UNBALANCED, options, PAIRS) for name, options in OPTIONS.items()} | {
     f"{law}, gap {gap:g}": (fabric, {"gap": gap}, pairs)
-    for law, fabric, pairs in (("regularised", S720, WIDER[1:]), ("printed", PRINTED, WIDER)) for gap in (0.0, 2e-5)
-}  # fmt: skip
+    for law, fabric, pairs in (("regularised", S720, WIDER[1:]), ("printed", PRINTED, WIDER))
+    for gap in (0.0, 2e-5)
+}
 
 
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
@@ -87,17 +105,25 @@ def test_against_plain_twin(name, form):
     model, close = CellModel(fabric, form=form, **options), 2e-6 if form == "variational" else 1e-7
     for pair in pairs if fabric is not UNBALANCED else pairs[::2]:
         got = [float(model.solve(*pair)[name]) for name in ("T1", "T2", "F")]
-        np.testing.assert_allclose(got, plain_cell(model, *pair), rtol=close, atol=close, err_msg=str(pair))
+        np.testing.assert_allclose(
+            got, plain_cell(model, *pair), rtol=close, atol=close, err_msg=str(pair)
+        )
 
 
 @pytest.mark.parametrize("name", [*CELLS, *(f"balanced, {name}" for name in OPTIONS)])
 def test_variational_forces_are_the_gradient(name):
-    fabric, options, pairs = CELLS[name] if name in CELLS else (BALANCED, OPTIONS[name.split()[1]], PAIRS)
+    fabric, options, pairs = (
+        CELLS[name] if name in CELLS else (BALANCED, OPTIONS[name.split()[1]], PAIRS)
+    )
     model, step = CellModel(fabric, **options), 1e-6
     for x, y in pairs:
         here = model.solve(x, y)
-        slope1 = (model.solve(x + step, y)["W"] - model.solve(x - step, y)["W"]) / (4 * step * fabric.weave.w1)
-        slope2 = (model.solve(x, y + step)["W"] - model.solve(x, y - step)["W"]) / (4 * step * fabric.weave.w2)
+        slope1 = (model.solve(x + step, y)["W"] - model.solve(x - step, y)["W"]) / (
+            4 * step * fabric.weave.w1
+        )
+        slope2 = (model.solve(x, y + step)["W"] - model.solve(x, y - step)["W"]) / (
+            4 * step * fabric.weave.w2
+        )
         assert float(here["N1"]) == pytest.approx(slope1, rel=2e-6, abs=2e-4)
         assert float(here["N2"]) == pytest.approx(slope2, rel=2e-6, abs=2e-4)
 
@@ -107,7 +133,9 @@ def test_incompressible_balanced_weave_in_closed_form(toe):
     """k = 1: neither yarn can give way, so that both keep their height and S = 2 sqrt(w^2 + h0^2)."""
     weave, stretch = BALANCED.weave, 1.006
     h0 = weave.w1 * np.sqrt((1 + weave.warp.crimp) ** 2 - 1)
-    state = CellModel(BALANCED, model="incompressible", profile="straight", toe=toe).solve(stretch, stretch)
+    state = CellModel(BALANCED, model="incompressible", profile="straight", toe=toe).solve(
+        stretch, stretch
+    )
     S = 2 * np.hypot(stretch * weave.w1, h0)
     T = bundle(S / weave.S01 - 1, weave.warp.EA, toe)
     assert float(state["h1"]) == pytest.approx(h0, rel=1e-9)
@@ -134,6 +162,10 @@ def test_strength_lies_beyond_the_toe():
     model = CellModel(UNBALANCED, toe=(1e-3, 5e-4))
     for m, (yarn, ultimate) in enumerate(zip(UNBALANCED.weave.yarns, model.ultimate_strains)):
         assert bundle(ultimate, yarn.EA, model.toes[m]) == pytest.approx(yarn.strength, rel=1e-9)
-        assert float(model.alone(m, (1 + yarn.crimp) * (1 + ultimate))) == pytest.approx(yarn.strength, rel=1e-9)
+        assert float(model.alone(m, (1 + yarn.crimp) * (1 + ultimate))) == pytest.approx(
+            yarn.strength, rel=1e-9
+        )
         assert model.range()[m][1] > (1 + yarn.crimp) * (1 + ultimate)
-    assert CellModel(UNBALANCED).ultimate_strains == tuple(yarn.failure_strain for yarn in UNBALANCED.weave.yarns)
+    assert CellModel(UNBALANCED).ultimate_strains == tuple(
+        yarn.failure_strain for yarn in UNBALANCED.weave.yarns
+    )

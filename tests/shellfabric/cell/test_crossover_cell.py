@@ -40,7 +40,9 @@ def test_rest_and_limits(fabric):
     assert stiff["h1"] + stiff["h2"] == pytest.approx(sum(fabric.weave.h0), rel=1e-12)
     loose = CellModel(fabric, model="decoupled").solve(1.04, 1.01)
     weave = fabric.weave
-    assert loose["T1"] == pytest.approx(weave.warp.EA * (2.08 * weave.w1 - weave.S01) / weave.S01)  # erratum E-14
+    assert loose["T1"] == pytest.approx(
+        weave.warp.EA * (2.08 * weave.w1 - weave.S01) / weave.S01
+    )  # erratum E-14
     assert loose["T2"] == 0.0
     middle = CellModel(fabric).solve(1.02, 1.01)
     assert CellModel(fabric, model="decoupled").solve(1.02, 1.01)["T1"] < middle["T1"] < stiff["T1"]
@@ -48,7 +50,10 @@ def test_rest_and_limits(fabric):
 
 def table_potential(table, x, y):
     """[J] the potential as the march reads it, at one pair of stretches."""
-    (rx, ry), (top1, top2) = (1 / np.array(table.steps)), (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
+    (rx, ry), (top1, top2) = (
+        (1 / np.array(table.steps)),
+        (axis.size - 2.0 for axis in (table.stretch1, table.stretch2)),
+    )
     grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
     rows, level = Panel(table).potential
     return table_kernels.potential(x, y, grid, rows, packed_table.beyond(table), level)
@@ -58,13 +63,24 @@ def table_forces(table, x, y):
     """Forces as the element reads them."""
     w1, w2 = table.model.fabric.weave.w
     rx, ry = (1 / step for step in table.steps)
-    x0, y0, top1, top2 = table.stretch1[0], table.stretch2[0], table.stretch1.size - 2.0, table.stretch2.size - 2.0
+    x0, y0, top1, top2 = (
+        table.stretch1[0],
+        table.stretch2[0],
+        table.stretch1.size - 2.0,
+        table.stretch2.size - 2.0,
+    )
     grid, room = (x0, rx, top1, y0, ry, top2, top2 + 1), np.zeros((2, x.size + 8))
     at, (N1, N2) = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid), room
     if table.model.form == "variational":
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
-            *at, Panel(table).potential[0], packed_table.beyond(table), per, np.zeros(16, np.int32), N1, N2
+            *at,
+            Panel(table).potential[0],
+            packed_table.beyond(table),
+            per,
+            np.zeros(16, np.int32),
+            N1,
+            N2,
         )
         assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
     else:
@@ -100,14 +116,32 @@ def test_forces_tell_what_tensions_cannot_exceed(name):
     const = panel.constants()
     x, y = (rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2))
     forces = table_forces(table, x, y)
-    at, T = (0, n, np.append(x, np.ones(8)), np.append(y, np.ones(8)), const.table_grid), np.zeros(n + 8)
+    at, T = (
+        (0, n, np.append(x, np.ones(8)), np.append(y, np.ones(8)), const.table_grid),
+        np.zeros(n + 8),
+    )
     for N, tension, unit, ceiling, yarn in (
-        (forces[0], const.tension1, const.tension_bound_step1, const.tension_bound_table1, panel.weave.warp),
-        (forces[1], const.tension2, const.tension_bound_step2, const.tension_bound_table2, panel.weave.weft),
+        (
+            forces[0],
+            const.tension1,
+            const.tension_bound_step1,
+            const.tension_bound_table1,
+            panel.weave.warp,
+        ),
+        (
+            forces[1],
+            const.tension2,
+            const.tension_bound_step2,
+            const.tension_bound_table2,
+            panel.weave.weft,
+        ),
     ):
         table_kernels.bilinear_tensions(*at, tension, (np.inf, np.inf), T)
         bounds = np.array(
-            [element_kernels.tension_bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling) for force in N]
+            [
+                element_kernels.tension_bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling)
+                for force in N
+            ]
         )
         assert np.all(T[:n] <= bounds)
         taut = (N > 0.2 * yarn.strength) & (N < yarn.strength)
@@ -130,12 +164,17 @@ def test_forces_beyond_the_table(name):
     ends = [axis[-1] for axis in (table.stretch1, table.stretch2)]
     inside = [rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2)]
     far = [end + rng.uniform(0, 0.4, n) for end in ends]
-    x, y = (np.concatenate(parts) for parts in ((inside[0], far[0], far[0]), (far[1], inside[1], far[1])))
+    x, y = (
+        np.concatenate(parts)
+        for parts in ((inside[0], far[0], far[0]), (far[1], inside[1], far[1]))
+    )
 
     def forces(x, y):
         return np.stack(table_forces(table, x, y)) * [[weave.warp_count], [weave.weft_count]]
 
-    by_x, by_y = ((forces(x + a, y + b) - forces(x - a, y - b)) / (2 * h) for a, b in ((h, 0.0), (0.0, h)))
+    by_x, by_y = (
+        (forces(x + a, y + b) - forces(x - a, y - b)) / (2 * h) for a, b in ((h, 0.0), (0.0, h))
+    )
     (k11, k21), (k12, k22) = by_x, by_y
     np.testing.assert_allclose(k12, k21, atol=1e-4 * table.stiffness())
     middle, radius = 0.5 * (k11 + k22), np.hypot(0.5 * (k11 - k22), k12)
@@ -144,7 +183,11 @@ def test_forces_beyond_the_table(name):
     for k in range(0, x.size, 500):
         per = [2 * w for w in weave.w]
         slopes = [
-            (table_potential(table, x[k] + a, y[k] + b) - table_potential(table, x[k] - a, y[k] - b)) / (2 * h)
+            (
+                table_potential(table, x[k] + a, y[k] + b)
+                - table_potential(table, x[k] - a, y[k] - b)
+            )
+            / (2 * h)
             for a, b in ((h, 0.0), (0.0, h))
         ]
         N = [part[0] for part in table_forces(table, x[k : k + 1], y[k : k + 1])]
@@ -153,7 +196,10 @@ def test_forces_beyond_the_table(name):
     np.testing.assert_allclose(
         table_forces(table, inside[0], edge + 1e-9), table_forces(table, inside[0], edge), atol=1e-4
     )
-    exact, found = table.model.solve(inside[0], far[1])["N1"], table_forces(table, inside[0], far[1])[0]
+    exact, found = (
+        table.model.solve(inside[0], far[1])["N1"],
+        table_forces(table, inside[0], far[1])[0],
+    )
     assert np.max(np.abs(found - exact)) < 0.5 * weave.warp.strength
 
 
@@ -161,7 +207,13 @@ def test_forces_beyond_the_table(name):
 def test_rest_is_the_lowest_energy(name):
     """A bicubic through the parabola that begins at first contact would dip below zero, and cloth at rest creep."""
     table = CellModel(catalogue.load(name)).table(61)
-    grid = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
+    grid = (
+        table.potential.reshape(-1, 16),
+        table.stretch1[0],
+        1 / table.steps[0],
+        59,
+        table.stretch2[0],
+    )
     for x, y in np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * table.steps + 1:
         assert relaxation_kernels.potential(x, y, *grid, 1 / table.steps[1], 59)[0] >= -1e-18
         assert table_potential(table, x, y) >= -1e-18
@@ -191,7 +243,10 @@ def test_values_and_slopes_are_continuous_from_cell_to_cell(form):
         value = np.moveaxis(coefficients, (2, 3), (0, 1))
         for part in (value, np.arange(1, 3)[:, None, None, None] * value[1:]):  # and its slope
             for across in np.linspace(0, 1, 5):
-                ends = polyval2d(1.0, across, part[:, :, :-1]), polyval2d(0.0, across, part[:, :, 1:])
+                ends = (
+                    polyval2d(1.0, across, part[:, :, :-1]),
+                    polyval2d(0.0, across, part[:, :, 1:]),
+                )
                 np.testing.assert_allclose(*ends, rtol=0, atol=1e-12 * np.abs(ends).max())
 
 

@@ -29,13 +29,22 @@ def difference(model, n):
 @pytest.mark.parametrize(
     "options",
     [
-        {"form": "equilibrium"}, {"profile": "straight"}, {"toe": 0.005}, {"gap": 2e-5}, {"model": "incompressible"},
-        {"model": "decoupled"}, {"reach": 20.0}, {"form": "equilibrium", "profile": "straight", "toe": (0.0, 0.01)},
+        {"form": "equilibrium"},
+        {"profile": "straight"},
+        {"toe": 0.005},
+        {"gap": 2e-5},
+        {"model": "incompressible"},
+        {"model": "decoupled"},
+        {"reach": 20.0},
+        {"form": "equilibrium", "profile": "straight", "toe": (0.0, 0.01)},
     ],
     ids=str,
-)  # fmt: skip
+)
 def test_options_of_the_cell(options):
-    assert difference(CellModel(catalogue.load("S-720").with_effective_density(), **options), 51) < ROUNDING
+    assert (
+        difference(CellModel(catalogue.load("S-720").with_effective_density(), **options), 51)
+        < ROUNDING
+    )
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -45,7 +54,9 @@ def test_random_cells(seed):
     crimp = tuple(float(3.0**x) for x in random.uniform(-1, 0.7, 2))
     fabric = catalogue.load(str(random.choice(FABRICS))).with_effective_density()
     fabric = variants.scale_yarns(fabric, E=float(2.0 ** random.uniform(-1, 1)), crimp=crimp)
-    fabric = variants.scale_laws(fabric, float(random.uniform(0.5, 1.5)), float(random.uniform(0.5, 1.5)))
+    fabric = variants.scale_laws(
+        fabric, float(random.uniform(0.5, 1.5)), float(random.uniform(0.5, 1.5))
+    )
     assert difference(CellModel(fabric), 51) < ROUNDING
 
 
@@ -71,7 +82,9 @@ def test_extreme_crimps(crimps, counts):
     """Up to 15 %, in uneven cells: folded yarns, which stay in contact at every stretch, among them."""
     laws = catalogue.load("S-728").laws
     fabric = Fabric(
-        "crimped", Weave(*(Yarn(100e-6, 1440.0, 90e9, 0.03, crimp) for crimp in crimps), *counts), laws=laws
+        "crimped",
+        Weave(*(Yarn(100e-6, 1440.0, 90e9, 0.03, crimp) for crimp in crimps), *counts),
+        laws=laws,
     )
     for model, form in itertools.product(MODELS, FORMS):
         assert difference(CellModel(fabric, laws, model=model, form=form), 31) < ROUNDING
@@ -88,7 +101,9 @@ def test_steps_that_do_not_converge_are_reported_and_the_cell_is_solved_by_neste
     assert near == pytest.approx((found["F"], found["h1"], found["h2"]), rel=1e-10)
     far = fill_kernels.close_cell(*cell, (1e10 * found["F"], 40 * found["h1"], found["h2"]))
     assert far[0] == -1
-    contact = model.table(41).values["F"] > 0  # begins in the row, where the cell before has no force to start from
+    contact = (
+        model.table(41).values["F"] > 0
+    )  # begins in the row, where the cell before has no force to start from
     assert np.any(contact[:, 1:] & ~contact[:, :-1])
 
 

@@ -13,8 +13,12 @@ from shellfabric.impact.simulation import ImpactSetup, run
 
 def sampled(fabric, d1, d2, form="variational"):
     """The surface that the cell of the fabric's own law has."""
-    state = CellModel(fabric, form=form).solve(1 + d1[:, None] / fabric.weave.w1, 1 + d2[None, :] / fabric.weave.w2)
-    return ResponseSurface(d1, d2, *(state[name] for name in ("N1", "N2", "F", "h1", "h2")), fabric=fabric.name)
+    state = CellModel(fabric, form=form).solve(
+        1 + d1[:, None] / fabric.weave.w1, 1 + d2[None, :] / fabric.weave.w2
+    )
+    return ResponseSurface(
+        d1, d2, *(state[name] for name in ("N1", "N2", "F", "h1", "h2")), fabric=fabric.name
+    )
 
 
 def axis(lowest, highest, n):
@@ -23,7 +27,9 @@ def axis(lowest, highest, n):
 
 def inside(table, cell):
     """Nodes of a table that lie in the surface's region, as indices."""
-    return np.ix_(*((a <= x) & (x <= b) for x, (a, b) in zip((table.stretch1, table.stretch2), cell.region)))
+    return np.ix_(
+        *((a <= x) & (x <= b) for x, (a, b) in zip((table.stretch1, table.stretch2), cell.region))
+    )
 
 
 @pytest.mark.parametrize("form", ["variational", "direct"])
@@ -40,7 +46,9 @@ def test_surface_of_a_law_gives_the_table_of_the_law(fabric, form):
     at_rest = tuple(np.argmin(np.abs(stretch - 1)) for stretch in (table.stretch1, table.stretch2))
     assert all(table.values[name][at_rest] == 0.0 for name in ("T1", "T2", "N1", "N2", "W"))
     assert table.residual < 1e-3
-    assert table.values["W"][part] == pytest.approx(law.values["W"][part], abs=5e-3 * law.values["W"].max())
+    assert table.values["W"][part] == pytest.approx(
+        law.values["W"][part], abs=5e-3 * law.values["W"].max()
+    )
 
 
 def test_potential_of_a_gradient_is_found():
@@ -52,7 +60,10 @@ def test_potential_of_a_gradient_is_found():
     assert residual < 1e-3
     np.testing.assert_allclose(wx, fx, atol=1e-4)
     np.testing.assert_allclose(wy, fy, atol=1e-4)
-    assert potential(fx + 0.01 * (y - 0.5), fy - 0.01 * (x - 0.5), (1e-3, 1e-3), np.ones_like(x))[3] > 0.02
+    assert (
+        potential(fx + 0.01 * (y - 0.5), fy - 0.01 * (x - 0.5), (1e-3, 1e-3), np.ones_like(x))[3]
+        > 0.02
+    )
 
 
 @pytest.mark.parametrize("lowest", [0, -12])
@@ -60,7 +71,10 @@ def test_extension_is_continuous(fabric, lowest):
     """Forces go on over the edge of the region, to slack yarns below and stiff ones above it."""
     cell = SurfaceCell(fabric, sampled(fabric, axis(lowest, 24, 13), axis(lowest, 24, 13)))
     (low, high), strength = cell.region[0], fabric.weave.warp.strength
-    x, y = np.sort(np.r_[low - 1e-7, low, high, high + 1e-7, 0.94, 1.06]), np.linspace(0.945, 1.045, 41)
+    x, y = (
+        np.sort(np.r_[low - 1e-7, low, high, high + 1e-7, 0.94, 1.06]),
+        np.linspace(0.945, 1.045, 41),
+    )
     T1, T2 = cell.solve(x, y)["T1"], cell.solve(x, y)["T2"]
     for T in (T1, T2):
         assert np.abs(T[2] - T[1]).max() < 1e-3 * strength
@@ -82,4 +96,6 @@ def test_surface_of_the_3d_crossover(fabric):
     assert result.outcome == "stopped"
     assert result.energy_error_max < 5e-4
     assert result.panel.table.residual < 2e-3
-    assert result.nose_position[-1] == pytest.approx(18.56e-3, rel=0.02)  # 18.56 mm with the published law
+    assert result.nose_position[-1] == pytest.approx(
+        18.56e-3, rel=0.02
+    )  # 18.56 mm with the published law

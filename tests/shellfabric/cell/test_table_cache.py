@@ -17,7 +17,9 @@ MODEL = CellModel(catalogue.load("S-720").with_effective_density())
 def fills(tmp_path, monkeypatch):
     """The models that tables have been filled for, with an empty cache."""
     seen, fill = [], CellTable.fill.__func__
-    monkeypatch.setattr(CellTable, "fill", classmethod(lambda cls, m, *a: seen.append(m) or fill(cls, m, *a)))
+    monkeypatch.setattr(
+        CellTable, "fill", classmethod(lambda cls, m, *a: seen.append(m) or fill(cls, m, *a))
+    )
     monkeypatch.setenv("WEAVECELL_CACHE_DIR", str(tmp_path))
     return seen
 
@@ -35,7 +37,11 @@ def test_a_kept_table_is_the_filled_one_and_that_of_no_other_cell(fills):
     assert_equal(table_cache.table(MODEL, 21), filled)
     assert len(fills) == 1
     assert_equal(MODEL.table(21), filled)
-    for model, size in ((MODEL, 23), (replace(MODEL, gap=1e-6), 21), (replace(MODEL, form="equilibrium"), 21)):
+    for model, size in (
+        (MODEL, 23),
+        (replace(MODEL, gap=1e-6), 21),
+        (replace(MODEL, form="equilibrium"), 21),
+    ):
         table_cache.table(model, size)
     assert len(fills) == 5
 

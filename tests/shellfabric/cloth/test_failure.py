@@ -26,7 +26,12 @@ def hat_mean(x, values, whole, place, length, mirrored):
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.lists(st.floats(0.2, 3.0), min_size=4, max_size=30), st.floats(0.1, 5.0), st.booleans(), st.randoms())
+@given(
+    st.lists(st.floats(0.2, 3.0), min_size=4, max_size=30),
+    st.floats(0.1, 5.0),
+    st.booleans(),
+    st.randoms(),
+)
 def test_means_are_integrals_of_the_hat(sides, length, mirrored, random):
     """On any grid and for any length, not only whole numbers of elements, with broken lines and a plane of symmetry."""
     x = np.insert(np.cumsum(sides), 0, 0.0)
@@ -124,7 +129,9 @@ def test_each_line_breaks_by_itself_and_a_hole_does_not_shield_its_rim():
     part = lines.weights[at] * (np.arange(lines.weights.shape[1]) + lines.first[at] != middle)
     near = slice(lines.first[at], lines.first[at] + part.size)
     expected = part @ T[row, near] / part.sum()
-    assert failure_kernels.mean_tension(const, state, 0, row, at) == pytest.approx(expected, rel=1e-12)
+    assert failure_kernels.mean_tension(const, state, 0, row, at) == pytest.approx(
+        expected, rel=1e-12
+    )
     assert expected > 0.5 * 0.9 * strength
 
 

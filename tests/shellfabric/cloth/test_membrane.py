@@ -30,13 +30,17 @@ GRADINGS += [((8, 1 / 3), (INF, 2))]
 
 
 @pytest.mark.parametrize("grading", GRADINGS)
-@pytest.mark.parametrize("strain", [[[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]], [[0.95, 0.0], [0.0, 0.97], [0.0, 0.0]]])
+@pytest.mark.parametrize(
+    "strain", [[[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]], [[0.95, 0.0], [0.0, 0.97], [0.0, 0.0]]]
+)
 def test_patch(grading, strain):
     """Under any uniform strain all stretches are the same and no inner node feels a force, with jamming too where the
     fabric is pressed together, in all zones and where they meet."""
     changes = {"symmetry": "whole", "failure": False, "grading": grading, "jam": (100.0, 1.0)}
     panel = make_panel(0.06, edge="free", numerics=UNDAMPED, **changes)
-    state = bring(panel, panel.state(1.0), np.stack(panel.coordinates(), axis=-1) @ np.transpose(strain))
+    state = bring(
+        panel, panel.state(1.0), np.stack(panel.coordinates(), axis=-1) @ np.transpose(strain)
+    )
     for L, y, column in zip(state.stretch, state.yarn_length, np.transpose(strain)):
         np.testing.assert_allclose(L[y > 0], np.linalg.norm(column), rtol=1e-13)
     f = node_forces(panel, state)
@@ -59,9 +63,14 @@ def plain_gather(rows, s, rx, ry, A, B, on1, on2, cross):
                 pull = on2[k] * B[c][k]
                 g[c, i, j] += pull
                 g[c, i, j + 1] -= pull
-                turned, over = rx * cross[k] * (B[c][k] + B[c][up]), ry * cross[k] * (A[c][k] + A[c][k + 1])
+                turned, over = (
+                    rx * cross[k] * (B[c][k] + B[c][up]),
+                    ry * cross[k] * (A[c][k] + A[c][k + 1]),
+                )
                 for m, n in ((0, 0), (0, 1), (1, 0), (1, 1)):
-                    g[c, i + m, j + n] += (turned if m == 0 else -turned) + (over if n == 0 else -over)
+                    g[c, i + m, j + n] += (turned if m == 0 else -turned) + (
+                        over if n == 0 else -over
+                    )
     return g
 
 
@@ -94,7 +103,9 @@ def test_edges_of_a_step_against_their_plain_twin(again):
     for k in range(n):
         m, (before, force, last) = k + 1, (x[k] for x in was)
         d = last if again else stretch[m] - before
-        assert on[m] == pytest.approx(3.0 * inverse[m] * (y[k] * (N[m] + cv * d) - turned[m] - turned[m - 1]))
+        assert on[m] == pytest.approx(
+            3.0 * inverse[m] * (y[k] * (N[m] + cv * d) - turned[m] - turned[m - 1])
+        )
         assert (L[k], P[k], D[k]) == (stretch[m], N[m], np.float32(d))
         works += y[k] * d * np.array([0.5 * (force + N[m]), 0.5 * cv * (last + d)])
     np.testing.assert_allclose(found, works, rtol=1e-12)
@@ -120,14 +131,19 @@ def test_uniform_tension_cancels_exactly():
 def test_trellis_against_the_law(fabric):
     """The kernels' shear, with and without branches, against fabrics.trellis and its integral; odd in the angle."""
     law = fabric.shear
-    gamma, constants = np.linspace(-1.4, 1.4, 281), np.array([law.G1, law.G2, law.gamma1, law.gamma2])
+    gamma, constants = (
+        np.linspace(-1.4, 1.4, 281),
+        np.array([law.G1, law.G2, law.gamma1, law.gamma2]),
+    )
     slope = np.empty(gamma.size + 8)
     shear_slopes(gamma.size, np.append(np.sin(gamma), np.zeros(8)), *constants, slope)
     np.testing.assert_allclose(slope[:-8] * np.cos(gamma), law.stress(gamma), rtol=1e-11, atol=1e-6)
     stress, energy = np.transpose([trellis_kernels.trellis_law(g, *constants) for g in gamma])
     np.testing.assert_allclose(stress, law.stress(gamma), rtol=1e-12, atol=1e-9)
     for g, stored in zip(gamma[::9], energy[::9]):
-        assert stored == pytest.approx(quad(law.stress, 0, g, points=np.sign(g) * constants[2:])[0], rel=1e-9)
+        assert stored == pytest.approx(
+            quad(law.stress, 0, g, points=np.sign(g) * constants[2:])[0], rel=1e-9
+        )
 
 
 def test_kinetic_energy_of_free_nodes():
@@ -140,12 +156,17 @@ def test_kinetic_energy_of_free_nodes():
     ply_kernels.energies(state, const, None, out)
     mass, expected = grid(const, state.mass), 0.0
     for c in range(3):
-        v, force = grid(const, state.v[c]), grid(const, state.f_int[c] + state.f_int_above[c] + state.f_contact[c])
+        v, force = (
+            grid(const, state.v[c]),
+            grid(const, state.f_int[c] + state.f_int_above[c] + state.f_contact[c]),
+        )
         expected += 0.5 * np.sum((mass * v * (v + const.dt * force / mass))[free])
     assert out[ply_kernels.KINETIC] == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize(("weft_mass", "share"), [(1e-6, 1.0), (1.0, 0.5**0.5)], ids=["straight yarn", "woven yarn"])
+@pytest.mark.parametrize(
+    ("weft_mass", "share"), [(1e-6, 1.0), (1.0, 0.5**0.5)], ids=["straight yarn", "woven yarn"]
+)
 def test_longitudinal_wave_speed(straight, weft_mass, share):
     """A straight yarn carries sqrt(E / rho); with a crossing yarn of its own mass to move, that over sqrt 2 (E-38)."""
     fabric = straight(weft_mass)
@@ -168,14 +189,22 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
             if i not in arrivals and state.N[0][i * s] > 0.5 * full:
                 arrivals[i] = state.counter[0] * const.dt
     speed = (stations[1] - stations[0]) * const.dx / (arrivals[stations[1]] - arrivals[stations[0]])
-    assert speed == pytest.approx(share * (fabric.weave.warp.E / fabric.weave.warp.fibre_density) ** 0.5, rel=0.01)
+    assert speed == pytest.approx(
+        share * (fabric.weave.warp.E / fabric.weave.warp.fibre_density) ** 0.5, rel=0.01
+    )
 
 
-BENT = {"form": "variational", "bending": (0.1, 0.1), "strain": 0.0, "cfl": 0.99}  # a thousand times as stiff as solid
+BENT = {
+    "form": "variational",
+    "bending": (0.1, 0.1),
+    "strain": 0.0,
+    "cfl": 0.99,
+}  # a thousand times as stiff as solid
 
 
 @pytest.mark.parametrize(
-    ("changes", "factor", "holds"), [({}, 0.99, True), ({}, 1.02, False), (BENT, 1.0, True), (BENT, 1.6, False)]
+    ("changes", "factor", "holds"),
+    [({}, 0.99, True), ({}, 1.02, False), (BENT, 1.0, True), (BENT, 1.6, False)],
 )
 def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
     """Straight yarns are as stiff as the bound supposes: above it a taut panel, and one of stiff yarns, blows up.
@@ -186,17 +215,29 @@ def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
     table = CellModel(straight(1.0), model="decoupled", form=settings["form"]).table(51)
     numerics = Numerics(cfl=settings["cfl"], stretch_viscosity=0.0)
     panel = make_panel(
-        table=table, edge="free", failure=False, symmetry="whole", numerics=numerics, bending=settings["bending"]
+        table=table,
+        edge="free",
+        failure=False,
+        symmetry="whole",
+        numerics=numerics,
+        bending=settings["bending"],
     )
-    monkeypatch.setattr(Panel, "time_step", factor * (panel.time_step if changes else panel.critical_step))
+    monkeypatch.setattr(
+        Panel, "time_step", factor * (panel.time_step if changes else panel.critical_step)
+    )
     solver = solver_at_rest(panel, 1.0)
     state, const = solver.state, solver.const
     state.projectile_position[2] = -1.0
     inside = np.zeros(rest(panel).shape[:2])
     inside[1:-1, 1:-1] = 1.0
-    state.dt_over_mass[: inside.size] = const.dt * state.inverse_mass[: inside.size] * inside.ravel()
+    state.dt_over_mass[: inside.size] = (
+        const.dt * state.inverse_mass[: inside.size] * inside.ravel()
+    )
     set_nodal(state.u, settings["strain"] * rest(panel))
-    set_nodal(state.v, np.random.default_rng(0).normal(scale=1e-3, size=(*inside.shape, 3)) * inside[..., None])
+    set_nodal(
+        state.v,
+        np.random.default_rng(0).normal(scale=1e-3, size=(*inside.shape, 3)) * inside[..., None],
+    )
     state.active_rows[:] = 0, const.ni
     ply_kernels.initial_forces(state, const, None, panel.work())
     advance(solver, 400)
@@ -220,13 +261,21 @@ def highest_frequency(panel, x):
     return found
 
 
-@pytest.mark.parametrize("stretches", [(1.0, 1.0), (0.7, 0.7), (0.3, 0.3), (0.1, 0.1), (0.02, 0.02), (0.02, 0.9)])
+@pytest.mark.parametrize(
+    "stretches", [(1.0, 1.0), (0.7, 0.7), (0.3, 0.3), (0.1, 0.1), (0.02, 0.02), (0.02, 0.9)]
+)
 def test_cloth_that_is_drawn_together_stays_within_the_time_step(stretches):
     """The trellis alone, sheared beyond the angle at which it locks: along unit vectors its stiffness grows as the
     inverse square of the stretch, and the step of cloth at rest is ten times too long at a stretch of 0.1."""
     panel = make_panel(edge="free", symmetry="whole")
-    (X, Y), directions = panel.coordinates(), ((np.cos(0.4), np.sin(0.4)), (np.sin(0.4), np.cos(0.4)))
-    x = np.stack([stretches[0] * X * a + stretches[1] * Y * b for a, b in zip(*directions)] + [0 * X], axis=-1)
+    (X, Y), directions = (
+        panel.coordinates(),
+        ((np.cos(0.4), np.sin(0.4)), (np.sin(0.4), np.cos(0.4))),
+    )
+    x = np.stack(
+        [stretches[0] * X * a + stretches[1] * Y * b for a, b in zip(*directions)] + [0 * X],
+        axis=-1,
+    )
     assert highest_frequency(panel, x) * panel.time_step < 2.0
 
 
@@ -241,7 +290,9 @@ def test_nodes_may_be_ten_times_as_fast_as_what_sets_them_in_motion(velocity):
     """The projectile, or in a slow strike a yarn that breaks at the strain e: e c."""
     panel = make_panel()
     march = PackSolver(panel, velocity, 5e-6).run()
-    speed = 10 * max(velocity, *(yarn.failure_strain * yarn.wave_speed for yarn in panel.weave.yarns))
+    speed = 10 * max(
+        velocity, *(yarn.failure_strain * yarn.wave_speed for yarn in panel.weave.yarns)
+    )
     assert (speed == 4000.0) == (velocity == 400.0)
     march.state.v[2][30] = 0.9 * speed
     march._guard()

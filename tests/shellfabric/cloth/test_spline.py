@@ -13,7 +13,12 @@ from shellfabric.projectile.projectile import Projectile
 def shaken(panel, firm):
     """(state, constants) of a panel with its nodes out of place, a projectile that has gone a little into it, and all
     that moving; with firm springs also what they foresee, and by what they sped up the nodes a step ago."""
-    rng, state, const, size = np.random.default_rng(0), panel.state(100.0), panel.constants(), rest(panel).shape
+    rng, state, const, size = (
+        np.random.default_rng(0),
+        panel.state(100.0),
+        panel.constants(),
+        rest(panel).shape,
+    )
     set_nodal(state.u, 0.05 * const.dx * rng.normal(size=size))
     set_nodal(state.v, rng.normal(size=size))
     state.projectile_position[2] += 0.4e-3
@@ -46,8 +51,13 @@ def plain_weights(state, const, i, j, s, t):
     q, r = int(s > 0.5), int(t > 0.5)
     m, n = i + q, j + r
     knots = np.arange(-1.5, 2.0)
-    basis = [[float(BSpline.basis_element(knots[:4] + k)(z)) if abs(z - k) < 1.5 else 0.0 for k in (-1, 0, 1)]
-             for z in (s - q, t - r)]  # fmt: skip
+    basis = [
+        [
+            float(BSpline.basis_element(knots[:4] + k)(z)) if abs(z - k) < 1.5 else 0.0
+            for k in (-1, 0, 1)
+        ]
+        for z in (s - q, t - r)
+    ]
     along = [
         whole_edge(state, const, 0, m - 1, n) and whole_edge(state, const, 0, m, n),
         whole_edge(state, const, 1, m, n - 1) and whole_edge(state, const, 1, m, n),
@@ -67,8 +77,12 @@ def plain_weights(state, const, i, j, s, t):
             weights[1 - side] = 0.0
             weights[1] += 2 * ghost
             weights[1 + side] -= ghost
-    return {(m + a - 1, n + b - 1): basis[0][a] * basis[1][b] for a in range(3) for b in range(3)
-            if basis[0][a] * basis[1][b] != 0.0}  # fmt: skip
+    return {
+        (m + a - 1, n + b - 1): basis[0][a] * basis[1][b]
+        for a in range(3)
+        for b in range(3)
+        if basis[0][a] * basis[1][b] != 0.0
+    }
 
 
 def plain_contact(panel, state, const):
@@ -76,13 +90,28 @@ def plain_contact(panel, state, const):
     forces has firm springs; the sizes of those of a step ago count in them alone."""
     force, work, spring = np.zeros((const.ni + 1, const.nj + 1, 3)), 0.0, 0.0
     X, n = panel.coordinates()[0], (const.ni + 1) * const.row_stride
-    x = rest(panel) + np.stack([u[:n].reshape(X.shape) for u in state.u], axis=-1) - state.projectile_position
+    x = (
+        rest(panel)
+        + np.stack([u[:n].reshape(X.shape) for u in state.u], axis=-1)
+        - state.projectile_position
+    )
     v = np.stack([v[:n].reshape(X.shape) for v in state.v], axis=-1) - state.projectile_velocity
     firm = const.point_law.implicit_factor
-    due, pushed = (np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if firm else 0 * v
-                   for name in (state.dv_other, state.dv_contact))  # fmt: skip
-    hard, i_near, columns = firm or 1.0, const.window_limits[0], const.window_limits[3] - const.window_limits[2]
-    nose = const.projectile_radius, const.edge_radius, const.projectile_length, const.nose_parameters
+    due, pushed = (
+        np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if firm else 0 * v
+        for name in (state.dv_other, state.dv_contact)
+    )
+    hard, i_near, columns = (
+        firm or 1.0,
+        const.window_limits[0],
+        const.window_limits[3] - const.window_limits[2],
+    )
+    nose = (
+        const.projectile_radius,
+        const.edge_radius,
+        const.projectile_length,
+        const.nose_parameters,
+    )
     i0, i1, j0, j1 = state.contact_window
     for i in range(i0, i1):
         for j in range(j0, j1):
@@ -94,7 +123,9 @@ def plain_contact(panel, state, const):
                     assert sum(shares.values()) == pytest.approx(1.0)
                     p = sum(w * x[k] for k, w in shares.items())
                     moving = sum(w * v[k] for k, w in shares.items())
-                    depth, *normal = sdf_kernels.distance(const.nose_shape, *(const.frame @ p), *nose)
+                    depth, *normal = sdf_kernels.distance(
+                        const.nose_shape, *(const.frame @ p), *nose
+                    )
                     if depth >= 0 or p[2] >= 0:
                         continue
                     near = [
@@ -102,15 +133,23 @@ def plain_contact(panel, state, const):
                         state.intact_fraction[1][(i + (s > 0.5)) * const.row_stride + j],
                     ]
                     part, normal = np.mean(near), np.array(normal) @ const.frame
-                    k, c = part * hard * const.point_law.stiffness, part * hard**0.5 * const.point_law.damping
+                    k, c = (
+                        part * hard * const.point_law.stiffness,
+                        part * hard**0.5 * const.point_law.damping,
+                    )
                     if firm:
                         c += k * const.dt
                         e = (i - i_near) * columns + j - const.window_limits[2]
-                        before = state.last_contact_force[e, a * const.points_per_side + b] + state.force_scale[0]
+                        before = (
+                            state.last_contact_force[e, a * const.points_per_side + b]
+                            + state.force_scale[0]
+                        )
                         speeding = max(normal @ sum(w * pushed[m] for m, w in shares.items()), 0.0)
                         speeding += state.force_scale[0] * const.dt / const.point_law.mass
                         moving_on = moving + sum(w * due[m] for m, w in shares.items())
-                        f = max(-c * normal @ moving_on - k * depth, 0.0) / (1.0 + c * speeding / before)
+                        f = max(-c * normal @ moving_on - k * depth, 0.0) / (
+                            1.0 + c * speeding / before
+                        )
                     else:
                         f = max(-c * normal @ moving - k * depth, 0.0)
                     spring += 0.5 * -depth * (min(f, -k * depth) if firm else -k * depth)
@@ -143,7 +182,9 @@ def test_kernel_is_its_plain_twin(cuts, shape, firm):
     force, taken, held = pressed(panel, state, const)
     assert np.abs(expected).max() > 0
     np.testing.assert_allclose(force, expected, atol=1e-12 * np.abs(expected).max())
-    np.testing.assert_allclose(state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * np.abs(force).sum())
+    np.testing.assert_allclose(
+        state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * np.abs(force).sum()
+    )
     assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
 
 
@@ -160,7 +201,10 @@ def test_an_element_that_is_apart_touches_nothing():
             for s, t in rng.uniform(0, 1, (50, 2)):
                 q, r = int(s > 0.5), int(t > 0.5)
                 for bent in (True, False):
-                    A, B = spline_kernels.node_weights(s - q, bent), spline_kernels.node_weights(t - r, True)
+                    A, B = (
+                        spline_kernels.node_weights(s - q, bent),
+                        spline_kernels.node_weights(t - r, True),
+                    )
                     p = np.einsum("a,b,abc", A, B, x[q : q + 3, m + r : m + r + 3])
                     assert p[2] > 0 or np.hypot(p[0], p[1]) > 1.0
     assert found > 50
@@ -172,7 +216,9 @@ def test_shares_are_the_weights_of_the_points(p):
     found, along = spline_kernels.shape_functions(p, -(-(p * p) // 8) * 8), np.zeros((2, 4, p))
     for bent in range(2):
         for a, z in enumerate((np.arange(p) + 0.5) / p):
-            along[bent, int(z > 0.5) :, a][:3] = spline_kernels.node_weights(z - int(z > 0.5), bent == 1)
+            along[bent, int(z > 0.5) :, a][:3] = spline_kernels.node_weights(
+                z - int(z > 0.5), bent == 1
+            )
     expected = np.concatenate([np.repeat(along, p, axis=2), np.tile(along, p)], axis=1)
     np.testing.assert_allclose(found[:, :, : p * p], expected, atol=1e-15)
     assert not found[:, :, p * p :].any()

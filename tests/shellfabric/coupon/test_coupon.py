@@ -30,9 +30,13 @@ def coupon(request, table):
     w = table.model.fabric.weave.w1
 
     def cross(x, y):
-        return ((np.abs(x) < 4.1 * w) | (np.abs(y) < 4.1 * w)) & (np.maximum(np.abs(x), np.abs(y)) < 8.1 * w)
+        return ((np.abs(x) < 4.1 * w) | (np.abs(y) < 4.1 * w)) & (
+            np.maximum(np.abs(x), np.abs(y)) < 8.1 * w
+        )
 
-    return mesh_coupon(table, cross, 8.1 * w, woven=lambda x, y: (np.abs(y) < 4 * w, np.abs(x) < 4 * w))
+    return mesh_coupon(
+        table, cross, 8.1 * w, woven=lambda x, y: (np.abs(y) < 4 * w, np.abs(x) < 4 * w)
+    )
 
 
 def crumpled(coupon, seed=1):
@@ -45,14 +49,19 @@ def crumpled(coupon, seed=1):
 def twin(coupon, x):
     """Energy from the definitions: the potential by its coefficients, every mean by a search of the edges."""
     table, weave, shear, energy = coupon.table, coupon.weave, coupon.table.model.fabric.shear, 0.0
-    lengths = [np.linalg.norm(x[e[:, 1]] - x[e[:, 0]], axis=1) / d for e, d in zip(coupon.edges, coupon.spacing)]
+    lengths = [
+        np.linalg.norm(x[e[:, 1]] - x[e[:, 0]], axis=1) / d
+        for e, d in zip(coupon.edges, coupon.spacing)
+    ]
     sides = set()
     for p, q, r, s in coupon.quads:
         sides |= {frozenset(side) for side in ((p, q), (s, r), (p, s), (q, r))}
     woven = [[frozenset(e) in sides for e in edges] for edges in coupon.edges]
 
     def potential(l1, l2):
-        p, q = ((l - g[0]) / (g[1] - g[0]) for l, g in zip((l1, l2), (table.stretch1, table.stretch2)))
+        p, q = (
+            (l - g[0]) / (g[1] - g[0]) for l, g in zip((l1, l2), (table.stretch1, table.stretch2))
+        )
         p, q = max(p, 0), max(q, 0)
         i, j = (min(int(v), g.size - 2) for v, g in zip((p, q), (table.stretch1, table.stretch2)))
         basis = []
@@ -68,7 +77,11 @@ def twin(coupon, x):
             if not woven[m][e]:
                 energy += n * 0.5 * yarn.EA * max(2 * w * own - S0, 0) ** 2 / S0
                 continue
-            others = [k for k, o in enumerate(coupon.edges[1 - m]) if woven[1 - m][k] and set(o) & set(ends)]
+            others = [
+                k
+                for k, o in enumerate(coupon.edges[1 - m])
+                if woven[1 - m][k] and set(o) & set(ends)
+            ]
             mean = np.mean(lengths[1 - m][others])
             energy += 0.5 * n * (potential(own, mean) if m == 0 else potential(mean, own))
     dX, dY = coupon.spacing
@@ -76,9 +89,12 @@ def twin(coupon, x):
         a, b = x[q] - x[p] + x[r] - x[s], x[s] - x[p] + x[r] - x[q]
         gamma = np.arcsin(a @ b / np.linalg.norm(a) / np.linalg.norm(b))
         points, weights = np.polynomial.legendre.leggauss(30)
-        energy += dX * dY * weave.thickness * np.sum(
-            0.5 * gamma * weights * shear.stress(0.5 * gamma * (1 + points))
-        )  # fmt: skip
+        energy += (
+            dX
+            * dY
+            * weave.thickness
+            * np.sum(0.5 * gamma * weights * shear.stress(0.5 * gamma * (1 + points)))
+        )
     return energy
 
 
@@ -98,7 +114,9 @@ def test_forces_are_the_gradient(coupon):
                 moved = x.copy()
                 moved[node, c] += sign * 1e-9
                 energies.append(sum(coupon.forces(moved)[2]))
-            assert f[node, c] == pytest.approx((energies[1] - energies[0]) / 2e-9, abs=2e-5 * np.abs(f).max())
+            assert f[node, c] == pytest.approx(
+                (energies[1] - energies[0]) / 2e-9, abs=2e-5 * np.abs(f).max()
+            )
 
 
 def test_forces_turn_with_the_cloth(coupon):
@@ -150,7 +168,13 @@ def test_angles_beyond_a_right_angle(table):
 
 def test_slack_yarns_carry_nothing(table):
     """Below the table the tension is zero whatever the other yarn does, and so it is at the table's lowest edge."""
-    args = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
+    args = (
+        table.potential.reshape(-1, 16),
+        table.stretch1[0],
+        1 / table.steps[0],
+        59,
+        table.stretch2[0],
+    )
     args += 1 / table.steps[1], 59
     for other in np.linspace(0.95, 1.2, 40):
         assert abs(relaxation_kernels.potential(table.stretch1[0] - 0.01, other, *args)[1]) < 1e-12
@@ -160,7 +184,9 @@ def test_slack_yarns_carry_nothing(table):
 def test_mean_tensions_against_the_plain_twin(coupon):
     """The hat about each segment over those beside it, by their widths; on outlines, at any angle and any length."""
     fabric = replace(coupon.table.model.fabric, failure_length=2.7e-3)
-    wide = replace(coupon, table=replace(coupon.table, model=replace(coupon.table.model, fabric=fabric)))
+    wide = replace(
+        coupon, table=replace(coupon.table, model=replace(coupon.table.model, fabric=fabric))
+    )
     x = crumpled(wide)
     for family, (T, means) in enumerate(zip(wide.tensions(x), wide.mean_tensions(x))):
         middles, side = wide.points[wide.edges[family]].mean(axis=1), wide.spacing[1 - family]
@@ -170,6 +196,8 @@ def test_mean_tensions_against_the_plain_twin(coupon):
         for k in range(0, T.size, 7):
             away = middles - middles[k]
             beside = np.abs(away @ along) < 1e-3 * side
-            hat = np.maximum(0, 1 - np.abs(away[beside] @ (-along[1], along[0]) + y[:, None]) / 2.7e-3).mean(axis=0)
+            hat = np.maximum(
+                0, 1 - np.abs(away[beside] @ (-along[1], along[0]) + y[:, None]) / 2.7e-3
+            ).mean(axis=0)
             part = hat * wide.cells[family][beside]
             assert means[k] == pytest.approx(part @ T[beside] / part.sum(), rel=1e-3)

@@ -24,7 +24,9 @@ def crimped(tables):
     return tables["variational"]
 
 
-def pulled(table, n, threshold, end=60e-6, velocity=2.0, numerics=NUMERICS, interval=1e-6, **others):
+def pulled(
+    table, n, threshold, end=60e-6, velocity=2.0, numerics=NUMERICS, interval=1e-6, **others
+):
     friction = CrossoverFriction(mu=others.pop("mu", 0.0), cohesion=threshold)
     coupon = PullOut(table, n, velocity, friction=friction, numerics=numerics, **others)
     return pull_out.run(coupon, end, interval=interval)
@@ -55,11 +57,15 @@ def test_the_front_of_slip_travels_at_the_wave_speed_of_a_free_yarn(table):
 
 
 @pytest.mark.parametrize(("together", "stiffness"), [(True, 1.0), (False, 0.75)])
-def test_the_load_before_the_front_has_come_back_is_that_of_an_infinite_yarn(table, together, stiffness):
+def test_the_load_before_the_front_has_come_back_is_that_of_an_infinite_yarn(
+    table, together, stiffness
+):
     """sqrt(EA rho) V. One yarn alone has 3/4 of its stiffness, see PullOut."""
     yarn = table.model.fabric.weave.warp
     found = pulled(table, 100, 0.0, end=12e-6, together=together)
-    assert found.load[-1] == pytest.approx(2.0 * (stiffness * yarn.EA * yarn.linear_density) ** 0.5, rel=0.003)
+    assert found.load[-1] == pytest.approx(
+        2.0 * (stiffness * yarn.EA * yarn.linear_density) ** 0.5, rel=0.003
+    )
 
 
 def test_nothing_slides_where_the_threshold_is_infinite(table):
@@ -73,7 +79,9 @@ def test_the_load_falls_as_the_tail_leaves_the_crossings(table):
     found = pulled(table, n, threshold, end=5.2 * side / velocity, velocity=velocity)
     moved = found.displacement / side
     plateau = [found.load[(moved > a) & (moved < a + 0.5)].mean() for a in (0.9, 2.9, 4.6)]
-    left = [np.floor(a + 0.5) for a in (0.9, 2.9, 4.6)]  # half a spacing of tail, and one more a crossing
+    left = [
+        np.floor(a + 0.5) for a in (0.9, 2.9, 4.6)
+    ]  # half a spacing of tail, and one more a crossing
     expected = [threshold * (n - lost) for lost in left]
     assert plateau == pytest.approx(expected, rel=0.02)
     assert found.energy_error < 0.005
@@ -107,7 +115,9 @@ def test_the_contact_force_of_flexible_yarns_is_that_of_the_cell(crimped):
     """As the limit of a small bending stiffness, but where both yarns are slack."""
     model, stretch = crimped.model, np.linspace(0.99, 1.03, 9)
     expected = model.solve(*np.meshgrid(stretch, stretch, indexing="ij"))["F"]
-    found = contact_force.contact_forces(model, (1e-13, 1e-13), stretch, stretch, 2.0 * expected.max())
+    found = contact_force.contact_forces(
+        model, (1e-13, 1e-13), stretch, stretch, 2.0 * expected.max()
+    )
     assert found == pytest.approx(expected, abs=2e-3 * expected.max())
     assert contact_force.stiff_table(crimped, (0.0, 0.0)) is crimped.values["F"]
 
@@ -129,7 +139,9 @@ def test_a_yarn_without_tension_is_pressed_on_by_its_bending_stiffness(crimped):
 def test_a_pre_tension_holds_a_yarn_that_resists_bending(crimped):
     friction = CrossoverFriction(0.2, 0.0, (1e-6, 1e-6))
     found = [
-        pull_out.run(PullOut(crimped, 10, 2.0, tension, friction, NUMERICS), 300e-6).load[200:].mean()
+        pull_out.run(PullOut(crimped, 10, 2.0, tension, friction, NUMERICS), 300e-6)
+        .load[200:]
+        .mean()
         for tension in (0.0, 2.5, 5.0)
     ]
     assert abs(found[0]) < 0.1 * found[1]

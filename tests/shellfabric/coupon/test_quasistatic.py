@@ -25,7 +25,11 @@ class Chain:
         f = np.zeros_like(x)
         f[:-1] += pull
         f[1:] -= pull
-        return f, np.full(len(x), 4 * self.stiffness), (float(0.5 * self.stiffness * np.sum(np.diff(x) ** 2)),)
+        return (
+            f,
+            np.full(len(x), 4 * self.stiffness),
+            (float(0.5 * self.stiffness * np.sum(np.diff(x) ** 2)),),
+        )
 
     def spread(self, u, held):
         return u
@@ -46,9 +50,12 @@ def test_a_chain_finds_its_equilibrium():
 def test_what_does_not_settle_is_reported_and_kept():
     x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
     with pytest.raises(
-        UnstableError, match=r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load"
+        UnstableError,
+        match=r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load",
     ) as e:
-        dynamic_relaxation.relax_path(Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], max_iterations=10)
+        dynamic_relaxation.relax_path(
+            Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], max_iterations=10
+        )
     assert e.value.exit_code == 3
     assert len(e.value.states) == 1
     assert not e.value.states[0].settled
@@ -65,7 +72,9 @@ def test_a_pull_goes_on_from_its_states_bit_for_bit():
     )
     assert [state.load for state in seen] == loads
     for k in (1, 2, 3):
-        rest, _ = dynamic_relaxation.relax_path(Chain(), x, held, lambda load: x * (1 + load**2), loads, done=whole[:k])
+        rest, _ = dynamic_relaxation.relax_path(
+            Chain(), x, held, lambda load: x * (1 + load**2), loads, done=whole[:k]
+        )
         assert len(rest) == 4
         for one, other in zip(whole[k:], rest[k:]):
             assert one.x.tobytes() == other.x.tobytes()
@@ -74,13 +83,17 @@ def test_a_pull_goes_on_from_its_states_bit_for_bit():
 
 @pytest.fixture(scope="module")
 def table():
-    return CellModel(catalogue.load("S-728").with_effective_density(), form="variational").table(121)
+    return CellModel(catalogue.load("S-728").with_effective_density(), form="variational").table(
+        121
+    )
 
 
 @pytest.mark.parametrize("elements", [1, 3])
 def test_picture_frame_gives_the_trellis_law(table, elements):
     run = quasistatic.picture_frame(table, cells=3, steps=6, elements_per_crossover=elements)
-    assert quasistatic.frame_stress(run) == pytest.approx(table.model.fabric.shear.stress(run.prescribed), rel=1e-3)
+    assert quasistatic.frame_stress(run) == pytest.approx(
+        table.model.fabric.shear.stress(run.prescribed), rel=1e-3
+    )
     assert run.shear() == pytest.approx(0.6, abs=0.01)
 
 
@@ -91,12 +104,16 @@ def test_free_sides_give_up_their_crimp(table, direction):
     Once straight, the yarns that cross carry all the height, h01 + h02, at their own length: a closed form.
     """
     k, weave = ("warp", "weft").index(direction), table.model.fabric.weave
-    run = quasistatic.uniaxial(table, direction=direction, length=0.05, width=0.015, strain=0.03, steps=6)
+    run = quasistatic.uniaxial(
+        table, direction=direction, length=0.05, width=0.015, strain=0.03, steps=6
+    )
     assert run.outcome == "complete"
     strain = quasistatic.middle_strain(run, (0.005, 0.005) if k == 0 else (0.003, 0.005))
     yarn, yarns = weave.yarns[k], 10
     own, crossing = strain[-1, k], strain[-1, 1 - k]
-    assert run.force(1, 0)[-1] / yarns == pytest.approx(yarn.EA * ((1 + own) / (1 + yarn.crimp) - 1), rel=0.02)
+    assert run.force(1, 0)[-1] / yarns == pytest.approx(
+        yarn.EA * ((1 + own) / (1 + yarn.crimp) - 1), rel=0.02
+    )
     assert run.force(1, 0)[0] / yarns < 0.001 * yarn.strength
     length = arc_length((1 + crossing) * weave.w[1 - k], sum(weave.h0))
     assert length == pytest.approx(weave.S0[1 - k], rel=1e-3)
@@ -107,7 +124,10 @@ def test_a_run_ends_at_the_strength(table):
     assert run.outcome == "yarn at its strength"
     assert 0.04 < run.prescribed[-1] < 0.08
     assert (
-        quasistatic.uniaxial(table, length=0.03, width=0.009, strain=0.08, steps=2, failure=False).outcome == "complete"
+        quasistatic.uniaxial(
+            table, length=0.03, width=0.009, strain=0.08, steps=2, failure=False
+        ).outcome
+        == "complete"
     )
 
 
@@ -123,8 +143,12 @@ def test_the_middle_of_a_cross_is_the_cell(strain):
     assert loaded.sum() >= 2
     assert run.force(1, 0)[loaded] / 8 == pytest.approx(cell["N1"][loaded], rel=5e-3)
     assert run.force(3, 1)[loaded] / 8 == pytest.approx(cell["N2"][loaded], rel=5e-3)
-    woven = quasistatic.biaxial(table, strain=strain, centre=8, arm=4, steps=5, cross_yarns_removed=False)
-    assert woven.force(1, 0)[2] > 1.01 * run.force(1, 0)[2], "woven arms carry more than the yarns of the middle"
+    woven = quasistatic.biaxial(
+        table, strain=strain, centre=8, arm=4, steps=5, cross_yarns_removed=False
+    )
+    assert woven.force(1, 0)[2] > 1.01 * run.force(1, 0)[2], (
+        "woven arms carry more than the yarns of the middle"
+    )
 
 
 def straight(trellis=True):
@@ -145,7 +169,10 @@ def test_bias_extension_has_three_zones():
     size = quasistatic.bias_size(run)
     assert size == pytest.approx((SMALL["length"], SMALL["width"]), rel=0.02)
     expected = quasistatic.inextensible_shear(*size, run.prescribed[-1])
-    centre, zone = run.coupon.points[run.coupon.quads].mean(axis=1), quasistatic.zones(run.coupon, *size)
+    centre, zone = (
+        run.coupon.points[run.coupon.quads].mean(axis=1),
+        quasistatic.zones(run.coupon, *size),
+    )
     gamma = np.degrees(run.shear())
     A, B, C = (gamma[zone == k].mean() for k in range(3))
     assert C == pytest.approx(np.degrees(expected), abs=1.0)
@@ -162,8 +189,12 @@ def test_bias_extension_has_three_zones():
 
 def test_no_trellis_is_named(table):
     """Figure 4-27: nothing resists shear, it runs into bands, and the run says so and keeps what it has."""
-    with pytest.raises(UnstableError, match=r"the shear has run into bands: .* element \d+, at an elongation of") as e:
-        quasistatic.bias_extension(table, trellis=False, max_iterations=4000, **(SMALL | {"steps": 2}))
+    with pytest.raises(
+        UnstableError, match=r"the shear has run into bands: .* element \d+, at an elongation of"
+    ) as e:
+        quasistatic.bias_extension(
+            table, trellis=False, max_iterations=4000, **(SMALL | {"steps": 2})
+        )
     assert e.value.exit_code == 3
     run = e.value.result
     assert run.outcome == "unstable"
@@ -180,5 +211,7 @@ def test_yarns_that_pass_one_another_are_named():
     state = run.states[-1]
     assert hook(state) is None
     turned = coupon.points @ np.array([[1, 0], [-1.2, -0.3]])
-    with pytest.raises(UnstableError, match=r"an element has folded: its yarns have passed one another, at element"):
+    with pytest.raises(
+        UnstableError, match=r"an element has folded: its yarns have passed one another, at element"
+    ):
         hook(replace(state, x=turned))

@@ -13,7 +13,14 @@ import pytest
 
 from fabrics.errors import UnstableError
 from shellfabric.driver import solver as driver
-from shellfabric.driver.solver import CHECK, NOT_FINITE, RUNNING, STOPPED, ExplicitSolver, run_to_end
+from shellfabric.driver.solver import (
+    CHECK,
+    NOT_FINITE,
+    RUNNING,
+    STOPPED,
+    ExplicitSolver,
+    run_to_end,
+)
 from shellfabric.jit.barrier import STOP
 from shellfabric.output import checkpoint
 from shellfabric.output.hooks import Every, Snapshots
@@ -33,7 +40,11 @@ class Oscillator(ExplicitSolver):
     def __init__(self, end_time=0.1, *, interval=1e-3, disturb=None, ends=True):
         shot = SimpleNamespace(energy=lambda v: 0.5 * MASS * v**2)
         super().__init__(shot, V0, end_time, interval=interval, energy_error_limit=0.05)
-        self.const, self.ends, self.disturb = SimpleNamespace(dt=DT), ends, disturb or (lambda solver: None)
+        self.const, self.ends, self.disturb = (
+            SimpleNamespace(dt=DT),
+            ends,
+            disturb or (lambda solver: None),
+        )
         self.x, self.v, self.counter = np.zeros(1), np.array([V0]), np.zeros(1, np.int64)
         self.contact, self.node_limit = np.zeros(1), np.inf
         self.state = SimpleNamespace(projectile_velocity=np.zeros(3))
@@ -120,7 +131,9 @@ def test_energies_are_those_of_the_whole():
             self.share = 0.5
             super()._begin(dt)
 
-    assert Half(5e-3).run().sample("spring") == pytest.approx(2 * Oscillator(5e-3).run().sample("spring"), rel=1e-12)
+    assert Half(5e-3).run().sample("spring") == pytest.approx(
+        2 * Oscillator(5e-3).run().sample("spring"), rel=1e-12
+    )
 
 
 def push(solver, factor):
@@ -133,10 +146,19 @@ DISTURBED = {
         lambda solver: setattr(solver, "node_speeds", lambda: [(np.array([np.nan, 1.0]), np.inf)]),
         "a number is not finite",
     ),
-    "energy": (lambda solver: push(solver, 1.1), "the energy balance is off by .* % of the strike energy"),
-    "contact": (lambda solver: solver.contact.__isub__(0.02 * ENERGY), "the contact has given 2 % .* never took"),
+    "energy": (
+        lambda solver: push(solver, 1.1),
+        "the energy balance is off by .* % of the strike energy",
+    ),
+    "contact": (
+        lambda solver: solver.contact.__isub__(0.02 * ENERGY),
+        "the contact has given 2 % .* never took",
+    ),
     "node": (lambda solver: setattr(solver, "node_limit", 0.5 * V0), "a node moves at"),
-    "kernel": (lambda solver: setattr(solver, "advance", lambda history: (0, NOT_FINITE)), "not finite"),
+    "kernel": (
+        lambda solver: setattr(solver, "advance", lambda history: (0, NOT_FINITE)),
+        "not finite",
+    ),
 }
 
 
@@ -167,7 +189,11 @@ def test_no_guard_minds_what_is_within_its_limit(change):
 
 def test_an_energy_error_is_found_between_samples():
     """The next sample is the end; with checks off it is found there."""
-    seldom = {"end_time": 7e-3, "interval": 7e-3, "disturb": at(20, lambda solver: push(solver, 1.2))}
+    seldom = {
+        "end_time": 7e-3,
+        "interval": 7e-3,
+        "disturb": at(20, lambda solver: push(solver, 1.2)),
+    }
     solver = Oscillator(**seldom)
     with pytest.raises(UnstableError, match="energy balance"):
         solver.run()
@@ -187,7 +213,9 @@ def test_checks_leave_no_trace():
     assert often.run().checks > 10
     assert never.run().checks == 0
     np.testing.assert_array_equal(often.samples, never.samples)
-    np.testing.assert_array_equal(np.concatenate(often.step_history), np.concatenate(never.step_history))
+    np.testing.assert_array_equal(
+        np.concatenate(often.step_history), np.concatenate(never.step_history)
+    )
 
 
 def test_a_failed_run_hands_on_its_result():
@@ -199,7 +227,9 @@ def test_a_failed_run_hands_on_its_result():
     assert run_to_end(whole, (), lambda: whole.outcome) == "stopped"
 
 
-@pytest.mark.parametrize(("interval", "steps"), [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])])
+@pytest.mark.parametrize(
+    ("interval", "steps"), [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])]
+)
 def test_snapshots_are_at_the_samples_nearest_the_multiples(interval, steps):
     solver = Oscillator(5e-3).run((Snapshots(interval, lambda solver: solver.steps),))
     assert solver.snapshots == steps
@@ -238,7 +268,9 @@ class Clock:
         return self.share * 0.06 * self.reads
 
 
-@pytest.mark.parametrize(("share", "reduces", "threads"), [(0.5, True, 1), (0.95, True, 3), (0.5, False, 3)], ids=str)
+@pytest.mark.parametrize(
+    ("share", "reduces", "threads"), [(0.5, True, 1), (0.95, True, 3), (0.5, False, 3)], ids=str
+)
 def test_threads_of_a_run_on_a_shared_processor(monkeypatch, share, reduces, threads):
     """Workers wait for every call of the kernel: to compile, for the first of five intervals, after each."""
     solver = Threaded(5e-3)
@@ -266,14 +298,18 @@ def test_checkpoints_are_as_far_apart_as_asked_for(tmp_path, monkeypatch):
     """The clock goes on by a second a sample, of which there are a hundred."""
     clock, written = [0.0], []
     monkeypatch.setattr(checkpoint, "time", SimpleNamespace(monotonic=lambda: clock[0]))
-    monkeypatch.setattr(checkpoint, "write", lambda solver, path: written.append(len(solver.samples)))
+    monkeypatch.setattr(
+        checkpoint, "write", lambda solver, path: written.append(len(solver.samples))
+    )
 
     def tick(solver):
         clock[0] += 1.0
 
     for least_wall, expected in ((200.0, []), (20.0, [22, 42, 62, 82]), (0.0, list(range(2, 102)))):
         written.clear()
-        Oscillator(ends=False).run((checkpoint.Checkpoints(tmp_path / "run.h5", 1e-3, least_wall), tick))
+        Oscillator(ends=False).run(
+            (checkpoint.Checkpoints(tmp_path / "run.h5", 1e-3, least_wall), tick)
+        )
         assert written == expected
 
 

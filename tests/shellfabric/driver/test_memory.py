@@ -33,11 +33,17 @@ print((peak() - before) / memory.needed(done.target.plies, len(done.snapshots)))
     [
         ({"elements_per_crossover": 2, "end_time": "2 us"}, 0.9, 1.1),
         ({"elements_per_crossover": 2, "end_time": "8 us", "snapshot_interval": "2 us"}, 0.8, 1.1),
-        ({"plies": 2, "elements_per_crossover": 1, "end_time": "2 us"}, 0.65, 1.1),  # 540 bytes are the most of packs
+        (
+            {"plies": 2, "elements_per_crossover": 1, "end_time": "2 us"},
+            0.65,
+            1.1,
+        ),  # 540 bytes are the most of packs
     ],
 )
 def test_the_estimate_is_what_a_run_takes(given, low, high):
-    done = subprocess.run([sys.executable, "-c", MEASURE, json.dumps(given)], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", MEASURE, json.dumps(given)], capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     assert low < float(done.stdout) < high
 
@@ -55,7 +61,12 @@ def test_an_own_limit_of_addresses_counts():
     [
         (wc.impact, {"snapshot_interval": "100 us"}, "opening", "5,929 elements and 8 snapshots"),
         (wc.impact, {"plies": 3, "elements_per_crossover": 1}, "opening", "18,723 elements"),
-        (wc.impact, {"backing": {"min_size": "2 mm"}}, "opening", "5,929 elements with a block of "),
+        (
+            wc.impact,
+            {"backing": {"min_size": "2 mm"}},
+            "opening",
+            "5,929 elements with a block of ",
+        ),
         (wc.critical_velocity, {}, "opening", "5,929 elements"),
         (wc.coupon, {"length": 0.1, "width": 0.05, "elongation": 0.005}, "length", "a grid of "),
     ],

@@ -36,7 +36,9 @@ def pretend(monkeypatch):
 
         def fire(_, velocity, __):
             begun.append(velocity)
-            return made_up(velocity, "perforated" if bisect_left(changes, velocity) % 2 == 1 else "stopped")
+            return made_up(
+                velocity, "perforated" if bisect_left(changes, velocity) % 2 == 1 else "stopped"
+            )
 
         monkeypatch.setattr(ballistic_limit, "_fire", fire)
         return begun
@@ -54,7 +56,9 @@ def test_bisection_finds_the_limit(pretend, truth, tolerance):
     assert found.velocity == pytest.approx(truth, abs=tolerance / 2)
     assert found.half_width <= tolerance / 2
     assert found.single
-    assert [shot.strike_velocity for shot in found.shots] == begun  # one worker begins nothing in vain
+    assert [
+        shot.strike_velocity for shot in found.shots
+    ] == begun  # one worker begins nothing in vain
     # steps to bracket it grow, then every shot halves the bracket
     assert len(begun) <= 8 + np.log2(max(truth, 100.0) / tolerance)
 
@@ -63,7 +67,13 @@ def test_number_of_workers_does_not_matter(pretend, small):
     results, panel = [], small()
     for workers in (1, 2, 3, 7):
         begun = pretend(*MIXED)
-        results.append(scan(panel, ballistic_limit.critical_velocity(panel, guess=200.0, jobs=workers), jobs=workers))
+        results.append(
+            scan(
+                panel,
+                ballistic_limit.critical_velocity(panel, guess=200.0, jobs=workers),
+                jobs=workers,
+            )
+        )
         assert len(begun) >= len(results[-1].shots)
     assert all(result == results[0] for result in results)
 
@@ -107,7 +117,10 @@ def test_first_guess_is_a_share_of_smiths_and_rises_with_the_plies(small):
     yarn = panel.weave.warp
     at_once = striking_velocity(yarn.wave_speed, yarn.failure_strain)
     assert smith(yarn, at_once).strain == pytest.approx(yarn.failure_strain, rel=1e-9)
-    one, eight = ballistic_limit.first_guess(panel), ballistic_limit.first_guess(Pack.stacked(panel, 8, gap=1e-4))
+    one, eight = (
+        ballistic_limit.first_guess(panel),
+        ballistic_limit.first_guess(Pack.stacked(panel, 8, gap=1e-4)),
+    )
     assert 0 < one < at_once
     assert one < eight < 4 * one
 
@@ -124,10 +137,18 @@ def test_the_ends_of_the_bracket_are_what_single_shots_come_to(small, plies):
     assert [shot for _, shot in seen] == list(found.shots)
     assert [share for share, _ in seen] == sorted(share for share, _ in seen)
     assert seen[-1][0] == 1.0
-    again = ballistic_limit.shoot(target, [found.low, found.high, 1.5 * found.high, 2 * found.high], jobs=3 - plies)
+    again = ballistic_limit.shoot(
+        target, [found.low, found.high, 1.5 * found.high, 2 * found.high], jobs=3 - plies
+    )
     assert [shot.outcome for shot in again] == ["stopped", *["perforated"] * 3]
     assert again[0].residual_velocity == 0.0
-    assert 0 < again[1].residual_velocity < again[2].residual_velocity < again[3].residual_velocity < 2 * found.high
+    assert (
+        0
+        < again[1].residual_velocity
+        < again[2].residual_velocity
+        < again[3].residual_velocity
+        < 2 * found.high
+    )
     known = {shot.strike_velocity: replace(shot, wall_time=0.0) for shot in found.shots}
     for shot in again[:2]:
         assert replace(shot, wall_time=0.0) == known[shot.strike_velocity]
@@ -187,7 +208,9 @@ def test_stop_far_above_extends_the_scan(pretend):
     fired = pretend(100.0, 120.0, 121.5, 145.0, 147.0)
     bracket = ballistic_limit.critical_velocity(None, guess=100.0)
     found = scan(None, bracket, ScanRange(above=0.22, below=0.0, step=0.01))
-    assert found.highest_stop == pytest.approx(146.0, abs=1.0)  # beyond 1.22 times the bracket, within 1.22 x 121
+    assert found.highest_stop == pytest.approx(
+        146.0, abs=1.0
+    )  # beyond 1.22 times the bracket, within 1.22 x 121
     assert max(fired) == pytest.approx(1.22 * found.highest_stop, abs=0.01 * bracket.high)
     assert len(fired) == len(set(fired)) == len(found.shots)
 
@@ -213,7 +236,9 @@ def test_single_limit(pretend):
     assert found.shots[: len(bracket.shots)] == bracket.shots
     above = sorted(v for v in fired[before:] if v > 100.0)
     below = sorted(v for v in fired[before:] if v < 100.0)
-    assert len(above) + len(below) == len(fired) - before == pytest.approx(17, abs=1)  # 25 and 10 % in steps of 2 %
+    assert (
+        len(above) + len(below) == len(fired) - before == pytest.approx(17, abs=1)
+    )  # 25 and 10 % in steps of 2 %
     assert above[0] - bracket.high == pytest.approx(0.02 * bracket.high)
     assert above[-1] == pytest.approx(1.25 * bracket.low, abs=2.1)
     assert below[0] == pytest.approx(0.9 * bracket.high, abs=2.1)

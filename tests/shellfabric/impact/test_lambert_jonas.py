@@ -11,7 +11,9 @@ STRIKE = np.linspace(101.0, 300.0, 15)
 
 def test_curve_in_closed_form():
     """p = 2: V_r^2 = a^2 (V_s^2 - V_bl^2); nothing below the limit; a V_s far above it; a V_s at p -> infinity."""
-    np.testing.assert_allclose(curve(STRIKE, 0.8, 2.0, 100.0), 0.8 * np.sqrt(STRIKE**2 - 1e4), rtol=1e-13)
+    np.testing.assert_allclose(
+        curve(STRIKE, 0.8, 2.0, 100.0), 0.8 * np.sqrt(STRIKE**2 - 1e4), rtol=1e-13
+    )
     assert np.all(curve(np.array([1.0, 50.0, 100.0]), 0.9, 2.6, 100.0) == 0.0)
     assert curve(1e6, 0.9, 2.6, 100.0) == pytest.approx(0.9e6, rel=1e-9)
     assert curve(150.0, 0.9, 200.0, 100.0) == pytest.approx(135.0, rel=1e-9)
@@ -39,7 +41,12 @@ def test_intervals_hold_what_they_promise():
     draw, clean = np.random.default_rng(1), curve(STRIKE, 0.9, 2.6, 100.0)
     covered = np.zeros(2)
     for _ in range(150):
-        found = fit(STRIKE, np.maximum(clean + draw.normal(0, 2.0, STRIKE.size), 0.1), limit=100.0, confidence=0.9)
+        found = fit(
+            STRIKE,
+            np.maximum(clean + draw.normal(0, 2.0, STRIKE.size), 0.1),
+            limit=100.0,
+            confidence=0.9,
+        )
         for k, (name, truth) in enumerate((("a", 0.9), ("p", 2.6))):
             low, high = found.intervals[name]
             covered[k] += low < truth < high
@@ -56,14 +63,21 @@ def test_no_projectile_leaves_faster_than_it_came():
     assert found.words().startswith("a not determined (at its bound 1), p = ")
     scatter = curve(STRIKE, 0.9, 2.6, 100.0) * (1 + 0.3 * (-1.0) ** np.arange(15))
     assert ", p not determined (" in fit(STRIKE, scatter, limit=100.0).words()
-    assert fit([150.0] * 4, [90.0] * 4, limit=100.0).words().endswith("p not determined (-inf to inf)")
+    assert (
+        fit([150.0] * 4, [90.0] * 4, limit=100.0).words().endswith("p not determined (-inf to inf)")
+    )
 
 
 @pytest.mark.parametrize(
     ("strike", "residual", "options", "told"),
     [
         ([110.0, 120.0, 130.0], [50.0, 60.0, 70.0], {}, "3 perforations do not determine 3"),
-        ([90.0, 110.0, 120.0], [0.0, 60.0, 70.0], {"limit": 100.0}, "2 perforations do not determine 2"),
+        (
+            [90.0, 110.0, 120.0],
+            [0.0, 60.0, 70.0],
+            {"limit": 100.0},
+            "2 perforations do not determine 2",
+        ),
         ([110.0, 120.0], [50.0], {}, "same length"),
         ([110.0, np.nan, 1.0], [50.0, 60.0, 0.0], {}, "above 0"),
         ([110.0, 120.0, 130.0], [50.0, -60.0, 1.0], {}, "above 0"),

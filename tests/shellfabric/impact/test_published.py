@@ -17,14 +17,23 @@ CAPTIONS = {  # fabric: [m/s] at which the thesis's simulation of one ply stops 
     "S-731": (116.0, 132.0),
     "S-745": (110.0, 215.0),
 }
-EARLY = pytest.mark.xfail(strict=True, reason="is perforated at 116 m/s, with 23 m/s left; the thesis's stops")
+EARLY = pytest.mark.xfail(
+    strict=True, reason="is perforated at 116 m/s, with 23 m/s left; the thesis's stops"
+)
 SLOW = pytest.mark.slow(25)
 
 
-@pytest.mark.parametrize(("form", "name"), [
-    pytest.param(form, name, marks=[SLOW, EARLY] if (form, name) == ("variational", "S-731") else SLOW)
-    for form in ("variational", "equilibrium") for name in CAPTIONS
-] + [("variational", "S-720")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("form", "name"),
+    [
+        pytest.param(
+            form, name, marks=[SLOW, EARLY] if (form, name) == ("variational", "S-731") else SLOW
+        )
+        for form in ("variational", "equilibrium")
+        for name in CAPTIONS
+    ]
+    + [("variational", "S-720")],
+)
 def test_the_slower_shot_is_stopped_and_the_faster_one_perforates(form, name):
     fabric = catalogue.load(name).with_effective_density()
     for strike_velocity, expected in zip(CAPTIONS[name], ("stopped", "perforated")):

@@ -36,17 +36,24 @@ def fire(panel, speed=150.0, steps=250):
 
 @pytest.mark.parametrize("shape", ANALYTIC)
 @pytest.mark.parametrize(
-    "attitude", [{}, {"obliquity": 0.6, "azimuth": 0.3, "friction": 0.3}, {"obliquity": 0.5, "yaw": -0.2}]
+    "attitude",
+    [{}, {"obliquity": 0.6, "azimuth": 0.3, "friction": 0.3}, {"obliquity": 0.5, "yaw": -0.2}],
 )
 def test_energy_of_every_shot_balances(small, shape, attitude):
     """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
-    knobs = Numerics(cfl=0.5)  # the error of the time integration, four times less, is not what is asked after
-    panel = small(symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs)
+    knobs = Numerics(
+        cfl=0.5
+    )  # the error of the time integration, four times less, is not what is asked after
+    panel = small(
+        symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs
+    )
     march = PackSolver(panel, 110.0, 50e-6).run()
     assert np.abs(march.sample("error")).max() < 1e-4 * march.strike_energy
     assert march.sample("kinetic_projectile")[-1] < 0.97 * march.strike_energy
     assert np.all(np.diff(march.sample("z")) > 0)
-    assert march.sample("z")[0] == pytest.approx(0.0, abs=1e-9)  # the foremost point touches the panel
+    assert march.sample("z")[0] == pytest.approx(
+        0.0, abs=1e-9
+    )  # the foremost point touches the panel
 
 
 def test_hemisphere_is_a_sphere_until_its_sides_touch(small):
@@ -70,26 +77,41 @@ def test_no_obliquity_is_the_axial_shot(small):
 def test_mirrored_shots_are_mirror_images(small, shape):
     """From the left and from the right, and from the front."""
     runs = [
-        fire(small(symmetry="whole", projectile=shot(shape, obliquity=0.5, azimuth=azimuth, friction=0.2)))
+        fire(
+            small(
+                symmetry="whole",
+                projectile=shot(shape, obliquity=0.5, azimuth=azimuth, friction=0.2),
+            )
+        )
         for azimuth in (0.0, np.pi)
     ]
     left, right = runs
     np.testing.assert_allclose(left.step_history, right.step_history, rtol=1e-8, atol=1e-8)
-    np.testing.assert_allclose(left.state.projectile_velocity, right.state.projectile_velocity * [-1, 1, 1], atol=1e-9)
+    np.testing.assert_allclose(
+        left.state.projectile_velocity, right.state.projectile_velocity * [-1, 1, 1], atol=1e-9
+    )
     assert abs(left.state.projectile_velocity[1]) < 1e-9
     n = (left.const.ni + 1) * left.const.row_stride
-    deflection = [run.state.u[2][:n].reshape(left.const.ni + 1, left.const.row_stride) for run in runs]
+    deflection = [
+        run.state.u[2][:n].reshape(left.const.ni + 1, left.const.row_stride) for run in runs
+    ]
     np.testing.assert_allclose(deflection[0], deflection[1][::-1], atol=1e-11)
     assert np.abs(deflection[0] - deflection[0][::-1]).max() > 1e-4
 
 
 def test_half_a_panel_does_for_an_oblique_shot_across_it(small):
     whole, half = (
-        fire(small(symmetry=symmetry, projectile=shot("hemisphere", obliquity=0.5, azimuth=np.pi / 2)))
+        fire(
+            small(
+                symmetry=symmetry, projectile=shot("hemisphere", obliquity=0.5, azimuth=np.pi / 2)
+            )
+        )
         for symmetry in ("whole", "half")
     )
     np.testing.assert_allclose(half.step_history[:, :2], whole.step_history[:, :2], rtol=1e-7)
-    np.testing.assert_allclose(half.state.projectile_velocity[1:], whole.state.projectile_velocity[1:], rtol=1e-7)
+    np.testing.assert_allclose(
+        half.state.projectile_velocity[1:], whole.state.projectile_velocity[1:], rtol=1e-7
+    )
 
 
 @pytest.mark.parametrize(("velocity", "torn"), [(75.0, False), (150.0, True)])
@@ -199,7 +221,9 @@ def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
     for limit in rng.uniform(0, 2, 300):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
-        *t, _, held = friction_kernels.friction_force(stuck, limit, 1e6, 1.0, 1e-6, *n, *rng.normal(size=3))
+        *t, _, held = friction_kernels.friction_force(
+            stuck, limit, 1e6, 1.0, 1e-6, *n, *rng.normal(size=3)
+        )
         assert np.linalg.norm(t) <= limit * (1 + 1e-12)
         assert abs(np.dot(t, n)) < 1e-12
         assert held <= limit**2 / 2e6 * (1 + 1e-12) + 1e-30

@@ -25,7 +25,11 @@ def panel_of(tables, small):
 
     def make(fabric, **changes):
         table = tables["variational"]
-        return small(table=replace(table, model=replace(table.model, fabric=fabric)), symmetry="whole", **changes)
+        return small(
+            table=replace(table, model=replace(table.model, fabric=fabric)),
+            symmetry="whole",
+            **changes,
+        )
 
     return make
 
@@ -58,7 +62,10 @@ def test_a_load_that_is_held_breaks_a_yarn_in_time(ready, panel_of):
     panel = panel_of(ready, rate_dependence=True)
     state, const, yarn = panel.state(1.0), panel.constants(), panel.weave.warp
     const.warp_lines.filter_factor[:] = 1.0  # no delay
-    steps, held = 0, 1.1  # where the strength is that at 316 1/s, and ln(rate) rises by ln(10) / 0.2
+    steps, held = (
+        0,
+        1.1,
+    )  # where the strength is that at 316 1/s, and ln(rate) rises by ln(10) / 0.2
     while True:
         state.T[0][:] = yarn.strength * (held + 0.02 * (-1) ** steps)
         if failure_kernels.find_failures(const, state, 0, 6, 7):
@@ -71,7 +78,14 @@ def test_a_load_that_is_held_breaks_a_yarn_in_time(ready, panel_of):
 
 @pytest.mark.parametrize("plies", [1, 2])
 def test_a_shot_knows_at_which_strengths_its_yarns_have_failed(ready, shoot, plies):
-    shot = shoot(200.0, fabric=ready, plies=plies, elements_per_crossover=1, symmetry="whole", rate_dependence=True)
+    shot = shoot(
+        200.0,
+        fabric=ready,
+        plies=plies,
+        elements_per_crossover=1,
+        symmetry="whole",
+        rate_dependence=True,
+    )
     assert shot.failures[:, 0].sum() >= shot.cut_yarns[-1] > 0
     count, ratio = shot.failures[0]
     assert 1.0 < ratio / count < 1.61
@@ -88,5 +102,7 @@ def test_a_faster_modulus_is_that_of_the_whole_run(ready):
 
 
 def test_without_data_it_is_refused(ready, panel_of):
-    with pytest.raises(InputError, match="rate_dependence = True: must be false: fabric S-720 has no strain_rate"):
+    with pytest.raises(
+        InputError, match="rate_dependence = True: must be false: fabric S-720 has no strain_rate"
+    ):
         panel_of(replace(ready, strain_rate=None), rate_dependence=True)

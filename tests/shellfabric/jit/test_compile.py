@@ -20,7 +20,9 @@ def large(small, tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(config, "CACHE_DIR", str(tmp_path))
         function = entry()(found.py_func)
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # for the other process; here it would undo the line above
+    monkeypatch.setenv(
+        "NUMBA_CACHE_DIR", str(tmp_path)
+    )  # for the other process; here it would undo the line above
     return function, kinds
 
 
@@ -34,7 +36,9 @@ def test_a_large_kernel_is_compiled_in_another_process(large, tmp_path, caplog, 
         function.compile(kinds)
         assert not function.stats.cache_misses
         assert sum(function.stats.cache_hits.values()) == 1
-        assert [record.message for record in caplog.records if record.name == "weavecell"] == announced
+        assert [
+            record.message for record in caplog.records if record.name == "weavecell"
+        ] == announced
         with monkeypatch.context() as patch:
             patch.setattr(config, "CACHE_DIR", str(tmp_path))
             function = entry()(function.py_func)
@@ -45,4 +49,6 @@ def test_where_no_other_process_can_a_large_kernel_is_compiled_in_this_one(large
     monkeypatch.setattr(compile_in_child, "_CHILD_CODE", "raise SystemExit(1)")
     function.compile(kinds)
     assert sum(function.stats.cache_misses.values()) == 1
-    assert function.overloads[kinds].library.get_pointer_to_function(function.overloads[kinds].fndesc.mangled_name)
+    assert function.overloads[kinds].library.get_pointer_to_function(
+        function.overloads[kinds].fndesc.mangled_name
+    )

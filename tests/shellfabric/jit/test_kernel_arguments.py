@@ -40,9 +40,13 @@ def swap(path, name, pair):
     [given] = (
         ast.get_source_segment(text, node.args[1])
         for node in ast.walk(ast.parse(text))
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "namedtuple" and node.args[0].value == name
+        if isinstance(node, ast.Call)
+        and getattr(node.func, "id", "") == "namedtuple"
+        and node.args[0].value == name
     )
-    exchanged, count = re.subn(rf"\b({'|'.join(pair)})\b", lambda found: pair[found[0] == pair[0]], given)
+    exchanged, count = re.subn(
+        rf"\b({'|'.join(pair)})\b", lambda found: pair[found[0] == pair[0]], given
+    )
     assert count == 2
     path.write_text(text.replace(given, exchanged))
 
@@ -53,7 +57,9 @@ def test_swapped_fields_reach_the_machine_code(tmp_path):
     Machine code of the old order would read the other one.
     """
     for package in ("fabrics", "shellfabric", "validation/models"):
-        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(
+            ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__")
+        )
     (tmp_path / "validation" / "__init__.py").touch()
     with open(tmp_path / "shellfabric" / "projectile" / "friction_kernels.py", "a") as file:
         file.write(PROBES)
@@ -62,7 +68,9 @@ def test_swapped_fields_reach_the_machine_code(tmp_path):
 
     def read():
         command = [sys.executable, "-c", READ, json.dumps(list(ALIKE)), str(tmp_path)]
-        done = subprocess.run(command, env=variables, cwd=tmp_path, check=True, capture_output=True, text=True)
+        done = subprocess.run(
+            command, env=variables, cwd=tmp_path, check=True, capture_output=True, text=True
+        )
         return [float(line) for line in done.stdout.split()]
 
     before = read()

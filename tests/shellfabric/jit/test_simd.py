@@ -10,7 +10,11 @@ from shellfabric.jit.simd import load, store
 N = 8
 RNG = np.random.default_rng(5)
 A, B, C = RNG.uniform(-3, 3, (3, 2 * N))
-TABLE, ROW, FLAGS = RNG.normal(size=(50, 8)), RNG.integers(0, 50, N), np.array([9, 0, 2, 1, 2, 2, 0, 255, 2], np.uint8)
+TABLE, ROW, FLAGS = (
+    RNG.normal(size=(50, 8)),
+    RNG.integers(0, 50, N),
+    np.array([9, 0, 2, 1, 2, 2, 0, 255, 2], np.uint8),
+)
 
 
 @njit
@@ -41,9 +45,22 @@ def operations(a, b, c, count, out):
 def test_operations(count):
     out, (a, b) = np.empty((16, N)), (A[:N], B[:N])
     total, *others = operations(A, B, C, count, out)
-    exact = [a + b, 2 - a, a * b, a / b, np.minimum(a, b), np.maximum(a, 0.5), np.where(a > b, a, 1.0), np.abs(a)]
+    exact = [
+        a + b,
+        2 - a,
+        a * b,
+        a / b,
+        np.minimum(a, b),
+        np.maximum(a, 0.5),
+        np.where(a > b, a, 1.0),
+        np.abs(a),
+    ]
     exact += [np.copysign(a, b), np.floor(a), np.sqrt(np.abs(a)), A[N - 1 : -1], A[1 : N + 1]]
-    exact += [np.where(np.arange(N) < count, a, -1.0), out[14], (a > b) ^ np.isin(np.arange(N), (0, 3))]
+    exact += [
+        np.where(np.arange(N) < count, a, -1.0),
+        out[14],
+        (a > b) ^ np.isin(np.arange(N), (0, 3)),
+    ]
     np.testing.assert_array_equal(out, exact)
     np.testing.assert_allclose(out[14], a * b + C[:N], rtol=1e-14, atol=1e-15)
     assert others == [a.max(), (a > 2.0).any(), False, (1 << np.arange(N))[a > b].sum()]
@@ -90,7 +107,9 @@ def test_memory():
     bits = memory(TABLE, TABLE[:, :4].copy(), row, FLAGS, small, noted, masked, out)
     np.testing.assert_array_equal(out, TABLE[ROW].T[[*range(8), *range(8), *range(4), 0]])
     np.testing.assert_array_equal(noted, [-1] * 3 + list(ROW) + [-1] * 5)
-    np.testing.assert_array_equal(small[20:28], (small[2:10].astype(float) + 1e-3).astype(np.float32))
+    np.testing.assert_array_equal(
+        small[20:28], (small[2:10].astype(float) + 1e-3).astype(np.float32)
+    )
     for count, stored in enumerate(masked):
         np.testing.assert_array_equal(stored, np.pad(row[:count], (3, 13 - min(count, N))))
     assert bits == ((1 << np.arange(N))[FLAGS[1:] == 2].sum(), 0b111)

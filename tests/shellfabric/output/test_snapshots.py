@@ -40,13 +40,18 @@ def test_a_record_is_what_the_panel_was(shoot, symmetry):
             np.testing.assert_array_equal(yarn.deflection[k], z)
     offsets = [yarn.offset for yarn in recorded.yarns]
     np.testing.assert_allclose(offsets, [0, 6e-3, 0, 10e-3], atol=c.dx / 2 + 1e-12)
-    assert recorded.yarns[0].X[recorded.yarns[0].element_at(10e-3)] == pytest.approx(10e-3, abs=c.dx / 2)
+    assert recorded.yarns[0].X[recorded.yarns[0].element_at(10e-3)] == pytest.approx(
+        10e-3, abs=c.dx / 2
+    )
 
 
 PARTS = {
-    "quarter": {}, "half": {"symmetry": "half"}, "whole": {"symmetry": "whole"}, "pack": {"plies": 2, "opening": 0.04},
+    "quarter": {},
+    "half": {"symmetry": "half"},
+    "whole": {"symmetry": "whole"},
+    "pack": {"plies": 2, "opening": 0.04},
     "oblique": {"symmetry": "whole", "weave_angle": 0.4},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -57,9 +62,14 @@ def test_reactions_take_up_the_momentum(shoot, part):
     def weigh(solver):
         loose = [(state, state.inverse_mass > 0) for state in solver.states]
         fabric = sum(float(state.mass[free] @ state.v[2][free]) for state, free in loose)
-        momentum.append((solver.const.projectile_mass * solver.stack.projectile_velocity[2] + fabric) / solver.share)
+        momentum.append(
+            (solver.const.projectile_mass * solver.stack.projectile_velocity[2] + fabric)
+            / solver.share
+        )
 
-    result = shoot(60.0, end_time=119.9e-6, history=HistoryRequest(1e-9), hooks=[weigh], **PARTS[part])
+    result = shoot(
+        60.0, end_time=119.9e-6, history=HistoryRequest(1e-9), hooks=[weigh], **PARTS[part]
+    )
     t, edges = result.histories[0].t, [ply.edges for ply in result.histories]
     lift = sum(ply[name][:, LIFT] for ply in edges for name in EDGES)
     # velocities stand half a step back: the forces of a step act on those of the next
@@ -75,7 +85,12 @@ def test_reactions_take_up_the_momentum(shoot, part):
 @pytest.mark.parametrize("changes", [{}, {"elements_per_crossover": 2}, {"plies": 2}], ids=str)
 def test_tensions_add_up_to_the_reaction_of_an_edge(shoot, changes):
     """Within 3 %: the history has trellis shear, viscosity and the forces of crossing yarns besides."""
-    chosen = {"opening": 0.045, "end_time": 40e-6, "snapshot_interval": 8e-6, "history": HistoryRequest(1e-6)}
+    chosen = {
+        "opening": 0.045,
+        "end_time": 40e-6,
+        "snapshot_interval": 8e-6,
+        "history": HistoryRequest(1e-6),
+    }
     result = shoot(**chosen | changes)
     for shots in (*result.snapshots[1:], result.last):  # waves have come to the edge
         for one, panel, known in zip(shots, result.panels, result.histories):
@@ -84,7 +99,9 @@ def test_tensions_add_up_to_the_reaction_of_an_edge(shoot, changes):
             along = np.diff(one.nodes[-2:], axis=0)[0]
             cosine = along[:, 0] / np.linalg.norm(along, axis=1)
             pull = one.tension[-1, :, 0] * yarns @ (0.5 * (cosine[1:] + cosine[:-1]))
-            assert 2 * pull == pytest.approx(known.edges["warp_high"][sample, PULL], rel=0.03)  # both halves
+            assert 2 * pull == pytest.approx(
+                known.edges["warp_high"][sample, PULL], rel=0.03
+            )  # both halves
 
 
 def test_plies_are_followed_by_their_numbers(shoot):
@@ -93,7 +110,9 @@ def test_plies_are_followed_by_their_numbers(shoot):
     named = shoot(120.0, history=HistoryRequest(2e-6, plies=(3, 1)), **chosen).histories
     assert len(every) == 3
     for one, other in zip(named, (every[2], every[0]), strict=True):
-        np.testing.assert_array_equal([one.edges[name] for name in EDGES], [other.edges[name] for name in EDGES])
+        np.testing.assert_array_equal(
+            [one.edges[name] for name in EDGES], [other.edges[name] for name in EDGES]
+        )
         for yarn, same in zip(one.yarns, other.yarns, strict=True):
             np.testing.assert_array_equal(yarn.tension, same.tension)
             np.testing.assert_array_equal(yarn.deflection, same.deflection)
@@ -130,10 +149,15 @@ def test_fronts_of_made_up_waves():
     assert kink.speed == pytest.approx(250, rel=1e-3)
     np.testing.assert_allclose(kink.place, 250 * kink.time, atol=1e-4)
     found = wave_fronts.fronts(Histories(t, (yarn,), {}))
-    assert [(front.kind, front.family) for front in found] == [("longitudinal", "warp"), ("transverse", "warp")]
+    assert [(front.kind, front.family) for front in found] == [
+        ("longitudinal", "warp"),
+        ("transverse", "warp"),
+    ]
 
 
-@pytest.mark.parametrize(("crossing", "end_time"), [(1e-3, 76e-6), (1.0, 108e-6)], ids=["alone", "woven"])
+@pytest.mark.parametrize(
+    ("crossing", "end_time"), [(1e-3, 76e-6), (1.0, 108e-6)], ids=["alone", "woven"]
+)
 def test_straight_yarn_is_smiths(straight, crossing, end_time):
     """c / sqrt(1 + mass of the crossing yarn over its own), and Smith's U and tension for a yarn of that mass.
 
@@ -143,13 +167,20 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time):
     fabric = straight(crossing)
     # soft contact: the yarn of Smith's theory is led by the nose and does not bounce off it
     setup = ImpactSetup(
-        fabric, 200.0, opening=(1.3, 0.0165), end_time=end_time, history=HistoryRequest(weft=()),
-        numerics=Numerics(penalty=0.1), **STRIP,
-    )  # fmt: skip
+        fabric,
+        200.0,
+        opening=(1.3, 0.0165),
+        end_time=end_time,
+        history=HistoryRequest(weft=()),
+        numerics=Numerics(penalty=0.1),
+        **STRIP,
+    )
     (recorded,) = run(setup).histories
     yarn, warp = recorded.through("warp"), fabric.weave.warp
     heavy = replace(
-        warp, linear_density=warp.linear_density * (1 + crossing), fibre_density=warp.fibre_density * (1 + crossing)
+        warp,
+        linear_density=warp.linear_density * (1 + crossing),
+        fibre_density=warp.fibre_density * (1 + crossing),
     )
     theory = smith(heavy, 200.0)
     assert theory.c == pytest.approx(warp.wave_speed / np.sqrt(1 + crossing), rel=1e-12)
@@ -165,14 +196,21 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time):
 def test_front_of_a_crimped_yarn_is_a_shock(fabric):
     """It runs at sqrt(T / (m eps)) of the state behind it: a fifth of c / sqrt 2. Measured: 0.15 % off."""
     setup = ImpactSetup(
-        replace(fabric, shear=None), 150.0, opening=(0.5, 0.0165), end_time=140e-6, elements_per_crossover=2,
-        history=HistoryRequest(weft=()), **STRIP | {"table_size": 201},
-    )  # fmt: skip
+        replace(fabric, shear=None),
+        150.0,
+        opening=(0.5, 0.0165),
+        end_time=140e-6,
+        elements_per_crossover=2,
+        history=HistoryRequest(weft=()),
+        **STRIP | {"table_size": 201},
+    )
     (recorded,) = run(setup).histories
     yarn, weave = recorded.through("warp"), fabric.weave
     front = wave_fronts.longitudinal(yarn, recorded.t)
     kink = wave_fronts.transverse(yarn, recorded.t)
-    T = np.median(yarn.tension[-1][(yarn.X > 1.3 * kink.place[-1]) & (yarn.X < 0.9 * front.place[-1])])
+    T = np.median(
+        yarn.tension[-1][(yarn.X > 1.3 * kink.place[-1]) & (yarn.X < 0.9 * front.place[-1])]
+    )
     mass = weave.areal_density * 2 * weave.w2
     stretch = (1 + yarn.crimp) * (1 + T / yarn.EA) - 1
     assert front.speed == pytest.approx(np.sqrt(T / (mass * stretch)), rel=0.02)

@@ -14,7 +14,9 @@ def test_mass_and_yarn_are_those_of_the_modelled_area(symmetry):
     panel = make_panel(symmetry=symmetry)
     const, state = panel.constants(), panel.state(50.0)
     mass, corner = grid(const, state.mass), 0.25 * panel.weave.areal_density * const.dx * const.dy
-    area = np.prod([2 * w * 24 for w in panel.weave.w]) * panel.share  # of 24 x 24 crossovers as a whole
+    area = (
+        np.prod([2 * w * 24 for w in panel.weave.w]) * panel.share
+    )  # of 24 x 24 crossovers as a whole
     assert state.mass.sum() == pytest.approx(panel.weave.areal_density * area, rel=1e-12)
     np.testing.assert_allclose(mass[1:-1, 1:-1], 4 * corner, rtol=1e-14)
     np.testing.assert_allclose(mass[[0, 0, -1, -1], [0, -1, 0, -1]], corner, rtol=1e-14)
@@ -39,18 +41,26 @@ def test_held_nodes_have_no_inverse_mass(symmetry, edge):
         if side == "clamped":
             np.moveaxis(free, axis, 0)[-1] = False
             np.moveaxis(free, axis, 0)[0] &= mirrored
-    np.testing.assert_allclose(grid(const, state.inverse_mass) * grid(const, state.mass), free, rtol=0, atol=1e-15)
-    assert not state.inverse_mass[(const.ni + 1) * const.row_stride :].any()  # beyond the panel there is nothing
+    np.testing.assert_allclose(
+        grid(const, state.inverse_mass) * grid(const, state.mass), free, rtol=0, atol=1e-15
+    )
+    assert not state.inverse_mass[
+        (const.ni + 1) * const.row_stride :
+    ].any()  # beyond the panel there is nothing
     np.testing.assert_array_equal(state.dt_over_mass, const.dt * state.inverse_mass)
 
 
 def test_strength_of_each_yarn():
-    factors = tuple(np.random.default_rng(3).uniform(0.7, 1.3, count) for count in make_panel().yarn_counts)
+    factors = tuple(
+        np.random.default_rng(3).uniform(0.7, 1.3, count) for count in make_panel().yarn_counts
+    )
     const = make_panel(strength_factors=factors).constants()
     for lines, factor, yarn, half in zip(
-        (const.warp_lines, const.weft_lines), factors, make_panel().weave.yarns,
+        (const.warp_lines, const.weft_lines),
+        factors,
+        make_panel().weave.yarns,
         (const.half_strength1, const.half_strength2),
-    ):  # fmt: skip
+    ):
         np.testing.assert_allclose(lines.strength, factor * yarn.strength, rtol=1e-15)
         assert half == 0.5 * lines.strength.min()
     assert np.isposinf(make_panel(failure=False).constants().warp_lines.strength).all()

@@ -31,7 +31,9 @@ def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
     state, const = solver.state, solver.const
     triangle = SLIP.length * np.maximum(1 - np.abs(panel.lines()[0]) / (0.5 * SLIP.zone), 0)
     for share in (0.0, 0.25, 0.8, 1.0, 1.0):
-        steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(state.counter[0])
+        steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(
+            state.counter[0]
+        )
         advance(solver, max(steps, 30))
         part = np.clip((state.counter[0] * const.dt - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
         u = np.array([grid(const, each) for each in state.u])
@@ -46,7 +48,9 @@ def test_the_pull_in_is_sampled():
     """What is prescribed, at its time; of grips what the nodes have moved, which grows; of clamps nothing."""
     solver = PackSolver(make_panel(edge=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
     part = np.clip((solver.sample("t") - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
-    np.testing.assert_allclose(solver.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        solver.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12
+    )
     gripped = PackSolver(make_panel(edge=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
     assert gripped[-1, 0] > 1e-5
     assert not PackSolver(make_panel(), 90.0, 20e-6).run().ply_sample("pull_in").any()
@@ -66,13 +70,18 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
         set_nodal(state.u, strain * rest(panel) * [1, 0, 0])
         ply_kernels.initial_forces(state, const, None, panel.work())
         boundary_kernels.update_slip_nodes(state, const, 0.0)
-        force, v = (grid(const, part)[-1, :-1] for part in (state.f_int[0] + state.f_int_above[0], state.v[0]))
+        force, v = (
+            grid(const, part)[-1, :-1]
+            for part in (state.f_int[0] + state.f_int_above[0], state.v[0])
+        )
         inside = slice(int(not panel.mirrors[1]), None)  # corners are held
         gained = const.dt * np.minimum(force + held, 0.0) / grid(const, state.mass)[-1, :-1]
         assert np.all((gained < 0.0)[inside] == (strain == 0.02))
         np.testing.assert_allclose(v[inside], gained[inside], rtol=1e-12, atol=1e-18)
         if symmetry == "whole":  # the other end
-            np.testing.assert_allclose(grid(const, state.v[0])[0, 1:-1], -gained[1:], rtol=1e-9, atol=1e-18)
+            np.testing.assert_allclose(
+                grid(const, state.v[0])[0, 1:-1], -gained[1:], rtol=1e-9, atol=1e-18
+            )
 
 
 def test_firm_grip_is_a_clamp():
@@ -89,7 +98,9 @@ def test_each_side_on_its_own():
     assert loose[1:, 1:].all()
     nodes, axes, values = boundary.rim(panel)
     assert set(axes) == {1}
-    np.testing.assert_array_equal(nodes, np.arange(1, 25) * 25)  # the corner at the clamp is held, the free one gripped
+    np.testing.assert_array_equal(
+        nodes, np.arange(1, 25) * 25
+    )  # the corner at the clamp is held, the free one gripped
     np.testing.assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
     state, const, _ = fire(make_panel(edge=("clamped", "free")), 100.0, 500)
     assert np.abs(grid(const, state.u[1])[:, -1]).max() > 1e-5
@@ -105,8 +116,13 @@ def test_slip_across_the_panel_brings_new_cloth_under_the_projectile():
 
 def test_grips_are_struck_off_the_middle():
     """Also beside a crossover: the near end slips more, points on both sides are alike, and the energy balances."""
-    x, sides = 4.3 * 2 * make_panel().weave.w[0], {"symmetry": "whole", "edge": (Grip(5.0), "clamped")}
-    right, left = (PackSolver(make_panel(impact_point=(at, 0.0), **sides), 90.0, 60e-6).run() for at in (x, -x))
+    x, sides = (
+        4.3 * 2 * make_panel().weave.w[0],
+        {"symmetry": "whole", "edge": (Grip(5.0), "clamped")},
+    )
+    right, left = (
+        PackSolver(make_panel(impact_point=(at, 0.0), **sides), 90.0, 60e-6).run() for at in (x, -x)
+    )
     np.testing.assert_allclose(right.sample("v"), left.sample("v"), rtol=1e-9)
     far, near = (np.abs(grid(right.const, right.state.u[0])[end]).max() for end in (0, -1))
     assert near > 1.5 * far > 0
@@ -139,7 +155,12 @@ def test_loose_nodes_are_those_inside_the_opening(changes):
     loose = boundary.loose(panel)
     np.testing.assert_array_equal(loose, inside)
     (i, j), (k, l) = boundary.ends(panel)
-    assert [loose[i - 1, j], loose[i, j], loose[k, l - 1], loose[k, l]] == [True, False, True, False]
+    assert [loose[i - 1, j], loose[i, j], loose[k, l - 1], loose[k, l]] == [
+        True,
+        False,
+        True,
+        False,
+    ]
 
 
 @pytest.mark.parametrize("changes", [*FRAMES, {"impact_point": (0.0, 0.0)}])
@@ -148,14 +169,20 @@ def test_what_is_shown_ends_at_the_opening(changes):
     panel = make_panel(**{"opening": (0.04, 0.03), "symmetry": "whole"} | changes)
     held, shown = ~boundary.loose(panel), np.array(boundary.shown(panel))
     assert np.array_equal(shown[:, ~held], np.array(panel.coordinates())[:, ~held])
-    place = (shown[0] + 1j * shown[1]) * np.exp(1j * panel.weave_angle) + complex(*panel.impact_point)
-    sides = (np.abs(place), np.abs(place)) if panel.round else (np.abs(place.real), np.abs(place.imag))
+    place = (shown[0] + 1j * shown[1]) * np.exp(1j * panel.weave_angle) + complex(
+        *panel.impact_point
+    )
+    sides = (
+        (np.abs(place), np.abs(place)) if panel.round else (np.abs(place.real), np.abs(place.imag))
+    )
     assert all(side.max() <= 0.5 * length + 1e-12 for side, length in zip(sides, panel.opening))
 
 
 def test_an_oblique_weave_is_the_same_cloth_until_its_edge_is_felt():
     """The deceleration does not depend on the angle until waves have come back from the frame."""
-    panels = [make_panel(0.06, symmetry="whole", weave_angle=radians(angle)) for angle in (0.0, 40.0)]
+    panels = [
+        make_panel(0.06, symmetry="whole", weave_angle=radians(angle)) for angle in (0.0, 40.0)
+    ]
     straight, turned = (fire(panel, 80.0, 500)[2][:, 1] for panel in panels)
     np.testing.assert_allclose(turned[:60], straight[:60], rtol=1e-6)
     assert abs(turned[-1] - straight[-1]) > 0.2
@@ -190,7 +217,12 @@ def test_edge_forces_of_a_round_opening():
         state = PackSolver(panel, 90.0, 30e-6).run().state
         sides, force = histories.edge_nodes(panel), np.add(state.f_int, state.f_int_above)
         total = [(weights * force[:, nodes]).sum(axis=1) for nodes, weights, _ in sides]
-        pulls.append([[-normal[0] * f[0] - normal[1] * f[1], f[2]] for f, (_, _, normal) in zip(total, sides)])
+        pulls.append(
+            [
+                [-normal[0] * f[0] - normal[1] * f[1], f[2]]
+                for f, (_, _, normal) in zip(total, sides)
+            ]
+        )
     np.testing.assert_allclose(pulls[0], pulls[2], rtol=1e-6)
     np.testing.assert_allclose(pulls[1], pulls[2], rtol=1e-6)
     assert pulls[2][0][0] > 100.0

@@ -19,22 +19,37 @@ from shellfabric.projectile.projectile import Projectile
 from shellfabric.solver import ply_kernels
 from shellfabric.solver.pack_solver import PackSolver
 
-ZONES = [FINER, ((7, 0.5), (INF, 1)), ((7, 0.25), (9, 0.5), (13, 1), (INF, 4)), ((8, 1 / 3), (INF, 2))]
+ZONES = [
+    FINER,
+    ((7, 0.5), (INF, 1)),
+    ((7, 0.25), (9, 0.5), (13, 1), (INF, 4)),
+    ((8, 1 / 3), (INF, 2)),
+]
 
 
 def shoot(strike_velocity, end_time, side=0.06, **changes):
     return PackSolver(make_panel(side, numerics=SERIAL, **changes), strike_velocity, end_time).run()
 
 
-@pytest.mark.parametrize(("given", "side"), [
-    (1, 1), (2.0, 2), (0.5, Fraction(1, 2)), (0.33, Fraction(1, 3)), (0.3333, Fraction(1, 3)), (0.125, Fraction(1, 8)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "side"),
+    [
+        (1, 1),
+        (2.0, 2),
+        (0.5, Fraction(1, 2)),
+        (0.33, Fraction(1, 3)),
+        (0.3333, Fraction(1, 3)),
+        (0.125, Fraction(1, 8)),
+    ],
+)
 def test_sides_are_whole_numbers_or_parts_of_one(given, side):
     assert grading.exact(given) == side
 
 
 @pytest.mark.parametrize("length", [16, 23, 31, 79, 80])
-@pytest.mark.parametrize("zones", [COARSER, ((4, 1), (INF, 8)), ((5, 2), (INF, 4)), ((INF, 1),), *ZONES])
+@pytest.mark.parametrize(
+    "zones", [COARSER, ((4, 1), (INF, 8)), ((5, 2), (INF, 4)), ((INF, 1),), *ZONES]
+)
 def test_elements_fill_the_panel(zones, length):
     """No side is missing, none shrinks outwards, zones reach at least as far as they were asked to, and every yarn of a
     fine one has its axis."""
@@ -55,7 +70,9 @@ def test_elements_fill_the_panel(zones, length):
 def test_each_line_has_the_nearest_yarn(zones, symmetry):
     """Against a plain loop; of two yarns that are as near it is the inner one, so that halves are alike."""
     panel = make_panel(0.06, grading=zones, symmetry=symmetry)
-    for x, axes, yarns, w in zip(panel.lines(), panel.yarn_axes, panel.nearest_yarns, panel.weave.w):
+    for x, axes, yarns, w in zip(
+        panel.lines(), panel.yarn_axes, panel.nearest_yarns, panel.weave.w
+    ):
         places = x / (2 * w)
         assert np.all(np.abs(places[axes] - np.rint(places[axes])) < 1e-9)
         for place, yarn in zip(places, yarns):
@@ -90,7 +107,10 @@ def test_equal_elements_are_the_plain_panel(elements, strike_velocity):
     """Also where yarns fail: a grading of one zone to the bit; by way of the arrays that other gradings have, all of
     whose entries are equal, in all digits but the last."""
     uniform = {"elements_per_crossover": elements}
-    panels = [make_panel(numerics=SERIAL, **mesh) for mesh in (uniform, {"grading": ((INF, 1 / elements),)}, uniform)]
+    panels = [
+        make_panel(numerics=SERIAL, **mesh)
+        for mesh in (uniform, {"grading": ((INF, 1 / elements),)}, uniform)
+    ]
     if elements == 1:
         panels[2].__dict__["sides"] = tuple(map(np.full, panels[2].counts, panels[2].spacing))
     plain, same, equal = (PackSolver(panel, strike_velocity, 40e-6).run() for panel in panels)
@@ -105,7 +125,14 @@ def test_equal_elements_are_the_plain_panel(elements, strike_velocity):
 def reflected(table, zones, wavelength):
     """Share of a pulse's kinetic energy that is behind it once it is through; its length is in crossovers."""
     edge, numerics = ("clamped", "free"), Numerics(stretch_viscosity=0.0)
-    panel = make_panel(table=table, opening=(0.6, 0.0203), edge=edge, failure=False, grading=zones, numerics=numerics)
+    panel = make_panel(
+        table=table,
+        opening=(0.6, 0.0203),
+        edge=edge,
+        failure=False,
+        grading=zones,
+        numerics=numerics,
+    )
     solver = solver_at_rest(panel, 1.0)
     state, const = solver.state, solver.const
     state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
@@ -119,18 +146,24 @@ def reflected(table, zones, wavelength):
     # taut cloth, and a pulse u = f(X - c t) on it
     X, along = x[..., 0], np.array([1.0, 0.0, 0.0])
     set_nodal(state.u, (0.01 * X + 1e-6 * np.cos(k * within(X)) ** 2)[..., None] * along)
-    set_nodal(state.v, (speed * 1e-6 * k * np.sin(2 * k * within(X + 0.5 * speed * const.dt)))[..., None] * along)
+    set_nodal(
+        state.v,
+        (speed * 1e-6 * k * np.sin(2 * k * within(X + 0.5 * speed * const.dt)))[..., None] * along,
+    )
     ply_kernels.initial_forces(state, const, None, panel.work())
     advance(solver, int(150 * d / speed / const.dt))
     kinetic = (grid(const, state.mass) * grid(const, state.v[0]) ** 2).sum(axis=1)
     return float(kinetic[X[:, 0] < 95 * d].sum() / kinetic.sum())
 
 
-@pytest.mark.parametrize(("zones", "wavelength", "most"), [
-    (None, 16, 1e-3),
-    (((100, 1), (INF, 2)), 32, 1.5e-3),
-    (((100, 1), (110, 2), (INF, 4)), 32, 2e-2),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("zones", "wavelength", "most"),
+    [
+        (None, 16, 1e-3),
+        (((100, 1), (INF, 2)), 32, 1.5e-3),
+        (((100, 1), (110, 2), (INF, 4)), 32, 2e-2),
+    ],
+)
 def test_waves_pass_where_zones_meet(straight, zones, wavelength, most):
     """A pulse along the warp: a hundredth comes back from elements eight to its length, a thousandth from sixteen."""
     table = CellModel(straight(1e-6), model="decoupled").table(201)
@@ -139,7 +172,10 @@ def test_waves_pass_where_zones_meet(straight, zones, wavelength, most):
 
 def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
     """Against a plain loop over all pairs of yarn and line."""
-    factors, places = np.random.default_rng(3).uniform(0.5, 1.5, 41), np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16])
+    factors, places = (
+        np.random.default_rng(3).uniform(0.5, 1.5, 41),
+        np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16]),
+    )
     for line, factor in enumerate(grading.weakest(factors, places)):
         mine = []
         for yarn in range(-20, 21):
@@ -149,14 +185,24 @@ def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
         assert factor == min(mine)
 
 
-@pytest.mark.parametrize("changes", [
-    {"backing": Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)},
-    {"symmetry": "half", "projectile": Projectile(obliquity=0.3, azimuth=0.5 * np.pi)},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {
+            "backing": Backing(
+                size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5
+            )
+        },
+        {"symmetry": "half", "projectile": Projectile(obliquity=0.3, azimuth=0.5 * np.pi)},
+    ],
+)
 def test_shots_at_blocks_and_aslant_are_those_of_a_finer_rim(changes):
     """Energy balance and velocity are those of a panel that is as fine everywhere, whose yarns fail too; the contact
     window follows the projectile over the first zone."""
-    graded, fine = (shoot(250.0, 20e-6, grading=zones, **changes) for zones in (((11, 0.5), (INF, 1)), ((INF, 0.5),)))
+    graded, fine = (
+        shoot(250.0, 20e-6, grading=zones, **changes)
+        for zones in (((11, 0.5), (INF, 1)), ((INF, 0.5),))
+    )
     assert graded.state.counter[motion_kernels.FAILURES] > 0
     assert graded.sample("v")[-1] == pytest.approx(fine.sample("v")[-1], abs=1e-3 * 250.0)
     errors = [solver.sample("error")[-1] / solver.strike_energy for solver in (graded, fine)]
@@ -169,14 +215,18 @@ def test_a_projectile_that_leaves_the_first_zone_ends_the_run():
         shoot(200.0, 100e-6, grading=((9, 0.5), (INF, 1)), symmetry="half", projectile=shot)
 
 
-@pytest.mark.parametrize(("zones", "elements", "side", "end", "near"), [
-    (((10, 1), (14, 2), (INF, 4)), 1, 0.0762, 150e-6, 0.01),
-    (((9, 0.5), (INF, 1)), 2, 0.05, 80e-6, 0.005),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("zones", "elements", "side", "end", "near"),
+    [
+        (((10, 1), (14, 2), (INF, 4)), 1, 0.0762, 150e-6, 0.01),
+        (((9, 0.5), (INF, 1)), 2, 0.05, 80e-6, 0.005),
+    ],
+)
 def test_a_coarse_rim_changes_a_shot_little(zones, elements, side, end, near):
     """A panel that is fine about the nose alone against one that is fine everywhere."""
     graded, plain = (
-        shoot(70.0, end, side, **mesh) for mesh in ({"grading": zones}, {"elements_per_crossover": elements})
+        shoot(70.0, end, side, **mesh)
+        for mesh in ({"grading": zones}, {"elements_per_crossover": elements})
     )
     assert graded.sample("v")[-1] == pytest.approx(plain.sample("v")[-1], abs=near * 70.0)
     assert graded.sample("z")[-1] == pytest.approx(plain.sample("z")[-1], rel=0.01)

@@ -22,5 +22,7 @@ for place in ((np.nan, np.nan), (np.nan, 3.0), (3.0, np.nan), (-0.5, -0.5), (flo
 
 def test_no_kernel_leaves_its_arrays():
     """In a process of its own, which a wrong index would end. A foot on cloth that has flown off is not a number."""
-    done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, cwd=Path(__file__).parents[3])
+    done = subprocess.run(
+        [sys.executable, "-c", CODE], capture_output=True, text=True, cwd=Path(__file__).parents[3]
+    )
     assert done.returncode == 0, done.stderr[-2000:]

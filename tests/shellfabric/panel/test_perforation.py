@@ -53,7 +53,9 @@ def test_a_plug_that_flies_ahead():
     """S-728 at 205.5 m/s: a plug of two elements flies before the projectile; without asking what holds it, the run
     had no outcome after 5 ms."""
     march = PackSolver(
-        ImpactSetup(catalogue.load("S-728").with_effective_density(), 1.0, table_size=101).panel(), 205.5, 600e-6
+        ImpactSetup(catalogue.load("S-728").with_effective_density(), 1.0, table_size=101).panel(),
+        205.5,
+        600e-6,
     ).run()
     assert march.outcome == "perforated"
     assert march.time < 150e-6

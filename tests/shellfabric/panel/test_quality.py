@@ -20,14 +20,21 @@ from validation.models.variants import with_law_form
 
 def small_panel(side=0.1, **numerics):
     cell = CellModel(catalogue.load("S-720").with_effective_density())
-    return make_panel(side, table=cell.table(51), numerics=Unchecked(threads=1, **numerics), failure=False)
+    return make_panel(
+        side, table=cell.table(51), numerics=Unchecked(threads=1, **numerics), failure=False
+    )
 
 
 @pytest.mark.parametrize(
     ("numerics", "expected"),
-    [({}, set()), ({"stretch_viscosity": 0.0}, {"tension oscillation"}), ({"penalty": 0.02}, {"nose penetration"}),
-     ({"contact_points": 2}, {"contact point spacing"}), ({"cfl": 1.2}, {"time step"})],
-)  # fmt: skip
+    [
+        ({}, set()),
+        ({"stretch_viscosity": 0.0}, {"tension oscillation"}),
+        ({"penalty": 0.02}, {"nose penetration"}),
+        ({"contact_points": 2}, {"contact point spacing"}),
+        ({"cfl": 1.2}, {"time step"}),
+    ],
+)
 def test_what_a_knob_spoils_is_indicated(numerics, expected):
     solver = PackSolver(small_panel(**numerics), 92.5, 100e-6).run()
     assert {one.name for one in quality.of_solver(solver) if not one.ok} == expected
@@ -39,7 +46,12 @@ def test_a_printed_law_and_a_law_beyond_its_fit_are_indicated():
     assert {one.name for one in printed if not one.ok} == {"swelling under contact"}
     for highest, ok in ((1e-3, False), (1e6, True)):
         laws = tuple(replace(law, F_range=(0.0, highest)) for law in fabric.laws)
-        assert all(one.ok for one in quality.of_cell(CellModel(fabric, laws).table(51), (100.0, 100.0))) == ok
+        assert (
+            all(
+                one.ok for one in quality.of_cell(CellModel(fabric, laws).table(51), (100.0, 100.0))
+            )
+            == ok
+        )
 
 
 def test_alternation_of_a_known_wave():
@@ -53,15 +65,28 @@ def test_alternation_of_a_known_wave():
 
 
 def test_viscous_energy_is_split_before_the_first_failure():
-    energies = {"kinetic_projectile": np.array([90.0, 70.0, 50.0, 30.0]), "viscous": np.array([0.0, 1.0, 4.0, 6.0])}
-    for failed, expected in (([0, 0, 0, 0], (0.1, 0.0)), ([0, 0, 3, 3], (0.05, 5.0)), ([0, 2, 3, 3], (0.0, 6.0))):
+    energies = {
+        "kinetic_projectile": np.array([90.0, 70.0, 50.0, 30.0]),
+        "viscous": np.array([0.0, 1.0, 4.0, 6.0]),
+    }
+    for failed, expected in (
+        ([0, 0, 0, 0], (0.1, 0.0)),
+        ([0, 0, 3, 3], (0.05, 5.0)),
+        ([0, 2, 3, 3], (0.0, 6.0)),
+    ):
         assert quality.split_viscous(np.array(failed), energies) == pytest.approx(expected)
 
 
 def narrow(velocity=300.0, **changes):
     """A shot whose projectile is narrow: an element of one crossover is 1.2 times as long as its radius."""
-    changes = {"projectile": Projectile(mass=0.44e-3, radius=1.06e-3), "opening": 0.06, "table_size": 51} | changes
-    return ImpactSetup(table().model.fabric, velocity, end_time=100e-6, numerics=Numerics(threads=1), **changes)
+    changes = {
+        "projectile": Projectile(mass=0.44e-3, radius=1.06e-3),
+        "opening": 0.06,
+        "table_size": 51,
+    } | changes
+    return ImpactSetup(
+        table().model.fabric, velocity, end_time=100e-6, numerics=Numerics(threads=1), **changes
+    )
 
 
 def test_the_default_mesh_follows_projectile_and_failure_length():
@@ -81,12 +106,18 @@ def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():
     """Elements longer than its radius absorb less than shorter ones do."""
     velocities, table = (180.0, 240.0, 300.0, 360.0), narrow().table()
     fine, usual, coarse = (
-        [run(narrow(v, elements_per_crossover=n), table=table) for v in velocities] for n in (6, None, 1)
+        [run(narrow(v, elements_per_crossover=n), table=table) for v in velocities]
+        for n in (6, None, 1)
     )
-    residual = [np.array([shot.residual_velocity for shot in shots]) / velocities for shots in (fine, usual, coarse)]
+    residual = [
+        np.array([shot.residual_velocity for shot in shots]) / velocities
+        for shots in (fine, usual, coarse)
+    ]
     assert np.abs(residual[1] - residual[0]).max() < 0.03
     assert np.abs(residual[2] - residual[0]).max() > 0.04
-    assert all({check.name for check in shot.checks if not check.ok} == {"element side"} for shot in coarse)
+    assert all(
+        {check.name for check in shot.checks if not check.ok} == {"element side"} for shot in coarse
+    )
     assert all(check.ok for shot in usual for check in shot.checks)
     for shot in usual:
         share, recoil = quality.split_viscous(shot.cut_yarns, shot.energies)

@@ -16,17 +16,23 @@ def test_without_viscosity_a_ring_is_followed():
 
 
 def test_taut_cloth_is_distinguished_from_crimped():
-    straight = CellModel(comparison.with_straight_yarns(table().model.fabric), model="decoupled").table(26)
+    straight = CellModel(
+        comparison.with_straight_yarns(table().model.fabric), model="decoupled"
+    ).table(26)
     assert straight.tautness() > 0.95
     assert table().tautness() < 0.35
     assert time_step.share(straight, 0.1) == time_step.share(straight, 0.0) == pytest.approx(0.965)
 
 
-@pytest.mark.parametrize("changes", [{"form": "equilibrium"}, {"numerics": Numerics(stretch_viscosity=0.0)}])
+@pytest.mark.parametrize(
+    "changes", [{"form": "equilibrium"}, {"numerics": Numerics(stretch_viscosity=0.0)}]
+)
 def test_the_contact_is_no_stiffer_for_a_shorter_step(changes):
     """A shorter step is taken than of the usual panel, whose contact has the stiffness of its own."""
     panel, usual = make_panel(**changes), make_panel()
     const, other = panel.constants(), usual.constants()
     assert const.dt < 0.99 * panel.step_of_bound
     per_step = (usual.step_of_bound / panel.step_of_bound) ** 2
-    assert const.point_law.stiffness == pytest.approx(per_step * other.point_law.stiffness, rel=1e-12)
+    assert const.point_law.stiffness == pytest.approx(
+        per_step * other.point_law.stiffness, rel=1e-12
+    )

@@ -46,7 +46,9 @@ def test_equal_elements_are_the_plain_pack(graded, strike_velocity):
     np.testing.assert_allclose(one.samples[-1], other.samples[-1], rtol=1e-6, atol=1e-9)
 
 
-@pytest.mark.parametrize(("stacking", "zones", "side"), [("alternating", ZONES, 0.034), ("aligned", FINE, 0.022)])
+@pytest.mark.parametrize(
+    ("stacking", "zones", "side"), [("alternating", ZONES, 0.034), ("aligned", FINE, 0.022)]
+)
 def test_forces_against_a_plain_twin(graded, stacking, zones, side):
     """In both zones and across their border, of plies that bulge into each other."""
     panel = replace(graded, opening=(side, side), grading=zones)
@@ -58,7 +60,9 @@ def test_forces_against_a_plain_twin(graded, stacking, zones, side):
 
 
 @pytest.mark.parametrize("zones", [ZONES, FINE], ids=["1, 2", "1/2, 1"])
-@pytest.mark.parametrize(("points", "slid", "within"), [(1, 0.0, 1e-9), (2, 0.0, 0.04), (1, 0.1, 0.01)])
+@pytest.mark.parametrize(
+    ("points", "slid", "within"), [(1, 0.0, 1e-9), (2, 0.0, 0.04), (1, 0.1, 0.01)]
+)
 def test_patch_across_zones(graded, zones, points, slid, within):
     """Plies that are strained and inclined alike and pressed together evenly: each node is pushed in proportion to its
     mass, in all zones and where they meet; of plies that have slid on each other by a share of an element, within the
@@ -71,7 +75,11 @@ def test_patch_across_zones(graded, zones, points, slid, within):
     F = np.array([[1.01, 0.002], [0.003, 1.02], [0.1, -0.05]])
     n = np.cross(F[:, 0], F[:, 1]) / np.linalg.norm(np.cross(F[:, 0], F[:, 1]))
     depth = 0.05 * pressed.thickness
-    moved = [0.0, 0.0, pack.places[1]] - (pressed.thickness - depth) * n + slid * free.spacing[0] * F[:, 0]
+    moved = (
+        [0.0, 0.0, pack.places[1]]
+        - (pressed.thickness - depth) * n
+        + slid * free.spacing[0] * F[:, 0]
+    )
     for state, const, shift in zip(pressed.states, pressed.consts, (moved, np.zeros(3))):
         for u, (a, b), at_rest, by in zip(state.u, F, (X, Y, 0.0), shift):
             grid(const, u)[:] = a * X + b * Y - at_rest + by
@@ -85,14 +93,18 @@ def test_patch_across_zones(graded, zones, points, slid, within):
 
 
 @pytest.mark.parametrize("strike_velocity", [91.0, 300.0])
-@pytest.mark.parametrize("zones", [((10, 1), (16, 2), (INF, 4)), ((9, 0.5), (INF, 1))], ids=["coarser", "finer"])
+@pytest.mark.parametrize(
+    "zones", [((10, 1), (16, 2), (INF, 4)), ((9, 0.5), (INF, 1))], ids=["coarser", "finer"]
+)
 def test_shots_against_the_uniform_pack(ply, strike_velocity, zones):
     """Held or torn: no ply goes through another, and the projectile is slowed down alike: by torn ones within the few
     per cent by which it matters which yarn fails first (docs/reports/mesh-and-cost.md)."""
     found, side, end_time = [], *((0.0762, 60e-6) if zones[0][1] == 1 else (0.05, 25e-6))
     for grading in (((INF, zones[0][1]),), zones):
         panel = replace(ply, grading=grading, opening=(side, side))
-        march = PackSolver(Pack.stacked(panel, 2, stacking="alternating", gap=50e-6), strike_velocity, end_time).run()
+        march = PackSolver(
+            Pack.stacked(panel, 2, stacking="alternating", gap=50e-6), strike_velocity, end_time
+        ).run()
         assert march.deepest.max() < 1.0
         assert (march.sample("cut_yarns")[-1] > 0) == (strike_velocity > 200)
         found.append((march.sample("v")[-1], march.pack.elements))

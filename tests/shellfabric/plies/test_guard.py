@@ -40,7 +40,10 @@ def near_pairs(x, first, second, near, found):
     for a in first:
         for b in second:
             nodes[:3], nodes[3:] = a, b
-            if separation_kernels.lower_bound(x, nodes) <= near and separation_kernels.separation(x, nodes)[0] <= near:
+            if (
+                separation_kernels.lower_bound(x, nodes) <= near
+                and separation_kernels.separation(x, nodes)[0] <= near
+            ):
                 found[count] = nodes
                 count += 1
     return count
@@ -74,17 +77,23 @@ def test_distance_and_direction_of_facets(bare):
     numbers = [[0, 1, 2] if not one else [0, 1, 1] for one in bare]
     nodes = np.array([*numbers[0], *(np.array(numbers[1]) + 3)], np.int32)
     for _ in range(30):
-        x = np.concatenate([facet(rng, bare[0]), facet(rng, bare[1]) + np.array([0.0, 0.0, rng.uniform(0, 4)])])
+        x = np.concatenate(
+            [facet(rng, bare[0]), facet(rng, bare[1]) + np.array([0.0, 0.0, rng.uniform(0, 4)])]
+        )
         columns = np.ascontiguousarray(x.T)
         width, n = separation(columns, nodes)
-        apart = np.linalg.norm((shares @ x[:3])[:, None, :] - (shares @ x[3:])[None, ::7], axis=-1).min()
+        apart = np.linalg.norm(
+            (shares @ x[:3])[:, None, :] - (shares @ x[3:])[None, ::7], axis=-1
+        ).min()
         assert lower_bound(columns, nodes) <= max(width, 0.0) + 1e-12
         if width > 0:
             assert np.linalg.norm(n) == pytest.approx(1.0)
             assert width <= apart <= width + 0.3
             assert (x[3:] @ n).min() - (x[:3] @ n).max() == pytest.approx(width)
             swapped = np.ascontiguousarray(columns[:, [3, 4, 5, 0, 1, 2]])
-            back, m = separation(swapped, nodes[[3, 4, 5, 0, 1, 2]] if bare[0] != bare[1] else nodes)
+            back, m = separation(
+                swapped, nodes[[3, 4, 5, 0, 1, 2]] if bare[0] != bare[1] else nodes
+            )
             if bare[0] == bare[1]:
                 assert back == pytest.approx(width)
                 np.testing.assert_allclose(m, -np.array(n), atol=1e-6)
@@ -96,7 +105,10 @@ class Cloud:
     def __init__(self, ply, seed, nodes=60, facets=40):
         pack = Pack.stacked(ply, 2)
         consts = pack.constants()
-        self.guard, rng = pack.plies_contact(consts, pack.states(1.0)[0]), np.random.default_rng(seed)
+        self.guard, rng = (
+            pack.plies_contact(consts, pack.states(1.0)[0]),
+            np.random.default_rng(seed),
+        )
         self.guard.x[:, :nodes], self.nodes = rng.normal(size=(3, nodes)), nodes
         self.guard.kick[:nodes] = 10 ** rng.uniform(-1, 1, nodes)
         self.guard.mirror[:] = 0
@@ -109,7 +121,10 @@ class Cloud:
                 self.guard.row_nodes[rows], self.guard.row_normal[rows] = own, n
                 self.guard.row_need[rows] = guard_kernels.needed.py_func(width, 1.0)
                 rows += 1
-        self.rows, self.guard.y[:, :nodes] = rows, self.guard.x[:, :nodes] + rng.normal(size=(3, nodes))
+        self.rows, self.guard.y[:, :nodes] = (
+            rows,
+            self.guard.x[:, :nodes] + rng.normal(size=(3, nodes)),
+        )
 
     def project(self):
         """What `project` returns; the places before."""
@@ -135,7 +150,9 @@ class Cloud:
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("kind", ["free", "held", "planes"])
 def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
-    cloud = Cloud(ply, seed, *((60, 40) if seed % 3 else (30, 200)))  # the latter too many for impulses alone
+    cloud = Cloud(
+        ply, seed, *((60, 40) if seed % 3 else (30, 200))
+    )  # the latter too many for impulses alone
     guard, nodes = cloud.guard, cloud.nodes
     if kind == "held":
         guard.kick[:nodes:9] = 0.0
@@ -146,10 +163,18 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
             on = guard.mirror[:nodes] >> axis & 1 > 0
             guard.x[axis, :nodes][on] = guard.y[axis, :nodes][on] = 0.0
         wall = [k for k in range(nodes) if guard.x[0, k] > 0 and not guard.mirror[k]]
-        cloud.rows = 0  # the facets have moved: rows of the plane alone, and of facets as they are now
+        cloud.rows = (
+            0  # the facets have moved: rows of the plane alone, and of facets as they are now
+        )
         for row, k in enumerate(wall):
-            guard.row_nodes[row], guard.row_normal[row] = [guard_kernels.PLANE_X] * 3 + [k] * 3, (1.0, 0.0, 0.0)
-            guard.row_need[row], cloud.rows = guard_kernels.needed.py_func(guard.x[0, k], 1.0), row + 1
+            guard.row_nodes[row], guard.row_normal[row] = (
+                [guard_kernels.PLANE_X] * 3 + [k] * 3,
+                (1.0, 0.0, 0.0),
+            )
+            guard.row_need[row], cloud.rows = (
+                guard_kernels.needed.py_func(guard.x[0, k], 1.0),
+                row + 1,
+            )
     (given, resolved), before = cloud.project()
     assert given > 0
     assert resolved
@@ -158,7 +183,10 @@ def test_rows_hold_momentum_stays_and_energy_never_grows(ply, seed, kind):
     ways = guard.kick[:nodes] * guard.impulse[:, :nodes]
     np.testing.assert_allclose(guard.y[:, :nodes] - before, ways, atol=1e-12 * np.abs(before).max())
     if kind == "free":
-        assert np.abs(guard.impulse[:, :nodes].sum(axis=1)).max() < 1e-12 * np.abs(guard.impulse[:, :nodes]).sum()
+        assert (
+            np.abs(guard.impulse[:, :nodes].sum(axis=1)).max()
+            < 1e-12 * np.abs(guard.impulse[:, :nodes]).sum()
+        )
 
 
 def test_no_motion_satisfies_every_row(ply):
@@ -204,7 +232,10 @@ def test_every_pair_that_is_near_has_a_row(ply):
         for p, q in ((0, 1), (0, 2), (1, 2)):
             one, other = (whole[whole[:, 0] // guard.slots == r] for r in (p, q))
             count = near_pairs(x, one, other, near, found)
-            expected |= {frozenset((tuple(sorted(row[:3])), tuple(sorted(row[3:])))) for row in found[:count].tolist()}
+            expected |= {
+                frozenset((tuple(sorted(row[:3])), tuple(sorted(row[3:]))))
+                for row in found[:count].tolist()
+            }
         march.advance(np.empty((1, 3)))
         rows = guard.row_nodes[: guard.count[near_kernels.ROWS]].tolist()
         listed = {frozenset((tuple(sorted(row[:3])), tuple(sorted(row[3:])))) for row in rows}
@@ -258,7 +289,9 @@ def test_all_places_are_in_the_frame_of_the_first_ply(ply):
     for p, panel in enumerate(pack.plies):
         nodes = panel.in_pack(np.stack(panel.coordinates(), axis=-1)) @ axes.T
         rows, columns = np.indices(nodes.shape[:2])
-        rest = np.moveaxis(contact.rest[:, contact.base[p] + rows * contact.shape[p, 0] + columns], 0, -1)
+        rest = np.moveaxis(
+            contact.rest[:, contact.base[p] + rows * contact.shape[p, 0] + columns], 0, -1
+        )
         np.testing.assert_allclose(rest[..., :2], nodes, atol=1e-15)
         np.testing.assert_allclose(rest[..., 2], pack.places[p])
 
@@ -288,7 +321,9 @@ def test_facets_on_wrong_courses_stay_on_their_sides(ply):
             states[0].v[2][corners] = (0.2 if hole else 0.4) * apart / const.dt
             march.advance(np.empty((1, 3)))
             assert not plies_cross(march)
-        before, middle, behind = (z + state.u[2][corners].mean() for z, state in zip(march.places, states))
+        before, middle, behind = (
+            z + state.u[2][corners].mean() for z, state in zip(march.places, states)
+        )
         assert 2.0 * apart < before < behind
         assert (middle < before) == hole
 
@@ -307,7 +342,9 @@ def test_torn_plies_do_not_pass_through_each_other():
     """Two plies of S-726 crossed twice in this shot, and eight 17 times, before there was a guard."""
     fabric = catalogue.load("S-726").with_effective_density()
     ply, seen = Panel(CellModel(fabric).table(101), (0.04, 0.04), numerics=Numerics(threads=1)), []
-    march = PackSolver(Pack.stacked(ply, 2), 250.0, 60e-6).run((lambda run: seen.append(plies_cross(run)),))
+    march = PackSolver(Pack.stacked(ply, 2), 250.0, 60e-6).run(
+        (lambda run: seen.append(plies_cross(run)),)
+    )
     assert march.sample("cut_yarns")[-1] > 50
     assert march.held_apart > 0
     assert not any(seen)

@@ -12,13 +12,21 @@ from shellfabric.panel.model import Numerics
 from shellfabric.plies.gap import gap_between
 
 SETUP = ImpactSetup(
-    catalogue.load("S-728"), 260.0, opening=0.04, end_time=20e-6, table_size=61, plies=3, numerics=Numerics(threads=1)
+    catalogue.load("S-728"),
+    260.0,
+    opening=0.04,
+    end_time=20e-6,
+    table_size=61,
+    plies=3,
+    numerics=Numerics(threads=1),
 )
 
 
 def laid(*plies, setup=SETUP):
     """The set-up with a lay-up."""
-    return replace(setup, fabric=plies[0].fabric, laws=plies[0].laws, plies=len(plies), lay_up=plies)
+    return replace(
+        setup, fabric=plies[0].fabric, laws=plies[0].laws, plies=len(plies), lay_up=plies
+    )
 
 
 def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
@@ -32,7 +40,11 @@ def test_a_hybrid_pack_keeps_its_energy_and_knows_its_plies():
         assert np.all(np.diff(result.plies["peak_weft"], axis=0) >= 0)
     first, second = results
     assert first.setup.title == "2 x S-728 + 1 x S-726 at 90 deg"
-    assert [panel.fabric.name.split(",")[0] for panel in first.panels] == ["S-728", "S-728", "S-726"]
+    assert [panel.fabric.name.split(",")[0] for panel in first.panels] == [
+        "S-728",
+        "S-728",
+        "S-726",
+    ]
     weft, warp = (yarn.strength for yarn in first.panels[2].weave.yarns)
     assert (warp, weft) == tuple(yarn.strength for yarn in other.fabric.weave.yarns)
     assert np.abs(first.v - second.v).max() > 0.1
@@ -49,7 +61,10 @@ def test_gaps_are_those_of_the_plies_or_the_mean():
 
 def test_the_mesh_is_fine_as_far_as_any_ply_needs():
     """One grading for all: as many crossovers as the fabric with the shortest ones needs."""
-    setups = [laid(*[Ply(catalogue.load(name))] * 2, setup=replace(SETUP, opening=0.2)) for name in ("S-745", "S-726")]
+    setups = [
+        laid(*[Ply(catalogue.load(name))] * 2, setup=replace(SETUP, opening=0.2))
+        for name in ("S-745", "S-726")
+    ]
     alone = [setup.meshed.grading[0] for setup in setups]
     mixed = laid(setups[0].lay_up[0], setups[1].lay_up[0], setup=setups[0])
     assert mixed.meshed.grading[0] == (max(far for far, _ in alone), min(side for _, side in alone))
@@ -62,14 +77,19 @@ def test_the_default_mesh_reaches_as_far_as_turned_plies_need():
     straight, turned = replace(setup, plies=2), replace(setup, plies=2, stacking="alternating")
     assert turned.meshed.grading[0][0] > straight.meshed.grading[0][0]
     assert turned.target().plies[1].sides is not None
-    assert laid(Ply(fabric), Ply(fabric, angle=pi / 2), setup=setup).meshed.grading == turned.meshed.grading
+    assert (
+        laid(Ply(fabric), Ply(fabric, angle=pi / 2), setup=setup).meshed.grading
+        == turned.meshed.grading
+    )
 
 
 def test_a_pack_of_a_fabric_without_a_law_takes_the_law_of_the_shot():
     """The mesh is chosen without a law of the fabric's own, as an own fabric has none."""
     laws = SETUP.fabric.laws
     own = replace(SETUP, fabric=replace(SETUP.fabric, laws=None), laws=laws)
-    assert replace(own, plies=3).meshed == replace(own, plies=3, grading=replace(SETUP, plies=3).meshed.grading)
+    assert replace(own, plies=3).meshed == replace(
+        own, plies=3, grading=replace(SETUP, plies=3).meshed.grading
+    )
     assert laid(Ply(own.fabric, laws=laws), Ply(SETUP.fabric), setup=own).meshed.grading is not None
 
 

@@ -18,10 +18,14 @@ GAP = 0.1e-3
 
 def test_far_behind_is_a_single_ply(ply, monkeypatch):
     far = Pack((ply, ply), (0.5,), PlyContact(courant=10.0))  # which leaves the step to the plies
-    monkeypatch.setattr(Pack, "_firmer", lambda pack, ply: 0.0)  # the nose's stiffness of a pack is another
+    monkeypatch.setattr(
+        Pack, "_firmer", lambda pack, ply: 0.0
+    )  # the nose's stiffness of a pack is another
     alone = far._in_step(ply)
     single, pack = PackSolver(alone, 120.0, 20e-6).run(), PackSolver(far, 120.0, 20e-6).run()
-    assert same(single.state, pack.states[0]._replace(**far._foreseen(0)))  # room that a firm nose would need
+    assert same(
+        single.state, pack.states[0]._replace(**far._foreseen(0))
+    )  # room that a firm nose would need
     assert single.sample("cut_yarns")[-1] > 0
     assert not pack.stack.awake[1]
     assert not any(u.any() for u in pack.states[1].u)
@@ -46,7 +50,9 @@ def test_fast_shots_at_thin_plies_do_not_pass_through(ply):
 @pytest.mark.parametrize("grading", [None, ((7, 1), (np.inf, 2)), ((7, 0.5), (np.inf, 1))])
 def test_colliding_plies_keep_momentum_and_energy(ply, grading, damping):
     free = replace(ply, edge="free", symmetry="whole", opening=(0.034, 0.034), grading=grading)
-    pack = Pack.stacked(free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(damping=damping))
+    pack = Pack.stacked(
+        free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(damping=damping)
+    )
     march, before, energy = collide(pack, (0.0, 0.0, 20.0), 300)
     sums = np.array([[state.mass @ v for v in state.v] for state in march.states])
     np.testing.assert_allclose(sums.sum(axis=0), before, atol=1e-12 * before[2])
@@ -61,7 +67,9 @@ def test_colliding_plies_keep_momentum_and_energy(ply, grading, damping):
 def test_no_ply_goes_through_another(ply, velocity):
     """At the usual speed and at three times that."""
     wide = replace(ply, opening=(0.16, 0.16))  # waves do not come back in the time
-    march = PackSolver(Pack.stacked(wide, 4, stacking="alternating", gap=GAP), velocity, 30e-6).run()
+    march = PackSolver(
+        Pack.stacked(wide, 4, stacking="alternating", gap=GAP), velocity, 30e-6
+    ).run()
     assert march.deepest.max() < 1.0
     assert (march.ply_samples[-1][:, 0].sum() > 0) == (velocity > 200)
     assert not plies_cross(march)
@@ -92,15 +100,20 @@ def test_a_pack_between_platens_has_the_law(ply, plies, law):
         closed = closure
         advance(march, 100)
         for p in range(plies - 1):
-            assert -march.contact.force[p, BEHIND, 2].sum() / area == pytest.approx(pressure, rel=0.01)
+            assert -march.contact.force[p, BEHIND, 2].sum() / area == pytest.approx(
+                pressure, rel=0.01
+            )
 
 
 def test_bad_packs_are_reported(ply):
     whole, graded = replace(ply, symmetry="whole"), replace(ply, grading=((8, 1), (np.inf, 2)))
     for key, plies, gaps in (
-        ("plies", (), ()), ("gaps", (ply, ply), ()), ("gap", (ply, ply), (-1e-6,)), ("symmetry", (ply, whole), (GAP,)),
+        ("plies", (), ()),
+        ("gaps", (ply, ply), ()),
+        ("gap", (ply, ply), (-1e-6,)),
+        ("symmetry", (ply, whole), (GAP,)),
         ("one grading", (ply, graded), (GAP,)),
-    ):  # fmt: skip
+    ):
         with pytest.raises(InputError, match=key):
             Pack(plies, gaps)
     for bad in ({"courant": 0.0}, {"stiffness": -1.0}, {"damping": -1.0}, {"points": 0}):

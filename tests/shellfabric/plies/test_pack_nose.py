@@ -38,7 +38,10 @@ def forces(depth, away, stiffness, before, usual):
     B, const, damping = shares(), Point(1.0, law(1.0 / PER)), stiffness**0.5 / PER
     points = zip(depth, away, B @ (B.T @ before), before)
     return np.array(
-        [contact_kernels.implicit_penalty_force(const, stiffness, damping, *point, usual) for point in points]
+        [
+            contact_kernels.implicit_penalty_force(const, stiffness, damping, *point, usual)
+            for point in points
+        ]
     )
 
 
@@ -63,9 +66,11 @@ COUNT = (ROW - 3) * PER
 MIDDLE = np.abs(np.arange(COUNT) - COUNT // 2)
 # forces of a step ago: alike, on a rim, on one point, at random
 PATTERNS = {
-    "flat": np.ones(COUNT), "rim": 1.0 * (MIDDLE < 3), "point": 1.0 * (MIDDLE < 1),
+    "flat": np.ones(COUNT),
+    "rim": 1.0 * (MIDDLE < 3),
+    "point": 1.0 * (MIDDLE < 1),
     "random": np.random.default_rng(1).random(COUNT) ** 4,
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("pattern", PATTERNS)
@@ -95,8 +100,12 @@ def test_in_one_step_a_very_firm_one_closes_the_gap():
     force = contact_kernels.implicit_penalty_force(
         const, 1e12, 1.0, -0.25, -3.0, 1.0 * const.dt / const.point_law.mass, 1.0, 0.0
     )
-    assert force == pytest.approx(const.point_law.mass * (0.25 / const.dt**2 + 3.0 / const.dt), rel=1e-9)
-    assert contact_kernels.implicit_penalty_force(const, 1e12, 1.0, -0.25, 3.0, 0.25, 1.0, 0.0) == 0.0
+    assert force == pytest.approx(
+        const.point_law.mass * (0.25 / const.dt**2 + 3.0 / const.dt), rel=1e-9
+    )
+    assert (
+        contact_kernels.implicit_penalty_force(const, 1e12, 1.0, -0.25, 3.0, 0.25, 1.0, 0.0) == 0.0
+    )
 
 
 def test_it_foresees_what_all_other_forces_do(ply):
@@ -108,7 +117,10 @@ def test_it_foresees_what_all_other_forces_do(ply):
     i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     near = (np.arange(i0, i1 + 1)[:, None] * const.row_stride + np.arange(j0, j1 + 1)).ravel()
     before = [v[near].copy() for v in state.v]
-    change = [due[near] + state.dt_over_mass[near] * push[near] for due, push in zip(state.dv_other, state.f_contact)]
+    change = [
+        due[near] + state.dt_over_mass[near] * push[near]
+        for due, push in zip(state.dv_other, state.f_contact)
+    ]
     march.advance(np.empty((1, 3)))
     for v, old, new in zip(state.v, before, change):
         assert np.abs(new).max() > 0.1
@@ -140,4 +152,6 @@ def test_the_nose_presses_on_half_a_ply(ply, cfl):
         pack = Pack.stacked(replace(ply, grading=grading, numerics=Numerics(cfl=cfl)), 2, gap=GAP)
         for const in pack.constants():
             law, points = const.point_law, const.points_per_side**2 / (const.dx * const.dy)
-            assert law.implicit_factor * law.stiffness * points == pytest.approx(2 * pack.laws[0].stiffness)
+            assert law.implicit_factor * law.stiffness * points == pytest.approx(
+                2 * pack.laws[0].stiffness
+            )

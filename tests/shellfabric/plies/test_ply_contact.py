@@ -62,10 +62,19 @@ def plain(pressed):
     """Forces on the first two plies (of one frame) and the spring energy, point by point: the closest point by
     minimising the distance."""
     pack, contact = pressed.pack, pressed.contact
-    (law,), density, n, grids, speeds = pack.laws, pack.plies[0].weave.areal_density, pack.contact.points, [], []
+    (law,), density, n, grids, speeds = (
+        pack.laws,
+        pack.plies[0].weave.areal_density,
+        pack.contact.points,
+        [],
+        [],
+    )
     for ply, z, state, const in zip(pack.plies, pack.places, pressed.states, pressed.consts):
         X, Y = ply.coordinates()
-        u, v = (np.stack([grid(const, part) for part in vector], axis=-1) for vector in (state.u, state.v))
+        u, v = (
+            np.stack([grid(const, part) for part in vector], axis=-1)
+            for vector in (state.u, state.v)
+        )
         grids.append(with_ghosts(np.stack([X, Y, np.full_like(X, z)], axis=-1) + u, const))
         speeds.append(with_ghosts(v, const))
     (x, y), forces, energy = grids, [np.zeros_like(part) for part in grids], 0.0
@@ -75,11 +84,23 @@ def plain(pressed):
         for j in range(fc.nj * n):
             a, b = (i + 0.5) / n, (j + 0.5) / n
             at, weights = spline(x, a, b)
-            lines = [(mine, other) for mine, other in zip(pack.plies[0].lines(), pack.plies[1].lines())]
-            guess = [np.interp(np.interp(place, np.arange(mine.size), mine), other, np.arange(other.size))
-                     for place, (mine, other) in zip((a, b), lines)]  # fmt: skip
-            off = lambda p: at - spline(y, *p)[0]  # noqa: B023, E731
-            foot = minimize(lambda p: 1e6 * np.sum(off(p) ** 2), guess, tol=1e-14, method="Nelder-Mead").x  # noqa: B023
+            lines = [
+                (mine, other) for mine, other in zip(pack.plies[0].lines(), pack.plies[1].lines())
+            ]
+            guess = [
+                np.interp(
+                    np.interp(place, np.arange(mine.size), mine), other, np.arange(other.size)
+                )
+                for place, (mine, other) in zip((a, b), lines)
+            ]
+
+            def off(p, at=at):
+                return at - spline(y, *p)[0]
+
+            def squared_distance(p, off=off):
+                return 1e6 * np.sum(off(p) ** 2)
+
+            foot = minimize(squared_distance, guess, tol=1e-14, method="Nelder-Mead").x
             distance = np.linalg.norm(off(foot))
             closure = pressed.thickness - distance
             if closure <= 0:
@@ -88,7 +109,11 @@ def plain(pressed):
             v = (weights * speeds[0]).sum(axis=(0, 1)) - (opposite * speeds[1]).sum(axis=(0, 1))
             slope = (law.pressure_at(closure + 1e-12) - law.pressure_at(closure)) / 1e-12
             damping = pack.contact.damping * np.sqrt(slope * density)
-            f = areas[i // n, j // n] * max(0.0, law.pressure_at(closure) + damping * normal @ v) * normal
+            f = (
+                areas[i // n, j // n]
+                * max(0.0, law.pressure_at(closure) + damping * normal @ v)
+                * normal
+            )
             energy += areas[i // n, j // n] * law.energy_at(closure)
             forces[0] -= weights * f
             forces[1] += opposite * f
@@ -128,16 +153,21 @@ def test_spline_is_smooth_and_goes_through_flat_cloth(mirrored):
 @pytest.mark.parametrize("stacking", ["aligned", "alternating"])
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
 def test_forces_against_a_plain_twin(ply, stacking, symmetry):
-    panel = replace(ply, symmetry=symmetry, opening=(0.02, 0.02) if symmetry == "quarter" else (0.012, 0.012))
+    panel = replace(
+        ply, symmetry=symmetry, opening=(0.02, 0.02) if symmetry == "quarter" else (0.012, 0.012)
+    )
     pack = Pack.stacked(panel, 2, stacking=stacking, gap=0.1e-3, law=LAW)
     assert_as_plain(Pressed(pack).bulge(np.random.default_rng(1), 0.25e-3))
 
 
-@pytest.mark.parametrize(("opening", "grading", "width"), [
-    ((0.013, 0.012), None, 4e-3),  # 11 elements and a part of eight in a row
-    ((0.036, 0.035), None, 7e-3),
-    ((0.036, 0.035), ((8, 1), (np.inf, 2)), 7e-3),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("opening", "grading", "width"),
+    [
+        ((0.013, 0.012), None, 4e-3),  # 11 elements and a part of eight in a row
+        ((0.036, 0.035), None, 7e-3),
+        ((0.036, 0.035), ((8, 1), (np.inf, 2)), 7e-3),
+    ],
+)
 @pytest.mark.parametrize("stacking", ["aligned", "alternating"])
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width, friction):
@@ -151,7 +181,10 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width,
         for one in (pressed, alone):
             grid(one.consts[0], one.states[0].u[2])[:] += lift
             grid(one.consts[0], one.states[0].u[0])[:] += 2e-5
-        for name in ("closest_a", "closest_b"):  # those of points that are clear are followed less closely by eight
+        for name in (
+            "closest_a",
+            "closest_b",
+        ):  # those of points that are clear are followed less closely by eight
             getattr(alone.contact, name)[:] = getattr(pressed.contact, name)
         both = pressed.press(), alone.press()
         size = np.abs(both[0][0]).max()
@@ -228,7 +261,9 @@ class Flat(Pressed):
 
     def __init__(self, ply, plies=2, friction=0.0, law=None, **knobs):
         contact = PlyContact(**{"damping": 0.0} | knobs)
-        super().__init__(Pack.stacked(ply, plies, gap=0.0, contact=contact, friction=friction, law=law))
+        super().__init__(
+            Pack.stacked(ply, plies, gap=0.0, contact=contact, friction=friction, law=law)
+        )
 
     def place(self, height):
         """[N] along z on the front ply, at a height [thicknesses] above its place at rest."""
@@ -244,7 +279,9 @@ def test_pressure_is_the_same_on_every_mesh(ply, grading, alone):
     two = two.alone() if alone else two
     area = np.prod([np.ptp(x) for x in two.pack.plies[0].lines()])
     for closure in (5e-6, 15e-6, 30e-6, 43e-6):
-        assert -two.place(closure / two.thickness) / area == pytest.approx(float(LAW.pressure_at(closure)), rel=1e-6)
+        assert -two.place(closure / two.thickness) / area == pytest.approx(
+            float(LAW.pressure_at(closure)), rel=1e-6
+        )
         assert two.spring() / area == pytest.approx(float(LAW.energy_at(closure)), rel=1e-6)
 
 
@@ -275,7 +312,9 @@ def test_torn_fabric_presses_as_whole_does(ply, torn):
     assert two.place(0.2) == pytest.approx(whole, rel=1e-9)
     tear(two, torn, slice(4, 8), flag=7)
     left = two.place(0.2) / whole
-    assert left == pytest.approx(1 - 16 / elements, abs=0.05 * 16 / elements if torn == 0 else 8 / elements)
+    assert left == pytest.approx(
+        1 - 16 / elements, abs=0.05 * 16 / elements if torn == 0 else 8 / elements
+    )
 
 
 @pytest.mark.parametrize("alone", [True, False])
@@ -306,4 +345,6 @@ def test_plies_meet_through_a_hole(ply, hole):
         assert met == 0.0
     else:
         area = 36 * three.consts[0].dx * three.consts[0].dy
-        assert met == pytest.approx(area * float(three.pack.laws[0].pressure_at(0.2 * three.thickness)), rel=0.25)
+        assert met == pytest.approx(
+            area * float(three.pack.laws[0].pressure_at(0.2 * three.thickness)), rel=0.25
+        )

@@ -51,7 +51,9 @@ def test_sliding_plies_take_the_friction_coefficient_times_the_normal_force(ply,
     np.testing.assert_allclose(on_front, -on_rear, atol=1e-12 * abs(on_front[2]))
     before = pair.work
     pair.move(*v, 4)
-    assert pair.work - before == pytest.approx(MU * abs(on_front[2]) * 50 * 4 * pair.consts[0].dt, rel=0.01)
+    assert pair.work - before == pytest.approx(
+        MU * abs(on_front[2]) * 50 * 4 * pair.consts[0].dt, rel=0.01
+    )
 
 
 def test_points_yield_slowly_below_the_limit(ply):
@@ -61,12 +63,16 @@ def test_points_yield_slowly_below_the_limit(ply):
     normal, const = abs(pair.move(0.0, 0.0)[0, 2]), pair.consts[0]
     damping = pair.contact.stick_damping[0] * 4 * const.ni * const.nj
     limit = MU * normal / damping
-    assert 1.0 < limit < 20.0  # [m/s], at the pressure of a hundredth of the thickness of solid fibre
+    assert (
+        1.0 < limit < 20.0
+    )  # [m/s], at the pressure of a hundredth of the thickness of solid fibre
     assert pair.move(0.01 * limit, 0.0)[0, 0] == pytest.approx(-0.01 * MU * normal, rel=1e-3)
     assert abs(pair.move(0.0, 0.0)[0, 0]) < 1e-9 * normal
 
 
-@pytest.mark.parametrize(("points", "spread"), [(1, 0.0), (2, (1 + 1 / 64) ** 2 - (1 - 1 / 128) ** 2)])
+@pytest.mark.parametrize(
+    ("points", "spread"), [(1, 0.0), (2, (1 + 1 / 64) ** 2 - (1 - 1 / 128) ** 2)]
+)
 def test_the_patch_of_a_graded_pack_is_rubbed_in_proportion_to_its_mass(ply, points, spread):
     """Across zones: friction accelerates all nodes of a flat ply alike, but for what the spline's points next to a
     border give to the node behind it, of two a side 1/32 of theirs: 1/64 too much on the side of the short elements,
@@ -76,9 +82,14 @@ def test_the_patch_of_a_graded_pack_is_rubbed_in_proportion_to_its_mass(ply, poi
     pair = Sliding(graded, MU, points=points)
     pair.move(15.0, 0.0, 20)
     inner = (slice(2, -2), slice(2, pair.consts[0].nj - 1))
-    mass, force = grid(pair.consts[0], pair.states[0].mass)[inner], pair.force(0, BEHIND)[inner][..., 0]
+    mass, force = (
+        grid(pair.consts[0], pair.states[0].mass)[inner],
+        pair.force(0, BEHIND)[inner][..., 0],
+    )
     assert mass.max() > 3.9 * mass.min()
-    assert abs(np.ptp(force / mass) / abs(np.median(force / mass)) - spread) < (2e-2 if points == 1 else 5e-4)
+    assert abs(np.ptp(force / mass) / abs(np.median(force / mass)) - spread) < (
+        2e-2 if points == 1 else 5e-4
+    )
 
 
 def test_torn_fabric_is_rubbed_too(ply):
@@ -91,7 +102,9 @@ def test_torn_fabric_is_rubbed_too(ply):
 def rubbing(ply, mu, **knobs):
     """A free ply before another, at which it can fly obliquely."""
     free = replace(ply, edge="free", symmetry="whole")
-    return Pack.stacked(free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(**knobs), friction=mu)
+    return Pack.stacked(
+        free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(**knobs), friction=mu
+    )
 
 
 FLIGHT = 15.0, 5.0, 20.0  # [m/s]

@@ -10,7 +10,9 @@ from shellfabric.plies.gap import compression_gap, ply_gap
 KEVLAR = [name for name in catalogue.list_names() if name.startswith("S-")]
 
 
-@pytest.mark.parametrize(("name", "printed"), [("S-726", 0.10e-3), ("S-728", 0.12e-3), ("S-731", 0.14e-3)])
+@pytest.mark.parametrize(
+    ("name", "printed"), [("S-726", 0.10e-3), ("S-728", 0.12e-3), ("S-731", 0.14e-3)]
+)
 def test_a_gap_of_the_file_has_no_range(name, printed):
     """Table 5-2, which the reading of Table 2-2 by erratum E-02 gives within 7 %."""
     fabric = catalogue.load(name)
@@ -23,7 +25,11 @@ def test_a_gap_of_the_file_has_no_range(name, printed):
 def test_the_pressure_law_goes_before_the_thickness():
     fabric = catalogue.load("S-720")
     gap = ply_gap(fabric)
-    assert gap.value == compression_gap(fabric.areal_density_measured) == pytest.approx(0.134e-3, rel=0.01)
+    assert (
+        gap.value
+        == compression_gap(fabric.areal_density_measured)
+        == pytest.approx(0.134e-3, rel=0.01)
+    )
     assert gap.low < gap.value < gap.high
 
 

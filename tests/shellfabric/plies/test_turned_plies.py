@@ -17,13 +17,27 @@ from shellfabric.solver.pack_solver import PackSolver
 
 # round, and so small a time that no wave comes back from the edge: what is left of the opening turns with nothing
 SETUP = ImpactSetup(
-    catalogue.load("S-728"), 260.0, opening=0.08, round=True, symmetry="whole", end_time=7e-6, audit_interval=1e-6,
-    elements_per_crossover=1, table_size=61, numerics=Numerics(threads=1), ply_friction=0.2,
-)  # fmt: skip
+    catalogue.load("S-728"),
+    260.0,
+    opening=0.08,
+    round=True,
+    symmetry="whole",
+    end_time=7e-6,
+    audit_interval=1e-6,
+    elements_per_crossover=1,
+    table_size=61,
+    numerics=Numerics(threads=1),
+    ply_friction=0.2,
+)
 FSP = Projectile(
-    mass=1.1e-3, radius=2.73e-3, edge_radius=0.3e-3, shape="chisel", flat_width=2.54e-3, flat_angle=radians(35),
+    mass=1.1e-3,
+    radius=2.73e-3,
+    edge_radius=0.3e-3,
+    shape="chisel",
+    flat_width=2.54e-3,
+    flat_angle=radians(35),
     length=6.35e-3,
-)  # fmt: skip
+)
 ROUND_OFF = 1e-12  # of the strike energy
 
 
@@ -36,10 +50,14 @@ def laid(*degrees, **changes):
 def alike(one, other):
     """Whether two results are equal but for round-off: energies of the panel and of each ply, motion, deflections."""
     E, v = one.strike_energy, one.setup.strike_velocity
-    far = max(float(np.abs(one.energies[name] - other.energies[name]).max()) / E for name in one.energies)
+    far = max(
+        float(np.abs(one.energies[name] - other.energies[name]).max()) / E for name in one.energies
+    )
     far = max(far, float(np.abs(one.plies["energy"] - other.plies["energy"]).max()) / E)
     far = max(far, float(np.abs(one.v - other.v).max()) / v)
-    return far < ROUND_OFF and np.allclose(one.plies["deflection"], other.plies["deflection"], rtol=1e-6)
+    return far < ROUND_OFF and np.allclose(
+        one.plies["deflection"], other.plies["deflection"], rtol=1e-6
+    )
 
 
 def test_a_right_angle_by_turning_is_that_by_exchanging_the_yarns():
@@ -75,7 +93,10 @@ def test_an_oblique_shot_turns_with_its_pack():
     for shots in (one.last, two.last):  # the deepest node is where the projectile is, in every ply
         for shot in shots:
             deepest = shot.nodes[..., 2].argmax()
-            assert np.hypot(*(shot.nodes.reshape(-1, 3)[deepest] - shot.projectile_position)[:2]) < 6e-3
+            assert (
+                np.hypot(*(shot.nodes.reshape(-1, 3)[deepest] - shot.projectile_position)[:2])
+                < 6e-3
+            )
 
 
 def test_angles_of_either_sign_mirror_each_other():
@@ -92,7 +113,9 @@ def test_forces_between_turned_plies_balance():
     for p, side in ((0, BEHIND), (1, BEFORE)):
         ply, state, forces = solver.pack.plies[p], solver.states[p], solver.contact.force[p, side]
         f = np.stack([part[: ply.areas.size] for part in forces], axis=1)
-        x = np.stack([X.ravel() + u[: ply.areas.size] for X, u in zip(ply.coordinates(), state.u)], axis=1)
+        x = np.stack(
+            [X.ravel() + u[: ply.areas.size] for X, u in zip(ply.coordinates(), state.u)], axis=1
+        )
         f[:, :2], x = ply.in_pack(f[:, :2]), ply.in_pack(x)
         arms = x[:, 0] * f[:, 1] - x[:, 1] * f[:, 0]
         total, moment, size = total + f.sum(axis=0), moment + arms.sum(), size + np.abs(arms).sum()

@@ -27,20 +27,36 @@ class Motion:
         self.mass, material = bar.nodal_mass, bar.material
         self.law = np.array([material.modulus, material.yield_stress, material.hardening])
         self.u, self.v = np.zeros(self.mass.size), np.full(self.mass.size, float(velocity))
-        self.plastic, self.stress, self.sums = np.zeros(self.h.size), np.zeros(self.h.size), np.zeros(2)
+        self.plastic, self.stress, self.sums = (
+            np.zeros(self.h.size),
+            np.zeros(self.h.size),
+            np.zeros(2),
+        )
         self.start = 0.5 * float(self.mass @ self.v**2)
 
     def push(self, force, dt):
         """Hold a force [N], positive forwards, for the time dt [s]; displacement [m] and velocity [m/s] of the tip."""
         return kernels.advance(
-            self.u, self.v, self.mass, self.h, self.area,
-            self.law, self.plastic, self.stress, self.sums, float(force), float(dt), self.bar.substeps(dt),
-        )  # fmt: skip
+            self.u,
+            self.v,
+            self.mass,
+            self.h,
+            self.area,
+            self.law,
+            self.plastic,
+            self.stress,
+            self.sums,
+            float(force),
+            float(dt),
+            self.bar.substeps(dt),
+        )
 
     def energies(self):
         """Energies [J] by name; the error is kinetic, elastic and plastic less the start and the work at the tip."""
         out = np.empty(2)
-        kernels.energies(self.v, self.mass, self.h, self.area, self.bar.material.modulus, self.stress, out)
+        kernels.energies(
+            self.v, self.mass, self.h, self.area, self.bar.material.modulus, self.stress, out
+        )
         plastic, work = self.sums[kernels.PLASTIC], self.sums[kernels.WORK]
         return {"plastic": plastic, "work": work, "error": out.sum() + plastic - work - self.start}
 
@@ -67,7 +83,9 @@ def test_the_source_projectile():
     assert bored.sections[1][0] == pytest.approx(38.9e-3, abs=0.05e-3)
     assert C == pytest.approx(4936, abs=0.5)
     assert Bar.cylinder(mass=7.9e-3).period == pytest.approx(17.0e-6, abs=0.1e-6)
-    assert bored.period == pytest.approx(19.2e-6, abs=0.1e-6)  # the solid tip slows the bored one's first mode
+    assert bored.period == pytest.approx(
+        19.2e-6, abs=0.1e-6
+    )  # the solid tip slows the bored one's first mode
     assert full.mass == pytest.approx(3.0e-3, rel=1e-12)
     assert full.material.density == pytest.approx(3006, abs=1)
     assert full.material.modulus / full.material.density == pytest.approx(C**2, rel=1e-12)
@@ -75,7 +93,10 @@ def test_the_source_projectile():
 
 
 def test_period_converges_to_2L_over_c():
-    off = [Bar(((LENGTH, AREA),), ELASTIC, elements=n).period / (2 * LENGTH / C) - 1 for n in (21, 42, 84)]
+    off = [
+        Bar(((LENGTH, AREA),), ELASTIC, elements=n).period / (2 * LENGTH / C) - 1
+        for n in (21, 42, 84)
+    ]
     assert abs(off[2]) < 1e-4
     assert np.log2(off[0] / off[1]) == pytest.approx(2, abs=0.05)
     assert np.log2(off[1] / off[2]) == pytest.approx(2, abs=0.05)
@@ -157,14 +178,24 @@ def test_kernel_equals_its_plain_twin():
     bar = Bar.cylinder(elements=12)
     motion, steps, force = Motion(bar, 10.0), 37, -3500.0
     motion.push(force, steps * 0.5 * bar.longest_step)
-    E, yields, h, area, mass = bar.material.modulus, bar.material.yield_stress, *bar.mesh, bar.nodal_mass
+    E, yields, h, area, mass = (
+        bar.material.modulus,
+        bar.material.yield_stress,
+        *bar.mesh,
+        bar.nodal_mass,
+    )
     n = bar.substeps(steps * 0.5 * bar.longest_step)
     dt = steps * 0.5 * bar.longest_step / n
     u, v, plastic = np.zeros(len(mass)), np.full(len(mass), 10.0), np.zeros(len(h))
 
     def pull():
         stretches = 1 - np.diff(u) / h
-        pulls = np.diff(np.concatenate([[0], area * E * (np.log(stretches) - plastic) / stretches, [0]])) * -1
+        pulls = (
+            np.diff(
+                np.concatenate([[0], area * E * (np.log(stretches) - plastic) / stretches, [0]])
+            )
+            * -1
+        )
         pulls[0] += force
         return pulls / mass
 
@@ -221,7 +252,12 @@ def shoot(fabric, body, velocity=100.0, **changes):
 def uniform(stiffer=1.0):
     """The cylinder without a bore, stiffer, and elastic whatever happens."""
     full = Bar.full()
-    return replace(full, material=replace(full.material, modulus=stiffer * full.material.modulus, yield_stress=np.inf))
+    return replace(
+        full,
+        material=replace(
+            full.material, modulus=stiffer * full.material.modulus, yield_stress=np.inf
+        ),
+    )
 
 
 @pytest.fixture(scope="module")

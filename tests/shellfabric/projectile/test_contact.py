@@ -24,7 +24,9 @@ def march(panel, strike_velocity, steps):
 def peak(points, rho):
     """Peak tensions (2,) of S-720 struck at 92.5 m/s, over 250 us."""
     numerics = Numerics(contact_points=points)
-    panel = make_panel(0.203, form="equilibrium", projectile=Projectile(edge_radius=rho), numerics=numerics)
+    panel = make_panel(
+        0.203, form="equilibrium", projectile=Projectile(edge_radius=rho), numerics=numerics
+    )
     return march(panel, 92.5, 1380)[0].peak_tension
 
 
@@ -51,7 +53,9 @@ def test_peak_tension_has_converged():
     ],
 )
 def test_the_default_number_of_points_follows_the_nose(shot, knobs, elements, expected):
-    panel = make_panel(projectile=Projectile(**shot), numerics=Numerics(**knobs), elements_per_crossover=elements)
+    panel = make_panel(
+        projectile=Projectile(**shot), numerics=Numerics(**knobs), elements_per_crossover=elements
+    )
     assert panel.constants().points_per_side == expected
 
 
@@ -77,6 +81,8 @@ def test_the_last_force_on_what_fails_has_the_second_half_of_its_work(flag):
         intact[:] = 0.0
     state.element_flag[nodes], state.block_damage[:] = flag, element_kernels.DAMAGED
     more = contact_kernels.contact_forces(state, const, panel.work().contact_scratch)[0]
-    assert more + state.contact_energy[FRICTION] - rubbed == pytest.approx(-0.5 * const.dt * pushed, rel=1e-9)
+    assert more + state.contact_energy[FRICTION] - rubbed == pytest.approx(
+        -0.5 * const.dt * pushed, rel=1e-9
+    )
     assert not state.last_contact_force.any()
     assert not state.f_contact_nose.any()

@@ -39,7 +39,9 @@ def arc(centre_r, centre_z, radius, low, high):
 
 
 def line(start, end):
-    return turned(lambda s: start[0] + s * (end[0] - start[0]), lambda s: start[1] + s * (end[1] - start[1]))
+    return turned(
+        lambda s: start[0] + s * (end[0] - start[0]), lambda s: start[1] + s * (end[1] - start[1])
+    )
 
 
 def cone_nose():
@@ -80,7 +82,9 @@ def faces(shape, length):
     """(drawn faces, how far the body reaches beyond them)."""
     end = length or END
     if shape == "chisel":
-        return chisel_faces(end) + ([line((0, RHO - end), (R - RHO, RHO - end))] if length else []), RHO
+        return chisel_faces(end) + (
+            [line((0, RHO - end), (R - RHO, RHO - end))] if length else []
+        ), RHO
     if shape == "sphere":
         return [arc(0, -R, R, -np.pi / 2, np.pi / 2)], 0.0
     nose = {
@@ -97,7 +101,9 @@ def nearest(face, point):
     """Distance from a point to a face, by a grid that closes in on the nearest of its points."""
     low, high, best = np.zeros(2), np.ones(2), None
     for _ in range(9):
-        s, t = np.meshgrid(np.linspace(low[0], high[0], 61), np.linspace(low[1], high[1], 61), indexing="ij")
+        s, t = np.meshgrid(
+            np.linspace(low[0], high[0], 61), np.linspace(low[1], high[1], 61), indexing="ij"
+        )
         gap = sum((x - p) ** 2 for x, p in zip(face(s, t), point))
         k = np.unravel_index(np.argmin(gap), gap.shape)
         best, centre, reach = gap[k], np.array([s[k], t[k]]), 4 * (high - low) / 60
@@ -110,11 +116,14 @@ def points(shape, count, seed=0, length=None):
     rng = np.random.default_rng(seed)
     middle = -0.5 * length if length else -0.5 * R
     spread = 0.5 * length + R if length else 1.6 * R
-    return np.column_stack([rng.uniform(-1.1 * R, 1.1 * R, (count, 2)), middle + spread * rng.uniform(-1, 1, count)])
+    return np.column_stack(
+        [rng.uniform(-1.1 * R, 1.1 * R, (count, 2)), middle + spread * rng.uniform(-1, 1, count)]
+    )
 
 
 @pytest.mark.parametrize(
-    ("shape", "length"), [(one, None) for one in ANALYTIC] + [("flat", LENGTH), ("cone", LENGTH), ("chisel", LENGTH)]
+    ("shape", "length"),
+    [(one, None) for one in ANALYTIC] + [("flat", LENGTH), ("cone", LENGTH), ("chisel", LENGTH)],
 )
 def test_distance_is_that_of_the_nearest_point(shape, length):
     shot = body(shape, length=length)
@@ -140,7 +149,10 @@ def test_gradient_is_a_unit_vector_and_the_slope(shape):
             continue
         checked += 1
         assert np.linalg.norm(normal) == pytest.approx(1.0, abs=1e-12)
-        slope = [(shot.distance(point + d)[0] - shot.distance(point - d)[0]) / (2 * step) for d in step * np.eye(3)]
+        slope = [
+            (shot.distance(point + d)[0] - shot.distance(point - d)[0]) / (2 * step)
+            for d in step * np.eye(3)
+        ]
         np.testing.assert_allclose(normal, slope, atol=1e-4, err_msg=f"{point}")
     assert checked > 100
 
@@ -173,6 +185,9 @@ def test_mirror_planes():
     assert body("chisel").mirrored(0)
     assert body("chisel", roll=np.pi / 2).mirrored(1)
     assert not body("chisel", roll=0.3).mirrored(0)
-    along_warp, along_weft = body("cone", obliquity=0.3), body("cone", obliquity=0.3, azimuth=np.pi / 2)
+    along_warp, along_weft = (
+        body("cone", obliquity=0.3),
+        body("cone", obliquity=0.3, azimuth=np.pi / 2),
+    )
     assert (along_warp.mirrored(0), along_warp.mirrored(1)) == (False, True)
     assert (along_weft.mirrored(0), along_weft.mirrored(1)) == (True, False)

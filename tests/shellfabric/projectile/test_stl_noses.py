@@ -10,13 +10,18 @@ from shellfabric.projectile.projectile import Projectile
 from tests import stl_noses
 
 # with a grid of a third of the places of the whole bodies
-SHORT = {name: replace(shot, length=shot.length and 4.2e-3) for name, shot in stl_noses.NOSES.items()}
+SHORT = {
+    name: replace(shot, length=shot.length and 4.2e-3) for name, shot in stl_noses.NOSES.items()
+}
 
 
 @pytest.fixture(scope="module")
 def pairs():
     """{name: (analytic nose, the same by three samples in an edge radius)}."""
-    return {name: (SHORT[name], stl_noses.sampled(SHORT[name], 3)) for name in ("flat", "cone", "chisel")}
+    return {
+        name: (SHORT[name], stl_noses.sampled(SHORT[name], 3))
+        for name in ("flat", "cone", "chisel")
+    }
 
 
 @pytest.mark.parametrize("name", ["flat", "cone", "chisel"])
@@ -37,7 +42,10 @@ def test_the_normal_is_the_direction_of_the_slope(pairs):
     at = rng.uniform((-2e-3, -2e-3, -1e-3), (2e-3, 2e-3, 0), (200, 3))
     at[::2] = h * np.round(at[::2] / h) + 0.5 * step
     for place in at:
-        slope = [(body.distance(place + d)[0] - body.distance(place - d)[0]) / (2 * step) for d in step * np.eye(3)]
+        slope = [
+            (body.distance(place + d)[0] - body.distance(place - d)[0]) / (2 * step)
+            for d in step * np.eye(3)
+        ]
         normal = body.distance(place)[1]
         assert np.linalg.norm(normal) == pytest.approx(1, abs=1e-12)
         np.testing.assert_allclose(normal, slope / np.linalg.norm(slope), atol=2e-5)
@@ -68,10 +76,14 @@ def test_a_body_is_its_own_mirror_image_or_not(pairs):
     assert not replace(lopsided, roll=np.pi / 2).mirrored(1)
 
 
-CONE = pytest.mark.xfail(strict=True, reason="absorbs 1.02 % less at 80 m/s, with twice as many triangles too")
+CONE = pytest.mark.xfail(
+    strict=True, reason="absorbs 1.02 % less at 80 m/s, with twice as many triangles too"
+)
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=CONE if n == "cone" else ()) for n in stl_noses.NOSES])
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=CONE if n == "cone" else ()) for n in stl_noses.NOSES]
+)
 def test_a_shot_from_an_stl_file_is_the_analytic_one(tmp_path, name):
     """Peak force, deflection, absorbed energy and residual velocity within 1 %, below and above the ballistic limit.
     The error of the energy balance stays what it is."""
@@ -89,9 +101,14 @@ def test_an_oblique_shot_with_friction_keeps_its_energy(pairs):
     shot, body = (replace(one, **attitude) for one in pairs["chisel"])
     assert isinstance(body, Projectile)
     np.testing.assert_allclose(body.start(), shot.start(), atol=2e-5)
-    given = {"projectile": {"mass": "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"}, "symmetry": "whole"}
+    given = {
+        "projectile": {"mass": "1.1 g", "diameter": "5.4 mm", "edge_radius": "0.3 mm"},
+        "symmetry": "whole",
+    }
     setup = stl_noses.runs.setup("S-720", 120.0, opening="50 mm", end_time="40 us", **given)
-    analytic, read = (stl_noses.simulation.run(replace(setup, projectile=one)) for one in (shot, body))
+    analytic, read = (
+        stl_noses.simulation.run(replace(setup, projectile=one)) for one in (shot, body)
+    )
     assert read.residual_velocity == pytest.approx(analytic.residual_velocity, rel=0.01)
     assert read.max_deflection == pytest.approx(analytic.max_deflection, rel=0.01)
     assert read.energy_error_max < 0.0025

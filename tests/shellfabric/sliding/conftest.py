@@ -11,7 +11,10 @@ def sliding(tables):
     """Make a panel of 24 x 24 crossovers as a whole with sliding crossovers."""
 
     def make(mu=0.2, cohesion=0.0, table=None, side=0.0306, **changes):
-        chosen = {"friction": CrossoverFriction(mu, cohesion), "numerics": Numerics(threads=1)} | changes
+        chosen = {
+            "friction": CrossoverFriction(mu, cohesion),
+            "numerics": Numerics(threads=1),
+        } | changes
         return SlidingPanel(table or tables["variational"], (side, side), **chosen)
 
     return make

@@ -30,7 +30,9 @@ def test_yarns_slip_out_of_a_weak_clamp_at_its_force(sliding):
 
 
 def test_the_ends_of_yarn_in_a_weak_clamp_are_never_used_up(sliding):
-    run = PackSolver(sliding(0.0, edge=((Grip(1.0), Grip(1.0)), ("free", "free"))), 60.0, 200e-6).run()
+    run = PackSolver(
+        sliding(0.0, edge=((Grip(1.0), Grip(1.0)), ("free", "free"))), 60.0, 200e-6
+    ).run()
     assert np.abs(grid(run.slips[0].passed[0], run.panel)[-1]).max() > run.const.dx
     assert np.all(grid(run.state.intact_fraction[0], run.panel)[:-1] == 1.0)
 
@@ -52,7 +54,9 @@ def test_a_ply_is_struck_beside_a_crossover(sliding):
     one, mirrored = shot((0.25, 0.25), 40e-6), shot((-0.25, -0.25), 40e-6)
     assert one.sample("v") == pytest.approx(mirrored.sample("v"), rel=1e-6)
     assert np.abs(one.sample("error")).max() < 0.005 * one.strike_energy
-    middle, crossover, beside = (shot(places, 1.2e-6).sample("v")[-1] for places in ((0, 0), (2, -1), (0.25, 0.25)))
+    middle, crossover, beside = (
+        shot(places, 1.2e-6).sample("v")[-1] for places in ((0, 0), (2, -1), (0.25, 0.25))
+    )
     assert crossover == pytest.approx(middle, rel=1e-9)
     assert beside != pytest.approx(middle, rel=1e-6)
 
@@ -73,7 +77,9 @@ def test_contact_ends_in_the_middle_of_a_window_and_not_beside_its_yarns(sliding
     assert np.all(found[:, [0, -1]] == 1.0)
     assert np.abs(np.diff(found, axis=0)).max() < 0.2  # continuous
     state.stretch[0][:] = 1.0
-    assert all(share(0.5, t) == 1.0 for t in places)  # a gap between the yarns of one family alone is no window
+    assert all(
+        share(0.5, t) == 1.0 for t in places
+    )  # a gap between the yarns of one family alone is no window
 
 
 def test_a_pointed_nose_wedges_through_between_yarns(sliding):

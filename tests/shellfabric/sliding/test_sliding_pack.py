@@ -16,7 +16,11 @@ GAP = 0.1e-3
 
 
 def sliding(ply, mu=0.2, **others):
-    chosen = {"numerics": ply.numerics, "elements_per_crossover": 1, "friction": CrossoverFriction(mu)} | others
+    chosen = {
+        "numerics": ply.numerics,
+        "elements_per_crossover": 1,
+        "friction": CrossoverFriction(mu),
+    } | others
     return SlidingPanel(ply.table, (0.04, 0.04), **chosen)
 
 
@@ -26,7 +30,10 @@ def pinned(ply):
 
 @pytest.mark.slow(300)
 def test_an_infinite_threshold_is_the_pinned_pack_that_rubs(ply):
-    held, stuck = (Pack.stacked(panel, 2, gap=GAP, friction=0.2) for panel in (pinned(ply), sliding(ply, mu=np.inf)))
+    held, stuck = (
+        Pack.stacked(panel, 2, gap=GAP, friction=0.2)
+        for panel in (pinned(ply), sliding(ply, mu=np.inf))
+    )
     held, stuck = (PackSolver(pack, 60.0, 40e-6).run() for pack in (held, stuck))
     assert all(same(one, other) for one, other in zip(held.states, stuck.states))
     for name in held.sample_names:
@@ -45,7 +52,9 @@ def test_torn_plies_are_kept_apart_by_the_forces_that_act(ply):
             own = nodes[nodes // guard.slots == p]
             i, j = np.divmod(own - guard.base[p], guard.shape[p, 0])
             moved = np.array(state.u)[:, i * run.consts[p].row_stride + j]
-            np.testing.assert_allclose(guard.rest[:, own] + moved, guard.y[:, own], rtol=0, atol=1e-14)
+            np.testing.assert_allclose(
+                guard.rest[:, own] + moved, guard.y[:, own], rtol=0, atol=1e-14
+            )
             looked_at += own.size
     assert looked_at > 0
 
@@ -53,11 +62,15 @@ def test_torn_plies_are_kept_apart_by_the_forces_that_act(ply):
 @pytest.mark.parametrize("plies", [1, 2])
 def test_yarns_that_have_left_count_as_failures(ply, plies):
     """A shot that perforates: the neighbour's contact looks for edges where a yarn has gone, the nose for a way out."""
-    run = PackSolver(Pack.stacked(sliding(ply, mu=0.1, edge="free"), plies, gap=GAP), 350.0, 60e-6).run()
+    run = PackSolver(
+        Pack.stacked(sliding(ply, mu=0.1, edge="free"), plies, gap=GAP), 350.0, 60e-6
+    ).run()
     gone = [summary.pulled_out_segments for summary in run.slip_summaries()]
     counted = [int(state.counter[2]) for state in run.states]
     assert all(pulled > 100 for pulled in gone)
-    assert run.ply_sample("slip")[-1].tolist() == [summary.pulled_out_length for summary in run.slip_summaries()]
+    assert run.ply_sample("slip")[-1].tolist() == [
+        summary.pulled_out_length for summary in run.slip_summaries()
+    ]
     assert all(count >= pulled for count, pulled in zip(counted, gone))
     assert run.outcome in ("perforated", "in flight")
     assert np.abs(run.sample("error")).max() < 0.01 * run.strike_energy
@@ -68,7 +81,10 @@ def test_all_that_touches_a_ply_presses_its_yarns_on_each_other(ply):
     for p, (const, state) in enumerate(zip(run.consts, run.states)):
         first, last = state.active_rows
         rows = slice(first * const.row_stride, (last + 1) * const.row_stride)
-        pressing, all_forces = run._slips[2].values[p].f_contact[2][rows], run._loaded_state(p).f_contact[2][rows]
+        pressing, all_forces = (
+            run._slips[2].values[p].f_contact[2][rows],
+            run._loaded_state(p).f_contact[2][rows],
+        )
         most = np.abs(all_forces).max()
         assert np.abs(all_forces - state.f_contact[2][rows]).max() > 0.01 * most
         np.testing.assert_allclose(pressing, all_forces, rtol=1e-9, atol=1e-12 * most)

@@ -24,7 +24,9 @@ def pinned(panel):
     return Panel(**{each.name: getattr(panel, each.name) for each in fields(Panel)})
 
 
-@pytest.mark.parametrize(("cohesion", "cfl"), [(0.05, 0.9), (0.5, 0.9), (0.5, 0.45), (5.0, 0.9), (1000.0, 0.9)])
+@pytest.mark.parametrize(
+    ("cohesion", "cfl"), [(0.05, 0.9), (0.5, 0.9), (0.5, 0.45), (5.0, 0.9), (1000.0, 0.9)]
+)
 def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
     panel = sliding(0.0, cohesion, numerics=Numerics(cfl=cfl, threads=1))
     run = PackSolver(panel, 80.0, 60e-6).run()
@@ -36,15 +38,21 @@ def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
 def test_yarn_is_neither_made_nor_lost(sliding):
     run = PackSolver(sliding(0.1, failure=False), 80.0, 60e-6).run()
     warp, weft = (grid(share, run.panel) for share in run.slips[0].share)
-    assert warp[:-1].sum(axis=0) == pytest.approx(np.full(warp.shape[1], warp.shape[0] - 1), rel=1e-12)
-    assert weft[:, :-1].sum(axis=1) == pytest.approx(np.full(weft.shape[0], weft.shape[1] - 1), rel=1e-12)
+    assert warp[:-1].sum(axis=0) == pytest.approx(
+        np.full(warp.shape[1], warp.shape[0] - 1), rel=1e-12
+    )
+    assert weft[:, :-1].sum(axis=1) == pytest.approx(
+        np.full(weft.shape[0], weft.shape[1] - 1), rel=1e-12
+    )
     assert run.slip_summaries()[0].pulled_out_length > 1e-6
     assert run.slip_summaries()[0].friction_work > 0
 
 
 def test_forces_are_the_derivatives_of_one_energy(sliding):
     """Of positions and of the shares of yarn alike."""
-    panel = sliding(0.0, symmetry="whole", trellis=False, numerics=Numerics(threads=1, stretch_viscosity=0.0))
+    panel = sliding(
+        0.0, symmetry="whole", trellis=False, numerics=Numerics(threads=1, stretch_viscosity=0.0)
+    )
     random = np.random.default_rng(3)
     run = PackSolver(panel, 10.0, 1e-6)
     state, slip, const = run.state, run.slips[0], run.const
@@ -55,7 +63,9 @@ def test_forces_are_the_derivatives_of_one_energy(sliding):
     for share, inverse in zip(slip.share, slip.inv_share):
         grid(share, panel)[:] = 1 + 0.01 * random.standard_normal(X.shape)
         inverse[:] = 1 / share
-    slip.share[1][const.nj :: const.row_stride] = slip.inv_share[1][const.nj :: const.row_stride] = 1.0
+    slip.share[1][const.nj :: const.row_stride] = slip.inv_share[1][
+        const.nj :: const.row_stride
+    ] = 1.0
 
     def energy():
         forces(run)
@@ -71,8 +81,9 @@ def test_forces_are_the_derivatives_of_one_energy(sliding):
     for family, side in ((0, const.dx), (1, const.dy)):
         forces(run)
         config = slip.config[family][node]
-        assert config * side == pytest.approx(-slope(energy, slip.share[family], node, 1e-6, slip.inv_share[family]),
-                                              rel=0.02)  # fmt: skip
+        assert config * side == pytest.approx(
+            -slope(energy, slip.share[family], node, 1e-6, slip.inv_share[family]), rel=0.02
+        )
 
 
 def forces(run):
@@ -95,7 +106,9 @@ def test_the_iteration_and_the_bounds_of_a_flux_are_counted_apart_from_friction(
     assert np.all(found["crossover_friction"] == 0.0)  # no threshold, no friction
     assert 0 < np.abs(found["slip_residual"]).max() < 1e-4
     slip = run.slips[0]
-    node = int(np.argmax(slip.mobility[0] > 0)) + 8 * run.const.row_stride  # a node with a segment that gives no more
+    node = (
+        int(np.argmax(slip.mobility[0] > 0)) + 8 * run.const.row_stride
+    )  # a node with a segment that gives no more
     slip.share[0][node - run.const.row_stride] = 0.5 * slip.least
     slip.q[0][node], slip.q_before[0][node], slip.stop[0][node] = -1.0, -1.0, 0.0
     slip.share[0][node] = 0.5 * slip.least
@@ -127,11 +140,12 @@ def test_a_uniform_strain_moves_no_yarn(sliding):
 @pytest.mark.parametrize(
     ("mu", "cohesion", "alone", "pressed", "slips"),
     [
-        (0.0, 0.5, False, 0.0, True), (0.0, 1.0, False, 0.0, False),
+        (0.0, 0.5, False, 0.0, True),
+        (0.0, 1.0, False, 0.0, False),
         (0.0, 1.0, True, 0.0, True),  # nothing holds a yarn that is alone at a node
         (0.2, 0.1, False, 10.0, False),  # 0.2 of the projectile's 10 N on the crossover
     ],
-)  # fmt: skip
+)
 def test_a_yarn_slips_above_its_threshold(sliding, mu, cohesion, alone, pressed, slips):
     """0.6 N on the weft at one node."""
     panel = sliding(mu, cohesion, symmetry="whole")
@@ -148,16 +162,26 @@ def test_a_yarn_slips_above_its_threshold(sliding, mu, cohesion, alone, pressed,
 
 
 @pytest.mark.parametrize(("cohesion", "share"), [(1e6, 0.5), (0.0, 1.0)])
-def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(straight, cohesion, share):
+def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(
+    straight, cohesion, share
+):
     """The crossing yarns, as heavy, move with a stuck yarn."""
     table = CellModel(straight(1.0), model="decoupled").table(41)
     panel = SlidingPanel(
-        table, (0.2, 0.02), Projectile(radius=1e-3, edge_radius=1e-4), "whole", 1, numerics=ONE, trellis=False,
+        table,
+        (0.2, 0.02),
+        Projectile(radius=1e-3, edge_radius=1e-4),
+        "whole",
+        1,
+        numerics=ONE,
+        trellis=False,
         friction=CrossoverFriction(0.0, cohesion),
-    )  # fmt: skip
+    )
     run = PackSolver(panel, 1.0, 8e-6, energy_error_limit=np.inf)
     middle, yarn = run.const.ni // 2, panel.weave.warp
-    grid(run.state.v[0], panel)[1:middle] = -0.1  # half of the panel is torn away: a front of strain in both halves
+    grid(run.state.v[0], panel)[
+        1:middle
+    ] = -0.1  # half of the panel is torn away: a front of strain in both halves
     run.state.active_rows[:] = 0, run.const.ni
     run.state.contact_window[:] = 0
     run.run()
@@ -173,7 +197,12 @@ def test_a_smaller_time_step_changes_a_shot_little(sliding):
     found = []
     for cfl in (0.9, 0.45, 0.225):
         run = PackSolver(sliding(0.2, numerics=Numerics(threads=1, cfl=cfl)), 80.0, 40e-6).run()
-        found.append([np.interp(38e-6, run.sample("t"), run.sample(name)) for name in ("v", "crossover_friction")])
+        found.append(
+            [
+                np.interp(38e-6, run.sample("t"), run.sample(name))
+                for name in ("v", "crossover_friction")
+            ]
+        )
     coarse, fine = (np.abs(np.array(one) / found[2] - 1) for one in found[:2])
     assert np.all(fine < 0.6 * coarse)
     assert np.all(coarse < [3e-3, 0.15])
@@ -199,10 +228,20 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
     assert np.all(flags.ravel()[1:] & ERODED)
 
 
-@pytest.mark.parametrize(("key", "value"), [
-    ("elements_per_crossover", 2), ("grading", ((8, 1), (np.inf, 2))), ("bending", (1e-8, 1e-8)), ("jam", (1.0, 0.9)),
-    ("edge", PullIn(1e-3, 0.0, 1e-4)), ("impact_point", (15e-3, 0.0)), ("form", None), ("mu", -0.1), ("cohesion", -1.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("elements_per_crossover", 2),
+        ("grading", ((8, 1), (np.inf, 2))),
+        ("bending", (1e-8, 1e-8)),
+        ("jam", (1.0, 0.9)),
+        ("edge", PullIn(1e-3, 0.0, 1e-4)),
+        ("impact_point", (15e-3, 0.0)),
+        ("form", None),
+        ("mu", -0.1),
+        ("cohesion", -1.0),
+    ],
+)
 def test_what_is_not_supported_is_refused(sliding, tables, key, value):
     changes = {"table": tables["equilibrium"]} if key == "form" else {key: value}
     with pytest.raises(InputError, match={"mu": "crossover_friction"}.get(key, key)):

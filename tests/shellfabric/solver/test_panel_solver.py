@@ -23,9 +23,13 @@ from shellfabric.solver.pack_solver import PackSolver
 
 def snapping(**wrong):
     """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
-    setup = ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0, elements_per_crossover=1)
+    setup = ImpactSetup(
+        catalogue.load("S-731").with_effective_density(), 116.0, elements_per_crossover=1
+    )
     march = PackSolver(setup.panel(), 116.0, 400e-6)
-    const = march.const._replace(**{name: factor * getattr(march.const, name) for name, factor in wrong.items()})
+    const = march.const._replace(
+        **{name: factor * getattr(march.const, name) for name, factor in wrong.items()}
+    )
     march._plies = march._plies[0], Items([const])
     return march.run()
 
@@ -49,19 +53,32 @@ def test_what_a_snap_costs_is_in_the_energy_error():
 def test_a_wrong_force_is_still_caught(factor, sign):
     """Forces of the weft that are off by 1 % put the balance off by half as much."""
     wrong, right = (snapping(**changes) for changes in ({"force_per_slope2": factor}, {}))
-    assert sign * (wrong.sample("error")[-1] - right.sample("error")[-1]) > 4e-3 * right.strike_energy
+    assert (
+        sign * (wrong.sample("error")[-1] - right.sample("error")[-1]) > 4e-3 * right.strike_energy
+    )
 
 
 def test_cloth_at_rest_stays_at_rest():
     """The stretch 1 is a node of the table, so that yarns at rest pull no more than round-off, at a free edge too."""
-    for name in ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745", "glass-balanced", "glass-unbalanced"):
+    for name in (
+        "S-720",
+        "S-726",
+        "S-727",
+        "S-728",
+        "S-731",
+        "S-745",
+        "glass-balanced",
+        "glass-unbalanced",
+    ):
         for form in ("variational", "equilibrium"):
             fabric = catalogue.load(name)
             table = CellModel(fabric, form=form).table(61)
             assert np.any(table.stretch1 == 1.0)
             assert np.any(table.stretch2 == 1.0)
             opening = tuple(48 * w for w in fabric.weave.w)
-            panel = Panel(table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", edge="free")
+            panel = Panel(
+                table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", edge="free"
+            )
             solver = solver_at_rest(panel, 1.0)
             state, const = solver.state, solver.const
             state.projectile_position[2] = -1.0  # the projectile is far away
@@ -81,7 +98,9 @@ def test_parts_of_the_panel_agree(shoot):
         np.testing.assert_allclose(other.reactions["warp"], quarter.reactions["warp"], atol=1e-6)
         assert other.cut_yarns[-1] == pytest.approx(quarter.cut_yarns[-1])
         for name in ("yarn_strain", "formulation_residual", "shear", "viscous", "contact"):
-            np.testing.assert_allclose(other.energies[name], quarter.energies[name], rtol=1e-6, atol=1e-9)
+            np.testing.assert_allclose(
+                other.energies[name], quarter.energies[name], rtol=1e-6, atol=1e-9
+            )
 
 
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
@@ -134,7 +153,10 @@ def pull(panel, state, stretch1, stretch2):
     """Bring the cloth to even stretches, and let yarns fail."""
     X, Y = panel.coordinates()
     const, work = panel.constants(), panel.work()
-    state.u[0][: X.size], state.u[1][: X.size] = ((stretch1 - 1) * X).ravel(), ((stretch2 - 1) * Y).ravel()
+    state.u[0][: X.size], state.u[1][: X.size] = (
+        ((stretch1 - 1) * X).ravel(),
+        ((stretch2 - 1) * Y).ravel(),
+    )
     state.active_rows[:] = 0, const.ni
     ply_kernels.initial_forces(state, const, None, work)
     ply_kernels.apply_failure(state, const, None, work)
@@ -162,7 +184,9 @@ def test_edges_away_from_failed_yarns_need_no_closer_look(tables, form, grading)
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
 def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elements):
     """Past its strength a yarn goes, and its crossing yarn is left alone (E-14); past its own that goes too."""
-    panel = small(table=tables[form], edge="free", symmetry="whole", elements_per_crossover=elements)
+    panel = small(
+        table=tables[form], edge="free", symmetry="whole", elements_per_crossover=elements
+    )
     state, weave = panel.state(1.0), fabric.weave
     for lines in (panel.constants().warp_lines, panel.constants().weft_lines):
         lines.filter_factor[:] = 1.0  # no delay

@@ -26,7 +26,9 @@ def cut(panel, *cuts):
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])
-@pytest.mark.parametrize("mesh", [{}, {"elements_per_crossover": 3}, {"grading": FINE}, {"grading": ZONES}])
+@pytest.mark.parametrize(
+    "mesh", [{}, {"elements_per_crossover": 3}, {"grading": FINE}, {"grading": ZONES}]
+)
 def test_one_cut_is_the_same_number_of_yarns_on_all_meshes_and_parts(small, symmetry, mesh):
     """From 2.5 crossovers on one side to 2.5 on the other: five yarns, however often and on how many sides cut."""
     panel = small(symmetry=symmetry, **mesh)
@@ -34,8 +36,12 @@ def test_one_cut_is_the_same_number_of_yarns_on_all_meshes_and_parts(small, symm
     for family in (0, 1):
         assert cut(panel, (family, 0.9, -1, 2.5)) == pytest.approx(5.0)
         assert cut(panel, (family, 0.9, -1, 2.5), (family, 3.1, 0.5, 1.5)) == pytest.approx(5.0)
-        assert cut(panel, (family, 0.9, 1.5, 2.5), (1 - family, 0.9, -1, 1.5)) == pytest.approx(2.0 + 3.0)
-        assert cut(panel, (family, 0.9, -1, 99.0)) == pytest.approx(24.0)  # a line at an edge is half a yarn
+        assert cut(panel, (family, 0.9, 1.5, 2.5), (1 - family, 0.9, -1, 1.5)) == pytest.approx(
+            2.0 + 3.0
+        )
+        assert cut(panel, (family, 0.9, -1, 99.0)) == pytest.approx(
+            24.0
+        )  # a line at an edge is half a yarn
 
 
 def test_the_end_of_a_sliding_yarn_that_has_left_a_crossover_is_no_cut(small):

@@ -20,7 +20,10 @@ def equibiaxial(calibrated):
 
 
 def test_quarter_equals_whole(s720, tiny, whole):
-    ends = [biaxial_and_platens.biaxial(mesh, s720, (1, 1), max_displacement=8e-6) for mesh in (tiny, whole)]
+    ends = [
+        biaxial_and_platens.biaxial(mesh, s720, (1, 1), max_displacement=8e-6)
+        for mesh in (tiny, whole)
+    ]
     for column in ("T1", "T2", "F_c", "h1", "h2", "d_c"):
         a, b = (getattr(history, column)[-1] for history in ends)
         assert a == pytest.approx(b, rel=1e-6), column
@@ -72,7 +75,11 @@ def test_crimp_is_exchanged_when_one_yarn_is_pulled(tiny, s720):
     """Section 4.3.4: warp stretch at fixed weft lowers the warp and raises the weft; hooks see every step."""
     seen = []
     h = biaxial_and_platens.biaxial(
-        tiny, s720, (1, 0), max_displacement=0.02e-3, hooks=(lambda share, row: seen.append((share, row["T1"])),)
+        tiny,
+        s720,
+        (1, 0),
+        max_displacement=0.02e-3,
+        hooks=(lambda share, row: seen.append((share, row["T1"])),),
     )
     assert h.h1[-1] < 0.7 * h.h1[0]
     assert h.h2[-1] > 1.05 * h.h2[0]
@@ -136,7 +143,11 @@ def test_memory_is_flat_over_factorisations(tiny, s720):
             solver.factor()
             assert solver.solve(np.ones(model.size)) is not None
             solver.close()
-        resident = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmRSS"))
+        resident = next(
+            line
+            for line in Path("/proc/self/status").read_text().splitlines()
+            if line.startswith("VmRSS")
+        )
         return int(resident.split()[1])
 
     first = rounds(10)

@@ -28,7 +28,11 @@ def test_the_threshold_is_linear_in_the_contact_force(pulled, tmp_path):
     assert pulled.failed == ""
     law = pull_out.fit(pulled, "4,3,2")
     assert law.F_c == pytest.approx((3.9663, 11.4555), rel=5e-3)
-    assert (law.mu_eff, law.friction, law.status) == (pytest.approx(0.20659, rel=5e-3), MU, "literature")
+    assert (law.mu_eff, law.friction, law.status) == (
+        pytest.approx(0.20659, rel=5e-3),
+        MU,
+        "literature",
+    )
     assert abs(law.c0) < 0.01 * law.T_f[-1]
     pulled.write(tmp_path / "case.h5")
     again = Record.read(tmp_path / "case.h5")
@@ -73,7 +77,9 @@ def test_the_pull_is_in_equilibrium(whole, s720):
 def test_platens_press_the_yarns_together(whole, s720):
     """The contact force before the pull is that of the platens; in sliding, friction is Coulomb's share of it."""
     pressure = 0.5e6
-    found = pull_out.pull_out(whole, s720, pressures=(pressure,), numerics=Numerics(friction=MU), rows=8)
+    found = pull_out.pull_out(
+        whole, s720, pressures=(pressure,), numerics=Numerics(friction=MU), rows=8
+    )
     assert found.failed == ""
     pressed = int(np.flatnonzero(found["pull"] == 0)[-1])
     force = found["F_plate"][pressed].mean()

@@ -39,7 +39,9 @@ def test_yarn_is_straight_where_its_fibres_are_as_long_as_the_mesh_makes_them(pu
 
 
 def test_whole_yarn_equals_the_quarter(s720):
-    mesh = {domain: mesher.build(s720, size=(3, 2, 2), domain=domain) for domain in ("quarter", "whole")}
+    mesh = {
+        domain: mesher.build(s720, size=(3, 2, 2), domain=domain) for domain in ("quarter", "whole")
+    }
     T = [cases_single_yarn.pull(mesh[domain], s720, 1, rows=4)["T"] for domain in mesh]
     assert T[1] == pytest.approx(T[0], rel=1e-6, abs=1e-6)
 

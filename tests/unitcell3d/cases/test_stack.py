@@ -20,7 +20,9 @@ def test_one_ply_is_the_crossover_between_plates(one, tiny, s720):
     history = biaxial_and_platens.plate_compression(tiny, s720, pressure=PRESSURE)
     assert one.failed == ""
     assert one["pressure"][-1] == pytest.approx(PRESSURE, rel=1e-3)
-    distance = np.interp(PRESSURE * s720.weave.cell_area, history.F_plate.mean(axis=1), 2 * history.plates)
+    distance = np.interp(
+        PRESSURE * s720.weave.cell_area, history.F_plate.mean(axis=1), 2 * history.plates
+    )
     assert one["distance"][-1] == pytest.approx(distance, abs=1e-6)
 
 
@@ -48,7 +50,9 @@ def test_shifted_plies_nest(s720):
     mesh = patch.build(s720, (2, 2), size=(3, 2, 2))
     aligned, nested = (ShiftedModel(mesh, s720, 2, shift) for shift in ((0.0, 0.0), (0.5, 0.5)))
     tops = [mesh.points[grid, 2].max() for grid in mesh.grids]
-    crests = max(tops[:2]) + max(tops[2:])  # of a warp and of a weft, which meet where plies are aligned
+    crests = max(tops[:2]) + max(
+        tops[2:]
+    )  # of a warp and of a weft, which meet where plies are aligned
     assert 2 * aligned.plates.at_rest == pytest.approx(crests + 2 * max(tops), rel=1e-6)
     assert nested.plates.at_rest == pytest.approx(0.86 * aligned.plates.at_rest, rel=0.02)
     # each exposed crossing of the upper ply lies over four of the lower one

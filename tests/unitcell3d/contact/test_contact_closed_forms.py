@@ -21,7 +21,9 @@ def under_load(blocks, yarn, quantity):
     """Mean of a function of (x, y) [m], weighted with the nodal contact forces of one face, and the pressure at 0."""
     grid = blocks.grids[0][:, :, 0] if yarn == 0 else blocks.grids[1][:, :, -1]
     force = np.abs(blocks.contact[grid.ravel(), 2])
-    return np.average(quantity(blocks.points[grid.ravel(), :2]), weights=force), blocks.pressures(yarn)[1][0]
+    return np.average(quantity(blocks.points[grid.ravel(), :2]), weights=force), blocks.pressures(
+        yarn
+    )[1][0]
 
 
 def test_cylinder_on_plane():
@@ -32,7 +34,9 @@ def test_cylinder_on_plane():
         block(1, width, along, through, lambda x, y: 0 * x),
     )
     pair = Blocks(*bodies, E, NU, numerics=HARD)
-    pair.press(4e-6, hold=[(np.flatnonzero(np.isclose(pair.points[:, 1], strip)), 1)])  # plane strain
+    pair.press(
+        4e-6, hold=[(np.flatnonzero(np.isclose(pair.points[:, 1], strip)), 1)]
+    )  # plane strain
     P = 2 * pair.lift / strip
     a = np.sqrt(4 * P * R / np.pi / STIFF)
     assert 8 < a / along[1] < 20
@@ -62,7 +66,10 @@ def test_crossed_cylinders():
 def flat(n_upper, n_lower, side=1e-3):
     upper, lower = np.linspace(0, side, n_upper + 1), np.linspace(0, side, n_lower + 1)
     depth = np.linspace(0, side / 2, 3)
-    bodies = block(0, upper, upper, depth, lambda x, y: 0 * x), block(1, lower, lower, depth, lambda x, y: 0 * x)
+    bodies = (
+        block(0, upper, upper, depth, lambda x, y: 0 * x),
+        block(1, lower, lower, depth, lambda x, y: 0 * x),
+    )
     return Blocks(*bodies, E, NU, numerics=Numerics(penalty=1e16, toe=1e-11))
 
 
@@ -73,7 +80,9 @@ def misfit(pair, descent=1e-6):
     top, low = z.max(), z.min()
     upper = np.concatenate([np.zeros(pair.grids[0].size, bool), np.ones(pair.grids[1].size, bool)])
     # each half of the column takes half of the descent, but for the penetration
-    ideal = np.where(upper, -descent / 2 * (z - low) / -low, -descent + descent / 2 * (top - z) / top)
+    ideal = np.where(
+        upper, -descent / 2 * (z - low) / -low, -descent + descent / 2 * (top - z) / top
+    )
     return np.abs(u[:, 2] - ideal).max() / descent
 
 

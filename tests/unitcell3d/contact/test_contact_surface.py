@@ -5,7 +5,14 @@ import pytest
 from equations import assert_tangent, dense, slope
 from scipy.optimize import minimize
 
-from unitcell3d.contact.kernel_arguments import Blocks, ContactLaw, Face, PassState, PlateFace, SlavePoints
+from unitcell3d.contact.kernel_arguments import (
+    Blocks,
+    ContactLaw,
+    Face,
+    PassState,
+    PlateFace,
+    SlavePoints,
+)
 from unitcell3d.contact.plate_contact_kernels import plate_pass, update_plate_anchors
 from unitcell3d.contact.surface_contact_kernels import contact_pass, overlap_weight, pressure
 from unitcell3d.contact.surface_kernels import evaluate, nodes_of, project, surround, weights_of
@@ -55,7 +62,9 @@ def plain_surface(x, xi, mirror):
 @pytest.mark.parametrize("mirror", [FREE, MIRROR])
 def test_surface_equals_the_plain_twin(wavy, mirror):
     for xi in ((0.3, 0.2), (2.5, 1.7), (4.6, 3.9), (5.3, 4.2), (0.0, 0.0)):
-        assert np.allclose(surface_at(wavy, xi, mirror)[0], plain_surface(wavy, xi, mirror), atol=1e-13)
+        assert np.allclose(
+            surface_at(wavy, xi, mirror)[0], plain_surface(wavy, xi, mirror), atol=1e-13
+        )
         for k, direction in enumerate(np.eye(2), 1):
             along = slope(lambda s: plain_surface(wavy, s, mirror), np.array(xi), direction, 1e-3)
             assert np.allclose(surface_at(wavy, xi, mirror)[k], along, atol=1e-11)
@@ -79,7 +88,14 @@ def test_weights_of_the_nodes_make_the_surface(wavy, mirror):
             nodes_of(GRID, i, j, nodes)
             for a, wa in zip(places, shares):
                 for b, wb in zip(places, shares):
-                    weights_of(np.array([i + 0.5 + 0.5 * a, j + 0.5 + 0.5 * b]), GRID, AXES, mirror, weights, work)
+                    weights_of(
+                        np.array([i + 0.5 + 0.5 * a, j + 0.5 + 0.5 * b]),
+                        GRID,
+                        AXES,
+                        mirror,
+                        weights,
+                        work,
+                    )
                     np.add.at(total, nodes, wa * wb / 4 * weights[0, :, 2])
             corners = GRID[i : i + 2, j : j + 2].ravel()
             assert np.allclose(total[corners], 0.25, atol=1e-14)
@@ -90,14 +106,20 @@ def test_projection_finds_the_closest_point(wavy):
     rng = np.random.default_rng(2)
     scratch = np.empty((3, 4)), np.empty((3, 4)), np.empty((6, 3))
     for _ in range(20):
-        point = surface_at(wavy, rng.uniform(0.2, [4.8, 3.8]), MIRROR)[0] + [0, 0, rng.uniform(-0.2, 0.2)]
+        point = surface_at(wavy, rng.uniform(0.2, [4.8, 3.8]), MIRROR)[0] + [
+            0,
+            0,
+            rng.uniform(-0.2, 0.2),
+        ]
         xi = np.array([2.5, 2.0])
         assert project(point, ringed(wavy, MIRROR), xi, *scratch)
 
         def squared(s, point=point):
             return np.sum((plain_surface(wavy, s, MIRROR) - point) ** 2)
 
-        plain = minimize(squared, xi + 0.01, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-18})
+        plain = minimize(
+            squared, xi + 0.01, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-18}
+        )
         assert np.allclose(xi, plain.x, atol=1e-6)
 
 
@@ -109,7 +131,9 @@ def test_pressure_has_the_toe():
         p, slope = pressure(gap, PENALTY, TOE)
         assert p == pytest.approx(expected, rel=1e-14)
         step = 1e-9
-        difference = (pressure(gap + step, PENALTY, TOE)[0] - pressure(gap - step, PENALTY, TOE)[0]) / (2 * step)
+        difference = (
+            pressure(gap + step, PENALTY, TOE)[0] - pressure(gap - step, PENALTY, TOE)[0]
+        ) / (2 * step)
         assert slope == pytest.approx(difference, rel=1e-5)
 
 
@@ -118,7 +142,10 @@ def test_overlap_fades_beyond_free_edges_only():
     assert overlap_weight(5.5, 5, True, True)[0] == 0.0
     assert overlap_weight(-0.2, 5, False, True) == (1.0, 0.0)
     weight, slope = overlap_weight(5.2, 5, True, True)
-    ahead, behind = overlap_weight(5.2 + 1e-7, 5, True, True)[0], overlap_weight(5.2 - 1e-7, 5, True, True)[0]
+    ahead, behind = (
+        overlap_weight(5.2 + 1e-7, 5, True, True)[0],
+        overlap_weight(5.2 - 1e-7, 5, True, True)[0],
+    )
     assert 0 < weight < 1
     assert slope == pytest.approx((ahead - behind) / 2e-7, rel=1e-6)
 
@@ -169,13 +196,19 @@ def pressed(wavy):
             S = surface_at(wavy, (i + a, j + b), FREE)
             normal = np.cross(S[1], S[2])
             points.append(S[0] - depth * normal / np.linalg.norm(normal))
-    return np.concatenate([wavy, points]), len(wavy) + np.arange(4 * len(middles)).reshape(-1, 4), depths
+    return (
+        np.concatenate([wavy, points]),
+        len(wavy) + np.arange(4 * len(middles)).reshape(-1, 4),
+        depths,
+    )
 
 
 def test_gap_is_the_signed_distance(pressed):
     x, quads, depths = pressed
     gaps = touch(x, quads, FREE)[1].reshape(len(quads), -1)
-    assert np.allclose(gaps[[0, 2, 3]], -np.array(depths)[[0, 2, 3], None], atol=2e-3)  # the faces are flat
+    assert np.allclose(
+        gaps[[0, 2, 3]], -np.array(depths)[[0, 2, 3], None], atol=2e-3
+    )  # the faces are flat
     assert np.all(-gaps[1] < TOE)
     assert np.any(gaps[1] < 0)
 
@@ -193,13 +226,17 @@ def test_forces_balance(pressed, friction):
     assert size > 1
     assert np.abs(forces.sum(axis=0)).max() < 1e-12 * size
     moment = np.abs(np.cross(x, forces).sum(axis=0)).max()
-    assert moment < (1e-11 * size if friction == 0 else 1.1 * friction * max(depths) * np.linalg.norm(resultant))
+    assert moment < (
+        1e-11 * size if friction == 0 else 1.1 * friction * max(depths) * np.linalg.norm(resultant)
+    )
     # `forces` are internal forces: minus the contact's push on the slaves
     assert np.allclose(forces[quads.ravel()].sum(axis=0), -resultant, rtol=1e-12)
 
 
 @pytest.mark.parametrize("mirror", [FREE, MIRROR])
-@pytest.mark.parametrize("away", [None, (1e-3, 2e-3), (0.3, -0.2)], ids=["frictionless", "sticking", "sliding"])
+@pytest.mark.parametrize(
+    "away", [None, (1e-3, 2e-3), (0.3, -0.2)], ids=["frictionless", "sticking", "sliding"]
+)
 def test_tangent_is_the_derivative(pressed, mirror, away):
     x, quads, _ = pressed
     x = x.copy()
@@ -228,26 +265,36 @@ def test_friction_is_coulombs(pressed):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_plate_pushes_back_and_rubs(side):
     """Coulomb's friction, its tangent, and anchors that follow what has slid to within the regularisation slip."""
-    x = np.array([[0.003, 0.004, 0.1003], [0.3, 0.4, 0.11], [0.3, 0.4, 0.08], [0, 0, 0.0995]]) * [1, 1, side]
+    x = np.array([[0.003, 0.004, 0.1003], [0.3, 0.4, 0.11], [0.3, 0.4, 0.08], [0, 0, 0.0995]]) * [
+        1,
+        1,
+        side,
+    ]
     areas, nodes, anchors = np.array([1.0, 2.0, 3.0, 4.0]), np.arange(4), np.zeros((4, 2))
     face = PlateFace(nodes, areas, side, anchors)
 
     def run(x):
         forces, values = np.zeros((4, 3)), np.zeros((4, 3, 3))
-        force = plate_pass(x, face, side * 0.099, ContactLaw(PENALTY, TOE, FRICTION, SLIP), forces, nodes, values)
+        force = plate_pass(
+            x, face, side * 0.099, ContactLaw(PENALTY, TOE, FRICTION, SLIP), forces, nodes, values
+        )
         return forces, values, force
 
     forces, values, force = run(x)
     expected = [pressure(0.099 - abs(z), PENALTY, TOE)[0] * a for z, a in zip(x[:, 2], areas)]
     assert force == pytest.approx(sum(expected))
     assert side * forces[:, 2] == pytest.approx(expected)
-    assert np.linalg.norm(forces[0, :2]) == pytest.approx(FRICTION * abs(forces[0, 2]) * 0.005 / SLIP)
+    assert np.linalg.norm(forces[0, :2]) == pytest.approx(
+        FRICTION * abs(forces[0, 2]) * 0.005 / SLIP
+    )
     assert np.linalg.norm(forces[1, :2]) == pytest.approx(FRICTION * abs(forces[1, 2]))
     assert np.all(forces[2] == 0)
     blocks = np.zeros((12, 12))
     for node in nodes:
         blocks[3 * node : 3 * node + 3, 3 * node : 3 * node + 3] = values[node]
-    assert_tangent(blocks, lambda x: run(x)[0], x, np.random.default_rng(0).standard_normal((4, 3)), 1e-6)
+    assert_tangent(
+        blocks, lambda x: run(x)[0], x, np.random.default_rng(0).standard_normal((4, 3)), 1e-6
+    )
     update_plate_anchors(x, face, side * 0.099, SLIP)
     assert np.allclose(anchors[[0, 3]], 0)
     assert np.linalg.norm(x[1, :2] - anchors[1]) == pytest.approx(SLIP)

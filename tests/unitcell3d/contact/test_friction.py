@@ -23,8 +23,12 @@ class Pushed(Blocks):
         super().__init__(
             block(0, 0.1 * SIDE + 0.6 * upper, 0.2 * SIDE + 0.6 * upper, depth, lambda x, y: 0 * x),
             block(1, lower, lower, depth, lambda x, y: 0 * x),
-            E, 0.0, quarter=False, slide=False, numerics=numerics,
-        )  # fmt: skip
+            E,
+            0.0,
+            quarter=False,
+            slide=False,
+            numerics=numerics,
+        )
 
     def drive(self, u, descent, along, steps):
         """Forces (steps, 3) [N] of the upper block on the lower, when the top is driven on to `along` [m]."""
@@ -90,4 +94,6 @@ def test_contact_with_friction_is_in_equilibrium(tiny, s720):
     forces, contact, _ = model.forces(state.q, end)
     assert np.abs(model.constraints.reduce(forces)).max() < 1e-7 * contact
     for yarn, sign in ((0, -1), (1, 1)):
-        assert forces[model.constraints.ends[yarn], 2].sum() == pytest.approx(sign * contact, rel=1e-5)
+        assert forces[model.constraints.ends[yarn], 2].sum() == pytest.approx(
+            sign * contact, rel=1e-5
+        )

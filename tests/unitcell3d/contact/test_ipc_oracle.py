@@ -26,6 +26,8 @@ def test_barrier_and_penalty_give_one_answer(s720):
     try:
         found = barrier.path((END, 0.0), 40)
     except NoEquilibriumError:
-        pytest.xfail("the barrier's own iteration finds no equilibrium on this machine: nothing to compare with")
+        pytest.xfail(
+            "the barrier's own iteration finds no equilibrium on this machine: nothing to compare with"
+        )
     assert barrier.distance == pytest.approx(0.42e-6, rel=0.1)
     assert found == pytest.approx((penalty.T1[-1], penalty.T2[-1], penalty.F_c[-1]), rel=0.01)

@@ -12,14 +12,18 @@ class Pressed:
     """A stand-in history: plates that close by 10 um per e-fold of pressure, up to 1 MPa."""
 
     pressure = np.geomspace(1e3, 1e6, 50)
-    F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6  # the mean of both plates counts
+    F_plate = (
+        np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
+    )  # the mean of both plates counts
     plates = 2e-4 - 5e-6 * np.log(pressure)
 
 
 class Snapped(Pressed):
     """The force falls for a step."""
 
-    pressure = np.concatenate([Pressed.pressure[:25], Pressed.pressure[20:21], Pressed.pressure[25:]])
+    pressure = np.concatenate(
+        [Pressed.pressure[:25], Pressed.pressure[20:21], Pressed.pressure[25:]]
+    )
     F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
     plates = np.concatenate([Pressed.plates[:25], [Pressed.plates[24] - 1e-9], Pressed.plates[25:]])
 

@@ -17,7 +17,9 @@ def opened(tiny, s720):
     solvers = []
 
     def another():
-        solvers.append(PlatenSolver(tiny, s720, lambda x: with_solid_laws(s720, x, max(tiny.Vf0)), PRESSURE))
+        solvers.append(
+            PlatenSolver(tiny, s720, lambda x: with_solid_laws(s720, x, max(tiny.Vf0)), PRESSURE)
+        )
         return solvers[-1]
 
     yield another
@@ -30,7 +32,9 @@ def solver(opened):
     return opened()
 
 
-def test_equilibria_lie_beside_their_pressures_and_their_jacobian_is_the_change_from_trial_to_trial(solver):
+def test_equilibria_lie_beside_their_pressures_and_their_jacobian_is_the_change_from_trial_to_trial(
+    solver,
+):
     """Closures at fixed pressures: central differences of 1 % in each constant, from equilibria of their own."""
     found = solver.at(X)
     assert found.failed == ""
@@ -49,7 +53,9 @@ def test_a_trial_is_the_same_from_a_neighbour_as_from_rest(solver, opened):
     near = solver.at(X + np.array([-0.5, 0.2, 0.3]))
     assert solver.loaded == 1
     # ln P is straight over the LEVEL / 2 that equilibria lie from their pressures to 0.5 um
-    assert near.closures(PRESSURE) == pytest.approx(opened().at(near.x).closures(PRESSURE), abs=0.5e-6)
+    assert near.closures(PRESSURE) == pytest.approx(
+        opened().at(near.x).closures(PRESSURE), abs=0.5e-6
+    )
 
 
 def test_platens_that_no_yarn_meets(opened, monkeypatch):

@@ -43,7 +43,9 @@ def test_error_is_of_fourth_order_and_the_estimate_bounds_it():
     true, estimates = [], []
     for n in (11, 21, 41):
         surface = analytic(function, n)
-        true.append(np.abs(Interpolant(surface)("F_c", 30e-6 * x, 30e-6 * y) - function(x, y)).max())
+        true.append(
+            np.abs(Interpolant(surface)("F_c", 30e-6 * x, 30e-6 * y) - function(x, y)).max()
+        )
         estimates.append(errors(surface)["F_c"].largest)
     assert np.all(np.log2(np.array(true[:-1]) / true[1:]) > 3.3)
     # left out, a line makes the spacing twice as wide there
@@ -69,7 +71,9 @@ def test_rows_end_where_other_routes_end(whole, s720, tiny):
     """Stem and row against the diagonal, and back from beyond."""
     goal, beyond = (END, END), (20e-6, 16e-6)
     for route in ([goal], [goal, beyond, goal]):
-        assert end_forces(tiny, s720, route, step=1.2e-6) == pytest.approx(corner(whole.surface), rel=1e-5)
+        assert end_forces(tiny, s720, route, step=1.2e-6) == pytest.approx(
+            corner(whole.surface), rel=1e-5
+        )
 
 
 def test_surface_rises_from_rest(whole):
@@ -93,7 +97,13 @@ def test_interrupted_and_resumed_is_the_same_to_the_last_bit(whole, s720, pool, 
 
     with pytest.raises(KeyboardInterrupt):
         sample(s720, **SMALL, **kept, on_progress=stop_after_three)
-    resumed = sample(s720, **SMALL, **kept, resume=True, on_progress=lambda share, text: again.append((share, text)))
+    resumed = sample(
+        s720,
+        **SMALL,
+        **kept,
+        resume=True,
+        on_progress=lambda share, text: again.append((share, text)),
+    )
     assert len(again) == 3
     assert again[-1][0] == 1
     assert not set(done) & {text for _, text in again}
@@ -109,7 +119,9 @@ def test_processes_give_the_same(whole, s720):
     one, two = (sample(s720, **SMALL, jobs=n).surface for n in (1, 2))
     for name in QUANTITIES:
         assert np.array_equal(getattr(one, name), getattr(two, name)), name
-        assert np.allclose(getattr(one, name), getattr(whole.surface, name), rtol=1e-5, atol=1e-5), name
+        assert np.allclose(
+            getattr(one, name), getattr(whole.surface, name), rtol=1e-5, atol=1e-5
+        ), name
 
 
 def test_lines_are_added_where_contact_sets_in(whole, s720, pool):
@@ -131,7 +143,9 @@ def test_lines_are_added_where_contact_sets_in(whole, s720, pool):
 
 def test_a_slack_corner_has_no_contact(s720, pool):
     """Ends pushed together: the yarns lose each other, and the surface goes on through it."""
-    found = sample(s720, d1=(-2e-6, 6e-6), d2=(-2e-6, 6e-6), points=(5, 5), size=TINY, executor=pool)
+    found = sample(
+        s720, d1=(-2e-6, 6e-6), d2=(-2e-6, 6e-6), points=(5, 5), size=TINY, executor=pool
+    )
     assert found.surface.F_c[0, 0] < 1e-2
     assert abs(found.surface.T1[0, 0]) < 5e-2
     assert found.surface.F_c[-1, -1] > 1
@@ -148,7 +162,9 @@ def test_friction_is_taken_over_from_line_to_line(whole, s720, tiny, pool):
 
 def test_partial_file_keeps_lines(tmp_path):
     stamp, path = run_cache.stamp("this", "unitcell3d.identify.surface_cache"), tmp_path / "p.h5"
-    line = Line(0, 1e-6, np.arange(3.0), np.ones((3, 5)), np.empty((0, 0)), np.empty((0, 0)), 1.5, 7)
+    line = Line(
+        0, 1e-6, np.arange(3.0), np.ones((3, 5)), np.empty((0, 0)), np.empty((0, 0)), 1.5, 7
+    )
     Partial(path, stamp, False).add("a line", line)
     again = Partial(path, stamp, True).lines["a line"]
     assert np.array_equal(again.values, line.values)

@@ -29,7 +29,9 @@ def test_identify_is_the_linear_least_squares_theory():
     assert correlation == pytest.approx(np.eye(2), abs=1e-12)
     assert singular[0] >= singular[1]
     assert np.abs(directions) == pytest.approx(np.eye(2), abs=1e-12)
-    half, correlation, singular, directions = identify(np.stack([x, x + 1e-6 * x**2], axis=1), 0.1, len(x) - 3)
+    half, correlation, singular, directions = identify(
+        np.stack([x, x + 1e-6 * x**2], axis=1), 0.1, len(x) - 3
+    )
     assert half.min() > 1e3
     assert correlation[0, 1] == pytest.approx(-1, abs=1e-6)
     assert np.abs(directions[1]) == pytest.approx(np.sqrt([0.5, 0.5]), rel=1e-3)
@@ -51,7 +53,10 @@ class ClosedForm:
 
         def jacobian(pressure):
             steps = 1e-6 * np.eye(3)
-            return np.stack([(closures(pressure, x + s) - closures(pressure, x - s)) / 2e-6 for s in steps], axis=1)
+            return np.stack(
+                [(closures(pressure, x + s) - closures(pressure, x - s)) / 2e-6 for s in steps],
+                axis=1,
+            )
 
         return SimpleNamespace(closures=closures, jacobian=jacobian, failed="", pressure=PRESSURE16)
 
@@ -104,7 +109,9 @@ def test_limits_are_where_the_sum_of_squares_has_risen(closed_form, s720):
             at = 1e-4 * solid.V_c * found.pressure / (found.pressure + solid.K_r * solid.E_c)
             misfit = at - found.measured
             square = np.sum((misfit - misfit.mean()) ** 2)
-            assert square == pytest.approx(t.ppf(0.975, 12) ** 2 * 1e-12, rel=solid_fit.NEAR_LIMIT + 0.05)
+            assert square == pytest.approx(
+                t.ppf(0.975, 12) ** 2 * 1e-12, rel=solid_fit.NEAR_LIMIT + 0.05
+            )
 
 
 @pytest.mark.slow(50)
@@ -114,8 +121,14 @@ def test_a_twin_is_found_again(s720):
     mesh = mesher.build(s720, size=size)
     twin = with_solid_laws(s720, np.log([0.8e9, 0.25, 0.03]), max(mesh.Vf0))
     pressure = np.geomspace(3e4, 5e6, 60)
-    history = biaxial_and_platens.plate_compression(mesh, twin, pressure=pressure[-1], steps=Steps(largest=0.02))
-    curve = PlateCurve(pressure, closures(history, s720.weave.cell_area, pressure, np.linspace(0, 1e-9, 60)), "a twin")
+    history = biaxial_and_platens.plate_compression(
+        mesh, twin, pressure=pressure[-1], steps=Steps(largest=0.02)
+    )
+    curve = PlateCurve(
+        pressure,
+        closures(history, s720.weave.cell_area, pressure, np.linspace(0, 1e-9, 60)),
+        "a twin",
+    )
     found = fit_solid(s720, curve, size, None)
     assert found.rms < 1e-6
     assert found.rms < 0.5 * found.misfit_before.closure

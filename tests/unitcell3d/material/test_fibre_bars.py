@@ -23,7 +23,9 @@ def test_law_and_its_continuous_slope():
         value, slope = fibre_law(e, R, D)
         assert value == pytest.approx(plain_law(e), rel=1e-14)
         step = 1e-5 * D
-        assert slope == pytest.approx((plain_law(e + step) - plain_law(e - step)) / (2 * step), rel=1e-5)
+        assert slope == pytest.approx(
+            (plain_law(e + step) - plain_law(e - step)) / (2 * step), rel=1e-5
+        )
     assert fibre_law(0.0, R, D) == (0.0, R)
     for join in (0.0, D):  # where the kink was
         below, above = fibre_law(join - 1e-12, R, D)[1], fibre_law(join + 1e-12, R, D)[1]
@@ -35,7 +37,9 @@ def bundle():
     rng = np.random.default_rng(0)
     X = rng.standard_normal((6, 3))
     pairs = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [0, 5]])
-    length = np.linalg.norm(X[pairs[:, 1]] - X[pairs[:, 0]], axis=1) / np.array([1.02, 0.99, 1.00005, 1.0, 1.03, 0.9])
+    length = np.linalg.norm(X[pairs[:, 1]] - X[pairs[:, 0]], axis=1) / np.array(
+        [1.02, 0.99, 1.00005, 1.0, 1.03, 0.9]
+    )
     return X, pairs, length, np.array([3.0, 5.0, 2.0, 4.0, 1.0, 6.0])
 
 
@@ -71,7 +75,12 @@ def test_tangent_is_the_derivative(bundle):
         K, direction = dense(values, n), np.random.default_rng(1).standard_normal(X.shape)
         assert np.allclose(K, K.T)
         assert_tangent(
-            K, lambda x: forces_of(x, pairs[some], length[some], stiffness[some]), X, direction, step, tolerance
+            K,
+            lambda x: forces_of(x, pairs[some], length[some], stiffness[some]),
+            X,
+            direction,
+            step,
+            tolerance,
         )
 
     # the bar at zero strain stands on its kink of second order: with it the difference is good to the step

@@ -43,7 +43,9 @@ def test_crimped_yarn_breaks_where_its_worst_fibre_fails(tiny, s720):
     record = cases_single_yarn.pull(tiny, s720, failure=True, rows=12)
     peak = int(np.argmax(record["T"]))
     # of the bars that are still whole there
-    assert record["fibre_strain_max"][peak] == pytest.approx(s720.weave.warp.failure_strain, rel=2e-3)
+    assert record["fibre_strain_max"][peak] == pytest.approx(
+        s720.weave.warp.failure_strain, rel=2e-3
+    )
     assert 0.97 < record["T"][peak] / s720.weave.warp.strength < 1
     assert record["T"][-1] < 0.01 * record["T"][peak]
 
@@ -51,7 +53,12 @@ def test_crimped_yarn_breaks_where_its_worst_fibre_fails(tiny, s720):
 def test_damage_grows_from_the_failure_strain_and_never_heals(tiny, s720):
     fibres = Fibres(tiny, s720, failure=True)
     limit = s720.weave.warp.failure_strain
-    for strain, damage in ((0.99 * limit, 0), (limit * (1 + 0.4 * FADE), 0.4), (0.0, 0.4), (limit * (1 + FADE), 1)):
+    for strain, damage in (
+        (0.99 * limit, 0),
+        (limit * (1 + 0.4 * FADE), 0.4),
+        (0.0, 0.4),
+        (limit * (1 + FADE), 1),
+    ):
         x = tiny.points * (1 + strain)
         before = fibres.damage.copy()
         while fibres.fail(x):

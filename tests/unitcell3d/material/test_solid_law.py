@@ -12,7 +12,9 @@ from unitcell3d.material.solid_law import LOOSE_WIDTH, PACKED_WIDTH, forms, tran
 
 LAW = SolidLaw(E_a=1e6, E_c=2e9, K_r=0.02, K_G=1e-3, V_c=1.0, Vf0=0.7)
 PARAMETERS = np.array([[LAW.E_a, LAW.a_E, LAW.b_E, LAW.Vf0, LAW.V_c, LAW.G]])
-CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+CUBE = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
+)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +50,9 @@ def test_modulus_and_its_slope_are_continuous_at_the_rounded_corners():
             assert above - at == pytest.approx(at - below, abs=2e-3 * LAW.E_c * step / width)
 
 
-@pytest.mark.parametrize("stretch", [(1.02, 1, 1), (1, 0.8, 1), (1, 1, 0.75), (1.03, 0.9, 0.85), (0.99, 1.2, 1.1)])
+@pytest.mark.parametrize(
+    "stretch", [(1.02, 1, 1), (1, 0.8, 1), (1, 1, 0.75), (1.03, 0.9, 0.85), (0.99, 1.2, 1.1)]
+)
 def test_stretches_give_secant_stress_of_logarithmic_strain(cube, stretch):
     """Eqs. 3-2, 3-10 .. 3-15: Cauchy stress E_i ln(stretch_i), Poisson's ratios zero."""
     a, b, c = stretch

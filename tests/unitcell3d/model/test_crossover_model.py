@@ -61,7 +61,11 @@ def test_tangent_is_the_derivative(model, pressed):
     direction = np.random.default_rng(2).standard_normal(model.size)
     # 3e-12 m: between rounding and the kinks of the contact's toe
     assert_tangent(
-        matrix(model.pattern), lambda q: model.constraints.reduce(model.forces(q, load)[0]), q, direction, 3e-12
+        matrix(model.pattern),
+        lambda q: model.constraints.reduce(model.forces(q, load)[0]),
+        q,
+        direction,
+        3e-12,
     )
 
 

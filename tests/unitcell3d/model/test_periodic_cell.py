@@ -85,7 +85,11 @@ def test_tangent_is_the_derivative(model):
     model.system(q, load)
     direction = rng.standard_normal(model.size)
     assert_tangent(
-        matrix(model.pattern), lambda q: model.constraints.reduce(model.forces(q, load)[0]), q, direction, 3e-12
+        matrix(model.pattern),
+        lambda q: model.constraints.reduce(model.forces(q, load)[0]),
+        q,
+        direction,
+        3e-12,
     )
 
 
@@ -96,7 +100,9 @@ def test_moment_and_tensions_are_the_work_of_the_load(model):
     forces = model.forces(q, load)[0]
     step = 1e-7
     moved = [model.positions(q, CellLoad(model.w, load.d, 0.2 + s * step)) for s in (1, -1)]
-    assert model.moment(forces, load) == pytest.approx(np.sum(forces * (moved[0] - moved[1])) / (2 * step), rel=1e-6)
+    assert model.moment(forces, load) == pytest.approx(
+        np.sum(forces * (moved[0] - moved[1])) / (2 * step), rel=1e-6
+    )
     moved = [model.positions(q, CellLoad(model.w, (5e-6 + s * 1e-9, 3e-6), 0.2)) for s in (1, -1)]
     work = np.sum(forces * (moved[0] - moved[1])) / 2e-9
     assert 2 * model.tensions(forces, load)[0] == pytest.approx(work, rel=1e-6)
@@ -105,7 +111,9 @@ def test_moment_and_tensions_are_the_work_of_the_load(model):
 def test_stick_state_is_that_of_the_crossings_alone(model):
     """Edges slide without friction: they keep no anchors."""
     before = model.stick_state
-    assert before.size == sum(anchors.size for pair in model.pairs.pairs[: model.crossings] for anchors in pair.anchors)
+    assert before.size == sum(
+        anchors.size for pair in model.pairs.pairs[: model.crossings] for anchors in pair.anchors
+    )
     model.stick_state = before + 0.25
     assert np.array_equal(model.stick_state, before + 0.25)
     model.stick_state = before
@@ -122,7 +130,14 @@ def crossing():
     rng = np.random.default_rng(0)
     s = np.linspace(-2.5, 2.5, NODES)
     edges = [
-        np.stack([s, y + 0.02 * rng.standard_normal(NODES), slope * s + 0.02 * rng.standard_normal(NODES)], axis=1)
+        np.stack(
+            [
+                s,
+                y + 0.02 * rng.standard_normal(NODES),
+                slope * s + 0.02 * rng.standard_normal(NODES),
+            ],
+            axis=1,
+        )
         for y, slope in ((0.05, 0.3), (-0.05, -0.3))
     ]
     return np.concatenate(edges)
@@ -132,9 +147,18 @@ def touch(x, places=None, values=None):
     forces, nodes = np.zeros_like(x), np.full(8, -1)
     none = np.empty((0, 0), np.int64)
     found = edge_pass(
-        x, FIRST, SECOND, TOWARD, AREA, PENALTY, TOE, nodes, forces,
-        none if places is None else places, np.zeros((1, 3, 3)) if values is None else values,
-    )  # fmt: skip
+        x,
+        FIRST,
+        SECOND,
+        TOWARD,
+        AREA,
+        PENALTY,
+        TOE,
+        nodes,
+        forces,
+        none if places is None else places,
+        np.zeros((1, 3, 3)) if values is None else values,
+    )
     return forces, nodes, *found
 
 
@@ -146,7 +170,9 @@ def test_edges_push_each_other_apart_in_balance(crossing):
     assert set(nodes[4:]) <= set(SECOND)
     assert np.abs(forces.sum(axis=0)).max() < 1e-14
     assert np.abs(np.cross(crossing, forces).sum(axis=0)).max() < 1e-13
-    assert forces[FIRST, 1].sum() == pytest.approx(force, rel=0.01)  # internal: the first is held back from the second
+    assert forces[FIRST, 1].sum() == pytest.approx(
+        force, rel=0.01
+    )  # internal: the first is held back from the second
     apart = crossing + np.where(np.arange(2 * NODES)[:, None] < NODES, 0, 1) * [0, 0.3, 0]
     assert touch(apart)[3] == 0
 
@@ -179,7 +205,9 @@ def test_sheared_weave_stiffens_and_its_work_is_its_moment(whole, s720):
     assert abs(record["moment"][~turned]).max() < 1e-9
     assert np.all(np.diff(record["moment"][turned]) > 0)
     assert record["F_c"][-1] > record["F_c"][~turned][-1]
-    assert record["tau"][-1] == pytest.approx(record["moment"][-1] / s720.weave.cell_area / s720.weave.thickness)
+    assert record["tau"][-1] == pytest.approx(
+        record["moment"][-1] / s720.weave.cell_area / s720.weave.thickness
+    )
 
 
 def test_shear_is_the_same_to_both_sides(model):
@@ -200,7 +228,9 @@ def test_shear_is_the_same_to_both_sides(model):
 
 @pytest.mark.slow
 def test_four_sheared_crossovers_equal_one_with_glides(whole, four, s720):
-    records = [periodic_cell.shear(mesh, s720, 0.1, stretch=(4e-6, 4e-6), rows=2) for mesh in (whole, four)]
+    records = [
+        periodic_cell.shear(mesh, s720, 0.1, stretch=(4e-6, 4e-6), rows=2) for mesh in (whole, four)
+    ]
     for key in ("moment", "T1", "T2", "F_c"):
         assert records[1][key][-1] == pytest.approx(records[0][key][-1], rel=1e-6), key
 

@@ -26,7 +26,9 @@ def _loaded(tiny, s720, monkeypatch, near):
     model = CrossoverModel(tiny, s720)
     first, last = Load((8e-6, 8e-6)), Load((20e-6, 20e-6))
     solver, start = loaded(model, first)
-    found = [state for _, state in continue_to(model, solver, start.q, first, last, np.linspace(0, 1, 9))]
+    found = [
+        state for _, state in continue_to(model, solver, start.q, first, last, np.linspace(0, 1, 9))
+    ]
     solver.close()
     return np.array([[*model.tensions(state.forces), 4 * state.contact] for state in found])
 
@@ -67,7 +69,11 @@ def test_a_step_that_overshoots_is_shortened(tiny, s720):
     solver, state = loaded(model, load)
     q = state.q
     astray = 1e-11 * np.random.default_rng(0).normal(size=model.size)
-    for times, share in ((-8.0, 1 / 8), (-0.5, 1.0), (8.0, 1.0)):  # beyond equilibrium, on this side, and away from it
+    for times, share in (
+        (-8.0, 1 / 8),
+        (-0.5, 1.0),
+        (8.0, 1.0),
+    ):  # beyond equilibrium, on this side, and away from it
         state = solver._evaluate(q + astray, load)
         pull = -(state.residual @ (times * astray))
         found, kept = solver._move(state, times * astray, load)
@@ -119,7 +125,9 @@ def test_compression_is_measured_by_the_plates(tiny, s720):
     solver = newton.Newton(model)
     rest = model.plates.at_rest
     q = rest_state(model, solver, Load(plates=rest)).q
-    *_, (_, found) = continue_to(model, solver, q, Load(plates=rest), Load(plates=0.7 * rest), np.linspace(0.1, 1, 10))
+    *_, (_, found) = continue_to(
+        model, solver, q, Load(plates=rest), Load(plates=0.7 * rest), np.linspace(0.1, 1, 10)
+    )
     state = solver._evaluate(found.q, Load(plates=0.7 * rest))
     solver.close()
     ends = [abs(model.constraints.end_force(state.forces, yarn)) for yarn in (0, 1)]

@@ -16,7 +16,9 @@ TIMED = ("future-lut-equals-iteration", "cost-ratio-shell-cable-1")
 
 def marked(claim):
     """A claim as a case; a test of a long one is slow."""
-    return pytest.param(claim, id=claim.id, marks=pytest.mark.slow(60) if runner.is_long(claim) else ())
+    return pytest.param(
+        claim, id=claim.id, marks=pytest.mark.slow(60) if runner.is_long(claim) else ()
+    )
 
 
 @pytest.fixture(scope="session")
@@ -25,7 +27,9 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("runs")
 
 
-@pytest.mark.parametrize("claim", [marked(c) for c in data.load() if c.conditions and not c.slow and c.id not in TIMED])
+@pytest.mark.parametrize(
+    "claim", [marked(c) for c in data.load() if c.conditions and not c.slow and c.id not in TIMED]
+)
 def test_claim_has_its_recorded_verdict(folder, claim):
     """One that turns from reproduced to missed, or the other way, is a change of the product."""
     (record,) = runner.validate([claim], folder)
@@ -36,14 +40,22 @@ def test_recorded_verdicts_are_those_of_the_page():
     with open(RECORDED, encoding="utf-8") as file:
         page = {row["id"]: row["verdict"] for row in csv.DictReader(file)}
     assert set(page) == {claim.id for claim in data.load()}
-    compared = [claim for claim in data.load() if claim.conditions and page[claim.id] != judge.LEFT_OUT]
+    compared = [
+        claim for claim in data.load() if claim.conditions and page[claim.id] != judge.LEFT_OUT
+    ]
     assert [claim.id for claim in compared if page[claim.id] != claim.verdict] == []
 
 
 GOOD = {
-    "id": "geom-x", "kind": "number", "source": "eq. 1", "basis": "analytic", "origin": "ledger", "quantity": "h",
-    "expect": ["h: weave('S-720').h0[0] = 0.12 mm +- 0.1 mm"], "reason": "r",
-}  # fmt: skip
+    "id": "geom-x",
+    "kind": "number",
+    "source": "eq. 1",
+    "basis": "analytic",
+    "origin": "ledger",
+    "quantity": "h",
+    "expect": ["h: weave('S-720').h0[0] = 0.12 mm +- 0.1 mm"],
+    "reason": "r",
+}
 
 
 def claim_of(*expect, **changes):
@@ -55,13 +67,17 @@ def test_every_claim_has_a_topic_a_reason_and_one_state():
     assert len({claim.id for claim in claims}) == len(claims)
     for claim in claims:
         assert claim.topic in data.topics()
-        assert [bool(claim.conditions), bool(claim.untestable), bool(claim.unbuilt)].count(True) == 1, claim.id
+        assert [bool(claim.conditions), bool(claim.untestable), bool(claim.unbuilt)].count(
+            True
+        ) == 1, claim.id
         assert claim.reason or not claim.conditions, claim.id
         marks = [claim.against, claim.data, claim.incomparable]
         assert sum(map(bool, marks)) <= bool(claim.conditions), claim.id
 
 
-@pytest.mark.parametrize("text", ["h = 1", "h > 1 furlong", "h = 1 mm +- 1 um", "h < 1 mm +- 3 %", "h"])
+@pytest.mark.parametrize(
+    "text", ["h = 1", "h > 1 furlong", "h = 1 mm +- 1 um", "h < 1 mm +- 3 %", "h"]
+)
 def test_a_bad_condition_is_refused(text):
     with pytest.raises(InputError):
         data.condition_of(text)
@@ -114,7 +130,11 @@ def test_expressions_have_units_readers_and_values_of_their_own():
 
 
 def test_a_group_makes_a_claim_of_each_row():
-    group = {"id": "geom-{tag}", "each": {"fabric": ["S-720", "S-726"], "n": [1, 2]}, "run": {"a": {"net": "{n}"}}}
+    group = {
+        "id": "geom-{tag}",
+        "each": {"fabric": ["S-720", "S-726"], "n": [1, 2]},
+        "run": {"a": {"net": "{n}"}},
+    }
     assert data.members(group) == [
         {"id": "geom-s720", "run": {"a": {"net": 1}}},
         {"id": "geom-s726", "run": {"a": {"net": 2}}},
@@ -148,7 +168,10 @@ def computed(monkeypatch):
 def squares(*numbers):
     """Claims that a number squared, over the number less one, is 4."""
     expect = ["number: square / ({} - 1) = 4 +- 0"]
-    return [claim_of(expect[0].format(n), id=f"geom-{k}", run={"square": {"shot": n}}) for k, n in enumerate(numbers)]
+    return [
+        claim_of(expect[0].format(n), id=f"geom-{k}", run={"square": {"shot": n}})
+        for k, n in enumerate(numbers)
+    ]
 
 
 def test_a_shared_run_is_computed_once_and_failures_are_outcomes(computed, tmp_path):
@@ -161,13 +184,17 @@ def test_a_shared_run_is_computed_once_and_failures_are_outcomes(computed, tmp_p
 
 
 def test_runs_of_a_list_and_in_a_variant(computed, tmp_path, monkeypatch):
-    many = claim_of("sum: sum(square.values()) = 5 +- 0", run={"square": {"shot": "{}", "for": [1, 2]}})
+    many = claim_of(
+        "sum: sum(square.values()) = 5 +- 0", run={"square": {"shot": "{}", "for": [1, 2]}}
+    )
     assert runner.runs_of(many)["square"] == {n: data.Run("shot", str(n)) for n in (1, 2)}
     monkeypatch.setattr(runner, "VARIANTS", {"two elements": {"elements_per_crossover": 2}})
     monkeypatch.setattr(pages, "VARIANTS", runner.VARIANTS)
     (record,) = runner.validate([many], tmp_path, vary=True)
     assert (record.verdict, record.variants) == (judge.REPRODUCED, {"two elements": judge.MISSED})
-    assert pages.rows([many], [record])[0]["variants"] == "holds in 1 of 2; missed with two elements"
+    assert (
+        pages.rows([many], [record])[0]["variants"] == "holds in 1 of 2; missed with two elements"
+    )
 
 
 def test_the_command_ends_well_and_a_turned_verdict_ends_with_1(tmp_path, monkeypatch, capsys):

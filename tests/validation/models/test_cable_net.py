@@ -16,7 +16,9 @@ FLAT = S720.with_yarns(crimp=0.0)
 
 
 def net(fabric, velocity, end_time=250e-6, opening=0.203, **numerics):
-    setup = simulation.ImpactSetup(fabric, velocity, end_time=end_time, opening=opening, elements_per_crossover=1)
+    setup = simulation.ImpactSetup(
+        fabric, velocity, end_time=end_time, opening=opening, elements_per_crossover=1
+    )
     return CableNet(setup, **numerics)
 
 
@@ -84,12 +86,17 @@ def beside_shell(crimps):
     fabric = replace(S720.with_yarns(crimp=crimps), shear=None)
     mesh = {"elements_per_crossover": 1, "cell_model": "decoupled"}
     setup = simulation.ImpactSetup(fabric, 100.0, end_time=240e-6, audit_interval=2e-7, **mesh)
-    stiffness = setup.panel().constants().point_law.stiffness / CableNet(setup, penalty=1.0).const.point_law.stiffness
+    stiffness = (
+        setup.panel().constants().point_law.stiffness
+        / CableNet(setup, penalty=1.0).const.point_law.stiffness
+    )
     return simulation.run(setup), CableNet(setup, penalty=stiffness).run()
 
 
 @pytest.mark.parametrize(
-    ("crimps", "bounds"), [((0.0, 0.0), (0.5, 0.005)), ((0.0218, 0.0139), (0.5, 0.005))], ids=["flat", "crimped"]
+    ("crimps", "bounds"),
+    [((0.0, 0.0), (0.5, 0.005)), ((0.0218, 0.0139), (0.5, 0.005))],
+    ids=["flat", "crimped"],
 )
 def test_decoupled_shell_is_the_cable_model(crimps, bounds):
     """Thesis Figures 4-21 to 4-23: the projectile's velocity, and the middle warp's pull on its clamp.

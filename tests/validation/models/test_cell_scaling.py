@@ -34,4 +34,6 @@ def test_the_configurational_force_is_the_derivative_of_the_energy(fabric):
     for source in (solved, scaled):
         high, low = (source(model, stretch, 1.0, share + sign * step)["W"] for sign in (1, -1))
         expected = -(high - low) / (2 * step) / (2 * fabric.weave.w1)
-        assert source(model, stretch, 1.0, share)["C1"] == pytest.approx(expected, rel=1e-4, abs=1e-4)
+        assert source(model, stretch, 1.0, share)["C1"] == pytest.approx(
+            expected, rel=1e-4, abs=1e-4
+        )

@@ -10,7 +10,9 @@ from validation.cases import cell
 from validation.published.biaxial_glass import free_edge
 
 BALANCED, UNBALANCED = (catalogue.load(name) for name in ("glass-balanced", "glass-unbalanced"))
-BALANCED_CELL, UNBALANCED_CELL = (CellModel(fabric, form="equilibrium") for fabric in (BALANCED, UNBALANCED))
+BALANCED_CELL, UNBALANCED_CELL = (
+    CellModel(fabric, form="equilibrium") for fabric in (BALANCED, UNBALANCED)
+)
 
 
 def changed(test, yarn, **options):
@@ -28,7 +30,11 @@ def test_profile_does_nothing_to_a_free_edge():
 
 def test_slack_softens_and_straight_segments_stiffen():
     for test in ("k = 0.5", "k = 1", "k = 2"):
-        assert changed(test, "warp", toe=1e-3)["largest"] < 0 < changed(test, "warp", profile="straight")["largest"]
+        assert (
+            changed(test, "warp", toe=1e-3)["largest"]
+            < 0
+            < changed(test, "warp", profile="straight")["largest"]
+        )
 
 
 def test_free_edge_of_a_yarn_with_a_toe_ends_at_its_strength():
@@ -47,8 +53,12 @@ def test_balanced_weave_is_symmetric():
 
 def test_every_curve_ends_at_a_strength():
     for model in (BALANCED_CELL, UNBALANCED_CELL):
-        strengths = {name: yarn.strength for name, yarn in zip(("warp", "weft"), model.fabric.weave.yarns)}
-        paths = [to_strength(model, (k, 1.0)) for k in (0.5, 1.0, 2.0)] + [free_edge(model, name) for name in strengths]
+        strengths = {
+            name: yarn.strength for name, yarn in zip(("warp", "weft"), model.fabric.weave.yarns)
+        }
+        paths = [to_strength(model, (k, 1.0)) for k in (0.5, 1.0, 2.0)] + [
+            free_edge(model, name) for name in strengths
+        ]
         for path in paths:
             end = path.tension[-1][("warp", "weft").index(path.failed)]
             assert end == pytest.approx(strengths[path.failed], rel=1e-5)

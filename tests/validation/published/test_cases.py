@@ -14,7 +14,9 @@ S728 = catalogue.load("S-728")
 
 
 def test_waves_in_a_ply_are_slower_than_in_a_lone_yarn():
-    shot = impact.shot(fabric="S-720", velocity=92.5, elements_per_crossover=1, history={"interval": "1 us"})
+    shot = impact.shot(
+        fabric="S-720", velocity=92.5, elements_per_crossover=1, history={"interval": "1 us"}
+    )
     assert shot["outcome"] == "stopped"
     for family, yarn in zip(("warp", "weft"), catalogue.load("S-720").weave.yarns):
         fronts = [shot["fronts"][f"{kind} {family}"] for kind in ("transverse", "longitudinal")]
@@ -26,7 +28,13 @@ def test_a_torn_ply_on_a_fine_mesh_gains_no_energy():
     """Lines beside a failed yarn are drawn out beyond the cell's table; with the polynomials of its last cells there
     this shot gained 5 % of its energy and was stopped."""
     change = {"size": 2.0, "mass": 4.0}
-    shot = impact.shot(fabric="S-728", velocity=285.0, projectile="FSP 1.10 g", change=change, elements_per_crossover=8)
+    shot = impact.shot(
+        fabric="S-728",
+        velocity=285.0,
+        projectile="FSP 1.10 g",
+        change=change,
+        elements_per_crossover=8,
+    )
     assert shot["energy_error_max"] < 2e-3
 
 
@@ -34,7 +42,9 @@ def test_a_torn_ply_on_a_fine_mesh_gains_no_energy():
 def test_a_target_has_the_mass_and_modulus_of_its_case(plies, modulus, mass):
     """Table 6-2: areal density 1.155 kg/m2 of 1 or 4 plies, modulus 480 and 96 GPa."""
     small = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
-    solver = block.march(plies, modulus, mass, edge="clamped", block=small, elements=1, opening=0.05)
+    solver = block.march(
+        plies, modulus, mass, edge="clamped", block=small, elements=1, opening=0.05
+    )
     weaves, ply = [ply.weave for ply in solver.pack.plies], solver.pack.plies[0]
     assert len(weaves) == plies
     assert sum(weave.areal_density for weave in weaves) == pytest.approx(mass, rel=1e-9)
@@ -42,7 +52,9 @@ def test_a_target_has_the_mass_and_modulus_of_its_case(plies, modulus, mass):
     assert weaves[0].warp.EA == pytest.approx(modulus * 96e9 * 1.7039e-4 / 1440, rel=1e-3)
     assert not ply.failure
     # stiff yarns take half the usual step; that of the contact may be shorter
-    assert ply.time_step == pytest.approx(0.5 * replace(ply, numerics=Numerics()).time_step, rel=1e-12)
+    assert ply.time_step == pytest.approx(
+        0.5 * replace(ply, numerics=Numerics()).time_step, rel=1e-12
+    )
     assert solver.const.dt == solver.pack.time_step <= ply.time_step
 
 
@@ -56,5 +68,9 @@ def test_fabrics_of_other_size_or_fibre_are_similar():
     other = impact.changed(S728, yarns={"E": 2.0, "failure_strain": 0.7, "fibre_density": 1.4})
     old, new = S728.weave.warp, other.weave.warp
     assert other.weave.areal_density == pytest.approx(S728.weave.areal_density)
-    ratios = new.E / old.E, new.failure_strain / old.failure_strain, new.fibre_density / old.fibre_density
+    ratios = (
+        new.E / old.E,
+        new.failure_strain / old.failure_strain,
+        new.fibre_density / old.fibre_density,
+    )
     assert ratios == pytest.approx((2.0, 0.7, 1.4))

@@ -54,11 +54,20 @@ def test_every_public_name_is_documented():
 @pytest.mark.parametrize("name", [name for name in wc.__all__ if name != "__version__"])
 def test_each_public_name_has_an_example_that_runs(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (found,) = doctest.DocTestFinder(recurse=False).find(getattr(wc, name), name, module=False, globs={"wc": wc})
+    (found,) = doctest.DocTestFinder(recurse=False).find(
+        getattr(wc, name), name, module=False, globs={"wc": wc}
+    )
     assert found.examples, f"{name} has no example"
     skipped = any(doctest.SKIP in example.options for example in found.examples)
-    solved = ("calibrate", "crossover", "surface", "view")  # which need dolfinx and minutes, or a display
-    assert skipped == (name.removesuffix("Result").replace("Calibration", "calibrate").lower() in solved)
+    solved = (
+        "calibrate",
+        "crossover",
+        "surface",
+        "view",
+    )  # which need dolfinx and minutes, or a display
+    assert skipped == (
+        name.removesuffix("Result").replace("Calibration", "calibrate").lower() in solved
+    )
     assert doctest.DocTestRunner().run(found).failed == 0
 
 
@@ -75,28 +84,57 @@ def test_a_fabric_has_the_linear_density_of_scenes():
 
 def test_numbers_are_in_si_units_and_a_projectile_may_be_its_name():
     cut = {"mass": "1.1 g", "diameter": 5.4e-3, "edge_radius": "0.3 mm"}
-    given = wc.setup("S-720", 92.5, projectile=cut, opening=("0.1 m", 0.2), history={"interval": 1e-6})
-    assert given == wc.setup("S-720", "333 km/h", projectile=cut, opening=(0.1, "20 cm"), history={"interval": "1 us"})
+    given = wc.setup(
+        "S-720", 92.5, projectile=cut, opening=("0.1 m", 0.2), history={"interval": 1e-6}
+    )
+    assert given == wc.setup(
+        "S-720", "333 km/h", projectile=cut, opening=(0.1, "20 cm"), history={"interval": "1 us"}
+    )
     name = "FSP 1.10 g"
-    made = [wc.setup("S-720", 90.0, projectile=one).projectile for one in (name, {"name": name}, wc.projectile(name))]
+    made = [
+        wc.setup("S-720", 90.0, projectile=one).projectile
+        for one in (name, {"name": name}, wc.projectile(name))
+    ]
     assert made[0] == made[1] == made[2]
-    turned = wc.setup("S-720", 90.0, projectile=wc.projectile(name, mass=1.13e-3, roll="45 deg"), symmetry="whole")
-    assert (turned.projectile.mass, turned.projectile.radius) == pytest.approx((1.13e-3, made[0].radius))
+    turned = wc.setup(
+        "S-720", 90.0, projectile=wc.projectile(name, mass=1.13e-3, roll="45 deg"), symmetry="whole"
+    )
+    assert (turned.projectile.mass, turned.projectile.radius) == pytest.approx(
+        (1.13e-3, made[0].radius)
+    )
 
 
 def test_a_lay_up_is_that_of_a_scene():
     """A ply that names nothing is of the set-up's fabric and law, another of its own published one."""
     law = CompressionLaw(4e-5, 5e-5)
-    given = wc.setup("S-728", 100.0, law=law, ply=[{"count": 2, "gap": 1e-4}, {"name": "S-726", "angle": "90 deg"}])
+    given = wc.setup(
+        "S-728",
+        100.0,
+        law=law,
+        ply=[{"count": 2, "gap": 1e-4}, {"name": "S-726", "angle": "90 deg"}],
+    )
     assert given.title == "2 x S-728 + 1 x S-726 at 90 deg"
     assert [ply.laws[0] == law for ply in given.lay_up] == [True, True, False]
-    assert [(ply.angle, ply.gap) for ply in given.lay_up] == [(0.0, 1e-4), (0.0, 1e-4), (math.pi / 2, None)]
+    assert [(ply.angle, ply.gap) for ply in given.lay_up] == [
+        (0.0, 1e-4),
+        (0.0, 1e-4),
+        (math.pi / 2, None),
+    ]
     assert given.symmetry == "quarter"
     assert given.fabric == given.lay_up[0].fabric
-    angled = wc.setup("S-728", 100.0, ply=[{"angle": angle} for angle in ("30 deg", "-90 deg", "135 deg", "180 deg")])
-    assert [math.degrees(ply.angle) for ply in angled.lay_up] == pytest.approx([30, 90, -45, 0], abs=1e-12)
+    angled = wc.setup(
+        "S-728",
+        100.0,
+        ply=[{"angle": angle} for angle in ("30 deg", "-90 deg", "135 deg", "180 deg")],
+    )
+    assert [math.degrees(ply.angle) for ply in angled.lay_up] == pytest.approx(
+        [30, 90, -45, 0], abs=1e-12
+    )
     assert angled.symmetry == "whole"
-    assert angled.name == "1 x S-728 at 30 deg + 1 x S-728 at 90 deg + 1 x S-728 at -45 deg + 1 x S-728"
+    assert (
+        angled.name
+        == "1 x S-728 at 30 deg + 1 x S-728 at 90 deg + 1 x S-728 at -45 deg + 1 x S-728"
+    )
 
 
 def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
@@ -105,9 +143,13 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
     law.to_json(file)
     for given in (law, (law, law), file, str(file), {"a": 4e-5, "b": "5e-5 m N^(1/3)"}):
         for fabric in ("S-720", wc.fabric("S-720").with_yarns(crimp=0.01)):
-            assert [(one.a, one.b) for one in wc.setup(fabric, 100.0, law=given).laws] == [(4e-5, 5e-5)] * 2
+            assert [(one.a, one.b) for one in wc.setup(fabric, 100.0, law=given).laws] == [
+                (4e-5, 5e-5)
+            ] * 2
         if not isinstance(given, dict):
-            with pytest.raises(InputError, match=r"law.*: is a law of fabric S-720; must be a law of S-728, or its"):
+            with pytest.raises(
+                InputError, match=r"law.*: is a law of fabric S-720; must be a law of S-728, or its"
+            ):
                 wc.setup("S-728", 100.0, law=given)
     with pytest.raises(InputError, match="is a law of fabric S-720; must be a law of S-726"):
         wc.setup("S-720", 100.0, ply=[{"count": 2}, {"name": "S-726", "law": str(file)}])
@@ -119,19 +161,31 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
     [
         (lambda: wc.setup("S-720", "3 kg"), "velocity = '3 kg'"),
         (lambda: wc.setup("S-720", 90.0, plie=3), "plie = 3: is no keyword, did you mean plies?"),
-        (lambda: wc.setup("S-720", 90.0, edge="free"), "edge = 'free': is no keyword; keywords: law, cell_model, "),
+        (
+            lambda: wc.setup("S-720", 90.0, edge="free"),
+            "edge = 'free': is no keyword; keywords: law, cell_model, ",
+        ),
         (
             lambda: wc.setup("S-720", 90.0, edge_radius=1.0),
             "edge_radius = 1.0: is no keyword, did you mean projectile=",
         ),
         (lambda: wc.setup("S-720", 90.0, projectile=CUT), "projectile.edge_radius: is missing"),
-        (lambda: wc.setup("S-720", 90.0, ply_gap=1e-4), "ply_gap = 0.0001: must be left out for a single ply"),
+        (
+            lambda: wc.setup("S-720", 90.0, ply_gap=1e-4),
+            "ply_gap = 0.0001: must be left out for a single ply",
+        ),
         (lambda: wc.setup("S-720", 90.0, law=(1,)), "law = (1,): must be a CompressionLaw"),
         (lambda: wc.setup(MINE, 90.0), "fabric mine has no compression law: give law=, or use"),
-        (lambda: wc.fabric("S-720", linear_density="other"), "linear_density = 'other': must be effective or nominal"),
+        (
+            lambda: wc.fabric("S-720", linear_density="other"),
+            "linear_density = 'other': must be effective or nominal",
+        ),
         (lambda: wc.coupon("S-720", "shear"), "test = 'shear': must be one of bias_extension"),
         (lambda: wc.coupon("S-726", "pull_out", length=1), "length = 1: must be one of "),
-        (lambda: wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1), "opening: must be left out beside a set"),
+        (
+            lambda: wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1),
+            "opening: must be left out beside a set",
+        ),
         (lambda: wc.draws(wc.setup("S-720", 90.0), 1), "draws = 1: must be at least 2"),
     ],
 )
@@ -150,18 +204,26 @@ def test_keywords_are_the_keys_of_the_input_file():
         if not table:
             continue
         (kind,) = tables_in(Scene.model_fields[table].annotation)
-        wanted, given = (_choices(each) for each in (kind.model_fields[name].annotation, hints[name]))
+        wanted, given = (
+            _choices(each) for each in (kind.model_fields[name].annotation, hints[name])
+        )
         assert wanted - {"text", "inline", "pair"} == given, name
 
 
-_TYPES = dict.fromkeys(("Law", "PlyLaw", "ResponseSurface", "CompressionLaw", "CalibrationResult"), object)
+_TYPES = dict.fromkeys(
+    ("Law", "PlyLaw", "ResponseSurface", "CompressionLaw", "CalibrationResult"), object
+)
 
 
 def _choices(kind):
     """The texts of the Literals in a type, without those of tables below."""
     if typing.get_origin(kind) is typing.Literal:
         return set(typing.get_args(kind))
-    return set().union(*(_choices(part) for part in typing.get_args(kind))) if typing.get_args(kind) else set()
+    return (
+        set().union(*(_choices(part) for part in typing.get_args(kind)))
+        if typing.get_args(kind)
+        else set()
+    )
 
 
 def test_a_shot_as_text_table_and_figures(shot):
@@ -169,7 +231,9 @@ def test_a_shot_as_text_table_and_figures(shot):
     assert 100 < shot.residual_velocity < shot.strike_velocity == 155
     assert "in flight" in repr(shot)
     assert "<td>in flight</td>" in shot._repr_html_()
-    assert shot.summary()["areal_density_kg_m2"] == pytest.approx(wc.fabric("S-720").weave.areal_density)
+    assert shot.summary()["areal_density_kg_m2"] == pytest.approx(
+        wc.fabric("S-720").weave.areal_density
+    )
     table = shot.to_dataframe()
     assert list(table.columns[:3]) == ["time_s", "velocity_m_s", "nose_position_m"]
     assert np.array_equal(table["energy_kinetic_projectile_J"], shot.energies["kinetic_projectile"])
@@ -198,7 +262,9 @@ def test_a_shot_writes_the_files_of_the_command(shot, results, tmp_path):
     for path in (folder / "panel").iterdir():
         assert (tmp_path / "vtk" / "panel" / path.name).read_bytes() == path.read_bytes()
     shot.write(tmp_path / "histories.h5")
-    with h5py.File(tmp_path / "histories.h5") as file:  # the axis has a name and values, as netCDF and xarray take it
+    with h5py.File(
+        tmp_path / "histories.h5"
+    ) as file:  # the axis has a name and values, as netCDF and xarray take it
         assert file["histories/velocity"].dims[0][0] == file["histories/time"]
 
 
@@ -218,7 +284,9 @@ def test_assumed_laws_are_named_and_ranged():
     assert found.assumed[0].startswith("assumed: crimp 1.57 / 0.55 % of warp / weft")
     assert found.assumed[2].startswith("assumed: [shear] of para-aramid yarns")
     alone = [row for row in found.range.rows if row.varied]
-    assert len(alone) == 12  # two ends each of trellis, solid law, thickness, warp share, length; of the set-up two
+    assert (
+        len(alone) == 12
+    )  # two ends each of trellis, solid law, thickness, warp share, length; of the set-up two
     assert {"crimp", "trellis law", "solid law", "failure length"} < set(found.range.shares)
     assert found.range.low <= found.residual_velocity <= found.range.high
     assert found.range.low < found.range.high
@@ -229,26 +297,45 @@ def test_a_stopped_projectile_has_no_residual_velocity():
     """The run ends in the step in which the projectile turns back; its velocity there is none of rebound."""
     found = wc.impact("S-720", 10.0, opening="30 mm")
     assert found.outcome == "stopped"
-    assert found.velocity[-1] < 0.0 == found.residual_velocity == found.summary()["residual_velocity_m_s"]
+    assert (
+        found.velocity[-1]
+        < 0.0
+        == found.residual_velocity
+        == found.summary()["residual_velocity_m_s"]
+    )
     assert "residual velocity 0 m/s" in repr(found)
 
 
-COARSE = {"projectile": CUT | {"mass": "3 g", "edge_radius": "0.05 mm"}, "numerics": {"contact_points": 8}}
+COARSE = {
+    "projectile": CUT | {"mass": "3 g", "edge_radius": "0.05 mm"},
+    "numerics": {"contact_points": 8},
+}
 
 
 def test_a_doubtful_shot_warns_and_says_so_everywhere(shot):
     assert not shot.doubtful
     assert {one.name for one in shot.checks} >= {"energy error", "viscous energy"}
     assert all(one.text.startswith(one.name) and one.meaning in one.text for one in shot.checks)
-    with pytest.warns(wc.DoubtfulResult, match="S-720, 92.5 m/s: in flight: doubtful: contact point spacing") as told:
+    with pytest.warns(
+        wc.DoubtfulResult, match="S-720, 92.5 m/s: in flight: doubtful: contact point spacing"
+    ) as told:
         found = wc.impact("S-720", 92.5, **SMALL, **COARSE)
     assert told[0].filename == __file__  # the line of the user, not one of ours
     assert found.doubtful
     assert [one.name for one in found.checks if one.doubtful] == ["contact point spacing"]
-    for text in (repr(found), found._repr_html_(), found.summary()["checks"], found.to_dataframe()["checks"].iloc[-1]):
+    for text in (
+        repr(found),
+        found._repr_html_(),
+        found.summary()["checks"],
+        found.to_dataframe()["checks"].iloc[-1],
+    ):
         assert "doubtful: contact point spacing" in text
-    with pytest.warns(wc.DoubtfulResult, match="sweep of 2 shots, doubtful at 92.5 m/s; worst: doubtful: contact"):
-        shots = wc.sweep([wc.setup("S-720", 92.5, **SMALL, **COARSE), wc.setup("S-720", 92.5, **SMALL)])
+    with pytest.warns(
+        wc.DoubtfulResult, match="sweep of 2 shots, doubtful at 92.5 m/s; worst: doubtful: contact"
+    ):
+        shots = wc.sweep(
+            [wc.setup("S-720", 92.5, **SMALL, **COARSE), wc.setup("S-720", 92.5, **SMALL)]
+        )
     assert shots.doubtful
     assert shots.summary()["doubtful"] == 1
     row = sweep.shot(wc.setup("S-720", 92.5, **SMALL, **COARSE))  # of sweep.csv
@@ -260,39 +347,72 @@ def test_a_doubtful_shot_warns_and_says_so_everywhere(shot):
 def test_sliding_yarns_warn_at_the_line_of_the_user(call):
     given = {"opening": "30 mm", "crossovers": "sliding", "crossover_friction": 0.1}
     target = ("S-726",) if call is wc.v50 else ("S-726", 96.0)
-    more = {"shots": 0} if call is wc.v50 else {"end_time": "5 us"}  # no shots are refused, after the set-up is made
-    with pytest.warns(UserWarning, match="window possible, limit not conservative") as told, suppress(InputError):
+    more = (
+        {"shots": 0} if call is wc.v50 else {"end_time": "5 us"}
+    )  # no shots are refused, after the set-up is made
+    with (
+        pytest.warns(UserWarning, match="window possible, limit not conservative") as told,
+        suppress(InputError),
+    ):
         call(*target, **given, **more)
     assert "off a crossover" in str(told[0].message)
     assert [one.filename for one in told] == 2 * [__file__]
 
 
 def test_a_bracket_on_a_doubtful_shot_says_so():
-    good, bad = (Indicator("viscous energy", value, 0.15, "", "share", 0.1) for value in (0.05, 0.31))
-    shots = [Shot(v, 0.0, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (one,)) for v, outcome, one in
-             ((90.0, "stopped", bad), (110.0, "perforated", good), (100.0, "stopped", bad))]  # fmt: skip
+    good, bad = (
+        Indicator("viscous energy", value, 0.15, "", "share", 0.1) for value in (0.05, 0.31)
+    )
+    shots = [
+        Shot(v, 0.0, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (one,))
+        for v, outcome, one in (
+            (90.0, "stopped", bad),
+            (110.0, "perforated", good),
+            (100.0, "stopped", bad),
+        )
+    ]
     target = Target(None, wc.setup("S-720", 100.0), "", "S-720", from_file=False)
     found = wc.CriticalVelocityResult(target, Limit(100.0, 110.0, tuple(shots)))
     assert found.doubtful
-    assert found.bracket_checks == "doubtful stopped shot at 100 m/s (viscous energy 0.310 (limit 0.15))"
+    assert (
+        found.bracket_checks
+        == "doubtful stopped shot at 100 m/s (viscous energy 0.310 (limit 0.15))"
+    )
     assert found.bracket_checks in repr(found)
-    with pytest.warns(wc.DoubtfulResult, match="the limit rests on a doubtful stopped shot at 100 m/s"):
+    with pytest.warns(
+        wc.DoubtfulResult, match="the limit rests on a doubtful stopped shot at 100 m/s"
+    ):
         found.warn()
     assert list(found.to_dataframe()["checks"]) == ["doubtful", "doubtful", "ok"]
-    sound = replace(found, limit=Limit(100.0, 110.0, tuple(replace(shot, checks=(good,)) for shot in shots)))
+    sound = replace(
+        found, limit=Limit(100.0, 110.0, tuple(replace(shot, checks=(good,)) for shot in shots))
+    )
     assert (sound.bracket_checks, sound.doubtful) == ("ok", False)
-    faster = Shot(120.0, 0.0, "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (bad,))  # makes the outcomes mixed
+    faster = Shot(
+        120.0, 0.0, "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0, (bad,)
+    )  # makes the outcomes mixed
     mixed = replace(sound, limit=Limit(100.0, 110.0, (*sound.limit.shots, faster)))
-    assert mixed.bracket_checks == "doubtful stopped shot at 120 m/s (viscous energy 0.310 (limit 0.15))"
+    assert (
+        mixed.bracket_checks
+        == "doubtful stopped shot at 120 m/s (viscous energy 0.310 (limit 0.15))"
+    )
 
 
 def test_coupons_as_tables_and_figures(tmp_path):
-    strip = wc.coupon("S-720", "uniaxial", direction="warp", length="20 mm", width="10 mm", strain="1 %", steps=2)
+    strip = wc.coupon(
+        "S-720", "uniaxial", direction="warp", length="20 mm", width="10 mm", strain="1 %", steps=2
+    )
     assert strip.outcome == "complete"
     assert strip.to_dataframe()["load_of_a_yarn_N"].iloc[-1] > 0
     assert strip.to_vtk(tmp_path) == tmp_path / "coupon.pvd"
-    pulled = wc.coupon("S-726", "pull_out", displacement="0.3 mm", crossings=10, crossover_friction=0.0,
-                       crossover_cohesion="0.5 N")  # fmt: skip
+    pulled = wc.coupon(
+        "S-726",
+        "pull_out",
+        displacement="0.3 mm",
+        crossings=10,
+        crossover_friction=0.0,
+        crossover_cohesion="0.5 N",
+    )
     assert pulled.plateau == pytest.approx(5.0, rel=0.03)
     assert pulled.summary()["peak_load_N"] == pulled.peak == pulled.to_dataframe()["load_N"].max()
     assert all("load" in found.plot().axes[0].get_ylabel() for found in (strip, pulled))
@@ -303,15 +423,28 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     """Of a set-up and of keywords the same; without scatter V50 is the limit; shots are kept and taken again."""
     panel = {"plies": 2, "ply_gap": "0.1 mm", "opening": "40 mm", "elements_per_crossover": 1}
     search = {"tolerance": "10 m/s", "residual_shots": 3, "scan": False}
-    found = wc.critical_velocity("S-720", **search, **panel, end_time="1 us", snapshot_interval="1 us")  # not used
-    assert found.bracket == wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **search).bracket
+    found = wc.critical_velocity(
+        "S-720", **search, **panel, end_time="1 us", snapshot_interval="1 us"
+    )  # not used
+    assert (
+        found.bracket == wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **search).bracket
+    )
     low, high = found.bracket
     assert low < found.velocity < high <= low + 10
     assert found.fit is not None
     assert found.summary()["plies"] == 2
-    assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(s.strike_velocity for s in found.limit.shots)
+    assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(
+        s.strike_velocity for s in found.limit.shots
+    )
     assert found.plot().axes[0].get_title(loc="left") == "2 x S-720"
-    alike = {"shots": 8, "batch": 4, "weibull_shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0, "out": tmp_path}
+    alike = {
+        "shots": 8,
+        "batch": 4,
+        "weibull_shape": inf,
+        "modulus_cov": 0.0,
+        "crimp_cov": 0.0,
+        "out": tmp_path,
+    }
     curve = wc.v50("S-720", **alike, **panel)
     assert curve.v50 == pytest.approx(found.velocity, abs=10.0)
     assert curve.summary()["shots"] == 8 == len(curve.to_dataframe())

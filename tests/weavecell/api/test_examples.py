@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[3]
-SCRIPTS = sorted({*(ROOT / "examples").glob("*.py")} - {ROOT / "examples" / "demo.py"})  # of test_demo.py
+SCRIPTS = sorted(
+    {*(ROOT / "examples").glob("*.py")} - {ROOT / "examples" / "demo.py"}
+)  # of test_demo.py
 # what each prints before its number, and the number, stored within 1 %, or one of the last digit printed
 NUMBERS = {
     "areal_density": (r"4 x S-728, 925 g/m2: limit", 238),
@@ -27,12 +29,18 @@ NUMBERS = {
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_the_script_prints_its_number(script, tmp_path):
     """As a user runs it, beside the folders of examples/, without a path to the packages."""
-    shutil.copytree(script.parent, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(
+        script.parent, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__")
+    )
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
-        [sys.executable, tmp_path / "examples" / script.name], cwd=tmp_path, env=environment | {"MPLBACKEND": "Agg"},
-        capture_output=True, text=True, timeout=900,
-    )  # fmt: skip
+        [sys.executable, tmp_path / "examples" / script.name],
+        cwd=tmp_path,
+        env=environment | {"MPLBACKEND": "Agg"},
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
     assert done.returncode == 0, done.stderr
     words, number = NUMBERS[script.stem]
     found = re.search(rf"{words} ?(\d+\.?\d*)", done.stdout)

@@ -11,7 +11,9 @@ from tests.scene_text import impact_scene
 PACK = {"opening": "30 mm", "plies": 2, "ply_gap": "0.1 mm", "end_time": "10 us"}
 
 
-@pytest.mark.parametrize("panel", [{"opening": "30 mm", "end_time": "10 us"}, PACK], ids=["ply", "pack"])
+@pytest.mark.parametrize(
+    "panel", [{"opening": "30 mm", "end_time": "10 us"}, PACK], ids=["ply", "pack"]
+)
 def test_elements_and_steps_are_those_of_the_run(panel):
     size = wc.impact("S-720", "90 m/s", **panel, check=True)
     setup = wc.setup("S-720", "90 m/s", **panel)

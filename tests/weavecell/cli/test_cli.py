@@ -49,7 +49,10 @@ def test_all_commands_are_listed_with_what_they_do(command, monkeypatch):
     monkeypatch.setenv("COLUMNS", "200")
     lines = [line.strip(" │") for line in command("--help")[1].splitlines()]
     for name, one in typer.main.get_command(app.program()).commands.items():
-        assert any(line.split(None, 1) == [name, " ".join(one.help.split("\n\n")[0].split())] for line in lines), name
+        assert any(
+            line.split(None, 1) == [name, " ".join(one.help.split("\n\n")[0].split())]
+            for line in lines
+        ), name
 
 
 def test_the_options_of_a_command_are_the_parameters_of_its_function():
@@ -58,7 +61,11 @@ def test_the_options_of_a_command_are_the_parameters_of_its_function():
         command = root
         for word in words.split():
             command = command.commands[word]
-        own = {p.name for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD}
+        own = {
+            p.name
+            for p in inspect.signature(function).parameters.values()
+            if p.kind is not p.VAR_KEYWORD
+        }
         options = {entry.name for entry in command.params} - {"strict"}
         assert own | set(keywords) >= options >= (own | set(keywords)) - {"test", "velocity"}, words
         assert all(entry.help for entry in command.params), words
@@ -71,7 +78,9 @@ def test_version(command):
 
 def test_as_module_and_without_heavy_imports():
     """`python -m weavecell --help` works, and help must not wait for a solver or a plotter to load."""
-    done = subprocess.run([sys.executable, "-m", "weavecell", "--help"], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "weavecell", "--help"], capture_output=True, text=True, check=True
+    )
     assert "unit cell, calibration, impact" in done.stdout
     done = in_a_program(
         "import sys\nfrom weavecell.cli import app\n"
@@ -94,7 +103,11 @@ def test_the_log_is_plain_whatever_a_library_sets_up():
     ("kind", "names", "some"),
     [
         ("fabrics", catalogue.list_names(), ["S-720", "252.9"]),
-        ("projectiles", projectiles.list_names(), ["FSP 1.10 g", "chisel", "1.10 g", "5.46 mm", "6.16 mm"]),
+        (
+            "projectiles",
+            projectiles.list_names(),
+            ["FSP 1.10 g", "chisel", "1.10 g", "5.46 mm", "6.16 mm"],
+        ),
         ("backings", backings.list_names(), ["Roma Plastilina No. 1"]),
     ],
 )
@@ -115,7 +128,10 @@ def test_show_gives_every_number_its_source(command, monkeypatch):
     lines = out[out.index("where each number comes from") :].splitlines()
     for key, entry in catalogue.load("S-720").sources.items():
         line = next(line for line in lines if line.split()[:1] == [key])
-        assert all(word in line for word in (entry["value"], entry["status"], entry["source"].split(",")[0][:30]))
+        assert all(
+            word in line
+            for word in (entry["value"], entry["status"], entry["source"].split(",")[0][:30])
+        )
     assert "as long as wide" in command("projectiles", "show", "RCC 16 grain")[1]
     assert "assumed" in command("backings", "show", "Roma Plastilina No. 1")[1]
 
@@ -154,4 +170,8 @@ def test_an_interrupt_is_no_traceback(command, monkeypatch):
 
 def test_a_scene_that_is_not_text(command, tmp_path):
     (tmp_path / "scene.toml").write_bytes(b"\xff\xfe\x00")
-    assert command("impact", "scene.toml") == (2, "", "error: scene.toml: the scene or fabric file is not UTF-8 text\n")
+    assert command("impact", "scene.toml") == (
+        2,
+        "",
+        "error: scene.toml: the scene or fabric file is not UTF-8 text\n",
+    )

@@ -28,9 +28,15 @@ def test_the_target_is_kept_against_a_mesh_that_is_finer_everywhere(command, sce
     assert "Meshes that were run" in (tmp_path / "results/report.html").read_text()
     assert not list((tmp_path / "results").glob("checkpoint*"))
     strike, shots = told["strike_velocity_m_s"], []
-    plain = scene.read_text().split("[accuracy]")[0].replace("end_time", "elements_per_crossover = 8\nend_time")
+    plain = (
+        scene.read_text()
+        .split("[accuracy]")[0]
+        .replace("end_time", "elements_per_crossover = 8\nend_time")
+    )
     for factor in FACTORS:
-        scene.write_text(re.sub("strike_velocity = .*", f'strike_velocity = "{factor * strike} m/s"', plain))
+        scene.write_text(
+            re.sub("strike_velocity = .*", f'strike_velocity = "{factor * strike} m/s"', plain)
+        )
         shots.append(wc.impact(scene).residual_velocity)
     velocity = np.polyfit(np.array(FACTORS) - 1, shots, 1)[1]
     assert 0.5 < velocity / strike < 0.95  # it has been slowed

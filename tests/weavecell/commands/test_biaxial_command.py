@@ -71,7 +71,9 @@ def test_the_law_of_a_calibration(command, tmp_path):
 
 def test_beside_the_3d_crossover(command, tmp_path):
     pytest.importorskip("dolfinx")
-    code, _, err = command("biaxial", "S-720", "--ratio", "1:1", "--compare-3d", "coarse", "--out", "b")
+    code, _, err = command(
+        "biaxial", "S-720", "--ratio", "1:1", "--compare-3d", "coarse", "--out", "b"
+    )
     assert code == 0, err
     assert (tmp_path / "b" / "1-1.h5").exists()
     rms = json.loads((tmp_path / "b" / "biaxial.json").read_text())["paths"]["1:1"]["rms_from_3d"]

@@ -33,29 +33,49 @@ def fitted(monkeypatch):
     paths = solver.path_jobs
     monkeypatch.setattr(chain, "path_jobs", lambda *chosen: paths(*chosen, SHORT))
     monkeypatch.setattr(chain, "SIZE", (2, 2, 2))
-    monkeypatch.setattr(chain.run_cache, "results", lambda function, runs, **_: [function(*one) for one in runs])
+    monkeypatch.setattr(
+        chain.run_cache, "results", lambda function, runs, **_: [function(*one) for one in runs]
+    )
 
 
 def a_fit(fabric, curve, *_, **__):
     pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], 16)
     measured = curve.at(pressure)
     softer, stiffer = (
-        replace(fabric, solid_laws=tuple(replace(law, E_c=factor * law.E_c) for law in fabric.solid_laws))
+        replace(
+            fabric,
+            solid_laws=tuple(replace(law, E_c=factor * law.E_c) for law in fabric.solid_laws),
+        )
         for factor in (0.9, 1.1)
     )
     values = {"E_c": 1.8e9, "V_c": 1.0, "K_r": 0.02, "K_r E_c": 3.6e7}
     return SolidFit(
-        fabric=softer, started=fabric, curve=curve, pressure=pressure, measured=measured,
-        computed=measured + 1e-6 * np.cos(np.arange(16)), before=0.8 * measured, checked=None, values=values,
+        fabric=softer,
+        started=fabric,
+        curve=curve,
+        pressure=pressure,
+        measured=measured,
+        computed=measured + 1e-6 * np.cos(np.arange(16)),
+        before=0.8 * measured,
+        checked=None,
+        values=values,
         intervals={name: (0.5 * value, 2 * value) for name, value in values.items()},
-        determined=dict.fromkeys(values, True), correlation=np.eye(3), singular_values=np.ones(3), directions=np.eye(3),
-        limits=((softer, stiffer),), met=True, work={}, sizes=("coarse", "None"),
-    )  # fmt: skip
+        determined=dict.fromkeys(values, True),
+        correlation=np.eye(3),
+        singular_values=np.ones(3),
+        directions=np.eye(3),
+        limits=((softer, stiffer),),
+        met=True,
+        work={},
+        sizes=("coarse", "None"),
+    )
 
 
 def test_a_study_has_the_law_with_the_fitted_solid(small, fitted):
     """Beside that of the file's solid; the interval is what the fit leaves open."""
-    before, after = (solid.calibrated(fabric="S-720", mesh="coarse", fit_solid=one) for one in (False, True))
+    before, after = (
+        solid.calibrated(fabric="S-720", mesh="coarse", fit_solid=one) for one in (False, True)
+    )
     # on this mesh both ends of E_c have a larger a than its middle
     assert after["a_interval"][0] <= after["a"] * (1 + 1e-12) < after["a_interval"][1]
     assert before["a_ratio"] == pytest.approx(before["a"] / 0.045e-3)
@@ -70,7 +90,9 @@ def told(out):
 
 
 def test_one_fabric_from_its_platen_curve(command, tmp_path, small, fitted):
-    code, out, err = command("calibrate", "S-720", "--fit-solid", "--mesh", "coarse", "--jobs", "1", "--out", "c")
+    code, out, err = command(
+        "calibrate", "S-720", "--fit-solid", "--mesh", "coarse", "--jobs", "1", "--out", "c"
+    )
     assert code == 0, err
     assert told(out)["E_c"] == "1.8e+09 (9e+08 .. 3.6e+09, 95 %); from 2e+09"
     assert told(out)["misfit"].startswith("0.7 um and ")
@@ -82,7 +104,16 @@ def test_one_fabric_from_its_platen_curve(command, tmp_path, small, fitted):
 
 def test_a_law_is_printed_with_its_intervals_and_spread(results):
     lines = told(results("calibrate").out)
-    names = {"fitted", "published", "residual", "each path", "warp alone", "weft alone", "alternative", "impacts use"}
+    names = {
+        "fitted",
+        "published",
+        "residual",
+        "each path",
+        "warp alone",
+        "weft alone",
+        "alternative",
+        "impacts use",
+    }
     assert names <= set(lines)
     assert lines["95 % interval"].count("..") == lines["each path"].count("..") == 2
     assert lines["published"] == "a = 0.0450 mm, b = 0.0580 mm N^(1/3)"

@@ -35,10 +35,15 @@ def test_an_interrupted_run_goes_on_bit_for_bit(command, results, tmp_path):
     (tmp_path / "scene.toml").write_text(toml(SCENES["frame"]))
     with interrupted_after(2):
         code, _, err = command("coupon", "scene.toml", "--out", "r")
-    assert (code, err.splitlines()[-1]) == (130, "error: interrupted; --resume goes on from its last step")
+    assert (code, err.splitlines()[-1]) == (
+        130,
+        "error: interrupted; --resume goes on from its last step",
+    )
     assert [path.name for path in (tmp_path / "r").glob("[!.]*")] == ["checkpoint.h5"]
     assert command("coupon", "scene.toml", "--out", "r", "--resume")[0] == 0
-    assert datasets(tmp_path / "r" / "histories.h5") == datasets(results("coupon").folder / "histories.h5")
+    assert datasets(tmp_path / "r" / "histories.h5") == datasets(
+        results("coupon").folder / "histories.h5"
+    )
     assert not (tmp_path / "r" / "checkpoint.h5").exists()
 
 
@@ -54,19 +59,27 @@ def test_the_table_of_a_pull_out_is_its_histories(results):
     folder = results("pull-out").folder
     head, *rows = (folder / "load.csv").read_text().splitlines()
     names = [name.partition(" [")[0] for name in head.split(",")]
-    values = dict(zip(names, np.array([[float(part) for part in row.split(",")] for row in rows]).T))
+    values = dict(
+        zip(names, np.array([[float(part) for part in row.split(",")] for row in rows]).T)
+    )
     with h5py.File(folder / "histories.h5") as file:
         assert set(names) == set(file["histories"])
         for name, column in values.items():
             np.testing.assert_allclose(file[f"histories/{name}"][()], column, rtol=1e-8)
     still = (values["displacement of the crosshead"] > 0.3e-3) & (values["crossovers left"] == 0)
-    passed, taken = (np.ptp(values[name][still]) for name in ("displacement of the crosshead", "work of friction"))
+    passed, taken = (
+        np.ptp(values[name][still])
+        for name in ("displacement of the crosshead", "work of friction")
+    )
     assert taken == pytest.approx(10 * 0.5 * passed, rel=0.02)
 
 
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(p, marks=pytest.mark.slow(30) if p.stem in LONG else (), id=p.stem) for p in EXAMPLES],
+    [
+        pytest.param(p, marks=pytest.mark.slow(30) if p.stem in LONG else (), id=p.stem)
+        for p in EXAMPLES
+    ],
 )
 def test_examples_run(command, tmp_path, path):
     """Figure 4-27: without the trellis the shear runs into bands; what was computed is kept."""

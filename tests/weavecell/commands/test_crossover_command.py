@@ -34,7 +34,9 @@ def run(command, tmp_path):
 
     def called(case, *words, path=PATH):
         (tmp_path / "p.csv").write_text(path)
-        code, out, err = command("crossover", "S-720", "--case", case, *words, "--mesh", "3,2,2", "--out", "c")
+        code, out, err = command(
+            "crossover", "S-720", "--case", case, *words, "--mesh", "3,2,2", "--out", "c"
+        )
         content = json.loads((tmp_path / "c" / "case.json").read_text())
         return code, out, err, content, Record.read(tmp_path / "c" / "case.h5")
 
@@ -60,7 +62,9 @@ def test_the_numbers_of_a_case_are_those_of_its_record(run, tmp_path, case):
         low, end, high = np.array([law.pressure[0], 1e6 * reached, law.pressure[-1]]) ** (-1 / 3)
         # the closure is linear in P^(-1/3); the law is tabulated at 24 pressures, linear in ln P between: 0.4 % off
         by_law = 1e6 * law.closure[-1] * (low - end) / (low - high)
-        assert found["the same by the pressure law (eq. 2-6) [um]"] == pytest.approx(by_law, rel=4e-3)
+        assert found["the same by the pressure law (eq. 2-6) [um]"] == pytest.approx(
+            by_law, rel=4e-3
+        )
     if case == "shear":
         assert found["shear angle reached [rad]"] == pytest.approx(np.radians(12))
         assert found["fabric's data (Table 4-1): gamma1 [rad]"] == 0.24
@@ -76,7 +80,10 @@ def test_a_failed_case_keeps_what_it_computed(run):
 
 def test_the_example_of_a_path_is_good():
     assert np.abs(load_path.read(EXAMPLE)).max() == pytest.approx(20e-6)
-    assert f"weavecell crossover S-720 --case path --path examples/{EXAMPLE.name}" in EXAMPLE.read_text()
+    assert (
+        f"weavecell crossover S-720 --case path --path examples/{EXAMPLE.name}"
+        in EXAMPLE.read_text()
+    )
 
 
 @pytest.mark.slow

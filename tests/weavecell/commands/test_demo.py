@@ -14,7 +14,18 @@ pytest.importorskip("gmsh")
 pytest.importorskip("dolfinx")
 
 SCRIPT = Path(__file__).parents[3] / "examples" / "demo.py"
-CHAPTERS = ["motion", "impact", "summary", "mesh", "fit", "cell", "panel-mesh", "assumptions", "sources", "making"]
+CHAPTERS = [
+    "motion",
+    "impact",
+    "summary",
+    "mesh",
+    "fit",
+    "cell",
+    "panel-mesh",
+    "assumptions",
+    "sources",
+    "making",
+]
 
 
 class _Page(HTMLParser):

@@ -19,7 +19,12 @@ from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 
 OF_THE_RUN = {"title", "law_name", "wall_time", "ns_per_element_step"}
-SCALES = {"CLASS", "DIMENSION_LIST", "NAME", "REFERENCE_LIST"}  # attributes of HDF5 itself, of dimension scales
+SCALES = {
+    "CLASS",
+    "DIMENSION_LIST",
+    "NAME",
+    "REFERENCE_LIST",
+}  # attributes of HDF5 itself, of dimension scales
 SLIP = ("slip_warp_m", "slip_weft_m")
 
 
@@ -52,7 +57,9 @@ def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(re
     scalars, attributes = {key.name for key in table}, []
 
     def see(name, item):
-        attributes.extend(f"{name}/{key}" for key in item.attrs if not isinstance(item, h5py.Dataset))
+        attributes.extend(
+            f"{name}/{key}" for key in item.attrs if not isinstance(item, h5py.Dataset)
+        )
         if isinstance(item, h5py.Dataset):
             assert set(item.attrs) - SCALES == {"unit"}
             key = find(name, keys.DATASETS if impact else keys.COUPON_DATASETS)
@@ -61,7 +68,9 @@ def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(re
 
     with h5py.File(folder / "histories.h5") as file:
         file.visititems(see)
-        assert [key for key in file.attrs if key not in scalars and find(key, keys.ATTRIBUTES) is None] == []
+        assert [
+            key for key in file.attrs if key not in scalars and find(key, keys.ATTRIBUTES) is None
+        ] == []
     assert [name for name in attributes if find(name, keys.ATTRIBUTES) is None] == []
 
 
@@ -86,10 +95,14 @@ def test_a_quantity_has_its_unit_at_the_end_of_its_key():
 def test_another_format_is_refused(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.attrs["format"] = "weavecell impact 1"
-    with pytest.raises(InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 8'"):
+    with pytest.raises(
+        InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 8'"
+    ):
         ImpactRecord.read(tmp_path / "a.h5")
     (tmp_path / "s.json").write_text('{"format": "weavecell summary 9"}')
-    with pytest.raises(InputError, match="format = 'weavecell summary 9': must be 'weavecell summary 2'"):
+    with pytest.raises(
+        InputError, match="format = 'weavecell summary 9': must be 'weavecell summary 2'"
+    ):
         json_file.read_summary(tmp_path / "s.json")
 
 
@@ -97,14 +110,20 @@ def test_fronts_are_read_off_what_is_read_back(results):
     file = results("impact").folder / "histories.h5"
     (measured,) = ImpactRecord.read(file).measured
     again = {f"{front.family}-{front.kind}": front.speed for front in fronts(measured)}
-    assert set(again) == {f"{f}-{k}" for f in ("warp", "weft") for k in ("longitudinal", "transverse")}
-    assert 800 < again["warp-longitudinal"] < again["weft-longitudinal"] < 4000  # the weft has less crimp
+    assert set(again) == {
+        f"{f}-{k}" for f in ("warp", "weft") for k in ("longitudinal", "transverse")
+    }
+    assert (
+        800 < again["warp-longitudinal"] < again["weft-longitudinal"] < 4000
+    )  # the weft has less crimp
     with h5py.File(file) as content:
         group = content["measured/00"]
         assert sorted(group["edges"]) == sorted(EDGES)
         assert [name.split("-")[1] for name in sorted(group["yarns"])] == ["warp", "warp", "weft"]
         for inner in group["yarns"].values():
-            np.testing.assert_array_equal(inner["strain"][()], inner["tension"][()] / inner.attrs["EA"])
+            np.testing.assert_array_equal(
+                inner["strain"][()], inner["tension"][()] / inner.attrs["EA"]
+            )
         for name, speed in again.items():
             np.testing.assert_equal(speed, group["fronts"][name].attrs["speed"])
 
@@ -132,7 +151,9 @@ def test_the_record_in_a_file_is_that_of_the_python_interface(results, name):
 
 
 def test_measuring_changes_nothing_else():
-    (one,) = wc.sweep([set_up({key: table for key, table in SCENES["ply"].items() if key != "history"})])
+    (one,) = wc.sweep(
+        [set_up({key: table for key, table in SCENES["ply"].items() if key != "history"})]
+    )
     other = fired("impact")
     assert (one.outcome, one.steps, one.measured) == (other.outcome, other.steps, ())
     for name in ("nodes", "tension"):
@@ -155,7 +176,9 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
             part = grid.extract_cells(grid.cell_data["ply"] == ply + 1)
             push = whole * np.dot(part["projectile_pressure_Pa"], part["area_m2"])
             assert push == pytest.approx(record.plies["push"][sample, ply], rel=1e-6, abs=1e-3)
-            failed = [bool(np.any(part[f"failed_segments_{family}"])) for family in ("warp", "weft")]
+            failed = [
+                bool(np.any(part[f"failed_segments_{family}"])) for family in ("warp", "weft")
+            ]
             assert failed == [bool(np.any(part[f"failed_{family}"])) for family in ("warp", "weft")]
             assert any(failed) == (record.plies["cut_yarns"][sample, ply] > 0)
     pressures = vtk.PRESSURES[: 3 if name == "pack" else 1]
@@ -167,24 +190,41 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
 
 def test_vtk_reads_what_was_written(tmp_path):
     random = np.random.default_rng(1)
-    nodes, quads = random.normal(size=(12, 3)), np.array([[0, 1, 4, 3], [1, 2, 5, 4], [6, 7, 10, 9]])
+    nodes, quads = (
+        random.normal(size=(12, 3)),
+        np.array([[0, 1, 4, 3], [1, 2, 5, 4], [6, 7, 10, 9]]),
+    )
     tension, failed = random.normal(size=(3, 2)), np.array([[0, 0, 0], [1, 0, 0], [1, 1, 1]], bool)
     pressure, segments = random.normal(size=(12, 4)).astype(np.float32), random.normal(size=(12, 2))
     front, rear = (
         Shape(
-            1e-6, 0.25, np.zeros(3), nodes[part], tension[cells], failed[cells], pressure[part],
-            np.ones(6), segments[part], np.empty((6, 0)),
-        ) for part, cells in ((slice(6), slice(2)), (slice(6, 12), slice(2, 3)))
-    )  # fmt: skip
+            1e-6,
+            0.25,
+            np.zeros(3),
+            nodes[part],
+            tension[cells],
+            failed[cells],
+            pressure[part],
+            np.ones(6),
+            segments[part],
+            np.empty((6, 0)),
+        )
+        for part, cells in ((slice(6), slice(2)), (slice(6, 12), slice(2, 3)))
+    )
     vtk.write_panel(tmp_path, [[front, rear]], [quads[:2], quads[2:] - 6])
     ((path, time),) = vtk.read_series(tmp_path / "panel.pvd")
     assert (path, time) == (tmp_path / "panel" / "panel-0000.vtu", 1e-6)
     grid = pyvista.read(path)
     assert (grid.points.dtype, set(grid.celltypes)) == (float, {pyvista.CellType.QUAD})
     for found, given in (
-        (grid.points, nodes), (grid.cells.reshape(-1, 5)[:, 1:], quads), (grid["tension_weft_N"], tension[:, 1]),
-        (grid["failed_yarns"], [0, 1, 2]), (grid["failed_warp"], [0, 1, 1]), (grid["ply"], [1, 1, 2]),
-        (grid["rear_pressure_Pa"], pressure[:, 2]), (grid["failed_segments_weft"], segments[:, 1]),
+        (grid.points, nodes),
+        (grid.cells.reshape(-1, 5)[:, 1:], quads),
+        (grid["tension_weft_N"], tension[:, 1]),
+        (grid["failed_yarns"], [0, 1, 2]),
+        (grid["failed_warp"], [0, 1, 1]),
+        (grid["ply"], [1, 1, 2]),
+        (grid["rear_pressure_Pa"], pressure[:, 2]),
+        (grid["failed_segments_weft"], segments[:, 1]),
         (grid.field_data["projectile_z_m"], [0.25]),
-    ):  # fmt: skip
+    ):
         assert np.array_equal(found, given)

@@ -56,7 +56,9 @@ def test_velocity_place_and_energies_agree(results, name):
     if record.bar is None:  # whose nose moves against its centre of mass
         way = record.nose_position[-1] - record.nose_position[0]
         assert way == pytest.approx(trapezoid(record.velocity, record.time), rel=2e-3)
-        np.testing.assert_allclose(record.energies["kinetic_projectile"], 0.5 * 3e-3 * record.velocity**2, rtol=1e-5)
+        np.testing.assert_allclose(
+            record.energies["kinetic_projectile"], 0.5 * 3e-3 * record.velocity**2, rtol=1e-5
+        )
     total = sum(values for key, values in record.energies.items() if key != "error")
     np.testing.assert_allclose(total, record.strike_energy + record.energies["error"], rtol=1e-9)
 
@@ -81,7 +83,9 @@ def test_a_run_of_seconds_leaves_no_checkpoint(command, scene, interrupted, tmp_
     assert not (tmp_path / "results").exists()
 
 
-def test_resume_leaves_a_finished_run_and_a_shorter_one_leaves_nothing_of_it(command, scene, copied):
+def test_resume_leaves_a_finished_run_and_a_shorter_one_leaves_nothing_of_it(
+    command, scene, copied
+):
     written, before = (copied / "summary.json").read_text(), names(copied / "panel")
     code, out, _ = command("impact", copied / "scene.toml", "--out", "results", "--resume")
     assert code == 0
@@ -102,7 +106,15 @@ def test_an_unstable_run_keeps_what_it_computed(command, scene, tmp_path):
     assert " us (step " in line
     assert "unstable" in out
     folder = tmp_path / "results"
-    everything = ["histories.h5", "panel", "panel.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
+    everything = [
+        "histories.h5",
+        "panel",
+        "panel.pvd",
+        "pictures",
+        "report.html",
+        "scene.toml",
+        "summary.json",
+    ]
     assert names(folder) == everything
     record = ImpactRecord.read(folder / "histories.h5")
     assert record.outcome == "unstable"
@@ -144,14 +156,19 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
     assert panel.mirrors == (True, True)
     assert view.panel_of(folder / "panel.pvd", file).series == panel.series
     last, t = panel.series[-1]
-    assert (last, [time for _, time in panel.series]) == (file, sorted(time for _, time in panel.series))
+    assert (last, [time for _, time in panel.series]) == (
+        file,
+        sorted(time for _, time in panel.series),
+    )
     assert t == pytest.approx(panel.record.time[-1], rel=1e-8)
     grid = pyvista.read(file)
     body = panel.body(grid, t)
     assert body[..., 2].max() == pytest.approx(panel.record.final[-1].nose_position)
     image = panel.image(grid, t)
     quarters = [
-        np.any(half < 240, axis=2).sum() for rows in np.array_split(image, 2) for half in np.array_split(rows, 2, 1)
+        np.any(half < 240, axis=2).sum()
+        for rows in np.array_split(image, 2)
+        for half in np.array_split(rows, 2, 1)
     ]
     assert min(quarters) > 0.15 * sum(quarters)  # cloth on all four sides of the impact point
     steel = np.ptp(image.astype(int), axis=2) < 25
@@ -159,9 +176,15 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
 
 
 def test_a_view_is_written_as_a_picture_or_a_movie(command, copied, tmp_path, monkeypatch):
-    assert command("view", "results", "--screenshot", "panel.png")[:2] == (0, "written to panel.png\n")
+    assert command("view", "results", "--screenshot", "panel.png")[:2] == (
+        0,
+        "written to panel.png\n",
+    )
     written = "written to shot.gif\nwritten to shot.html\n"
-    assert command("view", "results", "--movie", "shot.gif", "--html", "shot.html")[:2] == (0, written)
+    assert command("view", "results", "--movie", "shot.gif", "--html", "shot.html")[:2] == (
+        0,
+        written,
+    )
     assert "20 \\u00b5s after the strike" in (tmp_path / "shot.html").read_text("utf-8")
     with Image.open(tmp_path / "panel.png") as picture, Image.open(tmp_path / "shot.gif") as movie:
         assert np.ptp(np.asarray(picture.convert("L"))) > 100

@@ -10,8 +10,16 @@ from weavecell.scenes import coupon, impact
 def test_the_examples_are_input_files(tool):
     """Those of all tables of an impact at once, then of each table in a table, and of each test of a coupon."""
     keys_page = tool("keys_page")
-    found = {name: tomllib.loads(keys_page.about(table)[1]) for name, table in tables(impact.Scene).items()}
-    whole = {key: value for name, table in found.items() if "." not in name for key, value in table.items()}
+    found = {
+        name: tomllib.loads(keys_page.about(table)[1])
+        for name, table in tables(impact.Scene).items()
+    }
+    whole = {
+        key: value
+        for name, table in found.items()
+        if "." not in name
+        for key, value in table.items()
+    }
     impact.check(whole, None)
     for name, table in found.items():
         if "." in name:

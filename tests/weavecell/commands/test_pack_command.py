@@ -31,7 +31,9 @@ def test_a_pack_says_what_it_is_made_of(pack):
     title = "1 x S-728 + 1 x S-726 at 30 deg + 1 x S-726 at -45 deg"
     assert f"{title}, 200 m/s: in flight" in pack.out
     assert "no back-face signature yet: the block moves with " in pack.out
-    assert f" of the strike energy, dent so far {told['back_face_signature_mm']:.3g} mm\n" in pack.out
+    assert (
+        f" of the strike energy, dent so far {told['back_face_signature_mm']:.3g} mm\n" in pack.out
+    )
     assert (told["plies"], told["stacking"], record.count) == (3, "lay-up", 3)
     assert told["ply_fabrics"] == ["S-728", "S-726", "S-726"]
     assert told["ply_angles_deg"] == [0.0, 30.0, -45.0]
@@ -41,17 +43,24 @@ def test_a_pack_says_what_it_is_made_of(pack):
     strengths = [[yarn.strength for yarn in cloth.weave.yarns] for cloth in cloths]
     assert record.strength == pytest.approx(np.array(strengths), rel=1e-12)
     assert record.gaps[1] == pytest.approx(0.05e-3)
-    assert np.diff(record.z_rest) == pytest.approx(record.gaps + 0.5 * (record.thickness[1:] + record.thickness[:-1]))
+    assert np.diff(record.z_rest) == pytest.approx(
+        record.gaps + 0.5 * (record.thickness[1:] + record.thickness[:-1])
+    )
     page = (pack.folder / "report.html").read_text()
     assert f"3 plies: {title}" in page
     assert "no back-face signature yet: the block moves with" in page
-    assert "assumed: density 3.0e-3 g/mm^3, modulus 100 MPa, poisson 0.30, hardening 0 Pa, erosion_strain 0.95" in page
+    assert (
+        "assumed: density 3.0e-3 g/mm^3, modulus 100 MPa, poisson 0.30, hardening 0 Pa, erosion_strain 0.95"
+        in page
+    )
     assert "Data of the fabric S-726" in page
 
 
 def test_the_push_on_the_plies_is_what_the_projectile_has_lost(pack):
     impulse = trapezoid(pack.record.plies["push"].sum(axis=1), pack.record.time)
-    assert impulse == pytest.approx(pack.record.mass * (200 - pack.told["residual_velocity_m_s"]), rel=0.05)
+    assert impulse == pytest.approx(
+        pack.record.mass * (200 - pack.told["residual_velocity_m_s"]), rel=0.05
+    )
     with h5py.File(pack.folder / "histories.h5") as file:
         assert file["plies/histories/push"].shape == (len(pack.record.time), 3)
     for ply, found in enumerate(pack.record.measured):
@@ -70,7 +79,10 @@ def test_cuts_and_grids_of_turned_plies_lie_in_the_frame_of_all(pack):
         for line in cut.lines:
             assert -HALF <= np.nanmin(line[:, 0]) < -20e-3
             assert HALF >= np.nanmax(line[:, 0]) > 20e-3
-    deepest = [(np.nanmax(line[:, 1]), shape.nodes[:, 2].max()) for line, shape in zip(cut.lines, record.final)]
+    deepest = [
+        (np.nanmax(line[:, 1]), shape.nodes[:, 2].max())
+        for line, shape in zip(cut.lines, record.final)
+    ]
     assert all(drawn == pytest.approx(found, rel=0.05) for drawn, found in deepest)
     grid = pyvista.read(view.find(pack.folder))
     for ply, angle in enumerate(pack.told["ply_angles_deg"], 1):

@@ -36,7 +36,17 @@ def page(results):
 def test_all_chapters_are_there_and_nothing_is_fetched(page):
     ids, tags = re.findall(r'<[^>]* id="([^"]*)"', page), re.findall(r"<([a-z]+)", page)
     links = re.findall(r'<[^>]* (?:src|href|srcset|data|action|poster)="([^"]*)"', page)
-    assert ids == ["motion", "impact", "panel-mesh", "measures", "cell", "assumptions", "checks", "sources", "making"]
+    assert ids == [
+        "motion",
+        "impact",
+        "panel-mesh",
+        "measures",
+        "cell",
+        "assumptions",
+        "checks",
+        "sources",
+        "making",
+    ]
     assert [link for link in links if link.startswith("#")] == [f"#{key}" for key in ids]
     assert all(link.startswith(("data:image/", "#")) for link in links)
     assert tags.count("img") == 11
@@ -60,25 +70,35 @@ def test_the_outcome_is_one_line(record):
     through = replace(record, outcome="perforated", residual_velocity=50.0)
     assert said(through).startswith("Perforated at 155 m/s: residual velocity 50.0 m/s")
     held = replace(
-        record, outcome="stopped", residual_velocity=0.0, cut_yarns=np.zeros(len(record.time)),
-        max_deflection=7.5e-3, peak_tension=np.array([[0.3, 0.98]]) * record.strength,
+        record,
+        outcome="stopped",
+        residual_velocity=0.0,
+        cut_yarns=np.zeros(len(record.time)),
+        max_deflection=7.5e-3,
+        peak_tension=np.array([[0.3, 0.98]]) * record.strength,
         checks=(Indicator("energy error", 0.1, 0.01),),
-    )  # fmt: skip
+    )
     assert said(held) == (
         "Stopped at 155 m/s: back-face deflection 7.5 mm, peak tension 98 % of the strength (weft). "
         "DOUBTFUL: energy error."
     )
-    assert said(replace(record, outcome="unstable", failure_message="a node flies")).startswith("UNSTABLE at 155 m/s")
+    assert said(replace(record, outcome="unstable", failure_message="a node flies")).startswith(
+        "UNSTABLE at 155 m/s"
+    )
     assert chapters_shot.residual(held) == "residual velocity 0 m/s"
 
 
 def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
     """What the script of the page reads: places to a 65,535th of the box, tensions to a 200th of the strength."""
-    instants = view.Panel(record, vtk.read_series(results("impact").folder / "panel.pvd")).instants()
+    instants = view.Panel(
+        record, vtk.read_series(results("impact").folder / "panel.pvd")
+    ).instants()
     head = json.loads(moving.moving(record, instants))
     data = zlib.decompress(base64.b64decode(head["data"]))
     n, m, count = head["nodes"], head["elements"], head["instants"]
-    sizes = np.cumsum([12 * head["bodyVertices"], 16 * m, 6 * n * count, 2 * m * count, m * count, m])
+    sizes = np.cumsum(
+        [12 * head["bodyVertices"], 16 * m, 6 * n * count, 2 * m * count, m * count, m]
+    )
     _, quads, places, tension, failed, _ = np.split(np.frombuffer(data, np.uint8), sizes[:-1])
     assert len(data) == sizes[-1]
     assert count == len(instants)
@@ -87,9 +107,13 @@ def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
         at = np.array(head["origin"]) + places[k] * np.array(head["step"])
         np.testing.assert_allclose(at, grid.points, atol=0.51 * max(head["step"]))
         share = tension.reshape(count, m, 2)[k, :, 0] / head["perUnit"]
-        np.testing.assert_allclose(share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3)
+        np.testing.assert_allclose(
+            share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3
+        )
         assert np.array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
-    assert np.array_equal(quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:])
+    assert np.array_equal(
+        quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:]
+    )
     in_notebook = Embedded(moving.page(record, instants))._repr_html_()
     assert in_notebook.startswith('<iframe srcdoc="&lt;!doctype html&gt;')
     assert in_notebook.count('"') == 4  # those of the page within are escaped
@@ -108,8 +132,13 @@ def texts(figure):
             if axes.axison and axis.get_visible():
                 low, high = sorted(axis.get_view_interval())
                 ticks = axis.get_major_ticks()
-                found += [axis.label, *(tick.label1 for tick in ticks if low <= tick.get_loc() <= high)]
-    return [(t.get_text(), t.get_window_extent()) for t in found if t.get_visible() and t.get_text()]
+                found += [
+                    axis.label,
+                    *(tick.label1 for tick in ticks if low <= tick.get_loc() <= high),
+                ]
+    return [
+        (t.get_text(), t.get_window_extent()) for t in found if t.get_visible() and t.get_text()
+    ]
 
 
 @pytest.mark.parametrize("scale", [1e-3, 20.0])
@@ -130,7 +159,9 @@ def test_no_text_of_a_picture_leaves_it_or_lies_on_another(record, monkeypatch, 
         return b""
 
     monkeypatch.setattr(pictures, "render", render)
-    changes = {name: scale * getattr(record, name) for name in ("velocity", "deflection", "contact_force")}
+    changes = {
+        name: scale * getattr(record, name) for name in ("velocity", "deflection", "contact_force")
+    }
     for name in ("energies", "plies"):
         changes[name] = {key: scale * values for key, values in getattr(record, name).items()}
     chapters_shot.chapter(replace(record, **changes), None)
@@ -165,8 +196,14 @@ def test_stamp_tells_versions_and_no_paths(monkeypatch):
 
 def test_parts_of_the_energy_picture_add_up():
     """The equilibrium form's forces do other work than the yarns store; the picture shows the work."""
-    stored = {"yarn_strain": np.array([0.0, 3.5, 4.0]), "formulation_residual": np.array([0.0, -0.5, -0.5])}
-    energies = stored | {"kinetic_projectile": np.array([10.0, 6.0, 4.0]), "viscous": np.array([0.0, 1.0, 2.5])}
+    stored = {
+        "yarn_strain": np.array([0.0, 3.5, 4.0]),
+        "formulation_residual": np.array([0.0, -0.5, -0.5]),
+    }
+    energies = stored | {
+        "kinetic_projectile": np.array([10.0, 6.0, 4.0]),
+        "viscous": np.array([0.0, 1.0, 2.5]),
+    }
     drawn = pictures_shot.parts(energies, recoil=1.5)
     assert drawn["recoil_of_cut_yarns"] == pytest.approx([0.0, 0.0, 1.5])
     named = ("kinetic_projectile", "yarn_strain", "viscous", "recoil_of_cut_yarns")
@@ -176,8 +213,12 @@ def test_parts_of_the_energy_picture_add_up():
 
 def test_a_cut_shows_an_oblique_projectile_where_it_is(record):
     aside = np.array([2e-3, 0.0, 0.0])
-    shape = replace(record.final[0], projectile_position=record.final[0].projectile_position + aside)
+    shape = replace(
+        record.final[0], projectile_position=record.final[0].projectile_position + aside
+    )
     oblique = replace(record, half_energy=(shape,), final=(shape,))
     straight = replace(record, half_energy=record.final)
     views = [chapters_shot.cut_view(each, each.cuts[-1], "") for each in (straight, oblique)]
-    np.testing.assert_allclose(views[1].projectile - views[0].projectile, [[2e-3, 0.0]] * len(views[0].projectile))
+    np.testing.assert_allclose(
+        views[1].projectile - views[0].projectile, [[2e-3, 0.0]] * len(views[0].projectile)
+    )

@@ -47,9 +47,14 @@ def test_a_command_ends_well_and_leaves_its_folder(results, name):
     assert "written to r\n" in run.out
     assert sorted(path.name for path in run.folder.glob("[!.]*")) == told["folder"].split()
     if "scene.toml" in told["folder"].split():
-        assert (run.folder / "scene.toml").read_text() == (run.folder.parent / "scene.toml").read_text()
+        assert (run.folder / "scene.toml").read_text() == (
+            run.folder.parent / "scene.toml"
+        ).read_text()
     if "pictures" in told:
-        assert sorted(path.stem for path in (run.folder / "pictures").iterdir()) == told["pictures"].split()
+        assert (
+            sorted(path.stem for path in (run.folder / "pictures").iterdir())
+            == told["pictures"].split()
+        )
     stamp = run.folder / "provenance.json"
     stamp = json.loads(stamp.read_text()) if stamp.exists() else summary_of(run, name)["provenance"]
     assert {"commit", "packages", "processor"} <= set(stamp)
@@ -83,32 +88,53 @@ def numbers(value, at=""):
 def limit(_):
     found = wc.critical_velocity(set_up(SCENES["limit"]), residual_shots=4)
     shots = sorted(found.limit.shots, key=lambda shot: shot.strike_velocity)
-    entries = [{"strike_velocity_m_s": s.strike_velocity, "residual_velocity_m_s": s.residual_velocity} for s in shots]
-    return found.summary() | {"bracket_m_s": found.bracket, "lambert_jonas": asdict(found.fit), "shots": entries}
+    entries = [
+        {"strike_velocity_m_s": s.strike_velocity, "residual_velocity_m_s": s.residual_velocity}
+        for s in shots
+    ]
+    return found.summary() | {
+        "bracket_m_s": found.bracket,
+        "lambert_jonas": asdict(found.fit),
+        "shots": entries,
+    }
 
 
 def swept(_):
-    shots = [{"strike_velocity": v, "mass": mass} for v in ("90 m/s", "150 m/s") for mass in ("3 g", "2 g")]
+    shots = [
+        {"strike_velocity": v, "mass": mass}
+        for v in ("90 m/s", "150 m/s")
+        for mass in ("3 g", "2 g")
+    ]
     found = wc.sweep([set_up(merged(SCENES["plies"], {"projectile": shot})) for shot in shots])
     return {"rows": [shot.facts() for shot in found]}
 
 
 def frame(_):
-    found = wc.coupon("S-720", "picture_frame", shear_angle="24 deg", crossovers=4, steps=4).summary()
-    units = {"shear stress": "shear_stress_Pa", "trellis law": "trellis_law_Pa", "shear angle": "shear_angle_rad"}
+    found = wc.coupon(
+        "S-720", "picture_frame", shear_angle="24 deg", crossovers=4, steps=4
+    ).summary()
+    units = {
+        "shear stress": "shear_stress_Pa",
+        "trellis law": "trellis_law_Pa",
+        "shear angle": "shear_angle_rad",
+    }
     return found | {"at_end": {key: {"value": found[name]} for key, name in units.items()}}
 
 
 def calibrated(folder):
     with small_calibration():
         found = wc.calibrate("S-720", mesh="coarse", out=folder).summary()
-    ends = {f"{name}_interval_m{unit}": [found[f"{name}_interval_{end}"] for end in ("low", "high")]
-            for name, unit in (("a", ""), ("b", "_N^(1/3)"))}  # fmt: skip
+    ends = {
+        f"{name}_interval_m{unit}": [found[f"{name}_interval_{end}"] for end in ("low", "high")]
+        for name, unit in (("a", ""), ("b", "_N^(1/3)"))
+    }
     return {"law": found | ends}
 
 
 def pulled(_):
-    found = wc.crossover("S-720", "pull-out", friction=0.15, end_displacement=["5 um", 9e-6], mesh=(3, 2, 2))
+    found = wc.crossover(
+        "S-720", "pull-out", friction=0.15, end_displacement=["5 um", 9e-6], mesh=(3, 2, 2)
+    )
     return {"found": found.summary()}
 
 
@@ -123,21 +149,29 @@ IN_PYTHON = {
     "critical-velocity": limit,
     "v50": lambda _: wc.v50(set_up(SCENES["small"]), shots=8, batch=4, seed=2).summary(),
     "sensitivity": lambda folder: {
-        "indices": list(map(asdict, sobol.study(set_up(SCENES["plies"]), [90.0], samples=2, folder=folder)))
+        "indices": list(
+            map(asdict, sobol.study(set_up(SCENES["plies"]), [90.0], samples=2, folder=folder))
+        )
     },
     "sweep": swept,
     "coupon": frame,
     "pull-out": lambda _: wc.coupon("S-726", "pull_out", **SCENES["pull"]["pull_out"]).summary(),
-    "export": lambda folder: {"error_over_strength": [wc.export(set_up(SCENES["plies"]), "lsdyna", folder).summary()]},
+    "export": lambda folder: {
+        "error_over_strength": [wc.export(set_up(SCENES["plies"]), "lsdyna", folder).summary()]
+    },
     "calibrate": calibrated,
     "crossover": pulled,
-    "surface": lambda _: wc.surface("S-720", mesh="coarse", points=5, d1=(0, 1e-5), d2="0 um .. 8 um").summary(),
+    "surface": lambda _: wc.surface(
+        "S-720", mesh="coarse", points=5, d1=(0, 1e-5), d2="0 um .. 8 um"
+    ).summary(),
     "biaxial": stretched,
 }
 
 
 @named(IN_PYTHON)
-@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult", "ignore:one sliding ply", "ignore:unique with")
+@pytest.mark.filterwarnings(
+    "ignore::weavecell.DoubtfulResult", "ignore:one sliding ply", "ignore:unique with"
+)
 def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
     """To 12 digits, of the same input."""
     told, found = numbers(summary_of(results(name), name)), numbers(IN_PYTHON[name](tmp_path))
@@ -145,7 +179,11 @@ def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
     assert len(both) >= (4 if name == "export" else 7)
     # what the 3D solver leaves of large forces that cancel is not the same to the last bit in two processes
     off = 1e-11 * max(abs(told[key]) for key in both) if name == "crossover" else 1e-15
-    assert [key for key in sorted(both) if not isclose(told[key], found[key], rel_tol=1e-12, abs_tol=off)] == []
+    assert [
+        key
+        for key in sorted(both)
+        if not isclose(told[key], found[key], rel_tol=1e-12, abs_tol=off)
+    ] == []
 
 
 @named(IMPACTS)
@@ -158,11 +196,20 @@ def test_the_record_of_an_impact_has_the_numbers_of_its_summary(results, name):
 
 
 TABLES = {  # run: its table of shots, and what a column is in the list of shots of the summary
-    "critical-velocity": ("shots.csv", "shots", {
-        "strike velocity [m/s]": "strike_velocity_m_s", "residual velocity [m/s]": "residual_velocity_m_s",
-    }),
-    "sweep": ("sweep.csv", "rows", {key: key for key in ("residual_velocity_m_s", "areal_density_kg_m2", "outcome")}),
-}  # fmt: skip
+    "critical-velocity": (
+        "shots.csv",
+        "shots",
+        {
+            "strike velocity [m/s]": "strike_velocity_m_s",
+            "residual velocity [m/s]": "residual_velocity_m_s",
+        },
+    ),
+    "sweep": (
+        "sweep.csv",
+        "rows",
+        {key: key for key in ("residual_velocity_m_s", "areal_density_kg_m2", "outcome")},
+    ),
+}
 
 
 @named(TABLES)
@@ -177,13 +224,19 @@ def test_a_table_has_the_shots_of_the_summary(results, name):
 
 
 def test_tables_of_drawn_shots_have_the_means_of_their_summaries(results):
-    told, rows = summary_of(results("draws"), "draws"), rows_of(results("draws").folder / "draws.csv")
+    told, rows = (
+        summary_of(results("draws"), "draws"),
+        rows_of(results("draws").folder / "draws.csv"),
+    )
     velocities = [float(row["residual_velocity_m_s"]) for row in rows]
     assert told["residual_velocity_mean_m_s"] == pytest.approx(np.mean(velocities), rel=1e-8)
     told, rows = summary_of(results("v50"), "v50"), rows_of(results("v50").folder / "shots.csv")
     assert told["perforated"] == sum(row["outcome"] == "perforated" for row in rows)
     assert told["curves"]["probit"]["V50"] == told["v50_m_s"]
-    told, rows = summary_of(results("sensitivity"), "sensitivity"), rows_of(results("sensitivity").folder / "sobol.csv")
+    told, rows = (
+        summary_of(results("sensitivity"), "sensitivity"),
+        rows_of(results("sensitivity").folder / "sobol.csv"),
+    )
     first = [value for one in told["indices"] for value in one["first"]]
     assert [float(row["first order"]) for row in rows] == pytest.approx(first, abs=6e-4)
 
@@ -192,7 +245,9 @@ def test_tables_of_drawn_shots_have_the_means_of_their_summaries(results):
 def test_files_of_the_3d_crossover_are_read_back(results):
     told, folder = summary_of(results("calibrate"), "calibrate"), results("calibrate").folder
     law = CompressionLaw.from_json(folder / "law.json")
-    assert (law.a, law.b) == pytest.approx((told["law"]["a_m"], told["law"]["b_m_N^(1/3)"]), rel=1e-12)
+    assert (law.a, law.b) == pytest.approx(
+        (told["law"]["a_m"], told["law"]["b_m_N^(1/3)"]), rel=1e-12
+    )
     found, file = (
         summary_of(results("crossover"), "crossover")["found"],
         results("crossover").folder.parent / "law.json",
@@ -223,14 +278,29 @@ def of_shot(s):
 
 SAID = {
     **dict.fromkeys(IMPACTS, of_shot),
-    "draws": lambda s: [f"{s['residual_velocity_mean_m_s']:.4g} ± {s['residual_velocity_error_m_s']:.4g} m/s"],
-    "v50": lambda s: [f"probit V50 {s['v50_m_s']:.4g} {s['v50_low_m_s']:.4g} {s['v50_high_m_s']:.4g} "],
-    "sensitivity": lambda s: [f"{one['mean']:.1f} ± {one['deviation']:.1f} " for one in s["indices"]],
-    "coupon": lambda s: [f"shear stress {1e-6 * s['at_end']['shear stress']['value']:.4g} MPa", "shear angle 24 °"],
-    "pull-out": lambda s: [f"peak load {s['peak_load_N']:.4g} N", f"plateau load {s['plateau_load_N']:.4g} N"],
+    "draws": lambda s: [
+        f"{s['residual_velocity_mean_m_s']:.4g} ± {s['residual_velocity_error_m_s']:.4g} m/s"
+    ],
+    "v50": lambda s: [
+        f"probit V50 {s['v50_m_s']:.4g} {s['v50_low_m_s']:.4g} {s['v50_high_m_s']:.4g} "
+    ],
+    "sensitivity": lambda s: [
+        f"{one['mean']:.1f} ± {one['deviation']:.1f} " for one in s["indices"]
+    ],
+    "coupon": lambda s: [
+        f"shear stress {1e-6 * s['at_end']['shear stress']['value']:.4g} MPa",
+        "shear angle 24 °",
+    ],
+    "pull-out": lambda s: [
+        f"peak load {s['peak_load_N']:.4g} N",
+        f"plateau load {s['plateau_load_N']:.4g} N",
+    ],
     "export": lambda s: [f"biaxial plane {100 * s['error_over_strength'][0]['rms']:.1f} %"],
     "calibrate": lambda s: [f"fitted {1e3 * s['law']['a_m']:.4f} "],
-    "surface": lambda s: [f"{s['equilibria']} equilibria", f"{s['error_of_left_out_lines']['T1']['rms']:.4g} "],
+    "surface": lambda s: [
+        f"{s['equilibria']} equilibria",
+        f"{s['error_of_left_out_lines']['T1']['rms']:.4g} ",
+    ],
 }
 
 

@@ -16,34 +16,69 @@ TEN, REAL5 = (10,) * 8, (20,) * 5
 # word: columns of the cards below its title, the last one repeated; TEN of words that are not named
 DYNA = {"*NODE": [(8, 16, 16, 16)], "*ELEMENT_SHELL": [(8,) * 6], "*DEFINE_CURVE": [TEN, (20, 20)]}
 RADIOSS = {
-    "MAT/LAW58": [(20, 20), REAL5, (20, 20, 20, 20, 10, 10), REAL5, (10, 10, 20, 20, 20, 20), (10, 10, 20)],
+    "MAT/LAW58": [
+        (20, 20),
+        REAL5,
+        (20, 20, 20, 20, 10, 10),
+        REAL5,
+        (10, 10, 20, 20, 20, 20),
+        (10, 10, 20),
+    ],
     "MAT/LAW1": [(20, 20), (20, 20)],
-    "PROP/TYPE16": [(10,) * 3, REAL5, (10, 10, 20, 20, 10, 10), (20, 20, 20, 10, 10, 10, 10), (20, 20, 20, 20, 10)],
+    "PROP/TYPE16": [
+        (10,) * 3,
+        REAL5,
+        (10, 10, 20, 20, 10, 10),
+        (20, 20, 20, 10, 10, 10, 10),
+        (20, 20, 20, 20, 10),
+    ],
     "PROP/TYPE1": [(10,) * 5, REAL5, (10, 10, 20, 20, 10, 10, 10)],
-    "PART": [(10, 10)], "FUNCT": [(20, 20)], "GRNOD/NODE": [(10,) * 10], "GRNOD/PART": [(10,) * 10],
-    "SURF/PART": [(10,) * 10], "INIVEL/TRA": [(20, 20, 20, 10, 10)],
+    "PART": [(10, 10)],
+    "FUNCT": [(20, 20)],
+    "GRNOD/NODE": [(10,) * 10],
+    "GRNOD/PART": [(10,) * 10],
+    "SURF/PART": [(10,) * 10],
+    "INIVEL/TRA": [(20, 20, 20, 10, 10)],
     "RBODY": [(10, 10, 10, 10, 20, 10, 10, 10, 10), (20,) * 3, (20,) * 3, (10,)],
     "INTER/TYPE7": [
-        (10,) * 10, (20, 20, 20, 20, 10), (20, 20, 20, 20, 10, 10), REAL5, (7, 1, 1, 1, 20, 10, 20, 20, 20),
+        (10,) * 10,
+        (20, 20, 20, 20, 10),
+        (20, 20, 20, 20, 10, 10),
+        REAL5,
+        (7, 1, 1, 1, 20, 10, 20, 20, 20),
         (10, 10, 20, 10, 10, 10, 20, 10),
     ],
-    "NODE": [(10, 20, 20, 20)], "SHELL": [(10,) * 5], "FAIL/FABRIC": [(20, 20, 20, 20, 10, 10), (20,)],
-}  # fmt: skip
+    "NODE": [(10, 20, 20, 20)],
+    "SHELL": [(10,) * 5],
+    "FAIL/FABRIC": [(20, 20, 20, 20, 10, 10), (20,)],
+}
 CONTACT = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"
 REFERENCES = (  # word, its cards, fields of these, kind of the ids among which they are
-    ("*ELEMENT_SHELL", EVERY, SECOND, "PART"), ("*ELEMENT_SHELL", EVERY, slice(2, None), "NODE"),
-    ("*PART", FIRST, SECOND, "SECTION"), ("*PART", FIRST, slice(2, 3), "MAT"),
-    ("*PART_INERTIA", FIRST, SECOND, "SECTION"), ("*PART_INERTIA", FIRST, slice(2, 3), "MAT"),
-    ("*PART_INERTIA", SECOND, slice(5, 6), "NODE"), ("*SET_NODE_LIST", BELOW, EVERY, "NODE"),
-    ("*SET_PART_LIST", BELOW, EVERY, "PART"), ("*BOUNDARY_SPC_SET", FIRST, FIRST, "SET_NODE"),
-    ("*MAT_FABRIC", slice(5, 6), slice(3), "DEFINE"), (CONTACT, FIRST, FIRST, "SET_PART"),
+    ("*ELEMENT_SHELL", EVERY, SECOND, "PART"),
+    ("*ELEMENT_SHELL", EVERY, slice(2, None), "NODE"),
+    ("*PART", FIRST, SECOND, "SECTION"),
+    ("*PART", FIRST, slice(2, 3), "MAT"),
+    ("*PART_INERTIA", FIRST, SECOND, "SECTION"),
+    ("*PART_INERTIA", FIRST, slice(2, 3), "MAT"),
+    ("*PART_INERTIA", SECOND, slice(5, 6), "NODE"),
+    ("*SET_NODE_LIST", BELOW, EVERY, "NODE"),
+    ("*SET_PART_LIST", BELOW, EVERY, "PART"),
+    ("*BOUNDARY_SPC_SET", FIRST, FIRST, "SET_NODE"),
+    ("*MAT_FABRIC", slice(5, 6), slice(3), "DEFINE"),
+    (CONTACT, FIRST, FIRST, "SET_PART"),
     (CONTACT, FIRST, SECOND, "PART"),
-    ("SHELL", EVERY, BELOW, "NODE"), ("PART", EVERY, FIRST, "PROP"), ("PART", EVERY, SECOND, "MAT"),
-    ("GRNOD/NODE", EVERY, EVERY, "NODE"), ("GRNOD/PART", EVERY, EVERY, "PART"), ("SURF/PART", EVERY, EVERY, "PART"),
-    ("INTER/TYPE7", FIRST, FIRST, "GRNOD"), ("INTER/TYPE7", FIRST, SECOND, "SURF"),
-    ("INIVEL/TRA", FIRST, slice(3, 4), "GRNOD"), ("RBODY", FIRST, FIRST, "NODE"),
+    ("SHELL", EVERY, BELOW, "NODE"),
+    ("PART", EVERY, FIRST, "PROP"),
+    ("PART", EVERY, SECOND, "MAT"),
+    ("GRNOD/NODE", EVERY, EVERY, "NODE"),
+    ("GRNOD/PART", EVERY, EVERY, "PART"),
+    ("SURF/PART", EVERY, EVERY, "PART"),
+    ("INTER/TYPE7", FIRST, FIRST, "GRNOD"),
+    ("INTER/TYPE7", FIRST, SECOND, "SURF"),
+    ("INIVEL/TRA", FIRST, slice(3, 4), "GRNOD"),
+    ("RBODY", FIRST, FIRST, "NODE"),
     ("RBODY", FIRST, slice(5, 6), "GRNOD"),
-)  # fmt: skip
+)
 
 
 def columns(line, widths):
@@ -117,7 +152,9 @@ def dyna(text):
         cards[word].append(rows)
         kind = re.match(r"\*(NODE|ELEMENT|PART|SECTION|MAT|DEFINE|SET_NODE|SET_PART)", word)
         if kind:
-            ids[kind[1]] += [row[0] for row in (rows if kind[1] in ("NODE", "ELEMENT") else rows[:1])]
+            ids[kind[1]] += [
+                row[0] for row in (rows if kind[1] in ("NODE", "ELEMENT") else rows[:1])
+            ]
     defined = defined_in(cards, ids, "*")
     assert {row[1] for rows in cards["*ELEMENT_SHELL"] for row in rows} == defined["PART"]
     assert {rows[0][0] for rows in cards["*BOUNDARY_SPC_SET"]} == defined["SET_NODE"]
@@ -126,7 +163,10 @@ def dyna(text):
         assert rows[2][5] == 14
     assert cards[CONTACT][0][0][2:4] == [2, 3]
     curves = {rows[0][0]: (np.array(rows[1:]), rows[0][6]) for rows in cards["*DEFINE_CURVE"]}
-    return {int(rows[0][0]): tuple(curves[number] for number in rows[5][:3]) for rows in cards["*MAT_FABRIC"]}
+    return {
+        int(rows[0][0]): tuple(curves[number] for number in rows[5][:3])
+        for rows in cards["*MAT_FABRIC"]
+    }
 
 
 def radioss(text):
@@ -146,7 +186,9 @@ def radioss(text):
         assert len(rows) >= len(RADIOSS[word]), head
         cards[word].append(rows)
         numbered[word, number] = rows
-        ids[word.split("/")[0]] += [row[0] for row in rows] if word in ("NODE", "SHELL") else [number]
+        ids[word.split("/")[0]] += (
+            [row[0] for row in rows] if word in ("NODE", "SHELL") else [number]
+        )
     defined = defined_in(cards, ids, "/")
     parts = {int(number) for word, number in numbered if word == "SHELL"}
     assert parts == defined["PART"]
@@ -156,4 +198,7 @@ def radioss(text):
     body = cards["RBODY"][0][0]
     assert (body[7], body[4] > 0) == (4, True)
     laws = {number: rows for (word, number), rows in numbered.items() if word == "MAT/LAW58"}
-    return {int(n): (rows, np.array(numbered["FUNCT", str(int(rows[7][0]))])) for n, rows in laws.items()}
+    return {
+        int(n): (rows, np.array(numbered["FUNCT", str(int(rows[7][0]))]))
+        for n, rows in laws.items()
+    }

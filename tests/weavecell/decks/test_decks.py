@@ -23,7 +23,9 @@ SCALE = {"kg-m-s": 1.0, "g-mm-ms": 1e-6}  # of stresses in Pa
 @cache
 def deck(fabric, to, match="uniaxial", **options):
     given = wc.setup(fabric, "100 m/s", opening="40 mm", elements_per_crossover=1, **options)
-    return model.build(given, folder.CODES[to], "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published")
+    return model.build(
+        given, folder.CODES[to], "kg-m-s", match, title=f"{fabric}, 100 m/s", source="published"
+    )
 
 
 def text(made, to):
@@ -76,7 +78,9 @@ def test_dyna_deck_is_read_by_dynakw(tmp_path):
         found = [(each.full_keyword, each.cards) for each in reader.keywords()]
     cards = dict(found)
     nodes = cards["*NODE"]["Card 1"]
-    assert np.allclose(np.stack([nodes[k] for k in "XYZ"], axis=1), made.points, rtol=1e-9, atol=1e-12)
+    assert np.allclose(
+        np.stack([nodes[k] for k in "XYZ"], axis=1), made.points, rtol=1e-9, atol=1e-12
+    )
     inertia = cards["*PART_INERTIA"]["inertia"]
     assert float(inertia["TM"][0]) == pytest.approx(made.nose.mass, rel=1e-3)
     assert float(inertia["VTZ"][0]) == pytest.approx(100, rel=1e-3)
@@ -84,7 +88,11 @@ def test_dyna_deck_is_read_by_dynakw(tmp_path):
     assert cards["*MAT_RIGID_TITLE"]
     curves = [card for name, card in found if name == "*DEFINE_CURVE_TITLE"]
     assert len(curves) == 6
-    points = next(card for name, card in curves[0].items() if name != "Card 1" and len(next(iter(card.values()))) > 3)
+    points = next(
+        card
+        for name, card in curves[0].items()
+        if name != "Card 1" and len(next(iter(card.values()))) > 3
+    )
     strain, stress = list(points.values())[:2]
     assert np.allclose(np.column_stack([strain, stress]), made.cards[0].law.curves[0], rtol=1e-9)
 
@@ -108,7 +116,9 @@ def test_a_radioss_deck_has_the_settings_and_histories_of_the_runs():
     assert "\n/DT\n0.5 0\n" in engine
     assert "\n/FAIL" not in starter
     assert "nothing breaks" in "".join(starter.splitlines()[:20])
-    deck_readers.radioss(re.sub(r"(?m)^#(/FAIL/FABRIC/\d+|[ \dE.+-]+)$", r"\1", starter))  # the comment is a card
+    deck_readers.radioss(
+        re.sub(r"(?m)^#(/FAIL/FABRIC/\d+|[ \dE.+-]+)$", r"\1", starter)
+    )  # the comment is a card
     values = "".join(line for line in starter.splitlines(keepends=True) if not line.startswith("#"))
     stiffness = [float(part.splitlines()[5][:20]) for part in values.split("/INTER/TYPE7/")[1:]]
     assert stiffness == [0.03, 1, 1]
@@ -125,23 +135,45 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
     share = {"quarter": 0.25, "half": 0.5, "whole": 1.0}[symmetry]
     assert made.nose.mass == pytest.approx(3e-3 * share)
     ply, held = made.plies[0], made.held()
-    assert set(held) == {"clamped", *(["mirror_x"] if share < 1 else []), *(["mirror_y"] if share == 0.25 else [])}
+    assert set(held) == {
+        "clamped",
+        *(["mirror_x"] if share < 1 else []),
+        *(["mirror_y"] if share == 0.25 else []),
+    }
     sides = ply.points[ply.quads[:, [1, 3]] - 1] - ply.points[ply.quads[:, [0]] - 1]
     spacing = sides[0, 0, 0]
     assert sides[:, 0] == pytest.approx(np.tile([spacing, 0, 0], (len(sides), 1)), abs=1e-12)
     side = np.ptp(ply.points[:, 1]) * (2 if symmetry == "quarter" else 1)
     assert 0.04 - 2 * spacing < side <= 0.04  # a half of a row at either edge lies in the clamps
-    cell, area = made.cards[0].cloth, np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
+    cell, area = (
+        made.cards[0].cloth,
+        np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum(),
+    )
     mass = cell.density * cell.thickness * area
     assert mass == pytest.approx(share * side**2 * cell.model.fabric.weave.areal_density, rel=1e-9)
-    assert np.all(ply.points[:, 2] - made.nose.points[:, 2].max() > 0.5 * (cell.thickness + made.skin))
+    assert np.all(
+        ply.points[:, 2] - made.nose.points[:, 2].max() > 0.5 * (cell.thickness + made.skin)
+    )
 
 
-@pytest.mark.parametrize("shape", [
-    {}, {"shape": "sphere", "mass": "1 g"}, {"shape": "hemisphere"}, {"obliquity": "30 deg"}, {"name": "FSP 1.10 g"},
-    {"shape": "cone", "half_angle": "40 deg", "tip_radius": "1 mm"},
-    {"shape": "stl", "stl": str(ROOT / "examples" / "cube.stl"), "stl_unit": "mm", "diameter": None, "yaw": "10 deg"},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {},
+        {"shape": "sphere", "mass": "1 g"},
+        {"shape": "hemisphere"},
+        {"obliquity": "30 deg"},
+        {"name": "FSP 1.10 g"},
+        {"shape": "cone", "half_angle": "40 deg", "tip_radius": "1 mm"},
+        {
+            "shape": "stl",
+            "stl": str(ROOT / "examples" / "cube.stl"),
+            "stl_unit": "mm",
+            "diameter": None,
+            "yaw": "10 deg",
+        },
+    ],
+)
 def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(shape):
     edge = {} if shape.get("shape") == "sphere" else {"edge_radius": "0.3 mm"}
     own = {} if "name" in shape else {"mass": "3 g", "diameter": "5.5 mm", **edge}
@@ -154,7 +186,9 @@ def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(sha
     spacing = np.diff(made.points[made.plies[0].quads[:, [0, 2]] - 1, 0]).min()
     assert np.linalg.norm(np.diff(made.points[edges - 1], axis=1), axis=2).max() < spacing
     assert nose.quads.min() == first
-    assert np.bincount(nose.quads.ravel())[first:].max() <= 4  # no pole: contact adds the stiffness of elements
+    assert (
+        np.bincount(nose.quads.ravel())[first:].max() <= 4
+    )  # no pole: contact adds the stiffness of elements
     corners = nose.points[nose.quads - first]
     outwards = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     assert np.all(np.sum(outwards * (corners.mean(axis=1) - nose.points.mean(axis=0)), axis=1) > 0)
@@ -167,11 +201,19 @@ def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(sha
 def test_a_body_that_is_not_seen_from_its_axis_is_refused(tmp_path):
     """A staple whose axis goes through one of its legs."""
     x, z = np.array([(-1, 0), (7, 0), (7, -8), (5, -8), (5, -2), (1, -2), (1, -8), (-1, -8)]).T
-    flat = pyvista.PolyData(np.column_stack([x, 0 * x - 1.0, z]), faces=[8, *range(8)]).triangulate()
-    flat.extrude((0, 2, 0), capping=True).triangulate().compute_normals(auto_orient_normals=True).save(
-        tmp_path / "u.stl"
-    )
-    shot = {"shape": "stl", "stl": str(tmp_path / "u.stl"), "stl_unit": "mm", "mass": "1 g", "edge_radius": "0.3 mm"}
+    flat = pyvista.PolyData(
+        np.column_stack([x, 0 * x - 1.0, z]), faces=[8, *range(8)]
+    ).triangulate()
+    flat.extrude((0, 2, 0), capping=True).triangulate().compute_normals(
+        auto_orient_normals=True
+    ).save(tmp_path / "u.stl")
+    shot = {
+        "shape": "stl",
+        "stl": str(tmp_path / "u.stl"),
+        "stl_unit": "mm",
+        "mass": "1 g",
+        "edge_radius": "0.3 mm",
+    }
     given = wc.setup("S-720", "100 m/s", opening="40 mm", projectile=shot)
     assert given.symmetry == "whole"
     with pytest.raises(InputError, match="a body whose surface is seen from its axis") as problem:
@@ -184,7 +226,12 @@ def test_each_fabric_has_a_card_and_the_header_its_error():
     made = deck.__wrapped__("S-720", "lsdyna", ply=plies, ply_gap="0.1 mm")
     assert [card.name for card in made.cards] == ["S-720", "S-726 turned"]
     head = "\n".join(made.header)
-    for word in ("NOT RUN", "WARNING", "Not held", *(f"rms {100 * card.mismatch.rms:.1f} %" for card in made.cards)):
+    for word in (
+        "NOT RUN",
+        "WARNING",
+        "Not held",
+        *(f"rms {100 * card.mismatch.rms:.1f} %" for card in made.cards),
+    ):
         assert word in head
     assert all(len(line) <= 76 for line in made.header)
 
@@ -195,7 +242,13 @@ def test_the_python_interface_writes_the_folder(tmp_path):
     assert set(errors) == set(folder.ROWS)
     assert 0 < errors["rms"] < errors["largest"] < 0.2
     written = {path.name for path in (tmp_path / "out").iterdir()}
-    assert written == {"S-728_0000.rad", "S-728_0001.rad", "mapping.svg", "report.html", "summary.json"}
+    assert written == {
+        "S-728_0000.rad",
+        "S-728_0001.rad",
+        "mapping.svg",
+        "report.html",
+        "summary.json",
+    }
     assert "2 x S-728, 100 m/s" in (tmp_path / "out" / "S-728_0000.rad").read_text()
 
 
@@ -207,20 +260,44 @@ def test_units_are_consistent():
     assert (small.density(7800.0), small.stress(2e11)) == pytest.approx((7.8e-3, 2e5))
 
 
-@pytest.mark.parametrize(("to", "factors"), [
-    ("lsdyna", {
-        "*CONTROL_TERMINATION": {"ENDTIM": 1e3}, "*DATABASE_GLSTAT": {"DT": 1e3}, "*SECTION_SHELL_TITLE": {"T4": 1e3},
-        "*NODE": {"NID": 1, "X": 1e3}, "*PART_INERTIA": {"ZC": 1e3, "TM": 1e3, "IYY": 1e9, "VTZ": 1, "NODEID": 1},
-        "*MAT_FABRIC_TITLE": {"RO": 1e-6, "EA": 1e-6, "EB": 1e-6, "GAB": 1e-6, "CSE": 1, "FORM": 1, "A1": 1},
-        "*DEFINE_CURVE_TITLE": {"DATTYP": 1, "O1": 1e-6}, "*MAT_RIGID_TITLE": {"RO": 1e-6, "E": 1e-6, "PR": 1},
-    }),
-    ("radioss", {
-        "/NODE": {"node_ID": 1, "X": 1e3}, "/MAT/LAW58": {"RHO_I": 1e-6, "E1": 1e-6, "E2": 1e-6, "Gsh": 1e-6, "S2": 1},
-        "/PROP/TYPE16": {"Thick": 1e3, "Alpha": 1, "T": 1e3, "mat_ID": 1}, "/MAT/LAW1": {"E": 1e-6, "nu": 1},
-        "/RBODY": {"Mass": 1e3, "ICoG": 1, "J33": 1e9}, "/INIVEL/TRA": {"Vz": 1, "grnd_ID": 1},
-        "/INTER/TYPE7": {"Idel": 1, "Stfac": 1, "Gapmin": 1e3, "Iform": 1},
-    }),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("to", "factors"),
+    [
+        (
+            "lsdyna",
+            {
+                "*CONTROL_TERMINATION": {"ENDTIM": 1e3},
+                "*DATABASE_GLSTAT": {"DT": 1e3},
+                "*SECTION_SHELL_TITLE": {"T4": 1e3},
+                "*NODE": {"NID": 1, "X": 1e3},
+                "*PART_INERTIA": {"ZC": 1e3, "TM": 1e3, "IYY": 1e9, "VTZ": 1, "NODEID": 1},
+                "*MAT_FABRIC_TITLE": {
+                    "RO": 1e-6,
+                    "EA": 1e-6,
+                    "EB": 1e-6,
+                    "GAB": 1e-6,
+                    "CSE": 1,
+                    "FORM": 1,
+                    "A1": 1,
+                },
+                "*DEFINE_CURVE_TITLE": {"DATTYP": 1, "O1": 1e-6},
+                "*MAT_RIGID_TITLE": {"RO": 1e-6, "E": 1e-6, "PR": 1},
+            },
+        ),
+        (
+            "radioss",
+            {
+                "/NODE": {"node_ID": 1, "X": 1e3},
+                "/MAT/LAW58": {"RHO_I": 1e-6, "E1": 1e-6, "E2": 1e-6, "Gsh": 1e-6, "S2": 1},
+                "/PROP/TYPE16": {"Thick": 1e3, "Alpha": 1, "T": 1e3, "mat_ID": 1},
+                "/MAT/LAW1": {"E": 1e-6, "nu": 1},
+                "/RBODY": {"Mass": 1e3, "ICoG": 1, "J33": 1e9},
+                "/INIVEL/TRA": {"Vz": 1, "grnd_ID": 1},
+                "/INTER/TYPE7": {"Idel": 1, "Stfac": 1, "Gapmin": 1e3, "Iform": 1},
+            },
+        ),
+    ],
+)
 def test_units_go_into_every_number_of_a_deck(to, factors):
     """The same deck in two systems: a field, found by its name above it, differs by the factor of its quantity."""
     made = deck("S-720", to)

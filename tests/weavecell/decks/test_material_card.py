@@ -36,7 +36,11 @@ def test_law58_is_in_equilibrium():
         return law.E[n] * (slant - 1 - law.crimp[n]) * np.array([stretch, rest[n] + y]) / slant
 
     for L1, L2 in ((1.01, 1.0), (1.02, 1.03), (1.0, 1.02)):
-        y = brentq(lambda y: pull(0, L1, y)[1] - pull(1, L2, -y)[1] + bend.sum() * y, -rest[0], rest[1], xtol=1e-15)  # noqa: B023
+
+        def imbalance(y, L1=L1, L2=L2):
+            return pull(0, L1, y)[1] - pull(1, L2, -y)[1] + bend.sum() * y
+
+        y = brentq(imbalance, -rest[0], rest[1], xtol=1e-15)
         wanted = pull(0, L1, y)[0], pull(1, L2, -y)[0]
         assert law.stress(L1, L2) == pytest.approx(wanted, rel=1e-6)
 
@@ -53,7 +57,9 @@ def test_curves_of_uniaxial_tension_are_the_yarns_alone():
 def test_a_fit_over_the_plane_is_nearer_to_it(name):
     fabric = cloth(name)
     for kind in (UncoupledCurves, CrimpExchange):
-        plane, tension = (Mismatch.of(fabric, kind.of(fabric, match)) for match in ("plane", "uniaxial"))
+        plane, tension = (
+            Mismatch.of(fabric, kind.of(fabric, match)) for match in ("plane", "uniaxial")
+        )
         assert plane.rms < tension.rms
 
 

@@ -12,7 +12,13 @@ from shellfabric.impact import ballistic_limit
 from tests.scene_text import every, impact_scene
 from weavecell.scenes import honoured, target
 
-FILES = ["critical-velocity.json", "report.html", "residual-velocity.svg", "scene.toml", "shots.csv"]
+FILES = [
+    "critical-velocity.json",
+    "report.html",
+    "residual-velocity.svg",
+    "scene.toml",
+    "shots.csv",
+]
 
 
 @pytest.fixture
@@ -62,7 +68,12 @@ def test_zone_of_mixed_outcomes(command, scene, tmp_path, monkeypatch):
     summary, rows = read(tmp_path / "results")
     low, high = summary["mixed_zone_m_s"]
     assert (summary["critical_velocity_m_s"], summary["checks"]["status"]) == (None, "doubtful")
-    assert low == summary["lowest_perforation_m_s"] == summary["bracket_m_s"][1] == pytest.approx(140.0, abs=1.0)
+    assert (
+        low
+        == summary["lowest_perforation_m_s"]
+        == summary["bracket_m_s"][1]
+        == pytest.approx(140.0, abs=1.0)
+    )
     assert 150.0 < high == summary["highest_stop_m_s"] < 155.0
     assert f"no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s" in out
     assert f"checks: doubtful: mixed outcomes {high - low:.2f} m/s (limit 0 m/s)" in out
@@ -82,7 +93,11 @@ def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):
     """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
     found = target.read("S-726", tmp_path, honoured.LIMITS)
     scene = found.case.scene
-    assert (found.case.fabric.name, scene.panel.opening, scene.projectile.mass) == ("S-726", 0.203, 3e-3)
+    assert (found.case.fabric.name, scene.panel.opening, scene.projectile.mass) == (
+        "S-726",
+        0.203,
+        3e-3,
+    )
     file, out = tmp_path / "mine.toml", tmp_path / "deep" / "results"
     file.write_text((resources.files("fabrics.catalogue") / "S-731.toml").read_text())
     out.mkdir(parents=True)
@@ -97,7 +112,9 @@ def test_an_error_keeps_the_shots_before(command, scene, tmp_path, monkeypatch):
 
     def fire(panel, velocity, give_up):
         if velocity < 130.0:
-            raise UnstableError("a number is not finite", where="node (1, 2)", when="after 3 us (step 4)")
+            raise UnstableError(
+                "a number is not finite", where="node (1, 2)", when="after 3 us (step 4)"
+            )
         return real(panel, velocity, give_up)
 
     def fails(patched, value):
@@ -105,14 +122,21 @@ def test_an_error_keeps_the_shots_before(command, scene, tmp_path, monkeypatch):
             patch.setattr(ballistic_limit, patched, value)
             code, _, err = command("critical-velocity", scene, "--out", "r", "--jobs", 1)
         assert code == 3
-        assert sorted(path.name for path in (tmp_path / "r").iterdir()) == ["scene.toml", "shots.csv"]
+        assert sorted(path.name for path in (tmp_path / "r").iterdir()) == [
+            "scene.toml",
+            "shots.csv",
+        ]
         return err.splitlines()[-1], (tmp_path / "r" / "shots.csv").read_text().splitlines()[1:]
 
     said, shots = fails("_fire", fire)
-    assert said.startswith("error: a number is not finite, at node (1, 2), after 3 us (step 4), of the shot at 1")
+    assert said.startswith(
+        "error: a number is not finite, at node (1, 2), after 3 us (step 4), of the shot at 1"
+    )
     assert shots
     assert all(",perforated," in shot for shot in shots)
     said, shots = fails("UNDECIDED", 2e-5)
-    assert said.startswith("error: the projectile struck at 136.3 m/s has neither stopped nor perforated")
+    assert said.startswith(
+        "error: the projectile struck at 136.3 m/s has neither stopped nor perforated"
+    )
     assert "no critical velocity" in said
     assert not shots

@@ -22,7 +22,10 @@ def rows(folder):
 
 def test_a_row_of_mixed_outcomes_has_the_middle_of_the_zone(monkeypatch):
     outcomes = {90.0: "stopped", 95.0: "perforated", 100.0: "stopped", 101.0: "perforated"}
-    shots = [Shot(velocity, 0.0, name, 1e-4, 0, (1.0, 1.0), 0.0, 0.1) for velocity, name in outcomes.items()]
+    shots = [
+        Shot(velocity, 0.0, name, 1e-4, 0, (1.0, 1.0), 0.0, 0.1)
+        for velocity, name in outcomes.items()
+    ]
     found = Limit(100.0, 101.0, tuple(shots))
     monkeypatch.setattr(limits, "search", lambda *_, **__: type("Search", (), {"limit": found}))
     row = analysis.critical_velocity(None, 1.0)
@@ -50,7 +53,10 @@ def test_progress_without_a_terminal(monkeypatch, capsys):
 
 def test_values_are_numbers_truth_values_or_texts():
     assert sweeps.parse("panel.plies=2, 4") == ("panel.plies", [2, 4])
-    assert sweeps.parse("projectile.strike_velocity=100 m/s,1e2") == ("projectile.strike_velocity", ["100 m/s", 100.0])
+    assert sweeps.parse("projectile.strike_velocity=100 m/s,1e2") == (
+        "projectile.strike_velocity",
+        ["100 m/s", 100.0],
+    )
     assert sweeps.parse("panel.yarn_failure=true") == ("panel.yarn_failure", [True])
 
 
@@ -58,13 +64,24 @@ def test_resume_adds_values_without_computing_a_shot_again(command, results, tmp
     made = results("sweep")
     found = rows(made.folder)
     assert [(row["projectile.strike_velocity"], row["projectile.mass"]) for row in found] == [
-        ("90 m/s", "3 g"), ("90 m/s", "2 g"), ("150 m/s", "3 g"), ("150 m/s", "2 g"),
-    ]  # fmt: skip
+        ("90 m/s", "3 g"),
+        ("90 m/s", "2 g"),
+        ("150 m/s", "3 g"),
+        ("150 m/s", "2 g"),
+    ]
     assert "projectile.strike_velocity = 90 m/s, projectile.mass = 3 g: " in made.out
     folder = shutil.copytree(made.folder, tmp_path / "r")
     kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
-    more = ("--over", "projectile.strike_velocity=90 m/s,120 m/s,150 m/s", "--over", "projectile.mass=3 g,2 g")
-    assert command("sweep", folder / "scene.toml", *more, "--out", "r", "--jobs", 2, "--resume")[0] == 0
+    more = (
+        "--over",
+        "projectile.strike_velocity=90 m/s,120 m/s,150 m/s",
+        "--over",
+        "projectile.mass=3 g,2 g",
+    )
+    assert (
+        command("sweep", folder / "scene.toml", *more, "--out", "r", "--jobs", 2, "--resume")[0]
+        == 0
+    )
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
     assert rows(folder)[:2] == found[:2]
     assert len(rows(folder)) == 6
@@ -74,12 +91,22 @@ def test_the_limit_and_v50_against_the_number_of_plies(command, tmp_path):
     """Against areal density; two plies stop more than one, and V50 of eight shots is near the limit."""
     (tmp_path / "scene.toml").write_text(toml(SCENES["plies"]))
     words = ("sweep", "scene.toml", "--jobs", 1, "--over")
-    limit = ("panel.plies=1,2", "--quantity", "critical-velocity", "--tolerance", "10 m/s", "--out", "limit")
+    limit = (
+        "panel.plies=1,2",
+        "--quantity",
+        "critical-velocity",
+        "--tolerance",
+        "10 m/s",
+        "--out",
+        "limit",
+    )
     assert command(*words, *limit)[0] == 0
     one, two = rows(tmp_path / "limit")
     assert float(two["areal_density_kg_m2"]) == pytest.approx(2 * float(one["areal_density_kg_m2"]))
     assert float(one["upper_m_s"]) < float(two["lower_m_s"])
-    assert command(*words, "panel.plies=1", "--quantity", "v50", "--shots", 8, "--out", "v50")[0] == 0
+    assert (
+        command(*words, "panel.plies=1", "--quantity", "v50", "--shots", 8, "--out", "v50")[0] == 0
+    )
     (row,) = rows(tmp_path / "v50")
     assert float(row["v50_m_s"]) == pytest.approx(float(one["lower_m_s"]), rel=0.25)
     assert row["shots"] == "8"
@@ -93,22 +120,44 @@ def test_a_v50_study_says_what_it_found(results):
         assert "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm)" in text
     page = (run.folder / "report.html").read_text()
     assert "A series of tests up and down" in page
-    assert re.findall(r'<section id="([^"]*)"', page) == ["result", "assumptions", "sources", "making"]
+    assert re.findall(r'<section id="([^"]*)"', page) == [
+        "result",
+        "assumptions",
+        "sources",
+        "making",
+    ]
     assert re.search(r'<p class="outcome [^>]*>V50 \d+\.\d m/s \(', page)
-    assert "One ply of S-720, 30.6 mm square and clamped, struck by a cylinder of 3 g and 5.5 mm." in page
+    assert (
+        "One ply of S-720, 30.6 mm square and clamped, struck by a cylinder of 3 g and 5.5 mm."
+        in page
+    )
 
 
 def test_sensitivities_of_an_input_file_are_those_of_its_pack(results):
     folder = results("sensitivity").folder
-    assert {one["velocity"] for one in json.loads((folder / "sobol.json").read_text())["indices"]} == {90.0}
+    assert {
+        one["velocity"] for one in json.loads((folder / "sobol.json").read_text())["indices"]
+    } == {90.0}
     assert "2 x S-720: Sobol indices" in (folder / "report.html").read_text()
 
 
 def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
-    fired = "velocity [m/s], outcome, residual velocity [m/s]\n60, PP,\n140, CP, 100\n150, CP, 120\n"
+    fired = (
+        "velocity [m/s], outcome, residual velocity [m/s]\n60, PP,\n140, CP, 100\n150, CP, 120\n"
+    )
     (tmp_path / "tests.csv").write_text(fired)
     (tmp_path / "scene.toml").write_text(toml(SCENES["limit"]))
-    words = ("compare", "tests.csv", "scene.toml", "--tolerance", "10 m/s", "--jobs", 1, "--out", "r")
+    words = (
+        "compare",
+        "tests.csv",
+        "scene.toml",
+        "--tolerance",
+        "10 m/s",
+        "--jobs",
+        1,
+        "--out",
+        "r",
+    )
     code, out, err = command(*words)
     assert code == 0, err
     told = json.loads((tmp_path / "r" / "comparison.json").read_text())
@@ -117,7 +166,9 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(command, tmp_path):
     shots = list(csv.DictReader((tmp_path / "r" / "shots.csv").read_text().splitlines()))
     assert [row["tested"] for row in shots] == ["stopped", "perforated", "perforated"]
     assert told["outcomes_that_agree"] == sum(row["tested"] == row["computed"] for row in shots)
-    off = [float(row["computed residual velocity [m/s]"]) - v for row, v in zip(shots[1:], (100, 120))]
+    off = [
+        float(row["computed residual velocity [m/s]"]) - v for row, v in zip(shots[1:], (100, 120))
+    ]
     assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
     assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
     files = ["comparison.json", "comparison.svg", "report.html", "scene.toml", "shots.csv"]

@@ -41,9 +41,14 @@ def test_status_line_summary_and_section():
 def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves():
     setup = wc.setup("S-728", "200 m/s", backing={"material": "gelatine 20 %", "modulus": "5 MPa"})
     told = dict(chapters_shot.assumptions(setup, ()).tables[0].rows)["block behind"]
-    assert told.startswith("assumed: yield_stress 0.41 MPa, hardening 0.0019 MPa, rate_exponent 0, reference_rate")
+    assert told.startswith(
+        "assumed: yield_stress 0.41 MPa, hardening 0.0019 MPa, rate_exponent 0, reference_rate"
+    )
     assert told.endswith(", of the block of gelatine 20 %")
-    for kinetic, said in ((1.0, "back-face signature 9 mm"), (2.0, "no back-face signature yet: the block moves with")):
+    for kinetic, said in (
+        (1.0, "back-face signature 9 mm"),
+        (2.0, "no back-face signature yet: the block moves with"),
+    ):
         energies = {"backing_kinetic": [kinetic], "backing_plastic": [120.0]}
         shot = SimpleNamespace(signature_mm=9.0, strike_energy=300.0, energies=energies)
         assert chapters_shot.dent(shot).startswith(said)
@@ -53,7 +58,9 @@ def test_a_viscous_share_is_noted_from_10_and_doubtful_from_15_per_cent():
     found = [quality.indicator("viscous energy", share) for share in (0.09, 0.11, 0.14, 0.16)]
     assert [one.status for one in found] == ["ok", "noted", "noted", "doubtful"]
     assert checks.status(found) == "doubtful"
-    run = SimpleNamespace(cut_yarns=[0, 2], absorbed_energy=100.0, strike_energy=300.0, energies={"viscous": [0, 36]})
+    run = SimpleNamespace(
+        cut_yarns=[0, 2], absorbed_energy=100.0, strike_energy=300.0, energies={"viscous": [0, 36]}
+    )
     told = "viscosity took 36 % of what the whole run absorbed; its check ends at the first failure"
     assert ImpactRecord.viscous_note.fget(run) == told
     run.energies["viscous"] = [0, 14]
@@ -83,7 +90,9 @@ def test_a_run_with_an_edge_that_no_point_of_contact_resolves(command, tmp_path,
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["checks"]["status"] == "doubtful"
     assert summary["stop_time_s"] is None
-    assert summary["residual_velocity_m_s"] * 30e-6 < summary["max_deflection_m"] < 92.5 * 30e-6 * 1.1
+    assert (
+        summary["residual_velocity_m_s"] * 30e-6 < summary["max_deflection_m"] < 92.5 * 30e-6 * 1.1
+    )
     for name, yarn in zip(("warp", "weft"), catalogue.load("S-720").weave.yarns):
         # a yarn that has to take the crossing yarns along carries more than a lone one struck at this velocity
         assert smith(yarn, 92.5).tension < summary[f"peak_tension_{name}_N"] < yarn.strength

@@ -26,7 +26,9 @@ def released():
 
 
 @pytest.mark.parametrize("name", [*RUNS, *OTHERS])
-def test_a_folder_that_cannot_be_made_is_refused_before_the_run(command, tmp_path, monkeypatch, name):
+def test_a_folder_that_cannot_be_made_is_refused_before_the_run(
+    command, tmp_path, monkeypatch, name
+):
     def computed(*_, **__):
         raise AssertionError("something is computed")
 
@@ -40,7 +42,10 @@ def test_a_folder_that_cannot_be_made_is_refused_before_the_run(command, tmp_pat
     (tmp_path / "file").write_text("")
     words = OTHERS[name] if name in OTHERS else RUNS[name]["words"]
     code, _, err = command(*shlex.split(words), "--out", "file/out")
-    assert err == "error: --out = 'file/out': must be a folder that can be written to (Not a directory)\n"
+    assert (
+        err
+        == "error: --out = 'file/out': must be a folder that can be written to (Not a directory)\n"
+    )
     assert code == 2
 
 
@@ -48,7 +53,9 @@ def test_a_run_is_kept_from_the_folder_of_another_until_that_ends(tmp_path):
     folder = tmp_path / "made" / "out"
     other = subprocess.Popen([sys.executable, "-c", HOLD, folder], stdin=-1, stdout=-1, text=True)
     assert other.stdout.readline() == "held\n"
-    with pytest.raises(InputError, match="must be another folder: another run is writing to this one"):
+    with pytest.raises(
+        InputError, match="must be another folder: another run is writing to this one"
+    ):
         out_folder.claim(folder)
     other.kill()  # the system frees the lock
     other.communicate()
@@ -81,8 +88,14 @@ def test_to_resume_is_refused_in_a_folder_of_another_input(command, tmp_path, mo
         raise KeyboardInterrupt
 
     monkeypatch.setattr("weavecell.studies.draws.study", draws)
-    one = impact_scene().replace("[projectile]", 'law = { a = "45 um", b = "58 um * N**(1/3)" }\n[projectile]')
-    for name, text in (("one", one), ("same", f'title = "a" # b\n{one}'), ("other", one.replace("50 mm", "60 mm"))):
+    one = impact_scene().replace(
+        "[projectile]", 'law = { a = "45 um", b = "58 um * N**(1/3)" }\n[projectile]'
+    )
+    for name, text in (
+        ("one", one),
+        ("same", f'title = "a" # b\n{one}'),
+        ("other", one.replace("50 mm", "60 mm")),
+    ):
         (tmp_path / f"{name}.toml").write_text(text)
     assert command("draws", "one.toml", "--out", "r")[0] == 130
     assert command("draws", "same.toml", "--out", "r", "--resume")[0] == 130

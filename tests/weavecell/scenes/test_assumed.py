@@ -40,8 +40,15 @@ def own(command, tmp_path):
         (tmp_path / "fabrics").mkdir()
         data = reduce(lambda text, change: text.replace(*change), changes, MINE.read_text())
         (tmp_path / "fabrics" / "mine.toml").write_text(data)
-        text = (EXAMPLES / "own-fabric.toml").read_text().replace('"150 mm"', '"26 mm"').replace('"600 us"', '"12 us"')
-        (tmp_path / "own.toml").write_text(text.replace("elements_per_crossover = 2", 'outputs = ["report"]'))
+        text = (
+            (EXAMPLES / "own-fabric.toml")
+            .read_text()
+            .replace('"150 mm"', '"26 mm"')
+            .replace('"600 us"', '"12 us"')
+        )
+        (tmp_path / "own.toml").write_text(
+            text.replace("elements_per_crossover = 2", 'outputs = ["report"]')
+        )
         code, out, err = command("impact", "own.toml", "--out", "r", *options)
         assert code == 0, err
         return out.splitlines(), json.loads((tmp_path / "r" / "summary.json").read_text())
@@ -68,14 +75,23 @@ def test_what_is_assumed_is_printed_recorded_and_in_force(own, tmp_path):
 
 
 SHEAR_LAW = {"G1": "10 MPa", "G2": "10 GPa", "gamma1": 0.2, "gamma2": 0.5}
-SOURCED = toml({"shear": {key: {"value": value, "source": "own test"} for key, value in SHEAR_LAW.items()}})
+SOURCED = toml(
+    {"shear": {key: {"value": value, "source": "own test"} for key, value in SHEAR_LAW.items()}}
+)
 GIVEN = ("count =", 'crimp = "1 %"\ncount ='), ("\n[warp]", f"\n{SOURCED}\n[warp]")
 
 
 def test_nothing_is_assumed_of_what_is_given(own):
-    out, told = own(*GIVEN, ("\nthickness =", "\nfailure_length = '1 mm'\nthickness ="), options=["--assumed-range"])
+    out, told = own(
+        *GIVEN,
+        ("\nthickness =", "\nfailure_length = '1 mm'\nthickness ="),
+        options=["--assumed-range"],
+    )
     assert not [line for line in out if line.startswith("assumed: ")]
-    assert set(told["assumed_range"]["shares"]) == {"strength after weaving", "friction of the projectile"}
+    assert set(told["assumed_range"]["shares"]) == {
+        "strength after weaving",
+        "friction of the projectile",
+    }
     assert "assumed" not in told["provenance"]
 
 
@@ -94,8 +110,12 @@ def test_a_number_with_a_range_keeps_it_and_a_guess_has_that_of_its_family():
     assert (soft.E_c, stiff.E_c) == pytest.approx((0.5e9, 3e9))
     assert (soft.K_r, stiff.K_r) == pytest.approx((0.01, 0.06))
     assert soft.V_c == stiff.V_c == 1.0
-    late = replace(fabric, shear=replace(fabric.shear, gamma2=1.5), ranges={"shear.gamma2": (0.1, 1.2)})
-    assert [end.shear.gamma2 for end in assumed.shear_ends(late).values()] == pytest.approx([trellis.LARGEST, 0.15])
+    late = replace(
+        fabric, shear=replace(fabric.shear, gamma2=1.5), ranges={"shear.gamma2": (0.1, 1.2)}
+    )
+    assert [end.shear.gamma2 for end in assumed.shear_ends(late).values()] == pytest.approx(
+        [trellis.LARGEST, 0.15]
+    )
     low = assumed.ends(fabric)["modulus"]["modulus low"].weave
     assert (low.warp.E, low.weft.E) == pytest.approx((81e9, 90e9))
     assert low.warp.strength == pytest.approx(fabric.weave.warp.strength)
@@ -111,7 +131,9 @@ def test_what_a_set_up_assumes_follows_from_it():
     found = assumed_range.changes(setup)
     usual = ["failure length", "strength after weaving", "friction of the projectile"]
     assert list(found) == [*usual, "friction between plies", "clamp force"]
-    assert found["friction between plies"]["friction between plies 0.25"](setup).ply_friction == 0.25
+    assert (
+        found["friction between plies"]["friction between plies 0.25"](setup).ply_friction == 0.25
+    )
     assert [end(setup).edge[0].force for end in found["clamp force"].values()] == [10.0, 40.0]
     weak = found["strength after weaving"]["strength after weaving 0.88"](setup).fabric.weave.warp
     assert weak.strength == pytest.approx(0.88 * setup.fabric.weave.warp.strength)
@@ -126,7 +148,12 @@ def test_what_a_set_up_assumes_follows_from_it():
 
 @pytest.mark.parametrize(
     ("modulus", "density", "family"),
-    [(90e9, 1440.0, "para-aramid"), (110e9, 970.0, "UHMWPE"), (72e9, 2560.0, "E-glass"), (180e9, 1560.0, None)],
+    [
+        (90e9, 1440.0, "para-aramid"),
+        (110e9, 970.0, "UHMWPE"),
+        (72e9, 2560.0, "E-glass"),
+        (180e9, 1560.0, None),
+    ],
 )
 def test_the_family_follows_from_modulus_and_density(modulus, density, family):
     fabric = catalogue.load(MINE).with_yarns(E=modulus, fibre_density=density)
@@ -138,7 +165,9 @@ def test_the_family_follows_from_modulus_and_density(modulus, density, family):
 
 def test_a_family_that_the_file_names_has_wider_ranges_for_other_yarns():
     """PBO: the values of para-aramid, and ratios of the ends to them squared, of moduli at most that of the fibre."""
-    fabric = replace(catalogue.load(MINE).with_yarns(E=180e9, fibre_density=1560.0), family="para-aramid")
+    fabric = replace(
+        catalogue.load(MINE).with_yarns(E=180e9, fibre_density=1560.0), family="para-aramid"
+    )
     found = assumed.with_solid_laws(assumed.with_shear(fabric))
     assert found.solid_laws == catalogue.load("S-720").solid_laws
     soft, stiff = (fabric.solid_laws[0] for fabric in assumed.solid_ends(found).values())
@@ -187,7 +216,9 @@ def test_a_width_replaces_the_assumed_gap(tmp_path):
     # the warp of unknown width touches first
     assert fabric.shear.gamma1 == pytest.approx(acos(1 - 0.026))
     path.write_text(text.replace("[warp]\n", '[warp]\nwidth = "1.1 mm"\n'))
-    assert assumed.with_shear(catalogue.load(path)).shear.gamma1 == pytest.approx(acos(1.1 / (10 / 8.5)))
+    assert assumed.with_shear(catalogue.load(path)).shear.gamma1 == pytest.approx(
+        acos(1.1 / (10 / 8.5))
+    )
     path.write_text(text.replace('"1.0 mm"', '"-1 mm"'))
     with pytest.raises(InputError, match=r"weft\.width = '-1 mm': must be from 0.02 to 20 mm"):
         catalogue.load(path)
@@ -202,9 +233,10 @@ def test_a_tight_weave_locks_just_after_its_yarns_touch():
 def test_a_coupon_of_yarns_of_no_family_says_that_it_has_no_shear_stiffness(command, tmp_path):
     (tmp_path / "other.toml").write_text(MINE.read_text().replace("1.44 g/cm^3", "1.56 g/cm^3"))
     table = {
-        "fabric": {"file": "other.toml", "law": LAW}, "biaxial": {"strain": ["0.2 %", "0.2 %"], "centre": 2, "arm": 1},
+        "fabric": {"file": "other.toml", "law": LAW},
+        "biaxial": {"strain": ["0.2 %", "0.2 %"], "centre": 2, "arm": 1},
         "run": {"steps": 1, "outputs": []},
-    }  # fmt: skip
+    }
     (tmp_path / "scene.toml").write_text(toml(table))
     code, out, err = command("coupon", "scene.toml", "--out", "r")
     assert code == 0, err
@@ -214,7 +246,8 @@ def test_a_coupon_of_yarns_of_no_family_says_that_it_has_no_shear_stiffness(comm
 @pytest.mark.parametrize("model", ["incompressible", "decoupled"])
 def test_yarns_that_are_not_compressed_need_no_law(model):
     scene = impact.check(
-        merged(SCENES["small"], {"fabric": {"name": None, "file": str(MINE), "cell_model": model}}), None
+        merged(SCENES["small"], {"fabric": {"name": None, "file": str(MINE), "cell_model": model}}),
+        None,
     )
     assert build.build(scene, None, "s").law_name == f"none, {model} yarns"
 
@@ -222,10 +255,12 @@ def test_yarns_that_are_not_compressed_need_no_law(model):
 def test_a_range_names_what_its_ends_rest_on():
     """A share is the width of one alone over all widths, without the runs of several."""
     rows = (
-        Row("nominal", "", 130.0), Row("trellis soft", "", 120.0, "trellis law"),
-        Row("trellis stiff", "unstable", None), Row("warp share 0.5", "", 135.0, "crimp"),
+        Row("nominal", "", 130.0),
+        Row("trellis soft", "", 120.0, "trellis law"),
+        Row("trellis stiff", "unstable", None),
+        Row("warp share 0.5", "", 135.0, "crimp"),
         Row("all that lower it", "", 110.0),
-    )  # fmt: skip
+    )
     around = AssumedRange("critical velocity", rows)
     assert around.widths == {"trellis law": (120.0, 130.0), "crimp": (130.0, 135.0)}
     assert around.words() == (
@@ -249,6 +284,14 @@ def test_a_law_outside_the_ends_of_its_range_says_at_which_forces():
     ends = (2.23e-5, 7.7e-6), (2.20e-5, 8.00e-5)
     law = CompressionLaw(5.8e-6, 4.0e-6, F_range=(0.4, 65.0), assumed_range=ends)
     stiff = CompressionLaw(*ends[1])
-    assert brentq(lambda F: float(law.d(F) - stiff.d(F)), 10.0, 65.0) == pytest.approx(51.3, abs=0.1)
-    assert law.outside_ends() == ["stiff end softer than the law from 51.3 to 65 N: the ends do not bracket it there"]
-    assert replace(law, F_range=(0.4, 40.0)).outside_ends() == replace(law, F_range=None).outside_ends() == []
+    assert brentq(lambda F: float(law.d(F) - stiff.d(F)), 10.0, 65.0) == pytest.approx(
+        51.3, abs=0.1
+    )
+    assert law.outside_ends() == [
+        "stiff end softer than the law from 51.3 to 65 N: the ends do not bracket it there"
+    ]
+    assert (
+        replace(law, F_range=(0.4, 40.0)).outside_ends()
+        == replace(law, F_range=None).outside_ends()
+        == []
+    )

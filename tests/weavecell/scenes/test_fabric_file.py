@@ -34,7 +34,11 @@ def test_from_a_csv_file(command, tmp_path, values):
     assert fabric.name == "mine"
     assert [yarn.crimp for yarn in fabric.weave.yarns] == pytest.approx([0.012, 0.008])
     assert fabric.weave.warp.EA == pytest.approx(EA)
-    assert fabric.sources["warp.crimp"] == {"value": "1.2 %", "source": "measured, own", "status": "user"}
+    assert fabric.sources["warp.crimp"] == {
+        "value": "1.2 %",
+        "source": "measured, own",
+        "status": "user",
+    }
     assert "assumed: [shear] of para-aramid yarns" in out
     assert "assumed: [solid] of para-aramid yarns" in out
 
@@ -45,7 +49,9 @@ def test_the_last_lines_say_what_is_missing_of_a_yarn_of_no_family(command, valu
     code, out, err = command("fabrics", "new", "pbo.toml", "--from", values, *family)
     assert code == 0, err
     lines = out.partition("written to pbo.toml\n")[2].splitlines()
-    assert lines.pop() == "missing: the compression law, which `weavecell calibrate pbo.toml` computes"
+    assert (
+        lines.pop() == "missing: the compression law, which `weavecell calibrate pbo.toml` computes"
+    )
     assert [line[:35] for line in lines] == ["missing: fabric pbo has no [shear] "][: not family]
     assert ("with wider ranges for another fibre" in out) == bool(family)
 
@@ -55,8 +61,12 @@ def test_the_last_lines_say_what_is_missing_of_a_yarn_of_no_family(command, valu
 def test_files_of_excel_are_read(tmp_path, values, encoding, separator):
     """With a byte order mark, semicolons, empty cells and lines to the right and below."""
     plain = fabric_file.read_values(values)
-    text = '"measured, own"'.join(part.replace(",", separator) for part in VALUES.split('"measured, own"'))
-    values.write_text(text.replace("\n", f"{separator}{separator}\n", 3) + separator * 4 + "\n", encoding=encoding)
+    text = '"measured, own"'.join(
+        part.replace(",", separator) for part in VALUES.split('"measured, own"')
+    )
+    values.write_text(
+        text.replace("\n", f"{separator}{separator}\n", 3) + separator * 4 + "\n", encoding=encoding
+    )
     assert fabric_file.read_values(values) == plain
 
 
@@ -70,18 +80,44 @@ def prompted(tmp_path, *words):
 
 def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
     fabric = prompted(
-        tmp_path, "data sheet", "930 dtex", "", "1.44 g/cm^3", "", "95 GPa", "", "", "2350 mN/tex", "", "", "0.30 mm",
-        "11 / cm", "",
-    )  # fmt: skip
+        tmp_path,
+        "data sheet",
+        "930 dtex",
+        "",
+        "1.44 g/cm^3",
+        "",
+        "95 GPa",
+        "",
+        "",
+        "2350 mN/tex",
+        "",
+        "",
+        "0.30 mm",
+        "11 / cm",
+        "",
+    )
     assert fabric.assumed == ("crimp", "failure_length")
     assert fabric.weave.warp.strength == pytest.approx(218.55)
 
 
 def test_a_wrong_unit_is_asked_for_again_and_an_empty_line_takes_the_value_of_the_warp(tmp_path):
     fabric = prompted(
-        tmp_path, "data sheet", "1100 mm", "1100 dtex", "", "1.44 g/cm^3", "", "90 GPa", "", "0.033", "", "1.2 %",
-        "0.8 %", "8.5 / cm", "",
-    )  # fmt: skip
+        tmp_path,
+        "data sheet",
+        "1100 mm",
+        "1100 dtex",
+        "",
+        "1.44 g/cm^3",
+        "",
+        "90 GPa",
+        "",
+        "0.033",
+        "",
+        "1.2 %",
+        "0.8 %",
+        "8.5 / cm",
+        "",
+    )
     assert fabric.weave.weft.failure_strain == pytest.approx(0.033)
     assert fabric.weave.weft.crimp == pytest.approx(0.008)
 
@@ -106,7 +142,10 @@ def test_numbers_of_a_data_sheet_are_enough(command, tmp_path, values):
     fabric = catalogue.load(tmp_path / "mine.toml")
     assert fabric.weave.thickness == pytest.approx(0.30e-3)
     assert fabric.sources["thickness"]["source"] == "data sheet"
-    assert (fabric.failure_length, fabric.sources["failure_length"]["source"]) == (pytest.approx(1e-3), "punch test")
+    assert (fabric.failure_length, fabric.sources["failure_length"]["source"]) == (
+        pytest.approx(1e-3),
+        "punch test",
+    )
     told = out.splitlines()
     assert told[0].startswith("note: warp and weft: the strength 2350 mN/tex is 218.6 N a yarn; ")
     assert told[1].startswith("note: counts, linear densities and crimp give 208.2 g/m^2")
@@ -123,7 +162,9 @@ def test_a_tensile_curve_replaces_modulus_and_failure_strain(command, tmp_path, 
     force = np.maximum(EA * (strain - 0.002), 0) * (1 + 0.01 * np.sin(50 * np.arange(40)))
     rows = "\n".join(f"{100 * e},{f}" for e, f in zip(strain, force))
     (tmp_path / "yarn.csv").write_text(f"strain [%], force [N]\n{rows}\n")
-    code, out, err = command("fabrics", "new", "mine.toml", "--from", values, "--yarn-curve", "yarn.csv")
+    code, out, err = command(
+        "fabrics", "new", "mine.toml", "--from", values, "--yarn-curve", "yarn.csv"
+    )
     assert code == 0, err
     fabric = catalogue.load(tmp_path / "mine.toml")
     assert fabric.weave.warp.EA == pytest.approx(EA, rel=0.02)

@@ -22,20 +22,37 @@ ROOT = Path(__file__).parents[3]
 SURFACE = str(ROOT / "tests" / "shellfabric" / "cell" / "data" / "S-720-coarse-9x9.h5")
 SHOT = {
     "fabric": {"name": "S-720"},
-    "projectile": {"mass": "2.9 g", "diameter": "5 mm", "edge_radius": "0.2 mm", "strike_velocity": "90 m/s"},
+    "projectile": {
+        "mass": "2.9 g",
+        "diameter": "5 mm",
+        "edge_radius": "0.2 mm",
+        "strike_velocity": "90 m/s",
+    },
     "panel": {"opening": "50 mm"},
     "run": {"end_time": "60 us"},
 }
 CONE = {"projectile": {"shape": "cone", "half_angle": "40 deg", "tip_radius": "0.4 mm"}}
 CHISEL = {"projectile": {"shape": "chisel", "flat_width": "2.4 mm", "flat_angle": "30 deg"}}
-CUBE = {"shape": "stl", "stl": str(ROOT / "examples/cube.stl"), "stl_unit": "mm", "mass": "0.8 g", "diameter": None}
+CUBE = {
+    "shape": "stl",
+    "stl": str(ROOT / "examples/cube.stl"),
+    "stl_unit": "mm",
+    "mass": "0.8 g",
+    "diameter": None,
+}
 STL = {"projectile": CUBE | {"edge_radius": "0.5 mm"}}
-DENSE = {"projectile": CUBE | {"mass": None, "density": "8 g/cm^3", "edge_radius": "2 mm"}, "panel": {"opening": "1 m"}}
+DENSE = {
+    "projectile": CUBE | {"mass": None, "density": "8 g/cm^3", "edge_radius": "2 mm"},
+    "panel": {"opening": "1 m"},
+}
 PACK, SLIDING = {"panel": {"plies": 2}}, {"panel": {"crossovers": "sliding", "symmetry": "quarter"}}
 LAW = {"a": "0.04 mm", "b": "0.05 mm N^(1/3)"}
 OWN_LAW, PLIES = {"fabric": {"law": LAW}}, {"panel": {"ply": [{"law": LAW}, {}]}}
 DAMAGE = {"fabric": {"weaving_damage": {"source": "made up"}}}
-GRIP, PULL = {"clamp_force": "10 N"}, {"pull_in": "1 mm", "start": "1 us", "end": "40 us", "zone": "50 mm"}
+GRIP, PULL = (
+    {"clamp_force": "10 N"},
+    {"pull_in": "1 mm", "start": "1 us", "end": "40 us", "zone": "50 mm"},
+)
 
 
 def of_laws(value, *names, before=("",)):
@@ -47,41 +64,64 @@ def of_sides(key, value, field, found):
     """Rows of a key of a side that slips: of warp, of weft, and of both where it stands in panel.boundary itself."""
     for side, held in (("", (0, 1)), (".warp", (0,)), (".weft", (1,))):
         first = table_of(f"panel.boundary{side}", GRIP if key == "clamp_force" else PULL)
-        yield f"panel.boundary{side}.{key}", (first, value, {f"edge.{k}.{field}": found for k in held})
+        yield (
+            f"panel.boundary{side}.{key}",
+            (first, value, {f"edge.{k}.{field}": found for k in held}),
+        )
 
 
 OF_PLY = "", "lay_up.0."
 # key -> (what else the scene says, value, {field of the set-up: what it then holds}), where it is not that a field of
 # the same name holds the value in SI units; a name that ends with a point stands for all that is within
 ROWS = {
-    "fabric.name": ({}, "S-728", {"fabric.name": "S-728", "laws.0.a": 4.4e-5, "fabric.": ..., "laws.": ...}),
+    "fabric.name": (
+        {},
+        "S-728",
+        {"fabric.name": "S-728", "laws.0.a": 4.4e-5, "fabric.": ..., "laws.": ...},
+    ),
     "fabric.file": (
-        {"fabric": {"name": None, "file": "fabrics/catalogue/S-720.toml"}}, "fabrics/catalogue/S-731.toml",
+        {"fabric": {"name": None, "file": "fabrics/catalogue/S-720.toml"}},
+        "fabrics/catalogue/S-731.toml",
         {"fabric.name": "S-731", "laws.0.a": 4.6e-5, "fabric.": ..., "laws.": ...},
     ),
     "fabric.linear_density": (
-        {"fabric": {"name": "S-726"}}, "nominal",
+        {"fabric": {"name": "S-726"}},
+        "nominal",
         {f"fabric.weave.{yarn}.linear_density": 840 / 9e6 for yarn in ("warp", "weft")},
     ),
     "fabric.weaving_damage.modulus": (
-        DAMAGE, 0.9, {"fabric.weave.warp.E": 0.9 * 96e9, "fabric.weave.weft.E": 0.9 * 96e9, "fabric.": ...},
+        DAMAGE,
+        0.9,
+        {"fabric.weave.warp.E": 0.9 * 96e9, "fabric.weave.weft.E": 0.9 * 96e9, "fabric.": ...},
     ),
     "fabric.weaving_damage.strength": (
-        DAMAGE, 0.8, {f"fabric.weave.{yarn}.failure_strain": 0.8 * 0.03 for yarn in ("warp", "weft")} | {"fabric.": ...}
+        DAMAGE,
+        0.8,
+        {f"fabric.weave.{yarn}.failure_strain": 0.8 * 0.03 for yarn in ("warp", "weft")}
+        | {"fabric.": ...},
     ),
     "fabric.weaving_damage.source": (DAMAGE, "tests", {"fabric.": ...}),
     "fabric.weaving_damage.status": (DAMAGE, "measured", {"fabric.": ...}),
-    "fabric.law": ({}, LAW, of_laws(4e-5, "a") | of_laws(5e-5, "b") | of_laws("given in the scene", "provenance")),
+    "fabric.law": (
+        {},
+        LAW,
+        of_laws(4e-5, "a") | of_laws(5e-5, "b") | of_laws("given in the scene", "provenance"),
+    ),
     "fabric.law.a": (OWN_LAW, "0.03 mm", of_laws(3e-5, "a")),
     "fabric.law.b": (OWN_LAW, "0.06 mm N^(1/3)", of_laws(6e-5, "b")),
     "fabric.law.form": (OWN_LAW, "printed", of_laws("printed", "form")),
-    "fabric.cell_model": ({"fabric": {"cell_model": "incompressible"}}, "decoupled", {"cell_model": "decoupled"}),
+    "fabric.cell_model": (
+        {"fabric": {"cell_model": "incompressible"}},
+        "decoupled",
+        {"cell_model": "decoupled"},
+    ),
     "fabric.cell_formulation": ({}, "equilibrium", {"form": "equilibrium"}),
     "fabric.cell_profile": ({}, "straight", {"profile": "straight"}),
     "fabric.crossover_gap": ({}, "0.01 mm", {"gap": 1e-5}),
     "fabric.surface": ({}, SURFACE, {"surface.fabric": "S-720", "surface.": ...}),
     "projectile.name": (
-        {"projectile": {"name": "FSP 1.10 g", "mass": None, "diameter": None, "edge_radius": None}}, "FSP 2.79 g",
+        {"projectile": {"name": "FSP 1.10 g", "mass": None, "diameter": None, "edge_radius": None}},
+        "FSP 2.79 g",
         {"projectile.mass": 2.79e-3, "projectile.radius": 3.745e-3, "projectile.": ...},
     ),
     "projectile.diameter": ({}, "6 mm", {"projectile.radius": 3e-3}),
@@ -92,19 +132,25 @@ ROWS = {
     "projectile.flat_width": (CHISEL, "2.5 mm", {"projectile.flat_width": 2.5e-3}),
     "projectile.flat_angle": (CHISEL, "35 deg", {"projectile.flat_angle": radians(35)}),
     "projectile.stl": (
-        STL, str(Path(__file__).with_name("pyramid.stl")),
+        STL,
+        str(Path(__file__).with_name("pyramid.stl")),
         {"projectile.length": 4e-3, "projectile.radius": 18**0.5 * 1e-3, "projectile.solid.": ...},
     ),
     "projectile.stl_unit": (
-        DENSE, "cm",
+        DENSE,
+        "cm",
         {
-            "projectile.mass": 8e3 * 0.052**3, "projectile.length": 0.052, "projectile.radius": 0.052 * 0.5**0.5,
+            "projectile.mass": 8e3 * 0.052**3,
+            "projectile.length": 0.052,
+            "projectile.radius": 0.052 * 0.5**0.5,
             "projectile.solid.": ...,
         },
     ),
     "projectile.density": (DENSE, "4 g/cm^3", {"projectile.mass": 4e3 * 0.0052**3}),
     "projectile.bore_diameter": (
-        {"projectile": {"body": "elastic_bar"}}, "4.5 mm", {"projectile.bore_diameter": 4.5e-3}
+        {"projectile": {"body": "elastic_bar"}},
+        "4.5 mm",
+        {"projectile.bore_diameter": 4.5e-3},
     ),
     "panel.opening_shape": ({}, "round", {"round": True}),
     "panel.boundary": ({}, "free", {"edge": "free"}),
@@ -113,13 +159,18 @@ ROWS = {
     "panel.stacking": (PACK, "alternating", {"stacking": "alternating"}),
     "panel.ply_gap": (PACK, "0.1 mm", {"ply_gap": 1e-4}),
     "panel.ply_friction": (PACK, 0.2, {"ply_friction": 0.2}),
-    "panel.ply_contact": (PACK, "pressure_law", {"fabric.ply_contact.status": "fitted", "fabric.ply_contact.": ...}),
+    "panel.ply_contact": (
+        PACK,
+        "pressure_law",
+        {"fabric.ply_contact.status": "fitted", "fabric.ply_contact.": ...},
+    ),
     "panel.yarn_failure": ({}, False, {"failure": False, "fabric.assumed": ()}),
     "panel.rate_dependence": ({}, True, {"rate_dependence": True, "fabric.": ...}),
     "panel.nose_bending": ({}, True, {"nose_bending": True, "fabric.": ...}),
     "panel.grading": ({}, [[9, "1/2"], [inf, 2]], {"grading": ((9.0, 0.5), (inf, 2.0))}),
     "panel.crossovers": (
-        {"panel": {"symmetry": "whole"}}, "sliding",
+        {"panel": {"symmetry": "whole"}},
+        "sliding",
         {"crossovers.mu": 0.2, "crossovers.cohesion": 0.0, "crossovers.bending": (0.0, 0.0)},
     ),
     "panel.crossover_friction": (SLIDING, 0.3, {"crossovers.mu": 0.3}),
@@ -130,12 +181,25 @@ ROWS = {
     **dict(of_sides("end", "50 us", "end", 5e-5)),
     **dict(of_sides("zone", "30 mm", "zone", 3e-2)),
     "panel.ply.name": (
-        PLIES, "S-728",
-        {"fabric.name": "S-728", "lay_up.0.fabric.name": "S-728", "fabric.": ..., "lay_up.0.fabric.": ...},
+        PLIES,
+        "S-728",
+        {
+            "fabric.name": "S-728",
+            "lay_up.0.fabric.name": "S-728",
+            "fabric.": ...,
+            "lay_up.0.fabric.": ...,
+        },
     ),
     "panel.ply.file": (
-        {"panel": {"ply": [{"file": "fabrics/catalogue/S-720.toml"}, {}]}}, "fabrics/catalogue/S-731.toml",
-        {"lay_up.0.fabric.name": "S-731", "lay_up.0.laws.0.a": 4.6e-5, "lay_up.0.": ..., "fabric.": ..., "laws.": ...},
+        {"panel": {"ply": [{"file": "fabrics/catalogue/S-720.toml"}, {}]}},
+        "fabrics/catalogue/S-731.toml",
+        {
+            "lay_up.0.fabric.name": "S-731",
+            "lay_up.0.laws.0.a": 4.6e-5,
+            "lay_up.0.": ...,
+            "fabric.": ...,
+            "laws.": ...,
+        },
     ),
     "panel.ply.law": (PLIES, LAW | {"a": "0.03 mm"}, of_laws(3e-5, "a", before=OF_PLY)),
     "panel.ply.law.a": (PLIES, "0.03 mm", of_laws(3e-5, "a", before=OF_PLY)),
@@ -144,8 +208,12 @@ ROWS = {
     "panel.ply.angle": (PLIES, "90 deg", {"lay_up.0.angle": pi / 2}),
     "panel.ply.gap": (PLIES, "0.2 mm", {"lay_up.0.gap": 2e-4}),
     "panel.ply.count": (PLIES, 3, {"plies": 4, "lay_up.": ...}),
-    "backing.material": ({}, "gelatine 10 %", {"backing.name": "gelatine 10 %", "backing.material.": ...}),
-}  # fmt: skip
+    "backing.material": (
+        {},
+        "gelatine 10 %",
+        {"backing.name": "gelatine 10 %", "backing.material.": ...},
+    ),
+}
 # values of keys whose example is their default
 OTHERS = {
     "title": "mine",
@@ -161,10 +229,24 @@ OTHERS = {
     "backing.min_size": "2 mm",
     "backing.refined_depth": "9 mm",
 }
-OF_BACKING = {"modulus", "density", "poisson", "yield_stress", "hardening", "erosion_strain", "rate_exponent"}
+OF_BACKING = {
+    "modulus",
+    "density",
+    "poisson",
+    "yield_stress",
+    "hardening",
+    "erosion_strain",
+    "rate_exponent",
+}
 OF_BACKING |= {"reference_rate"}  # which its material holds
 # what the set-up of the solver does not hold: the checked scene does
-OF_THE_RUN = {"title", "fabric.fibre_slack", "history.report_positions", "run.checkpoint_interval", "run.outputs"}
+OF_THE_RUN = {
+    "title",
+    "fabric.fibre_slack",
+    "history.report_positions",
+    "run.checkpoint_interval",
+    "run.outputs",
+}
 ENTRIES = schema.entries(Scene)
 
 
@@ -174,7 +256,12 @@ def row(key):
         return ROWS[key]
     value = OTHERS.get(key) or ENTRIES[key].examples[0]
     table, _, name = key.rpartition(".")
-    where = {"fabric": "", "panel": "", "run": "", "backing": "backing.material." if name in OF_BACKING else "backing."}
+    where = {
+        "fabric": "",
+        "panel": "",
+        "run": "",
+        "backing": "backing.material." if name in OF_BACKING else "backing.",
+    }
     return {}, value, {where.get(table, f"{table}.") + name: in_si(key, value)}
 
 
@@ -214,7 +301,9 @@ def with_value(table, key, value):
     return merged(table, {"panel": {"ply": [merged(first, table_of(name, value)), *others]}})
 
 
-@pytest.mark.parametrize("key", [key for key in ENTRIES if key not in OF_THE_RUN and not key.startswith("accuracy.")])
+@pytest.mark.parametrize(
+    "key", [key for key in ENTRIES if key not in OF_THE_RUN and not key.startswith("accuracy.")]
+)
 def test_a_key_sets_its_field_and_no_other(key, monkeypatch):
     """Fields that change are those named, and hold what is named; the unit of the value is that of the schema."""
     monkeypatch.chdir(ROOT)
@@ -222,11 +311,17 @@ def test_a_key_sets_its_field_and_no_other(key, monkeypatch):
     table = key.partition(".")[0]
     base = merged(merged(SHOT, {table: {}}), context)
     plain, made = setup_of(base), setup_of(with_value(base, key, value))
-    changed = {path: new for path, new in made.items() if path not in plain or not np.array_equal(plain[path], new)}
+    changed = {
+        path: new
+        for path, new in made.items()
+        if path not in plain or not np.array_equal(plain[path], new)
+    }
     assert changed
     within = tuple(path for path in expected if path.endswith("."))
     named = {path: found for path, found in expected.items() if path not in within}
-    assert {path: changed.get(path) for path in named} == {path: about(found) for path, found in named.items()}
+    assert {path: changed.get(path) for path in named} == {
+        path: about(found) for path, found in named.items()
+    }
     assert [path for path in changed if path not in named and not path.startswith(within)] == []
 
 
@@ -235,7 +330,9 @@ def about(value):
     return pytest.approx(value, rel=3e-7) if isinstance(value, float) else value
 
 
-@pytest.mark.parametrize("key", [key for key in ENTRIES if key in OF_THE_RUN or key.startswith("accuracy.")])
+@pytest.mark.parametrize(
+    "key", [key for key in ENTRIES if key in OF_THE_RUN or key.startswith("accuracy.")]
+)
 def test_a_key_that_the_run_reads_stands_in_the_scene(key):
     _, value, _ = row(key)
     assert attrgetter(key)(check(with_value(SHOT, key, value), None)) == in_si(key, value)
@@ -245,14 +342,18 @@ def test_a_key_that_the_run_reads_stands_in_the_scene(key):
 def test_what_is_not_honoured_are_keys(name):
     """One that is declared in vain would be honoured in silence."""
     model = CouponScene if name == "COUPON" else Scene
-    assert set(getattr(honoured, name)) <= {part for key in schema.entries(model) for part in honoured.with_tables(key)}
+    assert set(getattr(honoured, name)) <= {
+        part for key in schema.entries(model) for part in honoured.with_tables(key)
+    }
 
 
 def test_what_is_set_is_found():
     """Tables without a key, and keys at their default, count as not set."""
     changes = {
-        "panel": {"boundary": {"warp": [GRIP, "clamped"]}, "plies": 1}, "history": {}, "numerics": {},
-    }  # fmt: skip
+        "panel": {"boundary": {"warp": [GRIP, "clamped"]}, "plies": 1},
+        "history": {},
+        "numerics": {},
+    }
     found = set(schema.changed(check(merged(SHOT, changes), None)))
     assert {"panel.boundary.warp.clamp_force", "history"} <= found
     assert not {"panel.plies", "numerics", "fabric", "run.snapshot_interval"} & found
@@ -260,7 +361,12 @@ def test_what_is_set_is_found():
 
 def test_keys_of_fabric_reach_the_cell_of_a_coupon():
     table = FabricTable.model_validate(
-        {"cell_model": "incompressible", "cell_profile": "straight", "fibre_slack": "0.1 %", "crossover_gap": "0.01 mm"}
+        {
+            "cell_model": "incompressible",
+            "cell_profile": "straight",
+            "fibre_slack": "0.1 %",
+            "crossover_gap": "0.01 mm",
+        }
     )
     fabric = catalogue.load("S-720")
     cell = CellModel(fabric, fabric.laws, *build.cell_of(table))
@@ -272,12 +378,21 @@ def test_keys_of_a_pull_out_reach_its_model(monkeypatch):
     given = {}
     monkeypatch.setattr("shellfabric.coupon.pull_out.PullOut", lambda *values: values)
     monkeypatch.setattr(
-        "shellfabric.coupon.pull_out_curve.follow", lambda *values, **more: given.update(more) or values
+        "shellfabric.coupon.pull_out_curve.follow",
+        lambda *values, **more: given.update(more) or values,
     )
-    inputs = PullOutTable.model_validate({
-        "crossings": 10, "displacement": "5 mm", "velocity": "3 m/s", "pre_tension": "7 N", "crossover_friction": 0.3,
-        "crossover_cohesion": "0.1 N", "all_yarns": True, "samples": 100,
-    })  # fmt: skip
+    inputs = PullOutTable.model_validate(
+        {
+            "crossings": 10,
+            "displacement": "5 mm",
+            "velocity": "3 m/s",
+            "pre_tension": "7 N",
+            "crossover_friction": 0.3,
+            "crossover_cohesion": "0.1 N",
+            "all_yarns": True,
+            "samples": 100,
+        }
+    )
     assert set(inputs.model_fields_set) == set(PullOutTable.model_fields)
     model, displacement = results.run_pull_out("cell", inputs, bending=1e-6)
     table, crossings, velocity, tension, friction, _, all_yarns = model

@@ -30,7 +30,13 @@ def volume(projectile):
     """[m3] of the closed surface that is drawn of it, from its facets by the divergence theorem."""
     rings = projectile.surface()
     a, b, c, d = rings[:-1, :-1], rings[1:, :-1], rings[1:, 1:], rings[:-1, 1:]
-    return sum(abs(np.einsum("ijk,ijk->ij", p, np.cross(q, r)).sum()) for p, q, r in ((a, b, c), (a, c, d))) / 6
+    return (
+        sum(
+            abs(np.einsum("ijk,ijk->ij", p, np.cross(q, r)).sum())
+            for p, q, r in ((a, b, c), (a, c, d))
+        )
+        / 6
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -39,25 +45,33 @@ def test_a_projectile_is_what_its_name_says(name):
     body, (kind, _, size) = made(name=name), name.partition(" ")
     shape, data = projectiles.entry(name)
     assert shape == body.shape == SHAPES[kind]
-    assert all(entry["source"] and entry["status"] in projectiles.STATUSES for entry in data.values())
+    assert all(
+        entry["source"] and entry["status"] in projectiles.STATUSES for entry in data.values()
+    )
     assert body.mass / volume(body) == pytest.approx(projectiles.density(), rel=0.01)
     assert projectiles.density() == pytest.approx(7850)
     if kind == "FSP":
         assert body.mass == pytest.approx(si(size, "kg"))
         assert body.flat_width / (2 * body.radius) == pytest.approx(0.47, abs=0.003)
-        assert si(data["mass_tolerance"]["value"], "kg") == pytest.approx(0.03 / 1.1 * body.mass, rel=0.03)
+        assert si(data["mass_tolerance"]["value"], "kg") == pytest.approx(
+            0.03 / 1.1 * body.mass, rel=0.03
+        )
     elif kind == "RCC":
         assert body.mass == pytest.approx(float(size.split()[0]) * GRAIN, rel=1e-3)
         assert body.length == 2 * body.radius
     else:
         assert 2 * body.radius == pytest.approx(si(size, "m"))
-        assert body.mass == pytest.approx(projectiles.density() * pi / 6 * si(size, "m") ** 3, rel=1e-3)
+        assert body.mass == pytest.approx(
+            projectiles.density() * pi / 6 * si(size, "m") ** 3, rel=1e-3
+        )
 
 
 def test_a_file_beside_the_input_file_is_a_projectile_by_name(tmp_path):
     """Its numbers with or without a source; keys of the input file go first."""
     mass = '{ value = "3.2 g", source = "scale", status = "measured" }'
-    (tmp_path / "mine.toml").write_text(f"mass = {mass}\ndiameter = '6 mm'\nedge_radius = '0.3 mm'\n")
+    (tmp_path / "mine.toml").write_text(
+        f"mass = {mass}\ndiameter = '6 mm'\nedge_radius = '0.3 mm'\n"
+    )
     table = {"name": "mine.toml", "strike_velocity": "90 m/s", "diameter": "5 mm"}
     shot = impact.check(SHOT | {"projectile": table}, tmp_path / "s.toml").projectile
     assert (shot.mass, shot.diameter, shot.edge_radius) == pytest.approx((3.2e-3, 5e-3, 0.3e-3))
@@ -65,13 +79,23 @@ def test_a_file_beside_the_input_file_is_a_projectile_by_name(tmp_path):
 
 def test_what_is_given_goes_before_the_data_of_the_name():
     """Another nose keeps what both have."""
-    plain, other = made(name="FSP 1.10 g"), made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2)
+    plain, other = (
+        made(name="FSP 1.10 g"),
+        made(name="FSP 1.10 g", mass="1.13 g", obliquity="10 deg", friction=0.2),
+    )
     assert (plain.mass, other.mass, other.friction) == pytest.approx((1.10e-3, 1.13e-3, 0.2))
-    assert (other.radius, other.length, other.flat_width) == (plain.radius, plain.length, plain.flat_width)
+    assert (other.radius, other.length, other.flat_width) == (
+        plain.radius,
+        plain.length,
+        plain.flat_width,
+    )
     dome, ball = (made(name="FSP 1.10 g", shape=shape) for shape in ("hemisphere", "sphere"))
     assert (dome.mass, dome.radius, dome.length, dome.edge_radius) == (
-        plain.mass, plain.radius, plain.length, plain.edge_radius,
-    )  # fmt: skip
+        plain.mass,
+        plain.radius,
+        plain.length,
+        plain.edge_radius,
+    )
     assert (ball.mass, ball.radius, ball.length) == (plain.mass, plain.radius, None)
     assert dome.flat_width is None is ball.flat_width
 
@@ -79,18 +103,26 @@ def test_what_is_given_goes_before_the_data_of_the_name():
 def test_editors_do_not_ask_for_what_the_name_says(tool):
     table = tool("reference_pages").json_schema(impact.Scene)["$defs"]["ProjectileTable"]
     assert table["required"] == ["strike_velocity"]
-    assert table["anyOf"] == [{"required": ["name"]}, {"required": ["mass", "diameter"]}, {"required": ["stl"]}]
+    assert table["anyOf"] == [
+        {"required": ["name"]},
+        {"required": ["mass", "diameter"]},
+        {"required": ["stl"]},
+    ]
 
 
 @pytest.mark.parametrize("name", backings.list_names())
 def test_a_backing_is_its_material(name):
     """A key beside the name replaces its number."""
     material = wc.setup("S-728", 100.0, backing=name).backing.material
-    other = wc.setup("S-728", 100.0, backing={"material": name, "yield_stress": "0.1 MPa"}).backing.material
+    other = wc.setup(
+        "S-728", 100.0, backing={"material": name, "yield_stress": "0.1 MPa"}
+    ).backing.material
     for field in fields(material):
         wanted = getattr(backings.load(name), field.name)
         assert getattr(material, field.name) == pytest.approx(wanted, rel=1e-12)
-        assert getattr(other, field.name) == pytest.approx(1e5 if field.name == "yield_stress" else wanted, rel=1e-12)
+        assert getattr(other, field.name) == pytest.approx(
+            1e5 if field.name == "yield_stress" else wanted, rel=1e-12
+        )
     assert material != load("backing")
     assert name in wc.backings()
     written = impact.check(SHOT | {"backing": {"material": name}}, None).backing

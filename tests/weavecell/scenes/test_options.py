@@ -19,7 +19,9 @@ WHOLE = {"panel": {"symmetry": "whole"}}
 
 def energy(name, least=1e-9):
     """Whether the energies of a name [J] at the end are above `least`."""
-    return lambda shot, _: sum(abs(part[-1]) for key, part in shot.energies.items() if key.startswith(name)) > least
+    return lambda shot, _: (
+        sum(abs(part[-1]) for key, part in shot.energies.items() if key.startswith(name)) > least
+    )
 
 
 def elements(low, high):
@@ -43,7 +45,10 @@ OPTIONS = {
         {"panel": {"plies": 2, "ply_gap": "0.05 mm"}},
         lambda shot, _: shot.count == 2 and shot.gaps == pytest.approx([5e-5]),
     ),
-    "turned": ({"panel": {"stacking": "alternating"}}, lambda shot, _: shot.pack["stacking"] == "alternating"),
+    "turned": (
+        {"panel": {"stacking": "alternating"}},
+        lambda shot, _: shot.pack["stacking"] == "alternating",
+    ),
     "ply friction": ({"panel": {"ply_friction": 0.3}}, energy("ply_friction")),
     "backing": ({"backing": BLOCK}, energy("backing", 1e-6)),
     "oblique": (
@@ -55,10 +60,22 @@ OPTIONS = {
     "nose friction": ({"projectile": {"friction": 0.3, "shape": "hemisphere"}}, energy("friction")),
     "grip": ({"panel": {"boundary": {"weft": {"clamp_force": "2 N"}}}}, energy("clamp_friction")),
     "pull-in": ({"panel": {"boundary": {"weft": PULL}}}, energy("boundary_work")),
-    "free": ({"panel": {"boundary": "free"}}, lambda shot, plain: far_edge(shot) < far_edge(plain) - 1e-6),
-    "weave angle": (merged(WHOLE, {"panel": {"weave_angle": "30 deg"}}), elements(4.01, float("inf"))),
-    "round": ({"panel": {"opening_shape": "round"}}, lambda shot, plain: shot.velocity[-1] != plain.velocity[-1]),
-    "off the middle": (merged(WHOLE, {"panel": {"impact_point": ["4 mm", "0 mm"]}}), elements(4.01, float("inf"))),
+    "free": (
+        {"panel": {"boundary": "free"}},
+        lambda shot, plain: far_edge(shot) < far_edge(plain) - 1e-6,
+    ),
+    "weave angle": (
+        merged(WHOLE, {"panel": {"weave_angle": "30 deg"}}),
+        elements(4.01, float("inf")),
+    ),
+    "round": (
+        {"panel": {"opening_shape": "round"}},
+        lambda shot, plain: shot.velocity[-1] != plain.velocity[-1],
+    ),
+    "off the middle": (
+        merged(WHOLE, {"panel": {"impact_point": ["4 mm", "0 mm"]}}),
+        elements(4.01, float("inf")),
+    ),
     "whole": (WHOLE, elements(4, 4)),
     "yarns hold": (
         {"panel": {"yarn_failure": False}},
@@ -69,11 +86,20 @@ OPTIONS = {
         lambda shot, _: shot.elements < 23**2 * shot.count,
     ),
     "sliding": (
-        {"panel": {"crossovers": "sliding", "crossover_friction": 0.1, "crossover_cohesion": "0.01 N"}},
+        {
+            "panel": {
+                "crossovers": "sliding",
+                "crossover_friction": 0.1,
+                "crossover_cohesion": "0.01 N",
+            }
+        },
         energy("crossover_friction"),
     ),
     "elements": ({"run": {"elements_per_crossover": 2}}, elements(4, 4)),
-    "measure": ({"history": {"warp": ["0 mm", "2.6 mm"]}}, lambda shot, _: len(shot.measured[0].yarns) == 3),
+    "measure": (
+        {"history": {"warp": ["0 mm", "2.6 mm"]}},
+        lambda shot, _: len(shot.measured[0].yarns) == 3,
+    ),
     "cfl": ({"numerics": {"cfl": 0.1}}, nine_times_the_steps),
     "viscosity": (
         {"numerics": {"stretch_viscosity": 0.2}},
@@ -84,10 +110,12 @@ OPTIONS = {
         lambda shot, plain: shot.velocity[-1] != plain.velocity[-1],
     ),
     "bending": ({"fabric": {"bending": "1e-6 N m^2"}}, energy("bending")),
-}  # fmt: skip
+}
 # chosen so that each option of the panel stands beside each of the shot that it may
 TOGETHER = [
-    "whole, viscosity", "cfl", "yarns hold, round",
+    "whole, viscosity",
+    "cfl",
+    "yarns hold, round",
     "pack, turned, ply friction, grip, measure",
     "pack, backing, bar, cfl",
     "pack, oblique, nose friction, free",
@@ -107,7 +135,7 @@ TOGETHER = [
     "bar, round, elements, law",
     "bar, sliding, free",
     "weave angle, off the middle, measure",
-]  # fmt: skip
+]
 
 
 @cache

@@ -8,7 +8,14 @@ import pytest
 from weavecell.scenes import coupon, impact
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-TYPES = {"string": str, "number": (int, float), "integer": int, "boolean": bool, "array": list, "object": dict}
+TYPES = {
+    "string": str,
+    "number": (int, float),
+    "integer": int,
+    "boolean": bool,
+    "array": list,
+    "object": dict,
+}
 
 
 @pytest.fixture
@@ -25,14 +32,18 @@ def problems(value, schema, root, at=""):
             return [f"{at}: {value!r} is of none of the types"]
     found = []
     kind = schema.get("type")
-    kinds = tuple(TYPES[one] for one in ([kind] if isinstance(kind, str) else kind or ()) if one != "null")
+    kinds = tuple(
+        TYPES[one] for one in ([kind] if isinstance(kind, str) else kind or ()) if one != "null"
+    )
     if kinds and not isinstance(value, kinds):
         return [f"{at}: {value!r} is no {kind}"]
     if "enum" in schema and value not in schema["enum"]:
         found.append(f"{at}: {value!r} is none of {schema['enum']}")
     if isinstance(value, dict):
         known = schema.get("properties", {})
-        found += [f"{at}.{name}: missing" for name in schema.get("required", ()) if name not in value]
+        found += [
+            f"{at}.{name}: missing" for name in schema.get("required", ()) if name not in value
+        ]
         if schema.get("additionalProperties") is False:
             found += [f"{at}.{name}: unknown" for name in value if name not in known]
         for name in set(value) & set(known):
@@ -45,16 +56,25 @@ def problems(value, schema, root, at=""):
 
 
 @pytest.mark.parametrize(
-    "file", sorted([*EXAMPLES.glob("*.toml"), *EXAMPLES.glob("coupons/*.toml")]), ids=lambda file: file.stem
+    "file",
+    sorted([*EXAMPLES.glob("*.toml"), *EXAMPLES.glob("coupons/*.toml")]),
+    ids=lambda file: file.stem,
 )
 def test_the_schema_accepts_the_examples(reference, file):
-    schema = reference.json_schema(coupon.CouponScene if file.parent.name == "coupons" else impact.Scene)
+    schema = reference.json_schema(
+        coupon.CouponScene if file.parent.name == "coupons" else impact.Scene
+    )
     assert problems(tomllib.loads(file.read_text("utf-8")), schema, schema) == []
 
 
 @pytest.mark.parametrize(
     ("table", "key", "value"),
-    [("projectile", "mass", 0.003), ("panel", "plies", "4"), ("run", "end", "1 us"), ("fabric", "cell_model", "rigid")],
+    [
+        ("projectile", "mass", 0.003),
+        ("panel", "plies", "4"),
+        ("run", "end", "1 us"),
+        ("fabric", "cell_model", "rigid"),
+    ],
 )
 def test_the_schema_rejects(reference, table, key, value):
     schema = reference.json_schema(impact.Scene)

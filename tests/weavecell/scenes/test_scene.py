@@ -16,7 +16,12 @@ from weavecell.scenes import impact as scenes_impact
 
 TABLE = {
     "fabric": {"name": "S-720"},
-    "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "strike_velocity": "92.5 m/s"},
+    "projectile": {
+        "mass": "3 g",
+        "diameter": "5.5 mm",
+        "edge_radius": "0.3 mm",
+        "strike_velocity": "92.5 m/s",
+    },
     "panel": {"opening": "203 mm"},
     "run": {"end_time": "250 us"},
 }
@@ -28,14 +33,20 @@ def with_change(table, key, value):
 
 def test_unit_of_the_law():
     law = {"a": "45 um", "b": "5.8 mm uN^(1/3)"}  # 1 mm uN^(1/3) = 1e-5 m N^(1/3) (erratum E-03)
-    got = build.build(scenes_impact.check(with_change("fabric", "law", law), "s.toml"), "s.toml", "s")
-    assert [(each.a, each.b) for each in got.laws] == 2 * [(pytest.approx(4.5e-5), pytest.approx(5.8e-5))]
+    got = build.build(
+        scenes_impact.check(with_change("fabric", "law", law), "s.toml"), "s.toml", "s"
+    )
+    assert [(each.a, each.b) for each in got.laws] == 2 * [
+        (pytest.approx(4.5e-5), pytest.approx(5.8e-5))
+    ]
 
 
 def test_law_file_is_found_beside_the_scene(tmp_path):
     CompressionLaw(4.45e-5, 6.47e-5).to_json(tmp_path / "law.json")
     path = tmp_path / "scene.toml"
-    got = build.build(scenes_impact.check(with_change("fabric", "law", "law.json"), path), path, "s")
+    got = build.build(
+        scenes_impact.check(with_change("fabric", "law", "law.json"), path), path, "s"
+    )
     assert got.laws[0].b == pytest.approx(6.47e-5)
     assert "fitted" in got.law_name
 
@@ -62,7 +73,12 @@ def test_what_a_lay_up_and_a_limit_need_not_say():
     assert written.end_time == given.end_time == 800e-6
 
 
-ASIDE, ON, PART, WINDOW = "weft off a crossover", "on a crossover", "symmetry can decide", "window possible"
+ASIDE, ON, PART, WINDOW = (
+    "weft off a crossover",
+    "on a crossover",
+    "symmetry can decide",
+    "window possible",
+)
 
 
 @pytest.mark.parametrize(
@@ -72,7 +88,12 @@ ASIDE, ON, PART, WINDOW = "weft off a crossover", "on a crossover", "symmetry ca
         ({"symmetry": "quarter"}, "quarter", 0.0, [PART, ON]),
         ({"symmetry": "half"}, "half", 0.0, [PART, ON]),
         ({"impact_point": ["0 mm", "0 mm"]}, "whole", 0.0, [ON]),
-        ({"impact_point": ["1.27 mm", "-6.35 mm"]}, "whole", None, [ON]),  # crossovers of S-720 are 1.27 mm apart
+        (
+            {"impact_point": ["1.27 mm", "-6.35 mm"]},
+            "whole",
+            None,
+            [ON],
+        ),  # crossovers of S-720 are 1.27 mm apart
         ({"crossover_friction": 0.14}, "whole", 0.25, [ASIDE, WINDOW]),
         ({"crossover_friction": 0.15}, "whole", 0.25, [ASIDE]),
         ({"plies": 2, "crossover_friction": 0.1}, "quarter", 0.0, [PART]),
@@ -86,28 +107,54 @@ def test_part_and_impact_point_of_sliding_plies(caplog, panel, symmetry, spacing
     with caplog.at_level("INFO", "weavecell"):
         setup = build.setup(build.build(scenes_impact.check(table, "s", support), "s", "s"), "s")
     assert setup.symmetry == symmetry
-    drawn = scenes_impact.check(table, "s", honoured.DRAWS).panel  # which draws compute whole anyway
-    assert drawn.symmetry == ("whole" if drawn.crossovers == "sliding" and drawn.plies == 1 else symmetry)
+    drawn = scenes_impact.check(
+        table, "s", honoured.DRAWS
+    ).panel  # which draws compute whole anyway
+    assert drawn.symmetry == (
+        "whole" if drawn.crossovers == "sliding" and drawn.plies == 1 else symmetry
+    )
     struck = replace(setup, table_size=11).target().plies[0].impact_point
     if spacings is not None:
         assert struck == pytest.approx([spacings * 2 * w for w in setup.fabric.weave.w])
     assert len(setup.notes) == len(notes)
     assert all(words in note for words, note in zip(notes, setup.notes))
-    assert [line for line in caplog.messages if "note" in line] == [f"note: {note}" for note in setup.notes]
+    assert [line for line in caplog.messages if "note" in line] == [
+        f"note: {note}" for note in setup.notes
+    ]
     assert provenance.stamp(setup=setup).get("notes", "") == "; ".join(setup.notes)
-    assert all(note[1:] in chapters_shot.assumptions(setup, ()).tables[0].rows[0][1] for note in setup.notes)
+    assert all(
+        note[1:] in chapters_shot.assumptions(setup, ()).tables[0].rows[0][1]
+        for note in setup.notes
+    )
 
 
-CHISEL = {"shape": "chisel", "flat_width": "2.5 mm", "flat_angle": "35 deg", "obliquity": "30 deg", "friction": 0.2}
-ENDS = {"warp": ["clamped", {"clamp_force": "20 N"}], "weft": {"pull_in": "5 mm", "start": "200 us", "end": "650 us"}}
+CHISEL = {
+    "shape": "chisel",
+    "flat_width": "2.5 mm",
+    "flat_angle": "35 deg",
+    "obliquity": "30 deg",
+    "friction": 0.2,
+}
+ENDS = {
+    "warp": ["clamped", {"clamp_force": "20 N"}],
+    "weft": {"pull_in": "5 mm", "start": "200 us", "end": "650 us"},
+}
 SIDES = {"opening": ["203 mm", "100 mm"], "boundary": ENDS}
 
 
 @pytest.mark.parametrize(
     ("projectile", "panel", "said"),
     [
-        (CHISEL, {}, "a chisel-nosed fragment simulator of 3 g and 5.5 mm, 30° off the normal, with friction 0.2"),
-        ({"body": "elastic_bar"}, {}, "a cylinder of 3 g and 5.5 mm, elastic-plastic along its axis"),
+        (
+            CHISEL,
+            {},
+            "a chisel-nosed fragment simulator of 3 g and 5.5 mm, 30° off the normal, with friction 0.2",
+        ),
+        (
+            {"body": "elastic_bar"},
+            {},
+            "a cylinder of 3 g and 5.5 mm, elastic-plastic along its axis",
+        ),
         ({}, SIDES, "clamped / clamped with 20 N a yarn and weft ends slipping by 5 mm"),
         ({}, {"weave_angle": "45 deg"}, "203 mm square, its weave turned by 45° and clamped"),
     ],
@@ -115,7 +162,9 @@ SIDES = {"opening": ["203 mm", "100 mm"], "boundary": ENDS}
 def test_a_shot_in_words(projectile, panel, said):
     table = merged(TABLE, {"projectile": projectile, "panel": {"symmetry": "whole"} | panel})
     asked = scenes_impact.check(table, "s")
-    assert (words.panel_in_words(asked.panel) if panel else words.shot_in_words(asked.projectile)).endswith(said)
+    assert (
+        words.panel_in_words(asked.panel) if panel else words.shot_in_words(asked.projectile)
+    ).endswith(said)
 
 
 def test_every_shape_of_the_solver_is_a_shape_of_scenes():

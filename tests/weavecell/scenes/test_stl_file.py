@@ -22,12 +22,16 @@ CUBE = Path(__file__).parents[3] / "examples" / "cube.stl"
 EDGE = 0.4e-3
 SHOT = SCENES["small"] | {
     "projectile": {
-        "shape": "stl", "stl": "body.stl", "stl_unit": "mm", "mass": "1.1 g", "edge_radius": "0.4 mm",
+        "shape": "stl",
+        "stl": "body.stl",
+        "stl_unit": "mm",
+        "mass": "1.1 g",
+        "edge_radius": "0.4 mm",
         "strike_velocity": "150 m/s",
     },
     "panel": {"opening": "50 mm"},
     "run": {"end_time": "40 us", "checkpoint_interval": "10 us", "outputs": []},
-}  # fmt: skip
+}
 
 
 def facets():
@@ -40,7 +44,13 @@ def ascii_file(path, corners):
     """Write triangles as a text, as they are."""
     rows = ["solid"]
     for one in corners:
-        rows += ["facet normal 0 0 0", "outer loop", *(f"vertex {x} {y} {z}" for x, y, z in one), "endloop", "endfacet"]
+        rows += [
+            "facet normal 0 0 0",
+            "outer loop",
+            *(f"vertex {x} {y} {z}" for x, y, z in one),
+            "endloop",
+            "endfacet",
+        ]
     path.write_text("\n".join([*rows, "endsolid"]))
     return path
 
@@ -50,10 +60,19 @@ def ascii_file(path, corners):
     [
         (lambda c: c[1:], "is not closed: 3 edges have one triangle"),
         (lambda c: c[:, ::-1], "its triangles face inwards"),
-        (lambda c: np.concatenate([c[:1, ::-1], c[1:]]), "has normals that point both ways: 3 edges between such"),
-        (lambda c: np.concatenate([c, c[:1], c[:1, ::-1]]), "is not the surface of a body: 3 edges have more than two"),
+        (
+            lambda c: np.concatenate([c[:1, ::-1], c[1:]]),
+            "has normals that point both ways: 3 edges between such",
+        ),
+        (
+            lambda c: np.concatenate([c, c[:1], c[:1, ::-1]]),
+            "is not the surface of a body: 3 edges have more than two",
+        ),
         (lambda c: np.add(c, [5, 0, 0]), "its z axis, x = y = 0, must lie in the body"),
-        (lambda c: c / 25.4, "is 0.2895 mm wide and 0.2047 mm long in mm; must be a body of 0.5 to 100 mm: see "),
+        (
+            lambda c: c / 25.4,
+            "is 0.2895 mm wide and 0.2047 mm long in mm; must be a body of 0.5 to 100 mm: see ",
+        ),
         (lambda c: c[:0], "holds no triangles; must be an STL file, ASCII or binary"),
         (lambda c: np.where(c == c.max(), np.nan, c), "holds no triangles"),
     ],
@@ -66,7 +85,9 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, change, said):
     assert "\n" not in str(problem.value)
 
 
-@pytest.mark.parametrize("content", [b"", b"no STL file", b"solid x\n", bytes(84), bytes(range(256)) * 9])
+@pytest.mark.parametrize(
+    "content", [b"", b"no STL file", b"solid x\n", bytes(84), bytes(range(256)) * 9]
+)
 def test_what_is_no_stl_file(tmp_path, content, capfd, caplog):
     path = tmp_path / "body.stl"
     path.write_bytes(content)
@@ -79,8 +100,12 @@ def test_what_is_no_stl_file(tmp_path, content, capfd, caplog):
 
 def test_text_and_binary_hold_the_same_body(tmp_path):
     points, faces = triangles(replace(NOSES["chisel"], length=6e-3), 61, 37)
-    both = [stl_file.surface(write(tmp_path / f"{kind}.stl", np.add(points, [0, 0, 0.2e-3]), faces, kind), "mm")
-            for kind in (True, False)]  # fmt: skip
+    both = [
+        stl_file.surface(
+            write(tmp_path / f"{kind}.stl", np.add(points, [0, 0, 0.2e-3]), faces, kind), "mm"
+        )
+        for kind in (True, False)
+    ]
     for one, other in pairwise(both):
         assert one.volume == pytest.approx(other.volume, rel=1e-6)
         assert one.volume == pytest.approx(volume(points, faces), rel=1e-4)
@@ -122,7 +147,11 @@ def test_a_cube():
 def test_sharp_edges_are_rounded_and_round_ones_kept(tmp_path):
     """A sharp cylinder becomes the analytic one with the edge radius, but for a quarter of that at the edge."""
     path = tmp_path / "cylinder.stl"
-    mesh = pyvista.Cylinder(radius=2.7, height=5, direction=(0, 0, 1), resolution=96).triangulate().clean()
+    mesh = (
+        pyvista.Cylinder(radius=2.7, height=5, direction=(0, 0, 1), resolution=96)
+        .triangulate()
+        .clean()
+    )
     mesh.save(path)
     assert stl_file.surface(path, "mm").volume == pytest.approx(pi * 2.7e-3**2 * 5e-3, rel=2e-3)
     solid = stl_file.solid(path, "mm", 0.3e-3)
@@ -130,11 +159,15 @@ def test_sharp_edges_are_rounded_and_round_ones_kept(tmp_path):
     distance, _ = errors(replace(NOSES["flat"], length=5e-3), body, count=1500)
     assert np.abs(distance).max() < 0.25
     assert np.sqrt(np.mean(distance**2)) < 0.05
-    round_ = stl_file.surface(write(tmp_path / "round.stl", *triangles(NOSES["flat"], 121, 97)), "mm")
+    round_ = stl_file.surface(
+        write(tmp_path / "round.stl", *triangles(NOSES["flat"], 121, 97)), "mm"
+    )
     assert not round_.sharp
 
 
-def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(command, interrupted, tmp_path):
+def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(
+    command, interrupted, tmp_path
+):
     """The folder holds what is needed to repeat the run."""
     (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
     (tmp_path / "scene.toml").write_text(toml(merged(SHOT, {"projectile": {"yaw": "20 deg"}})))

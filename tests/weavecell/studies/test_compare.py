@@ -24,7 +24,9 @@ def read(folder, text):
 
 def shot(velocity, residual):
     through = residual > 0
-    return Shot(velocity, residual, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
+    return Shot(
+        velocity, residual, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0
+    )
 
 
 def test_a_table_is_read_in_any_unit_and_order(tmp_path):
@@ -45,7 +47,9 @@ def test_the_comparison_counts_outcomes_and_residuals(tmp_path):
     interval = stats.ttest_1samp([4.0, 0.0], 0.0).confidence_interval(0.95)
     assert (off["low"], off["high"]) == pytest.approx((interval.low, interval.high))
     summary = found.summary()
-    assert summary["tested_V50_m_s"] == pytest.approx(115.0)  # between 110, stopped, and 120, perforated
+    assert summary["tested_V50_m_s"] == pytest.approx(
+        115.0
+    )  # between 110, stopped, and 120, perforated
     assert summary["critical_velocity_over_V50"] == pytest.approx(105 / 115)
     low, high = summary["tested_V50_interval_m_s"]
     assert low < 115 < high

@@ -30,7 +30,10 @@ def made(number, outcome, residual):
 def test_statistics_are_those_of_textbooks():
     """Mean, s / sqrt(n), Wilson's interval by its formula; an unstable draw counts in none."""
     outcomes = ("stopped", "perforated", "perforated", "in flight", "unstable")
-    given = [made(k, name, value) for k, (name, value) in enumerate(zip(outcomes, (0.0, 30.0, 36.0, 2.0, 1e9)))]
+    given = [
+        made(k, name, value)
+        for k, (name, value) in enumerate(zip(outcomes, (0.0, 30.0, 36.0, 2.0, 1e9)))
+    ]
     found = draws.Draws(tuple(given), inputs.published(), 1)
     estimate = found.estimate("residual_velocity")
     assert estimate.mean == pytest.approx(17.0)
@@ -64,7 +67,9 @@ def test_plies_of_a_draw_are_of_one_roll(setup):
     drawn = strengths.drawn(given, inputs.published(), 7, 3)
     one, other = drawn.pack.plies
     assert one.fabric == other.fabric
-    assert one.fabric.weave.warp.E == pytest.approx(setup.fabric.weave.warp.E * drawn.factors["modulus"])
+    assert one.fabric.weave.warp.E == pytest.approx(
+        setup.fabric.weave.warp.E * drawn.factors["modulus"]
+    )
     assert drawn.factors["modulus"] != 1
     laws = inputs.changed_setup(replace(setup, laws=setup.fabric.laws), compression_a=2.0).laws
     assert laws[0].a == 2 * setup.fabric.laws[0].a

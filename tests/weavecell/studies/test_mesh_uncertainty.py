@@ -44,12 +44,20 @@ def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
     setup = replace(setup, elements_per_crossover=None)
     graded = replace(setup, grading=((8, 1), (inf, 2)))
     assert mesh_uncertainty.finer(graded, table).grading == ((8.0, 0.5), (16.0, 1.0), (inf, 2.0))
-    assert mesh_uncertainty.finer(replace(setup, elements_per_crossover=2), table).grading[0][1] == 0.25
+    assert (
+        mesh_uncertainty.finer(replace(setup, elements_per_crossover=2), table).grading[0][1]
+        == 0.25
+    )
     zones = replace(setup, plies=2).meshed.grading
     pack = mesh_uncertainty.finer(replace(setup, plies=2), table)
     (near, side), *_ = zones
-    assert (pack.plies, pack.grading) == (2, ((near, side / 2), *((2 * until, side) for until, side in zones)))
-    gripped = mesh_uncertainty.finer(replace(setup, edge=Grip(50.0)), table)  # which no graded panel has
+    assert (pack.plies, pack.grading) == (
+        2,
+        ((near, side / 2), *((2 * until, side) for until, side in zones)),
+    )
+    gripped = mesh_uncertainty.finer(
+        replace(setup, edge=Grip(50.0)), table
+    )  # which no graded panel has
     assert (gripped.grading, gripped.elements_per_crossover) == (None, 2)
     with pytest.raises(InputError, match="--uncertainty"):
         mesh_uncertainty.finer(replace(setup, elements_per_crossover=5), table)
@@ -62,7 +70,9 @@ def test_intervals_of_a_shot(setup, table):
     assert pair.same_outcome
     assert pair.meshes == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")
     found = {one.name: one for one in pair.intervals}
-    values = [found[name].value for name in ("residual velocity", "absorbed energy", "peak tension, warp")]
+    values = [
+        found[name].value for name in ("residual velocity", "absorbed energy", "peak tension, warp")
+    ]
     assert values == [result.residual_velocity, result.absorbed_energy, result.peak_tension[0]]
     for one in pair.intervals:
         assert one.uncertainty >= (4 - 1e-12) * abs(one.other - one.value)
@@ -78,34 +88,57 @@ def test_intervals_of_a_shot(setup, table):
 def result_of(setup, outcome, residual):
     panel = np.array([[0.0, 1e-3, residual, 0.0]])
     return SimpleNamespace(
-        setup=setup, outcome=outcome, residual_velocity=residual, step_history=panel, peak_tension=(10.0, 20.0),
-        strike_energy=2.4, absorbed_energy=1.6, rigidity=None,
-    )  # fmt: skip
+        setup=setup,
+        outcome=outcome,
+        residual_velocity=residual,
+        step_history=panel,
+        peak_tension=(10.0, 20.0),
+        strike_energy=2.4,
+        absorbed_energy=1.6,
+        rigidity=None,
+    )
 
 
 def window_of(result, *residuals):
     """Window of a made-up shot, without scatter where no residual velocities are given; None but of a perforation."""
     values = zip(FACTORS, residuals or 5 * [result.residual_velocity])
     keys = [key for key, *_ in QUANTITIES.values()]
-    rows = [dict(zip(keys, (v, 1.0, 4)), strike_velocity_m_s=40 * f, outcome="perforated") for f, v in values]
+    rows = [
+        dict(zip(keys, (v, 1.0, 4)), strike_velocity_m_s=40 * f, outcome="perforated")
+        for f, v in values
+    ]
     return Window(40.0, tuple(rows)) if result.outcome == "perforated" else None
 
 
 def test_means_over_a_window_replace_the_values_of_a_perforation(setup):
     """d is the difference of the means, and the standard errors are added; shots that stop on one mesh are told."""
     one, other = (result_of(setup, "perforated", 20.0) for _ in range(2))
-    one, other = Shot(one, None, window_of(one, 20, 20, 25, 20, 20)), Shot(other, None, window_of(other))
+    one, other = (
+        Shot(one, None, window_of(one, 20, 20, 25, 20, 20)),
+        Shot(other, None, window_of(other)),
+    )
     other.window.shots[0]["outcome"] = "stopped"
     pair = mesh_uncertainty.compare(one, other)
     residual, error = pair.intervals[0], np.sqrt((4 * 1 + 4**2) / 3 / 5)
-    assert (residual.value, residual.other, *residual.standard_errors) == pytest.approx((21.0, 20.0, error, 0.0))
+    assert (residual.value, residual.other, *residual.standard_errors) == pytest.approx(
+        (21.0, 20.0, error, 0.0)
+    )
     assert residual.uncertainty == pytest.approx(4 * 1 + error)
     assert pair.errors["residual_velocity"] == pytest.approx((4 * 1 + error) / 40)
     text = chapters.words(pair)
-    assert "outcomes in the window depend on the mesh: 5 perforated, and 1 stopped, 4 perforated on the finer" in text
-    assert "V50 of one ply: bias" in text.partition("standard error, 5 shots at 36.8 to 43.2 m/s, 5 perforated:")[2]
+    assert (
+        "outcomes in the window depend on the mesh: 5 perforated, and 1 stopped, 4 perforated on the finer"
+        in text
+    )
+    assert (
+        "V50 of one ply: bias"
+        in text.partition("standard error, 5 shots at 36.8 to 43.2 m/s, 5 perforated:")[2]
+    )
     assert "MIXED outcomes" in chapters.words(mesh_uncertainty.compare(other, one))
-    assert mesh_uncertainty.compare(Shot(one.result), Shot(other.result)).errors["residual_velocity"] == inf
+    assert (
+        mesh_uncertainty.compare(Shot(one.result), Shot(other.result)).errors["residual_velocity"]
+        == inf
+    )
 
 
 def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_histories(setup):
@@ -116,10 +149,16 @@ def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_
     for result, size in ((one, 0.0), (other, 3.0)):
         result.step_history = np.column_stack([t, 40 * t, 40 - 20 * t / t[-1] + size * bump, 0 * t])
     found = {each.name: each for each in mesh_uncertainty.compare(Shot(one), Shot(other)).intervals}
-    assert found["residual velocity"].value == found["residual velocity"].other == pytest.approx(20.0)
+    assert (
+        found["residual velocity"].value == found["residual velocity"].other == pytest.approx(20.0)
+    )
     assert found["residual velocity"].uncertainty == pytest.approx(4 * 3.0, rel=1e-3)
-    assert found["absorbed energy"].value == 1.6  # of the whole projectile, whatever moves along its axis
-    assert found["absorbed energy"].uncertainty == pytest.approx(4 * 2.4 * (33**2 - 30**2) / 40**2, rel=0.02)
+    assert (
+        found["absorbed energy"].value == 1.6
+    )  # of the whole projectile, whatever moves along its axis
+    assert found["absorbed energy"].uncertainty == pytest.approx(
+        4 * 2.4 * (33**2 - 30**2) / 40**2, rel=0.02
+    )
 
 
 def test_what_a_stopped_projectile_leaves_has_no_error(setup):
@@ -153,15 +192,39 @@ def climbed(setup, results, monkeypatch, targets, **fixed):
     [
         ((20.0, 20.4, 20.5), {"residual_velocity": 0.02}, 2, True),  # 0.4 of 40 m/s are 1 %
         ((20.0, 20.4, 20.5), {"residual_velocity": 0.005}, 3, True),
-        ((20.0, 20.4, 20.5), {"residual_velocity": 0.001}, 4, False),  # 8 elements a crossover are the finest
-        ((20.0, 20.0, 20.0), {"deflection": 0.001}, 2, True),  # of a panel that is perforated there is none
-        ((20.0, None, 20.0), {"residual_velocity": 0.02}, 4, True),  # an unstable mesh is compared with none
-        ((20.0, 0.0, 0.0), {"residual_velocity": 0.5}, 3, True),  # an outcome that changes is no agreement
+        (
+            (20.0, 20.4, 20.5),
+            {"residual_velocity": 0.001},
+            4,
+            False,
+        ),  # 8 elements a crossover are the finest
+        (
+            (20.0, 20.0, 20.0),
+            {"deflection": 0.001},
+            2,
+            True,
+        ),  # of a panel that is perforated there is none
+        (
+            (20.0, None, 20.0),
+            {"residual_velocity": 0.02},
+            4,
+            True,
+        ),  # an unstable mesh is compared with none
+        (
+            (20.0, 0.0, 0.0),
+            {"residual_velocity": 0.5},
+            3,
+            True,
+        ),  # an outcome that changes is no agreement
     ],
 )
-def test_finer_meshes_are_run_until_two_agree_within_the_targets(setup, monkeypatch, ends, targets, runs, confirmed):
+def test_finer_meshes_are_run_until_two_agree_within_the_targets(
+    setup, monkeypatch, ends, targets, runs, confirmed
+):
     results = [
-        UnstableError("it broke") if end is None else result_of(setup, "perforated" if end else "stopped", end)
+        UnstableError("it broke")
+        if end is None
+        else result_of(setup, "perforated" if end else "stopped", end)
         for end in ends
     ]
     results += results[-1:] if confirmed else [result_of(setup, "perforated", 21.0)]
@@ -185,7 +248,9 @@ def test_finer_meshes_are_run_until_two_agree_within_the_targets(setup, monkeypa
 def test_a_projectile_is_as_elastic_as_it_needs_to_be(setup, monkeypatch, enough, fixed, bodies):
     result = result_of(setup, "perforated", 20.0)
     result.rigidity = SimpleNamespace(enough=enough)
-    assert climbed(setup, [result], monkeypatch, {"residual_velocity": 0.1}, fixed=fixed)[2] == bodies
+    assert (
+        climbed(setup, [result], monkeypatch, {"residual_velocity": 0.1}, fixed=fixed)[2] == bodies
+    )
 
 
 @pytest.mark.parametrize(
@@ -198,11 +263,17 @@ def test_a_projectile_is_as_elastic_as_it_needs_to_be(setup, monkeypatch, enough
     ],
 )
 def test_the_smallest_part_of_a_panel(setup, changes, symmetry):
-    assert mesh_uncertainty.smallest_part(replace(setup, symmetry="whole", **changes)).symmetry == symmetry
+    assert (
+        mesh_uncertainty.smallest_part(replace(setup, symmetry="whole", **changes)).symmetry
+        == symmetry
+    )
 
 
 def test_outcomes_that_differ_have_no_interval(setup):
     results = result_of(setup, "stopped", 0.0), result_of(setup, "perforated", 12.0)
     pair = mesh_uncertainty.compare(*map(Shot, results))
     assert (pair.same_outcome, pair.intervals) == (False, ())
-    assert "the outcome depends on the mesh: stopped, and perforated on the finer one" in chapters.words(pair)
+    assert (
+        "the outcome depends on the mesh: stopped, and perforated on the finer one"
+        in chapters.words(pair)
+    )

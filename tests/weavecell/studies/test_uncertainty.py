@@ -31,11 +31,17 @@ def test_the_mesh_of_a_study(fabric):
     assert v50.graded(plain).grading[-1] == (np.inf, 4)
     drawn = strengths.drawn(v50.graded(plain), inputs.published(), 1, 5).pack.plies[0]
     assert max(far / step for far, step in zip(drawn.reach(), drawn.spacing)) < near[0] / near[1]
-    stepped = {"round": True}, {"impact_point": (5e-3, 0.0), "symmetry": "whole"}, {"weave_angle": 0.3}
+    stepped = (
+        {"round": True},
+        {"impact_point": (5e-3, 0.0), "symmetry": "whole"},
+        {"weave_angle": 0.3},
+    )
     for changes in ({"elements_per_crossover": 1}, {"grading": ((np.inf, 1),)}):
         assert v50.graded(replace(plain, **changes)) == replace(plain, **changes)
     for changes in ({"edge": "free"}, *stepped):
-        assert v50.graded(replace(plain, **changes)) == replace(plain, elements_per_crossover=1, **changes)
+        assert v50.graded(replace(plain, **changes)) == replace(
+            plain, elements_per_crossover=1, **changes
+        )
     pack = replace(plain, plies=2)
     assert v50.graded(pack) is pack
 
@@ -70,12 +76,16 @@ def test_what_does_not_vary_has_no_indices():
 
 
 def test_changed_fabric(fabric):
-    heavy = inputs.changed(fabric, areal_density=1.04, crimp_warp=0.8, failure_strain=1.2, trellis_stiffness=1.2)
+    heavy = inputs.changed(
+        fabric, areal_density=1.04, crimp_warp=0.8, failure_strain=1.2, trellis_stiffness=1.2
+    )
     warp, old = heavy.weave.warp, fabric.weave.warp
     assert warp.EA == pytest.approx(old.EA, rel=1e-12)
     assert warp.linear_density == pytest.approx(1.04 * old.linear_density, rel=1e-12)
     assert warp.strength == pytest.approx(1.2 * old.strength, rel=1e-12)
-    assert (warp.crimp, heavy.weave.weft.crimp) == pytest.approx((0.8 * old.crimp, fabric.weave.weft.crimp))
+    assert (warp.crimp, heavy.weave.weft.crimp) == pytest.approx(
+        (0.8 * old.crimp, fabric.weave.weft.crimp)
+    )
     assert heavy.shear.G2 == pytest.approx(1.2 * fabric.shear.G2)
 
 
@@ -126,25 +136,36 @@ def test_each_yarn_has_its_own_strength(panel, per):
     panel = replace(panel, strength_factors=factors)
     const, state = panel.constants(), panel.state(1.0)
     strengths = tuple(yarn.strength * part for yarn, part in zip(panel.weave.yarns, factors))
-    assert (const.half_strength1, const.half_strength2) == tuple(0.5 * each.min() for each in strengths)
+    assert (const.half_strength1, const.half_strength2) == tuple(
+        0.5 * each.min() for each in strengths
+    )
     for family, lines in enumerate((const.warp_lines, const.weft_lines)):
         yarns = panel.nearest_yarns[1 - family]
         np.testing.assert_allclose(lines.strength, strengths[family][yarns], rtol=1e-15)
         state.T[family][:] = panel.weave.yarns[family].strength
         for _ in range(100):
             failure_kernels.find_failures(const, state, family, 0, const.ni + family)
-        failed = state.failed[family][: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
+        failed = state.failed[family][: (const.ni + 1) * const.row_stride].reshape(
+            -1, const.row_stride
+        )
         np.testing.assert_array_equal(failed.any(axis=family), factors[family][yarns] < 0.999)
 
 
 def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
     """The same draws; where elements are one crossover long each line has the strength of its yarn."""
     uniform, graded = (
-        strengths.drawn(setup_of(fabric, 0.08, grading=zones), inputs.published(), 1, 3).pack.plies[0]
+        strengths.drawn(setup_of(fabric, 0.08, grading=zones), inputs.published(), 1, 3).pack.plies[
+            0
+        ]
         for zones in (None, ((12, 1), (np.inf, 2)))
     )
-    for family, (all_yarns, lines) in enumerate(zip(uniform.strength_factors, graded.strength_factors)):
-        half, places = all_yarns.size // 2, np.rint(graded.lines()[1 - family] / (2 * graded.weave.w[1 - family]))
+    for family, (all_yarns, lines) in enumerate(
+        zip(uniform.strength_factors, graded.strength_factors)
+    ):
+        half, places = (
+            all_yarns.size // 2,
+            np.rint(graded.lines()[1 - family] / (2 * graded.weave.w[1 - family])),
+        )
         near = abs(places) < 12
         assert np.count_nonzero(near) == 23
         np.testing.assert_array_equal(lines[near], all_yarns[half - 11 : half + 12])
@@ -162,7 +183,10 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
     spared = []
     for number, velocity in enumerate(np.linspace(35.0, 75.0, 30)):
         panel = strengths.drawn(setup_of(fabric, 0.06), inputs.published(), 5, number).pack
-        one, two = (ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0] for x in (0.0, v50.STOPS_BELOW))
+        one, two = (
+            ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0]
+            for x in (0.0, v50.STOPS_BELOW)
+        )
         assert (one.outcome, one.residual_velocity) == (two.outcome, two.residual_velocity)
         assert two.time == one.time if one.perforated else two.time <= one.time
         spared += [] if one.perforated else [1 - two.time / one.time]
@@ -178,7 +202,10 @@ def test_without_scatter_it_is_the_deterministic_limit(fabric, tmp_path):
     assert found.deterministic == (known.low, known.high)
     curve = found.curves["probit"]
     assert curve.separated
-    gap = [s.velocity for s in found.shots if s.perforated], [s.velocity for s in found.shots if not s.perforated]
+    gap = (
+        [s.velocity for s in found.shots if s.perforated],
+        [s.velocity for s in found.shots if not s.perforated],
+    )
     width = min(gap[0]) - max(gap[1])
     assert abs(curve.V50 - known.velocity) <= known.half_width + 0.5 * width
     assert width < 2.0
@@ -195,7 +222,9 @@ def test_the_curve_is_that_of_statsmodels(link):
     model = {"probit": models.Probit, "logit": models.Logit}[link]
     found = model(hit.astype(float), models.add_constant(V - 100.0)).fit(disp=0, tol=1e-12)
     b0, b1 = found.params
-    assert (ours.V50, ours.s, ours.likelihood) == pytest.approx((100.0 - b0 / b1, 1 / b1, found.llf), rel=1e-5)
+    assert (ours.V50, ours.s, ours.likelihood) == pytest.approx(
+        (100.0 - b0 / b1, 1 / b1, found.llf), rel=1e-5
+    )
     slope = np.array([-1 / b1, b0 / b1**2])
     half = 1.96 * np.sqrt(slope @ found.cov_params() @ slope)
     assert ours.intervals["V50"] == pytest.approx((ours.V50 - half, ours.V50 + half), abs=0.1)
@@ -210,10 +239,17 @@ def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path)
     assert alone == beside
     told = []
     again = v50.study(
-        setup, scatter, folder=tmp_path / "a", report=lambda done, total: told.append(done / total), **arguments
+        setup,
+        scatter,
+        folder=tmp_path / "a",
+        report=lambda done, total: told.append(done / total),
+        **arguments,
     )
     assert again == alone
-    assert told == [0.5, 1.0]  # nothing was run again: a report of each round as it is found on disk
+    assert told == [
+        0.5,
+        1.0,
+    ]  # nothing was run again: a report of each round as it is found on disk
 
 
 def test_short_series_of_tests_find_the_curve_they_are_fired_on():
@@ -221,7 +257,9 @@ def test_short_series_of_tests_find_the_curve_they_are_fired_on():
     the zone of mixed outcomes is far wider than the span fewer have a result."""
     random = np.random.default_rng(3)
     V = random.uniform(150.0, 250.0, 400)
-    curve = probit.fit(V, random.uniform(size=V.size) < probit.LINKS["probit"].cdf((V - 200.0) / 8.0))
+    curve = probit.fit(
+        V, random.uniform(size=V.size) < probit.LINKS["probit"].cdf((V - 200.0) / 8.0)
+    )
     found = protocol.series(curve)
     assert found == protocol.series(curve)
     assert found != protocol.series(curve, seed=2)
@@ -251,4 +289,7 @@ def test_one_series_by_hand():
             return 0.5
 
     # 230 P, 200 S, 215 P, 200 S, 215 P, 200 S: stops 200 x 3, perforations 215, 215, 230
-    assert protocol.one_series(Sure(), Draws()) == (pytest.approx((3 * 200 + 215 + 215 + 230) / 6), 6)
+    assert protocol.one_series(Sure(), Draws()) == (
+        pytest.approx((3 * 200 + 215 + 215 + 230) / 6),
+        6,
+    )

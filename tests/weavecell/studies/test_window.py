@@ -45,17 +45,26 @@ def test_means_on_both_meshes_are_stated_where_a_shot_perforates(command, tmp_pa
     assert code == 0, err
     told = json.loads((tmp_path / "r/summary.json").read_text())
     means, errors, shots = (told["window"][part] for part in ("mean", "standard_error", "shots"))
-    for key, name in (("residual_velocity_m_s", "residual velocity"), ("absorbed_energy_J", "absorbed energy")):
+    for key, name in (
+        ("residual_velocity_m_s", "residual velocity"),
+        ("absorbed_energy_J", "absorbed energy"),
+    ):
         result = told["discretisation"]["results"][name]
         assert (result["value"], result["standard_error"]) == (means[key], errors[key])
         scatter = np.hypot(errors[key], result["finer_standard_error"])
-        assert result["uncertainty"] == pytest.approx(4 * abs(result["finer"] - means[key]) + scatter)
+        assert result["uncertainty"] == pytest.approx(
+            4 * abs(result["finer"] - means[key]) + scatter
+        )
         assert f"{name} {means[key]:.4g} +- {errors[key]:.2g}" in out
         assert shots[2][key] == told[key]
-    assert [shot["strike_velocity_m_s"] for shot in shots] == pytest.approx([155 * factor for factor in FACTORS])
+    assert [shot["strike_velocity_m_s"] for shot in shots] == pytest.approx(
+        [155 * factor for factor in FACTORS]
+    )
     assert "mean and standard error" in (tmp_path / "r/report.html").read_text()
     assert not (tmp_path / "r/window").exists()
     alone = wc.impact(scene)
     assert alone.window is None
     assert "at one velocity" in str(alone)
-    assert "at one velocity" not in out + str(wc.impact("S-720", 40.0, opening="60 mm", end_time="10 us"))
+    assert "at one velocity" not in out + str(
+        wc.impact("S-720", 40.0, opening="60 mm", end_time="10 us")
+    )

@@ -28,4 +28,6 @@ MODULES = (cell, compression, weave, cell_equations, newton, readers)
 def names() -> dict[str, Any]:
     """All that expressions may name: numpy as np, what is imported here, and what readers and checks define."""
     known = [globals(), *map(vars, MODULES)]
-    return {k: part for each in known for k, part in each.items() if not isinstance(part, ModuleType)} | {"np": np}
+    return {
+        k: part for each in known for k, part in each.items() if not isinstance(part, ModuleType)
+    } | {"np": np}

@@ -28,7 +28,9 @@ from validation.models.cell_equations import departure
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
 
-States = dict[str, FloatArray]  # of a solved cell: tensions T1, T2, contact force F, heights h1, h2, energy W
+States = dict[
+    str, FloatArray
+]  # of a solved cell: tensions T1, T2, contact force F, heights h1, h2, energy W
 BOUNDED = ("incompressible", "compressible", "decoupled")
 
 
@@ -46,7 +48,10 @@ def printed(name: str, a: float | None = None) -> CellModel:
 
 def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
     """A coupon of a fabric, in the variational form; its half sides [m], one or two, and options of `mesh_coupon`."""
-    table, (a, b) = CellModel(catalogue.load(name), form="variational").table(size), np.broadcast_to(half, 2)
+    table, (a, b) = (
+        CellModel(catalogue.load(name), form="variational").table(size),
+        np.broadcast_to(half, 2),
+    )
     return mesh_coupon(table, lambda x, y: (np.abs(x) < a) & (np.abs(y) < b), max(a, b), **options)
 
 
@@ -79,7 +84,10 @@ def warp_pull(model: CellModel, n: int = 161) -> tuple[FloatArray, States]:
 def random_states(name: str, n: int = 400, seed: int = 3) -> tuple[FloatArray, ...]:
     """Stretches between rest and failure at which the yarns touch."""
     rng = np.random.default_rng(seed)
-    return tuple(1 + rng.uniform(0, 1, n) * (stretch_at_failure(y) - 1) for y in catalogue.load(name).weave.yarns)
+    return tuple(
+        1 + rng.uniform(0, 1, n) * (stretch_at_failure(y) - 1)
+        for y in catalogue.load(name).weave.yarns
+    )
 
 
 def alone(fabric: str, family: int) -> tuple[FloatArray, FloatArray]:
@@ -96,7 +104,12 @@ def pulled(model: CellModel, family: int, stretch: Any, other: float = 1.0) -> F
 def stretch_to_strength(model: CellModel, family: int, other: float = 1.0) -> float:
     """Of the cell along a yarn, at which the yarn is at its strength; that across is `other`."""
     strength = model.fabric.weave.yarns[family].strength
-    return brentq(lambda stretch: float(pulled(model, family, stretch, other)) - strength, 1.0, 1.5, xtol=1e-12)
+    return brentq(
+        lambda stretch: float(pulled(model, family, stretch, other)) - strength,
+        1.0,
+        1.5,
+        xtol=1e-12,
+    )
 
 
 def equilibrium() -> dict[str, Any]:
@@ -125,7 +138,10 @@ def jacobian_ratio() -> float:
             S = [arc_length(w, h + k * step) for k in (-2, -1, 1, 2)]
             rise = (S[0] - 8 * S[1] + 8 * S[2] - S[3]) / (12 * step)
             k = np.pi / (2 * w)
-            written = lambda x, k=k, h=h: np.sin(k * x) ** 2 / np.sqrt(1 + (k * h * np.sin(k * x)) ** 2)  # noqa: E731
+
+            def written(x, k=k, h=h):
+                return np.sin(k * x) ** 2 / np.sqrt(1 + (k * h * np.sin(k * x)) ** 2)
+
             ratios.append(rise / (k * k * h * quad(written, 0, w, epsabs=0, epsrel=1e-12)[0]))
             assert abs(crossover_kernels.arc(w, h)[1] / rise - 1) < 1e-6
     return max(ratios, key=lambda ratio: abs(ratio - 2))
@@ -140,7 +156,9 @@ def sine_slope_error() -> float:
     for weave in (catalogue.load(name).weave for name in KEVLAR):
         for w, h, S0, yarn in zip(weave.w, weave.h0, weave.S0, weave.yarns):
             stretched = 1.02 * w
-            F, dF, T = crossover_kernels.contact_force(stretched, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM)
+            F, dF, T = crossover_kernels.contact_force(
+                stretched, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM
+            )
             dT = yarn.EA / S0 * crossover_kernels.arc(stretched, h)[1]
             found = (0.5 * dF - dT * 0.5 * F / T) / T
             written = 4 * np.pi * stretched**2 / np.hypot(2 * stretched, np.pi * h) ** 3
@@ -203,7 +221,8 @@ def surfaces(fabric: str) -> dict[str, Any]:
     found = [model.solve(*pairs) for model in models]
     W = [part["W"][unfailed(models[0], found[0])] for part in found]
     return {
-        "least distance over the highest": min(float((a - b).min()) for a, b in (W[:2], W[1:])) / W[0].max(),
+        "least distance over the highest": min(float((a - b).min()) for a, b in (W[:2], W[1:]))
+        / W[0].max(),
         "mean share of the way": float(np.mean(W[1] - W[2]) / np.mean(W[0] - W[2])),
         "off the equations": max(departure(model, *pairs) for model in models),
     }
@@ -239,13 +258,18 @@ def look_up(fabric: str, n: int, samples: int) -> dict[str, Any]:
     begun = time.perf_counter()
     exact = model.solve(s1, s2)
     solved = time.perf_counter()
-    x, y = ((s - axis[0]) / d for s, axis, d in zip((s1, s2), (table.stretch1, table.stretch2), table.steps))
+    x, y = (
+        (s - axis[0]) / d
+        for s, axis, d in zip((s1, s2), (table.stretch1, table.stretch2), table.steps)
+    )
     i, j = np.minimum(x.astype(int), n - 2), np.minimum(y.astype(int), n - 2)
     x, y = x - i, y - j
     read = lambda c: c[:, 0] + c[:, 1] * x + c[:, 2] * y + c[:, 3] * x * y  # noqa: E731
     T1 = read(table.tension1[i, j])
     reading, safe = time.perf_counter() - solved, unfailed(model, exact)
-    pairs = zip((T1, read(table.tension2[i, j])), (exact["T1"], exact["T2"]), model.fabric.weave.yarns)
+    pairs = zip(
+        (T1, read(table.tension2[i, j])), (exact["T1"], exact["T2"]), model.fabric.weave.yarns
+    )
     error = max(np.abs(T - given)[safe].max() / yarn.strength for T, given, yarn in pairs)
     return {"largest error over strength": error, "speed-up": (solved - begun) / reading}
 
@@ -278,7 +302,11 @@ def cell_error(path: Any, fabric: str, profile: str) -> float:
     found = cell.solve(*(1 + d / w for d, w in zip((path.d1, path.d2), given.weave.w)))
     both = list(zip((found["T1"], found["T2"]), (path.T1, path.T2), given.weave.yarns))
     sound = np.all([T <= yarn.strength for T, _, yarn in both], axis=0)
-    return float(np.sqrt(np.mean(np.square([(T - given) / yarn.strength for T, given, yarn in both])[:, sound])))
+    return float(
+        np.sqrt(
+            np.mean(np.square([(T - given) / yarn.strength for T, given, yarn in both])[:, sound])
+        )
+    )
 
 
 def off_cosine(line: Any) -> float:

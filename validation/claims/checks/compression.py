@@ -28,7 +28,13 @@ from validation.claims.readers import KEVLAR
 def pressure_law() -> dict[str, float]:
     """{"c1", "c2", "start", "peak", "platen"} in SI, of the built-in one-ply law."""
     content = tomllib.loads((resources.files("fabrics") / "pressure_law.toml").read_text("utf-8"))
-    units = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
+    units = {
+        "c1": "Pa * m^3 / (kg/m^2)^3",
+        "c2": "Pa * m^3",
+        "start": "N",
+        "peak": "N",
+        "platen": "m",
+    }
     return {key: si(content[key]["value"], unit) for key, unit in units.items()}
 
 
@@ -61,8 +67,12 @@ def refitted_exponent(noise: float, seed: int) -> float:
     """The exponent of the pressure law, fitted to a curve of the law with noise on it."""
     curve = PlateCurve.pressure_law(catalogue.load("S-720").areal_density_measured)
     P0, scale = curve.pressure[0], curve.closure[-1]
-    measured = curve.closure / scale + noise * np.random.default_rng(seed).standard_normal(curve.closure.size)
-    (_, n), _ = curve_fit(lambda P, k, n: k * (1 - (P / P0) ** (-1 / n)), curve.pressure, measured, p0=(1.0, 2.0))
+    measured = curve.closure / scale + noise * np.random.default_rng(seed).standard_normal(
+        curve.closure.size
+    )
+    (_, n), _ = curve_fit(
+        lambda P, k, n: k * (1 - (P / P0) ** (-1 / n)), curve.pressure, measured, p0=(1.0, 2.0)
+    )
     return n
 
 
@@ -81,7 +91,9 @@ def areal_density_floor() -> float:
 
 def in_the_cell(law: CompressionLaw, F: ArrayLike) -> FloatArray:
     """[m] compression of a yarn under contact forces [N], as the kernel of the cell has it."""
-    return np.array([crossover_kernels.compression(float(f), law.a, law.b, _shift(law))[0] for f in np.ravel(F)])
+    return np.array(
+        [crossover_kernels.compression(float(f), law.a, law.b, _shift(law))[0] for f in np.ravel(F)]
+    )
 
 
 def _shift(law):
@@ -98,12 +110,18 @@ def compliance_error() -> float:
                 h = 3e-3 * F  # central differences of four points: the error falls with h^4
                 d = in_the_cell(law, [F + k * h for k in (-2, -1, 1, 2)])
                 differences = (d[0] - 8 * d[1] + 8 * d[2] - d[3]) / (12 * h)
-                slopes = differences, crossover_kernels.compression(F, law.a, law.b, _shift(law))[1], law.dd_dF(F)
+                slopes = (
+                    differences,
+                    crossover_kernels.compression(F, law.a, law.b, _shift(law))[1],
+                    law.dd_dF(F),
+                )
                 worst = max(worst, *(abs(float(slope) / written - 1) for slope in slopes))
     return worst
 
 
-def layers_taken_off(fabric: str, layer_modulus: float, layer_thickness: float, rows: int) -> dict[str, Any]:
+def layers_taken_off(
+    fabric: str, layer_modulus: float, layer_thickness: float, rows: int
+) -> dict[str, Any]:
     """Closure of a ply from two records, with and without it, of a test with PTFE layers; over the ply's own.
 
     Both are written as files of `rows` rows and read as a user's are; the layers are linear.

@@ -40,7 +40,9 @@ def areal_density(fabric: Fabric) -> float:
 
 def mass_per_area(panel: Panel) -> float:
     """[kg/m2] mass of the nodes of a panel over its area."""
-    return float(panel.masses().sum()) / float(np.prod([n * d for n, d in zip(panel.counts, panel.spacing)]))
+    return float(panel.masses().sum()) / float(
+        np.prod([n * d for n, d in zip(panel.counts, panel.spacing)])
+    )
 
 
 def locked_modulus(fabric: Fabric) -> float:
@@ -56,7 +58,9 @@ def with_density_of_G2(fabric: Fabric) -> Fabric:
     Table 4-1 over eq. 4-49, into which no areal density enters.
     """
     factor = fabric.shear.G2 / locked_modulus(fabric)  # type: ignore[union-attr]
-    return fabric.with_yarns(linear_density=tuple(factor * yarn.linear_density for yarn in fabric.weave.yarns))
+    return fabric.with_yarns(
+        linear_density=tuple(factor * yarn.linear_density for yarn in fabric.weave.yarns)
+    )
 
 
 def arc_length_error() -> float:
@@ -65,7 +69,15 @@ def arc_length_error() -> float:
     for weave in (catalogue.load(name).weave for name in catalogue.list_names()):
         for w, h in zip(weave.w, weave.h0):
             k = pi * h / (2 * w)
-            S = 2 * quad(lambda x, k=k, w=w: np.sqrt(1 + (k * np.sin(pi * x / (2 * w))) ** 2), 0, w, epsrel=1e-13)[0]
+            S = (
+                2
+                * quad(
+                    lambda x, k=k, w=w: np.sqrt(1 + (k * np.sin(pi * x / (2 * w))) ** 2),
+                    0,
+                    w,
+                    epsrel=1e-13,
+                )[0]
+            )
             worst = max(worst, abs(arc_length(w, h) / S - 1))
     return worst
 
@@ -83,7 +95,9 @@ def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4)
     """
     weave = catalogue.load(name).weave
     coupon = rectangle(name, 1.000001 * cells * np.array(weave.w), 21)
-    low, middle, high = (sum(coupon.forces(in_trellis(coupon, gamma + d))[2]) for d in (-step, 0.0, step))
+    low, middle, high = (
+        sum(coupon.forces(in_trellis(coupon, gamma + d))[2]) for d in (-step, 0.0, step)
+    )
     volume = len(coupon.quads) * float(np.prod(coupon.spacing)) * weave.thickness
     return (high - 2 * middle + low) / (step**2 * volume)
 
@@ -114,7 +128,11 @@ def law_shape() -> dict[str, Any]:
             step = max(step, float(np.ptp(sides) / tau.max()))
         G = np.gradient(tau, g)
         low, high = (np.abs(g) < law.gamma1 - 1e-3), (g > law.gamma2 + 1e-3) & (g < 1.19)
-        shape = shape and np.allclose(G[low], law.G1, rtol=1e-6) and np.allclose(G[high], law.G2, rtol=1e-6)
+        shape = (
+            shape
+            and np.allclose(G[low], law.G1, rtol=1e-6)
+            and np.allclose(G[high], law.G2, rtol=1e-6)
+        )
     return {"odd": odd, "jump": step, "constant, rising, constant": bool(shape)}
 
 
@@ -128,7 +146,10 @@ def trellis(gamma: float, cells: int = 8) -> tuple[FloatArray, ...]:
 def tension_change_in_shear(stretch: float, gamma: float) -> float:
     """Largest relative difference of the tensions of a coupon that is stretched evenly, square and sheared."""
     coupon = rectangle("S-720", 0.01, 101)
-    both = zip(coupon.tensions(stretch * coupon.points), coupon.tensions(stretch * in_trellis(coupon, gamma)))
+    both = zip(
+        coupon.tensions(stretch * coupon.points),
+        coupon.tensions(stretch * in_trellis(coupon, gamma)),
+    )
     return max(np.abs(square - sheared).max() / square.max() for square, sheared in both)
 
 
@@ -139,7 +160,9 @@ def bias_load_of_zones(length: float, width: float, elongation: float) -> float:
     fabric is that of straight yarns with G1 at all angles.
     """
     fabric, step = coupon_fabric("straight")[0], 1e-6 * length
-    gamma, before, after = (inextensible_shear(length, width, elongation + d) for d in (0, -step, step))
+    gamma, before, after = (
+        inextensible_shear(length, width, elongation + d) for d in (0, -step, step)
+    )
     C, B = length * width - 1.5 * width**2, width**2
     moment = C * fabric.shear.stress(gamma) + 0.5 * B * fabric.shear.stress(0.5 * gamma)
     return float(fabric.weave.thickness * moment * (after - before) / (2 * step))

@@ -67,7 +67,9 @@ class NetResult:
     @property
     def energy_error_max(self) -> float:
         """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["error"])) / self.energies["kinetic_projectile"][0])
+        return float(
+            np.max(np.abs(self.energies["error"])) / self.energies["kinetic_projectile"][0]
+        )
 
 
 class CableNet:
@@ -82,16 +84,31 @@ class CableNet:
     penalty : stiffness of the contact, in units of the touching mass / dt^2
     """
 
-    def __init__(self, setup: ImpactSetup, *, cfl: float = 0.4, viscosity: float = VISCOSITY, penalty: float = 0.3):
+    def __init__(
+        self,
+        setup: ImpactSetup,
+        *,
+        cfl: float = 0.4,
+        viscosity: float = VISCOSITY,
+        penalty: float = 0.3,
+    ):
         panel = setup.panel(setup.plain_table())
         weave, const, self.setup = panel.weave, panel.constants(), setup
         stiffness = [yarn.EA / S0 for yarn, S0 in zip(weave.yarns, weave.S0)]
         self.dt, self.cv = time_step(2 * (sum(stiffness) / weave.cell_mass) ** 0.5, cfl, viscosity)
-        law = contact.constants(const.points_per_side, weave.cell_mass, self.dt, penalty, CONTACT_DAMPING)
-        self.const, self.state = const._replace(dt=self.dt, **law), panel.state(setup.strike_velocity)
+        law = contact.constants(
+            const.points_per_side, weave.cell_mass, self.dt, penalty, CONTACT_DAMPING
+        )
+        self.const, self.state = (
+            const._replace(dt=self.dt, **law),
+            panel.state(setup.strike_velocity),
+        )
         shape, slots = (const.ni + 1, const.row_stride), self.state.mass.size
         n, self.S0 = shape[0] * shape[1], weave.S0
-        self.stiffness, self.kick = np.zeros((2, slots)), np.tile(self.dt * self.state.inverse_mass, (3, 1))
+        self.stiffness, self.kick = (
+            np.zeros((2, slots)),
+            np.tile(self.dt * self.state.inverse_mass, (3, 1)),
+        )
         warp, weft = self.stiffness[:, :n].reshape(2, *shape)
         warp[:-1], weft[:, :-1] = stiffness
         warp[:, 0] *= 0.5  # planes of symmetry cut the bars that lie in them, and keep their nodes
@@ -113,7 +130,9 @@ class CableNet:
         """Make steps until the projectile stops; a row each, whose columns are those of `net_kernels`."""
         history = np.zeros((steps, kernels.COLUMNS))
         state, const, *others = self.arguments()
-        return history[: kernels.march(state, const, self.kick, *others, self.clamped, self.ends, history)]
+        return history[
+            : kernels.march(state, const, self.kick, *others, self.clamped, self.ends, history)
+        ]
 
     def energies(self) -> dict[str, float]:
         """{name: [J]} of the whole net at the present whole step.
@@ -121,10 +140,14 @@ class CableNet:
         The kinetic ones are m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
         """
         state, const, v = self.state, self.const, np.array(self.state.v)
-        shot, push = state.projectile_velocity, self.dt * np.array(const.free_dofs) * state.f_contact_nose
+        shot, push = (
+            state.projectile_velocity,
+            self.dt * np.array(const.free_dofs) * state.f_contact_nose,
+        )
         stretched = np.maximum(self.length - np.array(self.S0)[:, None], 0.0)
         own = {
-            "kinetic_fabric": 0.5 * np.sum(state.mass * v * (v + self.kick * np.array(state.f_int))),
+            "kinetic_fabric": 0.5
+            * np.sum(state.mass * v * (v + self.kick * np.array(state.f_int))),
             "kinetic_projectile": 0.5 * shot @ (const.projectile_mass * shot + push),
             "yarn_strain": 0.5 * np.sum(self.stiffness * stretched**2),
             "viscous": self.spent[kernels.VISCOUS],

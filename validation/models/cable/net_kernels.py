@@ -27,7 +27,11 @@ def pull(x, y, z, offset, along, across, S0, cv, stiffness, length, drag, P):
     """
     work = 0.0
     for k in range(P.shape[1]):
-        dx, dy, dz = along + (x[k + offset] - x[k]), across + (y[k + offset] - y[k]), z[k + offset] - z[k]
+        dx, dy, dz = (
+            along + (x[k + offset] - x[k]),
+            across + (y[k + offset] - y[k]),
+            z[k + offset] - z[k],
+        )
         now = math.sqrt(dx * dx + dy * dy + dz * dz)
         change, T = now - length[k], stiffness[k] * max(now - S0, 0.0)
         viscous = max(cv * stiffness[k] * change if T > 0.0 else 0.0, -T)
@@ -46,9 +50,19 @@ def forces(state, const, S0, cv, stiffness, length, drag, pulls, scratch, spent)
     for family in range(2):
         along, across, offset = (const.dx, 0.0, s) if family == 0 else (0.0, const.dy, 1)
         spent[VISCOUS] += pull(
-            x, y, z, offset, along, across, S0[family], cv, stiffness[family], length[family], drag[family],
+            x,
+            y,
+            z,
+            offset,
+            along,
+            across,
+            S0[family],
+            cv,
+            stiffness[family],
+            length[family],
+            drag[family],
             pulls[family, :, s:],
-        )  # fmt: skip
+        )
     taken, _ = contact_kernels.contact_forces(state, const, scratch)
     spent[CONTACT] += taken
     for c in range(3):
@@ -58,7 +72,22 @@ def forces(state, const, S0, cv, stiffness, length, drag, pulls, scratch, spent)
 
 
 @entry()
-def march(state, const, kick, S0, cv, stiffness, length, drag, pulls, scratch, spent, clamped, ends, history):
+def march(
+    state,
+    const,
+    kick,
+    S0,
+    cv,
+    stiffness,
+    length,
+    drag,
+    pulls,
+    scratch,
+    spent,
+    clamped,
+    ends,
+    history,
+):
     """Make a step for each row of history (steps, COLUMNS), until the projectile has stopped; the number of steps.
 
     Central differences: kick is dt over the mass of each component of the nodes, 0 where it is held.

@@ -66,9 +66,13 @@ def smith(yarn: Yarn, velocity: float) -> TransverseImpact:
     """
     c = yarn.wave_speed
     if not 0 < velocity < c:
-        raise InputError(key="velocity", value=velocity, allowed=f"above 0 and below the wave speed {c:.0f} m/s")
+        raise InputError(
+            key="velocity", value=velocity, allowed=f"above 0 and below the wave speed {c:.0f} m/s"
+        )
 
-    strain = brentq(lambda e: striking_velocity(c, e) ** 2 - velocity**2, 0.0, 1.0, xtol=1e-16, rtol=1e-14)
+    strain = brentq(
+        lambda e: striking_velocity(c, e) ** 2 - velocity**2, 0.0, 1.0, xtol=1e-16, rtol=1e-14
+    )
     along = c * sqrt(strain * (1 + strain))
     tension = yarn.EA * strain
     return TransverseImpact(strain, tension, c, along - c * strain, 2 * tension * velocity / along)
@@ -95,9 +99,14 @@ class YarnRun:
 
 
 def strike(
-    yarn: Yarn, velocity: float, *, length: float = 0.1, bars: int = 2000, cfl: float = CFL,
+    yarn: Yarn,
+    velocity: float,
+    *,
+    length: float = 0.1,
+    bars: int = 2000,
+    cfl: float = CFL,
     viscosity: float = VISCOSITY,
-) -> YarnRun:  # fmt: skip
+) -> YarnRun:
     """Integrate half of a straight yarn in time until its longitudinal wave has run 0.9 of its `length` [m].
 
     Its bars and steps are those of `cable.net`; it has neither crimp nor failure. Strain and tension are the mean of
@@ -124,7 +133,10 @@ def strike(
         drag, pull = viscous, ((T + viscous) / L)[:, None] * sides
         f = np.diff(np.pad(pull, ((1, 1), (0, 0))), axis=0)
         drive.append(-f[0, 1])
-    kinetic, stored = 0.5 * np.sum(mass * v * (v + kick * f)), 0.5 * k * np.sum(np.maximum(L - d, 0.0) ** 2)
+    kinetic, stored = (
+        0.5 * np.sum(mass * v * (v + kick * f)),
+        0.5 * k * np.sum(np.maximum(L - d, 0.0) ** 2),
+    )
     done = V * dt * (sum(drive) - 0.5 * drive[-1])
     error = (kinetic + stored + lost - done - 0.5 * mass[0, 0] * V**2) / done
     X = d * np.arange(bars + 1)

@@ -44,7 +44,11 @@ def outcome(record: ImpactRecord) -> str:
 
 def residual(record: ImpactRecord) -> str:
     """Velocity at the end, as text."""
-    name = "velocity at the end" if record.outcome in ("in flight", "unstable") else "residual velocity"
+    name = (
+        "velocity at the end"
+        if record.outcome in ("in flight", "unstable")
+        else "residual velocity"
+    )
     return f"{name} {record.residual_velocity:.1f} m/s".replace(" 0.0 m/s", " 0 m/s")
 
 
@@ -76,7 +80,12 @@ def card(record: ImpactRecord) -> Card:
     tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
     force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
     lines = (residual(record), *_dent(record), _deflection(record), force, _load(record))
-    return Card(record.title, "still moving" if record.outcome == "in flight" else record.outcome, lines, tone)
+    return Card(
+        record.title,
+        "still moving" if record.outcome == "in flight" else record.outcome,
+        lines,
+        tone,
+    )
 
 
 def chapter(record: ImpactRecord, panel: Figure) -> Section:
@@ -137,7 +146,11 @@ def cost(record: ImpactRecord, setup: ImpactSetup) -> tuple[Table, ...]:
     }
     return (
         Table(("quantity", "value"), rows, caption, ("value",)),
-        Table(("setting", "value"), tuple((k, f"{v}") for k, v in settings.items()), "Settings of the solver"),
+        Table(
+            ("setting", "value"),
+            tuple((k, f"{v}") for k, v in settings.items()),
+            "Settings of the solver",
+        ),
     )
 
 
@@ -160,7 +173,9 @@ def _cuts(record):
     )
     if record.count > 1:
         caption += " Plies are dark at the front and light at the rear."
-    return Figure(pictures.render(pictures_shot.cuts, _cut_views(record), CLOSE_UP), "svg", caption, "cuts")
+    return Figure(
+        pictures.render(pictures_shot.cuts, _cut_views(record), CLOSE_UP), "svg", caption, "cuts"
+    )
 
 
 def _energies(record):
@@ -170,14 +185,20 @@ def _energies(record):
         "the strike energy (green band: 1 %)."
     )
     caption += f" Note: {record.viscous_note}." if record.viscous_note else ""
-    return Figure(pictures.render(pictures_shot.energies, record), "svg", caption, "energies", wide=False)
+    return Figure(
+        pictures.render(pictures_shot.energies, record), "svg", caption, "energies", wide=False
+    )
 
 
 def _edges(record):
     """Tensions at the edges."""
-    caption = "Tension at the edge of the panel, of the warp and the weft yarn through the impact point"
+    caption = (
+        "Tension at the edge of the panel, of the warp and the weft yarn through the impact point"
+    )
     caption += ", summed over the plies." if record.count > 1 else "."
-    return Figure(pictures.render(pictures_shot.reactions, record), "svg", caption, "reactions", wide=False)
+    return Figure(
+        pictures.render(pictures_shot.reactions, record), "svg", caption, "reactions", wide=False
+    )
 
 
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
@@ -190,7 +211,9 @@ def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutVie
 def _cut_views(record):
     """Three instants."""
     times = np.array([cut.time for cut in record.cuts])
-    numbers = dict.fromkeys(int(np.argmin(np.abs(times - share * times[-1]))) for share in (0.2, 0.5, 1.0))
+    numbers = dict.fromkeys(
+        int(np.argmin(np.abs(times - share * times[-1]))) for share in (0.2, 0.5, 1.0)
+    )
     return [cut_view(record, record.cuts[n], text(times[n], "s", form=".0f")) for n in numbers]
 
 
@@ -199,18 +222,26 @@ def _of_plies(record):
     plies = record.plies
     both = zip((plies["peak_warp"], plies["peak_weft"]), record.strength.T)
     tension = np.max([column / strength for column, strength in both], axis=0)
-    peaks, cut, energy = record.peak_tension / record.strength, plies["cut_yarns"][-1], plies["energy"][-1]
+    peaks, cut, energy = (
+        record.peak_tension / record.strength,
+        plies["cut_yarns"][-1],
+        plies["energy"][-1],
+    )
     bears = "What each ply bears. The energy of a ply is its kinetic and stored energy and what it has dissipated."
     pushes = (
         "Contact force of the projectile on the plies that it touches, at single steps; deflection of each ply "
         "from its own plane; highest tension of its warp or weft so far, over the strength."
     )
     shares = pictures.render(pictures_shot.shares, peaks, cut, energy)
-    histories = pictures.render(pictures_shot.pushes, record.time, plies["push"], plies["deflection"], tension)
+    histories = pictures.render(
+        pictures_shot.pushes, record.time, plies["push"], plies["deflection"], tension
+    )
     return [Figure(shares, "svg", bears, "plies"), Figure(histories, "svg", pushes, "pushes")]
 
 
-def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "", drawn: bool = False) -> Section:
+def assumptions(
+    setup: ImpactSetup, lines: Sequence[str], *, body: str = "", drawn: bool = False
+) -> Section:
     """What the model assumes in this run.
 
     Parameters
@@ -220,12 +251,21 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "", dra
     body : whether a rigid projectile is justified, in words
     drawn : whether each yarn has a strength of its own
     """
-    strengths = [(fabric.name, [f"{yarn.strength:.0f}" for yarn in fabric.weave.yarns]) for fabric in setup.fabrics]
-    strength = ", ".join(f"{' / '.join(words)} N ({name}, warp / weft)" for name, words in strengths)
+    strengths = [
+        (fabric.name, [f"{yarn.strength:.0f}" for yarn in fabric.weave.yarns])
+        for fabric in setup.fabrics
+    ]
+    strength = ", ".join(
+        f"{' / '.join(words)} N ({name}, warp / weft)" for name, words in strengths
+    )
     if setup.crossovers is None:
         pinned = "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave."
         pinned += " In the one pair of tests at hand (S-726) the computed limit is too high."
-        pinned += " A nose may push slippery yarns aside and pass far below this limit." if setup.plies == 1 else ""
+        pinned += (
+            " A nose may push slippery yarns aside and pass far below this limit."
+            if setup.plies == 1
+            else ""
+        )
     else:
         pinned = f"Yarns slide through their crossovers, coefficient of friction {setup.crossovers.mu:g}."
         pinned += "".join(f" {note[0].upper()}{note[1:]}." for note in setup.notes)
@@ -234,7 +274,11 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "", dra
     shot, between = setup.projectile, setup.ply_friction
     projectile = "Rigid." if shot.body == "rigid" else "Elastic-plastic along its axis."
     projectile += f" {body[0].upper()}{body[1:]}." if body else ""
-    projectile += f" Friction on the fabric {shot.friction:g}." if shot.friction else " No friction on the fabric."
+    projectile += (
+        f" Friction on the fabric {shot.friction:g}."
+        if shot.friction
+        else " No friction on the fabric."
+    )
     rows = [
         ("crossovers", pinned),
         ("failure of yarns", fails if setup.failure else "Yarns do not fail."),
@@ -244,21 +288,33 @@ def assumptions(setup: ImpactSetup, lines: Sequence[str], *, body: str = "", dra
     if setup.plies > 1:
         rows.append(("between plies", f"Friction {between:g}." if between else "No friction."))
     if setup.backing is not None:
-        rows.append(("block behind", backings.assumed_line(setup.backing.name, setup.backing.material)))
+        rows.append(
+            ("block behind", backings.assumed_line(setup.backing.name, setup.backing.material))
+        )
     rows += [("assumed law", line) for line in lines]
-    return Section("assumptions", "Assumptions", tables=(Table(("of", "in this run"), tuple(rows)),))
+    return Section(
+        "assumptions", "Assumptions", tables=(Table(("of", "in this run"), tuple(rows)),)
+    )
 
 
 def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
     """The mesh, of a set-up with the mesh that was used."""
     weave = setup.fabric.weave
-    side = 1 / setup.resolved_elements_per_crossover if setup.grading is None else setup.grading[0][1]  # [crossovers]
+    side = (
+        1 / setup.resolved_elements_per_crossover if setup.grading is None else setup.grading[0][1]
+    )  # [crossovers]
     fewer = "" if setup.grading is None else " about the impact point, fewer outside"
     step = record.time[-1] / record.steps
     rows = (
         ("elements per crossover, along each side", f"{1 / side:.3g}{fewer}"),
-        ("smallest element [mm]", " x ".join(display.number(2 * w * side, "m", form=".2f") for w in weave.w)),
-        ("projectile radius / longest side of it", f"{setup.projectile.radius / (2 * max(weave.w) * side):.2g}"),
+        (
+            "smallest element [mm]",
+            " x ".join(display.number(2 * w * side, "m", form=".2f") for w in weave.w),
+        ),
+        (
+            "projectile radius / longest side of it",
+            f"{setup.projectile.radius / (2 * max(weave.w) * side):.2g}",
+        ),
         ("elements of the modelled part", f"{record.elements}"),
         ("modelled part of the panel", setup.symmetry),
         ("time steps", f"{record.steps} of {1e9 * step:.3g} ns"),
@@ -268,7 +324,9 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
         "[accuracy] in the input file finds the mesh that they need. Near the critical velocity the outcome itself "
         "depends on the mesh."
     )
-    return Section("panel-mesh", "Mesh", lead, tables=(Table(("mesh", "value"), rows, numeric=("value",)),))
+    return Section(
+        "panel-mesh", "Mesh", lead, tables=(Table(("mesh", "value"), rows, numeric=("value",)),)
+    )
 
 
 def assumed(around: AssumedRange) -> Section:
@@ -283,7 +341,9 @@ def assumed(around: AssumedRange) -> Section:
         caption = "What each assumption changes alone, and all runs together."
         picture = pictures.render(pictures_uncertainty.tornado, around, "")
         figures = (Figure(picture, "svg", caption, "assumed-range"),)
-    runs = [(run.laws, run.outcome or "-", display.number(run.velocity, "m/s")) for run in around.rows]
+    runs = [
+        (run.laws, run.outcome or "-", display.number(run.velocity, "m/s")) for run in around.rows
+    ]
     columns = ("laws", "outcome", f"{around.quantity} [m/s]")
     table = Table(columns, tuple(runs), numeric=columns[2:])
     return Section("assumed", "What the assumed laws leave open", lead, figures, (table,))
@@ -301,13 +361,19 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     from shellfabric.output.wave_fronts import fronts
 
     t, waves = recorded.t, fronts(recorded)
-    through = [yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None]
+    through = [
+        yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None
+    ]
     drawn: list[tuple[str, str, tuple[Any, ...]]] = []
     of_ply = f"-ply-{ply}" if ply else ""
     if recorded.yarns:
         within = [place for place in places if any(place <= yarn.X[-1] for yarn in recorded.yarns)]
         drawn = [
-            ("tensions", "Tension and fibre strain of the yarns that were followed.", (recorded.yarns, within)),
+            (
+                "tensions",
+                "Tension and fibre strain of the yarns that were followed.",
+                (recorded.yarns, within),
+            ),
             (
                 "fronts",
                 "Tension over place and time, with the longitudinal front (dark: tension arrives) and the transverse "
@@ -316,14 +382,31 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
             ),
             ("profiles", "Deflection along the yarns nearest the impact point.", (through,)),
         ]
-    drawn.append(("edges", "Force of the fabric on the edges of the whole panel.", (recorded.edges,)))
+    drawn.append(
+        ("edges", "Force of the fabric on the edges of the whole panel.", (recorded.edges,))
+    )
     figures = tuple(
-        Figure(pictures.render(getattr(pictures_histories, name), t, *arguments), "svg", caption, name + of_ply)
+        Figure(
+            pictures.render(getattr(pictures_histories, name), t, *arguments),
+            "svg",
+            caption,
+            name + of_ply,
+        )
         for name, caption, arguments in drawn
     )
     title = f"Along the yarns and at the edges{f', ply {ply}' if ply else ''}"
-    columns = ("front", "yarn", "speed in the fabric [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
-    table = (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else ()
+    columns = (
+        "front",
+        "yarn",
+        "speed in the fabric [m/s]",
+        "95 % interval [m/s]",
+        "speed along the yarn [m/s]",
+    )
+    table = (
+        (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),)
+        if waves
+        else ()
+    )
     return Section(f"measures{of_ply}", title, "", figures, table)
 
 
@@ -334,7 +417,9 @@ def body(record: ImpactRecord) -> list[Section]:
         bar = record.bar
         lead = f"{record.rigid_check}. " if record.rigid_check else ""
         lead += f"Plastic strain has shortened it by {text(bar.shortening, 'm', form='.3g')}."
-        swing = f" They swing in {text(bar.swing, 's', form='.3g')}." if np.isfinite(bar.swing) else ""
+        swing = (
+            f" They swing in {text(bar.swing, 's', form='.3g')}." if np.isfinite(bar.swing) else ""
+        )
         caption = (
             "Tip, tail and centre of mass of the projectile; the first mode has "
             f"{text(bar.period, 's', form='.3g')}.{swing}"
@@ -354,7 +439,10 @@ def body(record: ImpactRecord) -> list[Section]:
         caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
         deep = pictures.render(pictures_body.depth_map, block, kind="png")
         seen = "Depth of the face of the block at the end of the run, seen along the flight; lines every fifth of it."
-        figures = (Figure(picture, "png", caption, "crater"), Figure(deep, "png", seen, "depth-map"))
+        figures = (
+            Figure(picture, "png", caption, "crater"),
+            Figure(deep, "png", seen, "depth-map"),
+        )
         sections.append(Section("backing", "The block behind", lead, figures))
     return [*sections, _slips(record)] if record.slips else sections
 
@@ -362,7 +450,9 @@ def body(record: ImpactRecord) -> list[Section]:
 def dent(record: ImpactRecord) -> str:
     """The back-face signature; of a block that still moves at the end, that there is none yet."""
     depth = f"{record.signature_mm:.3g} mm"
-    taken = {name: values[-1] for name, values in record.energies.items() if name.startswith("backing_")}
+    taken = {
+        name: values[-1] for name, values in record.energies.items() if name.startswith("backing_")
+    }
     moves = text(taken["backing_kinetic"] / record.strike_energy, "1", "share", ".2g")
     if taken["backing_kinetic"] > AT_REST * sum(taken.values()):
         return f"no back-face signature yet: the block moves with {moves} of the strike energy, dent so far {depth}"
@@ -374,18 +464,30 @@ def _slips(record):
     rows = {
         "ply": ("", np.arange(1, record.count + 1)),
         "segments that a yarn has left": ("", [slip.pulled_out_segments for slip in record.slips]),
-        "longest yarn through a crossover": ("m", [slip.pulled_out_length for slip in record.slips]),
-        "widest distance of neighbouring yarns": ("m", [slip.largest_window for slip in record.slips]),
+        "longest yarn through a crossover": (
+            "m",
+            [slip.pulled_out_length for slip in record.slips],
+        ),
+        "widest distance of neighbouring yarns": (
+            "m",
+            [slip.largest_window for slip in record.slips],
+        ),
         "work of friction": ("J", [slip.friction_work for slip in record.slips]),
     }
     share = text(record.slip.friction_work / record.strike_energy, "1", "share", ".3g")
-    table = Table.of(display.frame(rows), f"Friction at the crossovers: {share} of the strike energy.")
+    table = Table.of(
+        display.frame(rows), f"Friction at the crossovers: {share} of the strike energy."
+    )
     return Section("slip", "Sliding crossovers", "", (), (table,))
 
 
 def _front_row(wave, recorded):
     if not np.isfinite(wave.speed):
         return wave.kind, wave.family, "-", "-", "-"
-    along = f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}" if wave.kind == "longitudinal" else "-"
+    along = (
+        f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}"
+        if wave.kind == "longitudinal"
+        else "-"
+    )
     low, high = wave.interval
     return wave.kind, wave.family, f"{wave.speed:.0f}", f"{low:.0f} to {high:.0f}", along

@@ -70,7 +70,12 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
     top : [m] highest point of all that is drawn; None takes that of the rows
     """
     figure, grid = pyplot.subplots(
-        len(rows), 2, figsize=(10.4, 0.5 + 2.7 * len(rows)), squeeze=False, width_ratios=(1.15, 1), layout="none"
+        len(rows),
+        2,
+        figsize=(10.4, 0.5 + 2.7 * len(rows)),
+        squeeze=False,
+        width_ratios=(1.15, 1),
+        layout="none",
     )
     place(figure, 0.8, 0.15, 0.65, 0.4, across=0.45, down=0.6)
     top = max(foremost(row.cut) for row in rows) if top is None else top
@@ -78,16 +83,33 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
         cut, colours = row.cut, shades(len(row.thickness))
         for axes, near in zip(axes_row, (False, True)):
             body = row.projectile
-            axes.fill(MM * body[:, 0], MM * (body[:, 1] + cut.nose_position), fc="#d5dae0", ec=STEEL, lw=1.0, zorder=1)
+            axes.fill(
+                MM * body[:, 0],
+                MM * (body[:, 1] + cut.nose_position),
+                fc="#d5dae0",
+                ec=STEEL,
+                lw=1.0,
+                zorder=1,
+            )
             for line, thickness, colour in zip(cut.lines, row.thickness, colours):
                 for image in _images(line, row.mirrored):
-                    axes.plot(*(MM * image.T), color=colour, lw=1.4, zorder=2, solid_joinstyle="round")
+                    axes.plot(
+                        *(MM * image.T), color=colour, lw=1.4, zorder=2, solid_joinstyle="round"
+                    )
                     if near:
-                        axes.fill(*(MM * _band(image, thickness).T), color=colour, alpha=0.45, lw=0, zorder=1.5)
+                        axes.fill(
+                            *(MM * _band(image, thickness).T),
+                            color=colour,
+                            alpha=0.45,
+                            lw=0,
+                            zorder=1.5,
+                        )
             axes.grid(visible=near)
         reach = MM * max(float(np.nanmax(line[:, 0])) for line in cut.lines)
         axes_row[0].set(xlim=(-reach, reach), ylim=(-8, MM * top + 3), ylabel="z [mm]")
-        axes_row[0].set_title(row.title, y=1.0)  # at a given height it is not moved above all else, which takes long
+        axes_row[0].set_title(
+            row.title, y=1.0
+        )  # at a given height it is not moved above all else, which takes long
         axes_row[1].set_title("to scale", y=1.0, fontweight="normal", color=FAINT)
         high = MM * foremost(cut) + 0.8
         axes_row[1].set_aspect("equal")
@@ -128,13 +150,17 @@ def _images(line, mirrored):
 
 def foremost(cut: Cut) -> float:
     """[m] highest point of the plies and the nose."""
-    return max(cut.nose_position, *(float(part[:, 1].max()) for line in cut.lines for part in pieces(line)))
+    return max(
+        cut.nose_position, *(float(part[:, 1].max()) for line in cut.lines for part in pieces(line))
+    )
 
 
 def _band(line, thickness):
     """Outline of a line as thick as its ply."""
     along = np.gradient(line, axis=0)
-    normal = 0.5 * thickness * np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    normal = (
+        0.5 * thickness * np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    )
     return np.concatenate([line + normal, (line - normal)[::-1]])
 
 
@@ -146,14 +172,18 @@ def parts(energies: Mapping[str, Any], recoil: float = 0.0) -> dict[str, Any]:
     drawn["recoil_of_cut_yarns"] = viscous - drawn["viscous"]
     drawn["yarn_strain"] = energies["yarn_strain"] + energies.get("formulation_residual", 0.0)
     for name in ("contact", "friction"):
-        drawn[name] = energies.get(name, 0.0) + energies.get(f"ply_{name}", 0.0) + 0 * drawn["yarn_strain"]
+        drawn[name] = (
+            energies.get(name, 0.0) + energies.get(f"ply_{name}", 0.0) + 0 * drawn["yarn_strain"]
+        )
     return drawn
 
 
 def energies(pyplot: Any, record: ImpactRecord) -> Any:
     """Where the strike energy is at every instant, stacked, and below it the energy error; parts that are absent or
     zero throughout are left out."""
-    figure, (top, low) = pyplot.subplots(2, 1, figsize=(5.6, 5.8), height_ratios=(3.2, 1), sharex=True, layout="none")
+    figure, (top, low) = pyplot.subplots(
+        2, 1, figsize=(5.6, 5.8), height_ratios=(3.2, 1), sharex=True, layout="none"
+    )
     t, error = US * record.time, 100 * record.energies["error"] / record.strike_energy
     drawn = parts(record.energies, record.recoil_of_cut_yarns)
     known = [row for row in ENERGIES if np.any(drawn.get(row[0], 0.0))]
@@ -164,9 +194,16 @@ def energies(pyplot: Any, record: ImpactRecord) -> Any:
     low.axhspan(-1, 1, color="#e8f5f0", lw=0)
     low.plot(t, error, color=INK, lw=1.6)
     reach = max(1.25, 1.15 * float(np.max(np.abs(error))))
-    low.set(xlabel="time after strike [µs]", ylabel="error [%]", ylim=(-reach, reach), xlim=(0, float(t[-1])))
+    low.set(
+        xlabel="time after strike [µs]",
+        ylabel="error [%]",
+        ylim=(-reach, reach),
+        xlim=(0, float(t[-1])),
+    )
     place(figure, 0.9, 0.2, 0.75 + 0.215 * -(-len(known) // 2), 0.15, down=0.2)
-    figure.legend(handles, [label for _, label, _ in known], loc="lower center", ncols=2, fontsize=10)
+    figure.legend(
+        handles, [label for _, label, _ in known], loc="lower center", ncols=2, fontsize=10
+    )
     return figure
 
 
@@ -218,7 +255,9 @@ def shares(pyplot: Any, peaks: np.ndarray, cut: np.ndarray, energy: np.ndarray) 
     return figure
 
 
-def pushes(pyplot: Any, t: np.ndarray, push: np.ndarray, deflection: np.ndarray, tension: np.ndarray) -> Any:
+def pushes(
+    pyplot: Any, t: np.ndarray, push: np.ndarray, deflection: np.ndarray, tension: np.ndarray
+) -> Any:
     """Force of the nose on each ply it touches, deflections of the plies, and their highest tensions.
 
     Parameters

@@ -26,8 +26,12 @@ def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
         found.append(chapters_discretisation.section(shot.pair))
     if shot.range is not None:
         found.append(chapters_shot.assumed(shot.range))
-    ends = dict.fromkeys((0, shot.count - 1)) if shot.measured else ()  # the ply that is struck, and the last
-    found += [chapters_shot.measures(shot.measured[p], places, p + 1 if shot.pack else None) for p in ends]
+    ends = (
+        dict.fromkeys((0, shot.count - 1)) if shot.measured else ()
+    )  # the ply that is struck, and the last
+    found += [
+        chapters_shot.measures(shot.measured[p], places, p + 1 if shot.pack else None) for p in ends
+    ]
     found += chapters_shot.body(shot)
     if case.surface is None:
         model, options = case.scene.fabric.cell_model, chapters.options(case.scene.fabric)
@@ -36,10 +40,20 @@ def sections(shot: ShotResult, setup: ImpactSetup) -> list[Section]:
     return [*found, chapters_shot.assumptions(used, lines, body=shot.rigid_check)]
 
 
-def page(shot: ShotResult, setup: ImpactSetup, found: Sequence[Section], stamp: Mapping[str, str]) -> Report:
+def page(
+    shot: ShotResult, setup: ImpactSetup, found: Sequence[Section], stamp: Mapping[str, str]
+) -> Report:
     """The report of one impact; `found` are the chapters of `sections`."""
     lead = chapters.struck(setup, shot.case.scene, velocity=True)
-    cards, cost = (chapters_shot.card(shot), *chapters.law_cards(shot.case)), chapters_shot.cost(shot, setup.meshed)
-    all_of_them, seconds = (*found, checks.section(shot.checks)), {"time integration": shot.wall_time}
+    cards, cost = (
+        (chapters_shot.card(shot), *chapters.law_cards(shot.case)),
+        chapters_shot.cost(shot, setup.meshed),
+    )
+    all_of_them, seconds = (
+        (*found, checks.section(shot.checks)),
+        {"time integration": shot.wall_time},
+    )
     banner = chapters_shot.outcome(shot), shot.outcome
-    return chapters.report(shot.title, lead, setup.fabrics, cards, all_of_them, stamp, seconds, *banner, cost)
+    return chapters.report(
+        shot.title, lead, setup.fabrics, cards, all_of_them, stamp, seconds, *banner, cost
+    )

@@ -77,7 +77,9 @@ class Panel:
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
         strength, centre = self.record.strength[grid["ply"] - 1], (0.0, 0.0, 0.02 * width)
         front = self.record.outcome != "perforated"
-        return pictures3d.panel(grid, strength, self.body(grid, t), self.mirrors, 0.37 * width, centre, front=front)
+        return pictures3d.panel(
+            grid, strength, self.body(grid, t), self.mirrors, 0.37 * width, centre, front=front
+        )
 
     def headline(self) -> str:
         """Title and outcome in one line."""
@@ -88,7 +90,9 @@ class Panel:
         return chapters_shot.instant(self.record, t)
 
 
-def show(path: Path, screenshot: Path | None, movie: Path | None, html: Path | None, cut: bool = False) -> None:
+def show(
+    path: Path, screenshot: Path | None, movie: Path | None, html: Path | None, cut: bool = False
+) -> None:
     """Open a window on `path`, or write a PNG to `screenshot`, a GIF or MP4 to `movie`, a page to `html`.
 
     Parameters
@@ -100,7 +104,11 @@ def show(path: Path, screenshot: Path | None, movie: Path | None, html: Path | N
     InputError : there is nothing at `path` that can be shown or no series for a movie or a page, a file is not named
         .png, .gif, .mp4 or .html, an MP4 is to be written without imageio, or there is no display for a window
     """
-    endings = {"screenshot": (screenshot, (".png",)), "movie": (movie, MOVIES), "html": (html, (".html",))}
+    endings = {
+        "screenshot": (screenshot, (".png",)),
+        "movie": (movie, MOVIES),
+        "html": (html, (".html",)),
+    }
     for option, (written, kinds) in endings.items():
         if written is not None and written.suffix not in kinds:
             names = " or ".join(f"*{kind}" for kind in kinds)
@@ -161,7 +169,9 @@ def panel_of(path: Path, file: Path) -> Panel | None:
     path = Path(path)
     folder = path if path.is_dir() else path.parent if path.suffix == ".pvd" else file.parent.parent
     if (folder / "panel.pvd").exists() and (folder / "histories.h5").exists():
-        return Panel(ImpactRecord.read(folder / "histories.h5"), vtk.read_series(folder / "panel.pvd"))
+        return Panel(
+            ImpactRecord.read(folder / "histories.h5"), vtk.read_series(folder / "panel.pvd")
+        )
     return None
 
 
@@ -174,7 +184,9 @@ def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:
 
 def end(pyplot: Any, record: ImpactRecord) -> Any:
     """The figure of the last instant of a record, without the files of a run."""
-    return compose(pyplot, Panel(record, []), vtk.panel(record.final, record.quads), record.final[-1].time)
+    return compose(
+        pyplot, Panel(record, []), vtk.panel(record.final, record.quads), record.final[-1].time
+    )
 
 
 def still(record: ImpactRecord) -> page.Figure:
@@ -192,8 +204,13 @@ def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
     figure.text(0.02, 0.95, panel.headline(), weight="bold", color=INK)
     figure.text(0.02, 0.905, panel.caption(t), color=INK)
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100), tension_map())
-    bar = figure.colorbar(scale, cax=figure.add_axes((0.2, 0.115, 0.6, 0.022)), orientation="horizontal")
-    bar.set_label("yarn tension, % of the strength, the higher of warp and weft (orange: one yarn failed)", fontsize=10)
+    bar = figure.colorbar(
+        scale, cax=figure.add_axes((0.2, 0.115, 0.6, 0.022)), orientation="horizontal"
+    )
+    bar.set_label(
+        "yarn tension, % of the strength, the higher of warp and weft (orange: one yarn failed)",
+        fontsize=10,
+    )
     bar.outline.set_visible(False)
     return figure
 
@@ -201,10 +218,14 @@ def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
 def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
     """The figure of a cut of the record, by its number, with heights up to the highest of all cuts."""
     record = panel.record
-    row = chapters_shot.cut_view(record, record.cuts[number], panel.caption(record.cuts[number].time))
+    row = chapters_shot.cut_view(
+        record, record.cuts[number], panel.caption(record.cuts[number].time)
+    )
     top = max(map(pictures_shot.foremost, record.cuts))
     figure = pictures_shot.cuts(pyplot, [row], chapters_shot.CLOSE_UP, top)
-    figure.suptitle(panel.headline(), weight="bold", color=INK, x=0.02, y=0.995, ha="left", fontsize=11)
+    figure.suptitle(
+        panel.headline(), weight="bold", color=INK, x=0.02, y=0.995, ha="left", fontsize=11
+    )
     figure.set_size_inches(10.4, 4.2)
     return figure
 
@@ -215,7 +236,9 @@ def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator
         figures = (
             (
                 cut_figure(pyplot, panel, number)
-                for number in range((len(panel.record.cuts) - 1) % step, len(panel.record.cuts), step)
+                for number in range(
+                    (len(panel.record.cuts) - 1) % step, len(panel.record.cuts), step
+                )
             )
             if cut
             else (snapshot(pyplot, panel, file) for file, _ in panel.series)
@@ -245,8 +268,12 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
         if panel is not None:
             t = panel.time_of(file)
             text = f"{panel.headline()}\n{panel.caption(t)}\n{text}"
-            scene.add_mesh(pyvista.StructuredGrid(*np.moveaxis(panel.body(grid, t), -1, 0)), color=STEEL)
-        fabric = pictures3d.coloured(grid, np.array([top, top]), panel.mirrors if panel else (False, False))
+            scene.add_mesh(
+                pyvista.StructuredGrid(*np.moveaxis(panel.body(grid, t), -1, 0)), color=STEEL
+            )
+        fabric = pictures3d.coloured(
+            grid, np.array([top, top]), panel.mirrors if panel else (False, False)
+        )
         scene.add_mesh(fabric, scalars="colour", rgb=True)
     else:
         scalars = "yarn" if "yarn" in grid.cell_data else None
@@ -264,7 +291,10 @@ def _write_movie(panel, movie, cut):
         except ModuleNotFoundError:
             allowed = "*.gif, or *.mp4 with the Python package imageio[ffmpeg]"
             raise InputError(key="--movie", value=str(movie), allowed=allowed) from None
-        with replace_whole(movie) as beside, imageio.get_writer(beside, fps=round(1 / FRAME_TIME)) as writer:
+        with (
+            replace_whole(movie) as beside,
+            imageio.get_writer(beside, fps=round(1 / FRAME_TIME)) as writer,
+        ):
             for image in frames(panel, 120, cut):
                 writer.append_data(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         return
@@ -285,12 +315,24 @@ def gif(images: Iterable[np.ndarray]) -> bytes:
     middle = found[len(found) // 2].quantize(COLOURS)  # one palette for all: colours do not flicker
     palette = np.array(middle.getpalette()).reshape(-1, 3)
     palette[palette.min(axis=1) > 245] = 255  # white stays white
-    torn = np.outer((255, 215, 175), to_rgb(RED))  # in light and shade; too few pixels for a palette by frequency
+    torn = np.outer(
+        (255, 215, 175), to_rgb(RED)
+    )  # in light and shade; too few pixels for a palette by frequency
     palette = np.concatenate([palette[: 256 - len(torn)], torn.astype(palette.dtype)])
     common = Image.new("P", (1, 1))
     common.putpalette(palette.ravel().tolist())
-    first, *others = [picture.quantize(palette=common, dither=Image.Dither.NONE) for picture in found]
+    first, *others = [
+        picture.quantize(palette=common, dither=Image.Dither.NONE) for picture in found
+    ]
     times = [*[round(1e3 * FRAME_TIME)] * len(others), round(1e3 * LAST_FRAME_TIME)]
     content = BytesIO()
-    first.save(content, format="GIF", save_all=True, append_images=others, duration=times, loop=0, optimize=True)
+    first.save(
+        content,
+        format="GIF",
+        save_all=True,
+        append_images=others,
+        duration=times,
+        loop=0,
+        optimize=True,
+    )
     return content.getvalue()
