@@ -130,7 +130,7 @@ def write(root, name, text):
         (
             too_long,
             "shellfabric/cell/new.py",
-            "class A:\n    def f(self):\n" + "        pass\n" * 900,
+            "class A:\n    def f(self):\n" + "        pass\n" * 1100,
         ),
     ],
 )
