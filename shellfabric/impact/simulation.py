@@ -49,6 +49,7 @@ ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: long
 MOST_ELEMENTS = 8  # a crossover, by default
 RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
 PACK_ELEMENTS = 2  # per crossover, of packs that have no graded mesh
+OPENING_ERROR = 1e-3  # [-] of its sides, beyond which it is said
 OFF_CROSSOVER = 0.25  # [spacings] from a crossover along warp and weft: impact point of one sliding ply, by default
 UNFAILING = (
     20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
@@ -223,11 +224,41 @@ class ImpactSetup:
         off = OFF_CROSSOVER if slides and self.plies == 1 and self.symmetry == "whole" else 0.0
         return off * 2 * self.fabric.weave.w[0], off * 2 * self.fabric.weave.w[1]
 
+    @cached_property
+    def opening_notes(self) -> tuple[str, ...]:
+        """A line about each fabric whose edges cannot lie where those of the opening are, to OPENING_ERROR."""
+        asked, found = np.broadcast_to(self.opening, 2), {}
+        for name, held in self._held_openings():
+            if np.abs(held / asked - 1).max() > OPENING_ERROR:
+                texts = [" by ".join(f"{1e3 * side:.1f}" for side in sides) for sides in (held, asked)]
+                line = f"{name}: the edges follow yarns, which makes the opening {texts[0]} mm in place of {texts[1]}"
+                found[line] = None
+        return tuple(found)
+
+    def _held_openings(self):
+        """(name of a fabric, its `Panel.held_opening`) of plies whose edges follow yarns."""
+        if self.crossovers is not None:  # a line of the grid is one yarn
+            for fabric in self.fabrics:
+                spacing = 2 * np.array(fabric.weave.w)
+                half = np.floor(0.5 * np.broadcast_to(self.opening, 2) / spacing + 1e-9)
+                yield fabric.name, 2 * half * spacing
+            return
+        angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
+        if not (self.weave_angle or self.round or any(self.struck_at) or angles - {0.0}):
+            return
+        used = self.meshed
+        mesh = {"grading": used.grading, "elements_per_crossover": used.elements_per_crossover}
+        for one in used.kinds:
+            flat = replace(one, **mesh).panel(one.plain_table())
+            for angle in sorted(angles):
+                panel = at_angle(flat, angle) if angle else flat
+                yield panel.fabric.name, np.array(panel.held_opening)
+
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known of a shot at sliding yarns, a line each."""
+        """What has to be known of the opening, and of a shot at sliding yarns, a line each."""
         if self.crossovers is None or self.crossovers.pins:
-            return ()
+            return self.opening_notes
         x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
         alone, off, mu = self.plies == 1, max(x, y) > 1e-6, self.crossovers.mu
         lines = {
@@ -240,7 +271,7 @@ class ImpactSetup:
             f"window possible, limit not conservative: one ply, its yarns slide with friction {mu:g}, below "
             f"{WINDOWING_FRICTION:g}": alone and mu < WINDOWING_FRICTION,
         }
-        return tuple(line for line, applies in lines.items() if applies)
+        return (*self.opening_notes, *(line for line, applies in lines.items() if applies))
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
@@ -314,9 +345,9 @@ class ImpactSetup:
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
         reaches = [
-            ceil(far / side) + 1
+            ceil((far - 2 * side) * count / (2 * w)) + 3  # of elements that are a part of a crossover long
             for panel in plain
-            for far, side in zip(panel.reach(), panel.spacing)
+            for far, side, w in zip(panel.reach(), panel.spacing, panel.weave.w)
         ]
         near, side = ceil(max(reaches) / count), Fraction(1, count)
         zones = []

@@ -289,9 +289,8 @@ def build(
         first += len(points)
     materials, share, mirrors = tuple(cards.values()), pack.plies[0].share, pack.plies[0].mirrors
     nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
-    header = _header(
-        materials, units, share, f"{code.KEYWORD}, {_NEAREST[match]}", source, code.NAME
-    )
+    law = f"{code.KEYWORD}, {_NEAREST[match]}"
+    header = _header(materials, units, share, law, source, code.NAME, setup.opening_notes)
     title, end, friction = _ascii(title)[:70], setup.end_time, pack.friction
     return Deck(title, header, UNITS[units], materials, tuple(plies), nose, mirrors, friction, end)
 
@@ -319,7 +318,7 @@ def _nose(setup, share, thickness, ply, first):
     )
 
 
-def _header(cards, units, share, law, source, code):
+def _header(cards, units, share, law, source, code, notes):
     """Lines of text: what the deck is, how far its cards are off, and what they do not hold."""
     text = [
         f"weavecell {fabrics.__version__}: a deck for {code}, NOT RUN in it",
@@ -338,7 +337,7 @@ def _header(cards, units, share, law, source, code):
             text.append(
                 f"WARNING: law {card.number} is off by more than {100 * LIMIT:.0f} % of the strength"
             )
-    text.append(f"Not held: {cards[0].law.lost}")
+    text += [f"Not held: {cards[0].law.lost}", *(f"Note: {note}" for note in notes)]
     if share < 1:
         text.append(
             f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part"

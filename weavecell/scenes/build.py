@@ -168,7 +168,7 @@ def _fabric(table, key, file):
         fabric = catalogue.load(table.name)
     else:
         allowed = f"one of {', '.join(catalogue.list_names())}"
-        raise InputError(file=file, key=f"{key}.name", value=table.name, allowed=allowed)
+        raise catalogue.unknown(table.name, allowed, key=f"{key}.name", file=file)
     return with_linear_density(fabric, table.linear_density)
 
 
