@@ -83,13 +83,13 @@ def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
     """
     zones = [(until, exact(side)) for until, side in grading]
     found, at = [], Fraction(0)
-    whole = Fraction(int(length))
+    whole = Fraction(int(length + 1e-9))
     whole -= whole % zones[0][1]
     for (until, side), after in zip(zones, (*zones[1:], None)):
         while at < min(until, whole) or (after is not None and (whole - at) % after[1]):
             found.append(side)
             at += side
-    more = int((length - at) / found[-1])
+    more = int((length - at) / found[-1] + 1e-9)
     found += more * [found[-1]]
     filled = np.array(found, float)
     filled[-1] += length - filled.sum()

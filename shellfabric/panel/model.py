@@ -238,12 +238,13 @@ class Panel:
     def _half(self):
         """(along warp, along weft) crossovers from the middle of the grid to an edge."""
         lengths = boundary.extent(self)
-        return tuple(length / 2 / (2 * w) + 1e-9 for length, w in zip(lengths, self.weave.w))
+        return tuple(length / 2 / (2 * w) for length, w in zip(lengths, self.weave.w))
 
     @property
     def _half_counts(self):
         """(along warp, along weft) elements that are all alike, from the middle of the grid to an edge."""
-        return tuple(int(half) * self.lines_per_crossover // self.finest for half in self._half)
+        wholes = (int(half + 1e-9) for half in self._half)
+        return tuple(n * self.lines_per_crossover // self.finest for n in wholes)
 
     @cached_property
     def sides(self) -> tuple[FloatArray, ...] | None:
