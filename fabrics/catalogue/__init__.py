@@ -15,7 +15,7 @@ from pathlib import Path
 
 from fabrics import assumed, data_sheet
 from fabrics.checks import FilePath
-from fabrics.compression import CompressionLaw
+from fabrics.compression import CompressionLaw, check_room
 from fabrics.errors import InputError, nearest
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import (
@@ -121,6 +121,8 @@ def _fabric(file, sources, path):
             CompressionLaw, key, table.a.value, table.b.value, table.form, path.name
         ),
     )
+    if laws is not None:
+        check_room(laws, weave, file=path, key="compression.a")
     solid = _of_both(
         file.solid, "solid", Solids, lambda key, table: _made(SolidLaw, key, **_values(table))
     )

@@ -224,6 +224,16 @@ class ImpactSetup:
         off = OFF_CROSSOVER if slides and self.plies == 1 and self.symmetry == "whole" else 0.0
         return off * 2 * self.fabric.weave.w[0], off * 2 * self.fabric.weave.w[1]
 
+    def _mesh_notes(self):
+        """A line where the default mesh is as coarse as the weave, since the projectile may leave a finer zone."""
+        given = self.grading is not None or self.elements_per_crossover is not None
+        if given or self.plies > 1 or self.crossovers is not None or self.meshed is not self:
+            return ()
+        if self.resolved_elements_per_crossover > 1:
+            return ()
+        why = "an oblique or yawed shot, or edges that are not clamped"
+        return (f"{why}: one element per crossover, energy up to 15 % too high",)
+
     @cached_property
     def opening_notes(self) -> tuple[str, ...]:
         """A line about each fabric whose edges cannot lie where those of the opening are, to OPENING_ERROR."""
@@ -258,7 +268,7 @@ class ImpactSetup:
     def notes(self) -> tuple[str, ...]:
         """What has to be known of the opening, and of a shot at sliding yarns, a line each."""
         if self.crossovers is None or self.crossovers.pins:
-            return self.opening_notes
+            return (*self.opening_notes, *self._mesh_notes())
         x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
         alone, off, mu = self.plies == 1, max(x, y) > 1e-6, self.crossovers.mu
         lines = {

@@ -514,8 +514,10 @@ class Panel:
         """
         wide, found = self.projectile.radius / self.projectile.frame[2, 2], []
         slips = (0.0, 0.0) if self.sides is None else boundary.pull_in(self.edge)
+        extent = boundary.extent(self)
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
-            drawn = (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0]) + slips[n]
+            longest = max(x[-1], -x[0], 0.5 * extent[n])
+            drawn = (yarn.crimp + yarn.failure_strain) * longest + slips[n]
             ends = boundary.sides(self.edge)[n]
             if "free" in ends and self.sides is None:
                 drawn = x[-1] - x[0]

@@ -130,7 +130,7 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
         (shear, "shear", law.trellis, 0),
     )
     for number, name, curve, kind in curves:
-        yield f"*DEFINE_CURVE_TITLE\n{material.name}, {name}\n"
+        yield f"*DEFINE_CURVE_TITLE\n{material.name} {name}\n"
         yield _card(LCID=number, SIDR=0, SFA=1.0, SFO=1.0, OFFA=0.0, OFFO=0.0, DATTYP=kind)
         yield table(_MARK, "%20.12E%20.12E", "A1 O1", curve[:, 0], u.stress(curve[:, 1]))
 

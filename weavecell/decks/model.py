@@ -274,7 +274,7 @@ def build(
     first = 1
     for p, (panel, z) in enumerate(zip(pack.plies, pack.places)):
         if id(panel) not in cards:
-            name = _ascii(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
+            name = _title(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
             cloth = Cloth(replace(panel.table.model, reach=1.0))
             law = code.LAW.of(cloth, match)
             cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.of(cloth, law))
@@ -291,8 +291,8 @@ def build(
     nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
     law = f"{code.KEYWORD}, {_NEAREST[match]}"
     header = _header(materials, units, share, law, source, code.NAME, setup.opening_notes)
-    title, end, friction = _ascii(title)[:70], setup.end_time, pack.friction
-    return Deck(title, header, UNITS[units], materials, tuple(plies), nose, mirrors, friction, end)
+    end, friction = setup.end_time, pack.friction
+    return Deck(_title(title)[:70], header, UNITS[units], materials, tuple(plies), nose, mirrors, friction, end)
 
 
 def _nose(setup, share, thickness, ply, first):
@@ -345,6 +345,11 @@ def _header(cards, units, share, law, source, code, notes):
     return tuple(
         line for entry in text for line in textwrap.wrap(_ascii(entry), 76, subsequent_indent="  ")
     )
+
+
+def _title(text):
+    """A text for a line of a title, without commas, which a reader may take for free format."""
+    return _ascii(text.replace(",", ""))
 
 
 def _ascii(text):

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 25.4e-3}  # [m]
 WIDTHS = (0.5e-3, 100e-3)  # [m] of a projectile: what is narrower or wider has another unit
 DENSITIES = (500.0, 23000.0)  # [kg/m3] mean of a body, from light and hollow ones to osmium
-LENGTHS = (0.1, 30.0)  # [diameters] of a body whose length is not given, from a disc to a long rod
+LENGTHS = (0.25, 30.0)  # [diameters] of a body whose length is not given, from a disc to a long rod
+LEAST = {"cone": 1 / 3, "chisel": 1 / 2, "hemisphere": 2 / 3}  # [cylinders] volume of a body of a shape, else 1
 SHARP = 30.0  # [deg] between the normals of neighbouring triangles
 SAMPLES = 3  # of the distance, in an edge radius (docs/reports/numerics.md)
 COARSE = 4  # times further apart, where the body is deep
@@ -274,8 +275,6 @@ def described(
 def check_mass(shot: Any) -> None:
     """Check that a body of the diameter and length of a projectile can have its mass; `data` does so for an STL file.
 
-    The largest body is the cylinder, the smallest the cone; of a sphere the volume is known.
-
     Parameters
     ----------
     shot : table [projectile], in SI
@@ -284,25 +283,18 @@ def check_mass(shot: Any) -> None:
     ------
     InputError : a mean density outside DENSITIES, of any length of LENGTHS where none is given
     """
-    ball, known = shot.shape == "sphere", shot.shape == "sphere" or shot.length is not None
-    lengths = (
-        (2 / 3 * shot.diameter if ball else shot.length,) * 2
-        if known
-        else [x * shot.diameter for x in LENGTHS]
-    )
+    least, size = LEAST.get(shot.shape, 1.0), "diameter and length"
+    lengths = [shot.length, shot.length]
+    if shot.shape == "sphere":
+        size = "diameter"
+        lengths = [2 / 3 * shot.diameter, 2 / 3 * shot.diameter]
+    elif shot.length is None:
+        size = f"diameter, {LENGTHS[0]:g} to {LENGTHS[1]:g} times as long"
+        lengths = [ratio * shot.diameter for ratio in LENGTHS]
     section = np.pi / 4 * shot.diameter**2
-    low, high = (
-        DENSITIES[0] * section * lengths[0] * (1 if ball else 1 / 3),
-        DENSITIES[1] * section * lengths[1],
-    )
+    low = DENSITIES[0] * section * lengths[0] * least
+    high = DENSITIES[1] * section * lengths[1]
     if not low <= shot.mass <= high:
-        size = (
-            "diameter"
-            if ball
-            else "diameter and length"
-            if known
-            else f"diameter, at most {LENGTHS[1]:g} times as long"
-        )
         allowed = f"from {1e3 * low:.3g} to {1e3 * high:.3g} g, for a body of this {size}, of "
         allowed += " to ".join(f"{1e-3 * density:g}" for density in DENSITIES) + " g/cm^3"
         raise InputError(key="projectile.mass", allowed=allowed)
