@@ -304,7 +304,9 @@ def check_room(
     most = sum(law.a for law in laws)
     if most >= weave.thickness > 0:
         value = " and ".join(f"{1e3 * a:g} mm" for a in dict.fromkeys(law.a for law in laws))
-        allowed = f"below {0.5e3 * weave.thickness:.3g} mm, the mean height of a yarn of this fabric"
+        allowed = (
+            f"below {0.5e3 * weave.thickness:.3g} mm, the mean height of a yarn of this fabric"
+        )
         raise InputError(file=file, key=key, value=value, allowed=allowed)
 
 

@@ -27,7 +27,9 @@ Crimps: TypeAlias = tuple[float | None, float | None]
 
 
 FROM_THICKNESS = "computed from the thickness"
-TOO_THICK = 3.0  # times the stated thickness: closest packed fibres of yarns whose mass has another unit
+TOO_THICK = (
+    3.0  # times the stated thickness: closest packed fibres of yarns whose mass has another unit
+)
 NOTED = 0.01  # [-] difference of a stated quantity and what other data give, from which it is said
 
 
@@ -141,7 +143,9 @@ def check_fibre(yarn: Yarn, key: str) -> None:
     )
 
 
-def disagreement(computed: float, stated: float, key: str, value: str, allowed: str) -> float | None:
+def disagreement(
+    computed: float, stated: float, key: str, value: str, allowed: str
+) -> float | None:
     """[-] by which what other data give is above a stated quantity; None where that is below NOTED.
 
     Raises
@@ -162,9 +166,13 @@ def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> 
     InputError : as `disagreement`, of the failure strain's `key`
     """
     by_strain, percent = failure_strain * yarn.EA, 100 * yarn.failure_strain
-    allowed = f"within {{}} of {percent:.3g} %, at which this modulus reaches the strength {written}"
+    allowed = (
+        f"within {{}} of {percent:.3g} %, at which this modulus reaches the strength {written}"
+    )
     value = f"{100 * failure_strain:g} %"
-    off = disagreement(failure_strain, yarn.failure_strain, key, value, f"{allowed}: check the three")
+    off = disagreement(
+        failure_strain, yarn.failure_strain, key, value, f"{allowed}: check the three"
+    )
     if off is None:
         return ""
     return (
@@ -184,9 +192,7 @@ def mass_notes(file: FabricFile, crimp: Sequence[float]) -> list[str]:
     InputError : as `disagreement`
     """
     yarns = file.yarns.values()
-    layers = [
-        yarn.count.value * (1 + c) * linear_density(yarn) for yarn, c in zip(yarns, crimp)
-    ]
+    layers = [yarn.count.value * (1 + c) * linear_density(yarn) for yarn, c in zip(yarns, crimp)]
     computed, notes = 1e3 * sum(layers), []
     masses = [(yarn.linear_density or yarn.axial_stiffness).written for yarn in yarns]
     allowed = f"within {{}} of {computed:.1f} g/m^2, which counts, linear densities ({' and '.join(masses)}) and crimp "
@@ -194,7 +200,9 @@ def mass_notes(file: FabricFile, crimp: Sequence[float]) -> list[str]:
         if (datum := getattr(file, key)) is None:
             continue
         stated = 1e3 * datum.value
-        off = disagreement(computed, stated, key, f"{stated:g} g/m^2", f"{allowed}give: check these")
+        off = disagreement(
+            computed, stated, key, f"{stated:g} g/m^2", f"{allowed}give: check these"
+        )
         if off is not None and key == "areal_density":
             notes.append(
                 f"note: counts, linear densities and crimp give {computed:.1f} g/m^2, {100 * off:+.1f} % of the stated "
@@ -238,7 +246,8 @@ def thickness_note(weave: Weave, stated: float) -> list[str]:
     )
     least = sum(layers) / CLOSEST_PACKING
     if least > TOO_THICK * stated:
-        message = f"with count it gives {1e3 * weave.areal_density:.4g} g/m^2, {1e3 * least:.3g} mm of closest packed fibres"
+        mass = f"{1e3 * weave.areal_density:.4g} g/m^2"
+        message = f"with count it gives {mass}, {1e3 * least:.3g} mm of closest packed fibres"
         thin = f"a linear density of yarns that fit into the thickness, {1e3 * stated:g} mm"
         raise InputError(message, key="linear_density", allowed=thin)
     if stated < least:
@@ -247,7 +256,9 @@ def thickness_note(weave: Weave, stated: float) -> list[str]:
         )
         raise InputError(key="thickness", value=stated, allowed=allowed)
     computed = 1e3 * weave.thickness
-    allowed = f"within {{}} of {computed:.3f} mm, which the crimps give: check crimp, count and thickness"
+    allowed = (
+        f"within {{}} of {computed:.3f} mm, which the crimps give: check crimp, count and thickness"
+    )
     off = disagreement(weave.thickness, stated, "thickness", f"{1e3 * stated:g} mm", allowed)
     if off is None:
         return []

@@ -102,7 +102,9 @@ def _fabric(file, sources, path):
     """The Fabric of a checked file; `sources` also gets what is computed."""
     thickness = _value(file.thickness)
     crimp, computed = _crimps(file, thickness, sources)
-    masses = data_sheet.mass_notes(file, crimp)  # before what a wrong mass makes of strength and thickness
+    masses = data_sheet.mass_notes(
+        file, crimp
+    )  # before what a wrong mass makes of strength and thickness
     strengths: dict[str, list[str]] = {}
     warp, weft = (
         _yarn(family, file.yarns[family], value, strengths)

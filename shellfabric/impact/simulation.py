@@ -226,49 +226,56 @@ class ImpactSetup:
 
     def _mesh_notes(self):
         """A line where the default mesh is as coarse as the weave, since the projectile may leave a finer zone."""
-        given = self.grading is not None or self.elements_per_crossover is not None
-        if given or self.plies > 1 or self.crossovers is not None or self.meshed is not self:
-            return ()
-        if self.resolved_elements_per_crossover > 1:
+        given = self.grading or self.elements_per_crossover or self.crossovers or self.plies > 1
+        if given or self.resolved_elements_per_crossover > 1 or self.meshed is not self:
             return ()
         why = "an oblique or yawed shot, or edges that are not clamped"
         return (f"{why}: one element per crossover, energy up to 15 % too high",)
 
     @cached_property
     def opening_notes(self) -> tuple[str, ...]:
-        """A line about each fabric whose edges cannot lie where those of the opening are, to OPENING_ERROR."""
-        asked, found = np.broadcast_to(self.opening, 2), {}
+        """A line about each opening that differs from the given one by more than OPENING_ERROR, since its edges follow
+        yarns."""
+        asked, found = np.broadcast_to(self.opening, 2), []
         for name, held in self._held_openings():
             if np.abs(held / asked - 1).max() > OPENING_ERROR:
-                texts = [" by ".join(f"{1e3 * side:.1f}" for side in sides) for sides in (held, asked)]
-                line = f"{name}: the edges follow yarns, which makes the opening {texts[0]} mm in place of {texts[1]}"
-                found[line] = None
-        return tuple(found)
+                made, given = (
+                    "{:.1f} by {:.1f} mm".format(*(1e3 * side)) for side in (held, asked)
+                )
+                line = f"{name}: the edges follow yarns, the opening is {made} in place of {given}"
+                found.append(line)
+        return tuple(dict.fromkeys(found))
 
     def _held_openings(self):
-        """(name of a fabric, its `Panel.held_opening`) of plies whose edges follow yarns."""
+        """(name of a fabric, `Panel.held_opening`) of plies whose edges follow yarns."""
         if self.crossovers is not None:  # a line of the grid is one yarn
             for fabric in self.fabrics:
                 spacing = 2 * np.array(fabric.weave.w)
-                half = np.floor(0.5 * np.broadcast_to(self.opening, 2) / spacing + 1e-9)
-                yield fabric.name, 2 * half * spacing
+                yield (
+                    fabric.name,
+                    2 * spacing * np.floor(0.5 * np.array(self.opening) / spacing + 1e-9),
+                )
             return
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         if not (self.weave_angle or self.round or any(self.struck_at) or angles - {0.0}):
             return
         used = self.meshed
-        mesh = {"grading": used.grading, "elements_per_crossover": used.elements_per_crossover}
         for one in used.kinds:
-            flat = replace(one, **mesh).panel(one.plain_table())
+            flat = one.panel(one.plain_table())
             for angle in sorted(angles):
                 panel = at_angle(flat, angle) if angle else flat
                 yield panel.fabric.name, np.array(panel.held_opening)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known of the opening, and of a shot at sliding yarns, a line each."""
+        """What has to be known of opening and mesh, and of a shot at sliding yarns, a line each; nothing of a set-up
+        that is refused when it is run."""
+        try:
+            found = (*self.opening_notes, *self._mesh_notes())
+        except InputError:
+            return ()
         if self.crossovers is None or self.crossovers.pins:
-            return (*self.opening_notes, *self._mesh_notes())
+            return found
         x, y = (1e3 * abs(remainder(x, 2 * w)) for x, w in zip(self.struck_at, self.fabric.weave.w))
         alone, off, mu = self.plies == 1, max(x, y) > 1e-6, self.crossovers.mu
         lines = {
@@ -281,7 +288,7 @@ class ImpactSetup:
             f"window possible, limit not conservative: one ply, its yarns slide with friction {mu:g}, below "
             f"{WINDOWING_FRICTION:g}": alone and mu < WINDOWING_FRICTION,
         }
-        return (*self.opening_notes, *(line for line, applies in lines.items() if applies))
+        return (*found, *(line for line, applies in lines.items() if applies))
 
     @cached_property
     def kinds(self) -> tuple[ImpactSetup, ...]:
@@ -355,7 +362,8 @@ class ImpactSetup:
         angles = {self.angle_of(ply) for ply in range(self.plies) if not self.is_turned(ply)}
         plain = [at_angle(panel, angle) for panel in plain for angle in angles | {0.0}]
         reaches = [
-            ceil((far - 2 * side) * count / (2 * w)) + 3  # of elements that are a part of a crossover long
+            ceil((far - 2 * side) * count / (2 * w))
+            + 3  # of elements that are a part of a crossover long
             for panel in plain
             for far, side, w in zip(panel.reach(), panel.spacing, panel.weave.w)
         ]

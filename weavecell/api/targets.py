@@ -76,7 +76,9 @@ def of(
     if velocity is None and one_shot:
         if isinstance(target, (str, os.PathLike)) and str(target).endswith(".toml"):
             given = "an input file, or the fabric file with a velocity"
-            raise InputError("is a fabric file", file=target, allowed=f'{given}, such as "92.5 m/s"')
+            raise InputError(
+                "is a fabric file", file=target, allowed=f'{given}, such as "92.5 m/s"'
+            )
         raise InputError(
             "is missing", key="velocity", allowed='given, as an input file does, such as "92.5 m/s"'
         )

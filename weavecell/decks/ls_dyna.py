@@ -42,7 +42,8 @@ def write(deck: Deck, name: str) -> dict[str, str]:
 def _control(deck: Deck) -> Iterator[str]:
     s = deck.units.s
     pictures, samples = (s * interval for interval in deck.intervals)
-    yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header) + f"*TITLE\n{deck.title}\n"
+    title = deck.title.replace(",", "")  # a reader may take a comma for free format
+    yield "*KEYWORD\n" + "".join(f"$ {line}\n" for line in deck.header) + f"*TITLE\n{title}\n"
     yield "*CONTROL_TERMINATION\n" + _card(
         ENDTIM=s * deck.end_time, ENDCYC=0, DTMIN=0.0, ENDENG=0.0, ENDMAS=0.0
     )

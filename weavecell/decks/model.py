@@ -292,7 +292,17 @@ def build(
     law = f"{code.KEYWORD}, {_NEAREST[match]}"
     header = _header(materials, units, share, law, source, code.NAME, setup.opening_notes)
     end, friction = setup.end_time, pack.friction
-    return Deck(_title(title)[:70], header, UNITS[units], materials, tuple(plies), nose, mirrors, friction, end)
+    return Deck(
+        _ascii(title)[:70],
+        header,
+        UNITS[units],
+        materials,
+        tuple(plies),
+        nose,
+        mirrors,
+        friction,
+        end,
+    )
 
 
 def _nose(setup, share, thickness, ply, first):

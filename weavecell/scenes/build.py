@@ -286,7 +286,9 @@ def laws_of(
         value = str(written) if isinstance(written, (str, Path)) else None
         law.require_fabric(fabric.name, file=file, key=key, value=value)
         if law.fitted_data and law.fitted_data != data_digest(fabric):
-            LOG.warning(f"{value or 'law'} {CHANGED.format(fabric.name)}: `weavecell calibrate` again")
+            LOG.warning(
+                f"{value or 'law'} {CHANGED.format(fabric.name)}: `weavecell calibrate` again"
+            )
     check_room((warp, weft), fabric.weave, file=file, key=f"{key}.a")
     return warp, weft
 

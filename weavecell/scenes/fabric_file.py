@@ -145,7 +145,9 @@ def read_values(path: FilePath) -> dict[str, Value]:
         tried |= {key, nearest(key, ALL) or key}
         if lines.setdefault(key, number) != number:
             message = f"{key} is given in line {lines[key]} already"
-            problems.append(InputError(message, file=path, key=f"line {number}", allowed="given once"))
+            problems.append(
+                InputError(message, file=path, key=f"line {number}", allowed="given once")
+            )
             continue
         if not 2 <= len(cells) <= len(heading):
             hint = decimal_comma(",".join(cells))
@@ -179,7 +181,9 @@ def _row(entry, number, path, problems):
         return None
     texts, wrong = [], len(problems)
     if key in OF_FABRIC and entry.get("weft"):
-        allowed = f"left out in the column weft: {key} is one value of the fabric, in the column warp"
+        allowed = (
+            f"left out in the column weft: {key} is one value of the fabric, in the column warp"
+        )
         where = f"line {number}, {key}"
         problems.append(InputError(file=path, key=where, value=entry["weft"], allowed=allowed))
     weft = "" if key in OF_FABRIC else entry.get("weft") or entry["warp"]

@@ -31,13 +31,20 @@ UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 25.4e-3}  # [m]
 WIDTHS = (0.5e-3, 100e-3)  # [m] of a projectile: what is narrower or wider has another unit
 DENSITIES = (500.0, 23000.0)  # [kg/m3] mean of a body, from light and hollow ones to osmium
 LENGTHS = (0.25, 30.0)  # [diameters] of a body whose length is not given, from a disc to a long rod
-LEAST = {"cone": 1 / 3, "chisel": 1 / 2, "hemisphere": 2 / 3}  # [cylinders] volume of a body of a shape, else 1
+LEAST = {
+    "cone": 1 / 3,
+    "chisel": 1 / 2,
+    "hemisphere": 2 / 3,
+}  # [cylinders] volume of a body of a shape, else 1
 SHARP = 30.0  # [deg] between the normals of neighbouring triangles
 SAMPLES = 3  # of the distance, in an edge radius (docs/reports/numerics.md)
 COARSE = 4  # times further apart, where the body is deep
 MOST_SAMPLES = 8_000_000  # about 0.7 GiB while they are computed, 64 MiB then
 _SAME = 6  # digits of the largest extent, in which corners that are one are the same
-_HEAD, _FACET = 84, 50  # [bytes] of a binary file: before its triangles, the last four their number, and of each
+_HEAD, _FACET = (
+    84,
+    50,
+)  # [bytes] of a binary file: before its triangles, the last four their number, and of each
 
 
 @dataclass(frozen=True)
@@ -148,7 +155,9 @@ def _triangles(content):
     if _HEAD < end <= len(content):
         kind, content = "stl", content[:end]
     else:
-        text = content.decode("utf-8-sig", errors="replace").lower().replace("end solid", "endsolid")
+        text = (
+            content.decode("utf-8-sig", errors="replace").lower().replace("end solid", "endsolid")
+        )
         kind, content = "stl_ascii", text.encode()
     try:
         return trimesh.load_mesh(io.BytesIO(content), file_type=kind, process=False)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from panels import table
 
@@ -15,8 +15,7 @@ from shellfabric.impact.simulation import OPENING_ERROR, ImpactSetup
 from shellfabric.panel.model import Panel
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction
-from weavecell.decks import model
-from weavecell.decks import radioss
+from weavecell.decks import ls_dyna, model
 
 NAMES = catalogue.list_names()
 
@@ -56,6 +55,9 @@ def edges(panel: Panel) -> np.ndarray:
 def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, edge):
     """Graded (the default of clamped edges) or not, and for every modelled part on the same lines."""
     fabric = fabric_of(name, *counts)
+    assume(
+        min(sides) > 16 * max(fabric.weave.w)
+    )  # four crossovers at least, and those under the nose
     setup = setup_of(fabric, opening=sides, edge=edge, **mesh)
     whole = replace(setup, symmetry="whole")
     panels = [one.panel(one.plain_table()) for one in (replace(setup, symmetry=symmetry), whole)]
@@ -101,11 +103,10 @@ def test_an_edge_that_follows_yarns_is_told(changes):
 @pytest.mark.parametrize("opening", [0.16, 0.15, 0.12])
 def test_a_deck_has_the_opening(opening):
     setup = setup_of(table().model.fabric, opening=opening, cell_model="compressible")
-    deck = model.build(setup, radioss, "kg-m-s", "plane", title="S-720, 90 m/s", source="published")
+    deck = model.build(setup, ls_dyna, "kg-m-s", "plane", title="S-720, 90 m/s", source="published")
     x, y, _ = deck.plies[0].points.T
     assert 2 * x.max() == pytest.approx(opening, rel=1e-9)
     assert 2 * y.max() == pytest.approx(opening, rel=1e-9)
-    assert "," not in deck.title
 
 
 def test_sliding_yarns_are_as_many_as_fit_and_it_is_told():
@@ -113,4 +114,4 @@ def test_sliding_yarns_are_as_many_as_fit_and_it_is_told():
     setup = setup_of(fabric, opening=0.16, crossovers=CrossoverFriction(mu=0.3))
     spacing = 2e3 * np.array(fabric.weave.w)
     held = 2 * np.floor(80 / spacing) * spacing
-    assert f"the opening {held[0]:.1f} by {held[1]:.1f} mm in place of 160.0" in setup.notes[0]
+    assert f"the opening is {held[0]:.1f} by {held[1]:.1f} mm in place of 160.0" in setup.notes[0]
