@@ -86,7 +86,7 @@ def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
     whole = Fraction(int(length + 1e-9))
     whole -= whole % zones[0][1]
     for (until, side), after in zip(zones, (*zones[1:], None)):
-        while at < min(until, whole) or (after is not None and (whole - at) % after[1]):
+        while (at < until and at < whole) or (after is not None and (whole - at) % after[1]):
             found.append(side)
             at += side
     more = int((length - at) / found[-1] + 1e-9)
