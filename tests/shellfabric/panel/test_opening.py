@@ -1,6 +1,7 @@
 """The opening between the edges of a panel is the one that was asked for, whatever the weave and the mesh."""
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -107,6 +108,10 @@ def test_a_deck_has_the_opening(opening):
     x, y, _ = deck.plies[0].points.T
     assert 2 * x.max() == pytest.approx(opening, rel=1e-9)
     assert 2 * y.max() == pytest.approx(opening, rel=1e-9)
+    lines = "".join(ls_dyna.write(deck, "ply").values()).splitlines()
+    titles = [after for line, after in pairwise(lines) if line.endswith("TITLE")]
+    assert titles
+    assert not any("," in title for title in titles)
 
 
 def test_sliding_yarns_are_as_many_as_fit_and_it_is_told():
