@@ -88,7 +88,10 @@ def ascii_file(path, corners):
             lambda c: np.concatenate([c, 0.5 * c + [0, 0, 10]]),
             "holds 2 separate bodies, of 140.6 and 17.58 mm^3; must be one body",
         ),
-        (lambda c: np.concatenate([c, (c + [0, 0, 10])[:, ::-1]]), "its triangles face inwards"),
+        (
+            lambda c: np.concatenate([c, np.add(c, [0, 0, 10])[:, ::-1]]),
+            "its triangles face inwards",
+        ),
         (
             lambda c: np.concatenate([c, 0.8 * centred(c)[:, ::-1], 0.2 * centred(c)]),
             "holds 2 separate bodies, of 140.6 and 1.125 mm^3",
