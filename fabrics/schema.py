@@ -294,9 +294,12 @@ def _problems(found, model, given, file):
         names, field, table = _locate(model, error["loc"])
         key, cause = ".".join(names), error.get("ctx", {}).get("error")
         if error["type"] == "extra_forbidden":
-            near = nearest(names[-1], table.model_fields)
-            meant |= {".".join((*names[:-1], near))} if near else set()
+            near = _meant(names[-1], error["input"], table)
+            homes = _homes(model, names[-1])
+            meant |= {".".join((*names[:-1], near))} if near and not homes else set()
             message, allowed = table.unknown(near)
+            if homes:
+                message, allowed = f"unknown key here, it is a key of {homes}", None
             line = InputError(message, file=file, key=key, allowed=allowed)
         elif error["type"] == "missing" and key in meant:
             continue
@@ -318,6 +321,19 @@ def _problems(found, model, given, file):
             line = refused(error["input"], field.description, file=file, key=key)
         problems.setdefault(key, line)
     return list(problems.values())
+
+
+def _meant(key, value, table):
+    """The key of a table that a mistyped one may stand for; not one that holds tables, if its value is none."""
+    holds_tables = isinstance(value, (dict, list))
+    known = [name for name, field in table.model_fields.items() if field.title or holds_tables]
+    return nearest(key, known, 0.66)
+
+
+def _homes(model, key):
+    """The tables of a schema that have a key, in words; an empty text where none has it."""
+    found = [name for name, table in tables(model).items() if key in table.model_fields]
+    return ", ".join(f"[{name}]" if name else "the top of the file" for name in found)
 
 
 def _locate(model, location):

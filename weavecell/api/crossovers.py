@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from fabrics import compression, files
+from fabrics import files
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
@@ -28,6 +28,7 @@ from weavecell.api import meshes, quantities
 from weavecell.api.result import Result, figure, saved
 from weavecell.report import crossover_cases, pictures_crossover
 from weavecell.results import json_file, out_folder, progress
+from weavecell.scenes import build
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -115,9 +116,7 @@ def crossover(
     )
     fabric = meshes.of_3d(fabric)
     if law is not None:  # refused before anything is computed
-        compression.CompressionLaw.from_json(law).require_fabric(
-            fabric.name, key="law", value=str(law)
-        )
+        build.laws_of(fabric, law)
     run = kind.run(fabric, **options)
     part = _domain(case, domain, shift)
     with out_folder.held(out) as folder:

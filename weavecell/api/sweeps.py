@@ -32,7 +32,7 @@ from weavecell.api.study_result import StudyResult
 from weavecell.results import progress
 from weavecell.scenes import honoured
 from weavecell.scenes import impact as scenes
-from weavecell.scenes.target import Target, read
+from weavecell.scenes.target import Target, is_input_file, read
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -102,7 +102,8 @@ def sweep(
     >>> setups = [wc.setup("S-720", velocity, opening="20 mm", end_time="10 us") for velocity in (100, 150)]
     >>> [round(shot.residual_velocity) for shot in wc.sweep(setups)]
     [99, 148]
-    >>> table = wc.sweep("S-720", over={"panel.opening": ["20 mm"], "run.end_time": ["5 us", "10 us"]})
+    >>> table = wc.sweep("S-720", over={"panel.opening": ["20 mm"], "run.end_time": ["5 us", "10 us"],
+    ...                                  "projectile.strike_velocity": ["150 m/s"]})
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
     """
@@ -119,6 +120,10 @@ def sweep(
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
+    struck = "projectile.strike_velocity"
+    if quantity == "shot" and struck not in keys and not is_input_file(str(target)):
+        allowed = f'given for a fabric, such as over "{struck}=90 m/s,150 m/s", or an input file'
+        raise InputError("is missing", key=struck, allowed=allowed)
     support = honoured.SWEEP if quantity == "shot" else honoured.LIMITS
     combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
     panels = [
@@ -181,7 +186,7 @@ class SweepTable(StudyResult):
 
     Examples
     --------
-    >>> table = wc.sweep("S-720", over=["run.end_time=5 us,10 us"])
+    >>> table = wc.sweep("S-720", over=["run.end_time=5 us,10 us", "projectile.strike_velocity=150 m/s"])
     >>> len(table.to_dataframe())
     2
     """

@@ -131,16 +131,24 @@ def read_values(path: FilePath) -> dict[str, Value]:
     """
     rows = read_csv(path, "a CSV file of key, warp, weft")
     heading = rows[0][1] if rows else []
-    if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS):
+    once = len(set(heading)) == len(heading)
+    if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS) or not once:
         raise InputError(
             file=path, key="columns", value=", ".join(heading), allowed=", ".join(COLUMNS)
         )
     found: dict[str, Value] = {}
     problems: list[InputError] = []
     tried: set[str] = set()
+    lines: dict[str, int] = {}
     for number, cells in rows[1:]:
         key = cells[0]
         tried |= {key, nearest(key, ALL) or key}
+        if lines.setdefault(key, number) != number:
+            message = f"{key} is given in line {lines[key]} already"
+            problems.append(
+                InputError(message, file=path, key=f"line {number}", allowed="given once")
+            )
+            continue
         if not 2 <= len(cells) <= len(heading):
             hint = decimal_comma(",".join(cells))
             message = f"{len(cells)} fields, {len(heading)} expected" + (
@@ -149,7 +157,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
             problems.append(
                 InputError(message, file=path, key=f"line {number}", value=", ".join(cells))
             )
-        elif (value := _row(dict(zip(heading, cells)), path, problems)) is not None:
+        elif (value := _row(dict(zip(heading, cells)), number, path, problems)) is not None:
             found[key] = value
     for key in REQUIRED:
         others = INSTEAD.get(key, ())
@@ -162,7 +170,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
     return found
 
 
-def _row(entry, path, problems):
+def _row(entry, number, path, problems):
     """The Value of one row, or None with what is wrong with it added to `problems`."""
     key = entry["key"]
     if key not in ALL:
@@ -172,6 +180,12 @@ def _row(entry, path, problems):
         problems.append(InputError(hint, file=path, key="key", value=key, allowed=allowed))
         return None
     texts, wrong = [], len(problems)
+    if key in OF_FABRIC and entry.get("weft"):
+        allowed = (
+            f"left out in the column weft: {key} is one value of the fabric, in the column warp"
+        )
+        where = f"line {number}, {key}"
+        problems.append(InputError(file=path, key=where, value=entry["weft"], allowed=allowed))
     weft = "" if key in OF_FABRIC else entry.get("weft") or entry["warp"]
     for family, text in (("warp", entry["warp"]), ("weft", weft)):
         try:

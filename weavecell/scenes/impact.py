@@ -66,7 +66,7 @@ class ProjectileTable(Table):
         "the name of a projectile, or the path of a projectile file (*.toml)",
     ) = None
     mass: quantity(
-        "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.1 to 30 diameters",
+        "mass, with a mean density from 0.5 to 23 g/cm^3; a length that is not given may be 0.25 to 30 diameters",
         "kg",
         "3 g",
     )

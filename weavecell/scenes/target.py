@@ -125,14 +125,17 @@ def read(
         catalogue.read(name)
         fabric = {"file": os.path.relpath(name, out)}
     else:
-        raise InputError(
-            key="TARGET", value=name, allowed=ALLOWED + ", ".join(catalogue.list_names())
-        )
+        raise unknown(name)
     table = {"fabric": fabric, **{key: dict(value) for key, value in STANDARD.items()}}
     text = tomlkit.dumps(table)
     return _target(
         scenes.check(changed(table, changes), out / "scene.toml", refused), name, stem, text
     )
+
+
+def unknown(name: str) -> InputError:
+    """The InputError of a target that is no fabric of the catalogue and no *.toml file."""
+    return catalogue.unknown(name, ALLOWED + ", ".join(catalogue.list_names()), key="target")
 
 
 def is_input_file(name: str) -> bool:

@@ -28,6 +28,7 @@ VELOCITY, OUTCOME, RESIDUAL = "velocity", "outcome", "residual velocity"
 OUTCOMES = dict.fromkeys(("pp", "partial", "stopped"), "stopped")
 OUTCOMES |= dict.fromkeys(("cp", "complete", "perforated"), "perforated")
 CONFIDENCE = 0.95
+FASTEST = 1000.0  # [m/s] of a shot
 
 
 def read(path: FilePath) -> DataFrame:
@@ -94,6 +95,8 @@ def _row(number, values, units, path):
             raise refusal(name, "a number") from None
         if not (value > 0 or (name == RESIDUAL and value == 0)):
             raise refusal(name, "above 0")
+        if not value <= FASTEST:
+            raise refusal(name, f"at most {FASTEST:g} m/s, as projectile.strike_velocity")
         return value
 
     if cells[OUTCOME].lower() not in OUTCOMES:
@@ -102,6 +105,8 @@ def _row(number, values, units, path):
     velocity, residual = speed(VELOCITY), speed(RESIDUAL) if cells.get(RESIDUAL) else nan
     if outcome == "stopped" and residual > 0:
         raise refusal(RESIDUAL, "left out of a stop, or 0")
+    if residual > velocity:
+        raise refusal(RESIDUAL, f"at most the velocity of the strike, {cells[VELOCITY]}")
     return {
         VELOCITY: velocity,
         OUTCOME: outcome,

@@ -16,7 +16,7 @@ from shellfabric.impact.simulation import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
 from weavecell.studies import inputs, probit, protocol, sobol, strengths, v50
 
-OPENING = 0.0306
+OPENING = 0.03048
 
 
 def setup_of(fabric, opening, **others):
