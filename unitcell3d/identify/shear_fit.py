@@ -67,8 +67,12 @@ def fit(
         if shifted[-1] < CLOSER * found[-1]:
             found = shifted
     (a, b), (G1, rise, offset), rms = found
+    if not G1 > 0:
+        raise InputError("the shear stress does not rise with the shear angle")
     stiffens = rise > _ROUNDING * G1
-    if not G1 > 0 or not (stiffens or any_curve):
+    if not stiffens:
+        a, b = 0.5 * gamma[-1], gamma[-1]
+    if not (stiffens or any_curve):
         raise InputError("the curve of shear stress does not stiffen: it has no gamma1 and gamma2")
     law = TrellisShear(G1, G1 + rise, float(a), float(b))
     return ShearFit(law, rms, bool(stiffens and b < 0.98 * gamma[-1]), offset, bool(stiffens))
