@@ -1,9 +1,9 @@
 """A yarn pull-out followed to a displacement of the crosshead, and what is read off its load.
 
 The crosshead comes to its velocity smoothly, within START of a spacing, and what slides is damped towards it
-(`PullOutSolver`). The peak is the highest load after that start. The plateau is the mean load while all crossovers slide
-and the yarn's end has not yet left one, over the last SETTLED of that time. The slip length is the length of yarn that
-slides at the peak.
+(`PullOutSolver`). The peak is the highest load after that start. The plateau is the mean load while all crossovers
+slide and the yarn's end has not yet left one, over the last SETTLED of that time. The slip length is the length of yarn
+that slides at the peak.
 """
 
 from __future__ import annotations
