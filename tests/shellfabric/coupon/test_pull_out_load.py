@@ -29,7 +29,9 @@ def test_the_peak_is_that_of_any_velocity(table, velocity):
     found = follow(table, velocity)
     assert found.peak == pytest.approx(2.0, rel=0.01)
     assert found.energy_error < 1e-4
-    late = (found.displacement > 0.9 * found.displacement[found.left == 0].max()) & (found.left == 0)
+    late = (found.displacement > 0.9 * found.displacement[found.left == 0].max()) & (
+        found.left == 0
+    )
     assert found.load[late] == pytest.approx(2.0, rel=0.01)
 
 
