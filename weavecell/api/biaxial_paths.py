@@ -193,6 +193,7 @@ class BiaxialResult(Result):
         return settings | {
             "mesh": self.size,
             "paths": {text: self._end(text) for text in self.paths},
+            **self._what_is_assumed(),
         }
 
     def _end(self, text):
@@ -289,7 +290,7 @@ class BiaxialResult(Result):
                 f"{text:<8}{end['failed']} at its strength at strains {strains} %, tensions {tensions} N, "
                 f"contact {end['contact_force']:.1f} N"
             )
-        return "\n".join(lines)
+        return "\n".join(lines + self._assumed_laws())
 
 
 def _pair(values, form):

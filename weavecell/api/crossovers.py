@@ -216,8 +216,8 @@ class CrossoverResult(Result):
         return f"{self.fabric.name}, {self.case}"
 
     def summary(self) -> dict[str, Any]:
-        """{quantity [unit]: value} that the case comes to."""
-        return self.found
+        """{quantity [unit]: value} that the case comes to, and what is assumed."""
+        return self.found | self._what_is_assumed()
 
     def _columns(self):
         return dict(self.record.to_dataframe())
@@ -251,7 +251,8 @@ class CrossoverResult(Result):
         pictures_crossover.deformed(self.mesh, record, out / "pictures" / "deformed.png")
 
     def __str__(self) -> str:
-        return "\n".join(f"{key:<44}{_text(value)}" for key, value in self.found.items())
+        rows = [f"{key:<44}{_text(value)}" for key, value in self.found.items()]
+        return "\n".join(rows + self._assumed_laws())
 
 
 def _text(value):

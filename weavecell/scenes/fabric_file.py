@@ -208,6 +208,8 @@ def with_curves(
     yarn: FilePath | None = None,
     frame: FilePath | None = None,
     side: float | None = None,
+    bias: FilePath | None = None,
+    strip: tuple[float, float] | None = None,
 ) -> tuple[Draft, list[str]]:
     """The draft with values that are fitted to curves, and a line about each fit.
 
@@ -216,6 +218,8 @@ def with_curves(
     yarn : CSV file of a yarn's strain and force, of both families
     frame : CSV file of a picture-frame test
     side : [m] of the frame, where the file gives the force
+    bias : CSV file of a bias strip
+    strip : (width, length) [m] of it
 
     Raises
     ------
@@ -241,21 +245,32 @@ def with_curves(
         fitted.append(
             f"fitted: modulus {moduli[0]}, failure strain {strain} (rms {fit.rms:.3g} N, slack {100 * fit.slack:.3g} %)"
         )
+    if frame is not None and bias is not None:
+        raise InputError("give one curve of shear: --picture-frame or --bias-extension")
     if frame is not None:
         found = curves.picture_frame(frame, draft.fabric().weave.thickness, side)
-        law, source = found.law, f"picture-frame curve, {curves.name_of(frame)}"
-        if not found.locked:
-            source += "; ends before the yarns lock: G2 and gamma2 are not determined"
-        texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
-        texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
-        draft = replace(
-            draft, shear={key: (value, source, "fitted") for key, value in texts.items()}
-        )
-        fitted.append(
-            f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa"
-            + ("" if found.locked else ", not locked")
-        )
+        return _with_shear(draft, found, f"picture-frame curve, {curves.name_of(frame)}", fitted)
+    if bias is not None:
+        found = curves.bias_extension(bias, draft.fabric().weave.thickness, strip)
+        return _with_shear(draft, found, f"bias strip, {curves.name_of(bias)}", fitted)
     return draft, fitted
+
+
+def _with_shear(draft, found, source, fitted):
+    """(The draft with a fitted trellis law, the lines about the fits)."""
+    law, remarks = found.law, []
+    if not found.stiffens:
+        remarks.append("does not stiffen: G2 is G1, gamma1 and gamma2 are not determined")
+    elif not found.locked:
+        remarks.append("ends before the yarns lock: G2 and gamma2 are not determined")
+    if found.offset > 0:
+        remarks.append(f"the law leaves out {1e-6 * found.offset:.3g} MPa at the angle zero")
+    source = "; ".join([source, *remarks])
+    texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
+    texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
+    shear = {key: (value, source, "fitted") for key, value in texts.items()}
+    line = "; ".join([f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa", *remarks])
+    return replace(draft, shear=shear), [*fitted, line]
 
 
 def left_open(fabric: Fabric, path: FilePath) -> list[str]:
