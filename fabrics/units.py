@@ -56,7 +56,7 @@ EXAMPLES = {
 }
 _NAMES = {"N/(kg/m)": "N/tex"}
 _PER_DENIER = ("g/den", "g/denier", "gf/den", "gpd")  # of a data sheet: grams as a force
-_NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 # of a unit: one digit, or a fraction of two; pint takes forever over "kg^99999999"
 _EXPONENT = re.compile(
     r"(?<=[^\W\d]|\)) ?(?:\^|\*\*) ?(?:[-+]?[1-9]\b|\([-+]?[1-9](?:/[1-9])?\))(?! ?(?:\^|\*\*))"
@@ -147,7 +147,7 @@ def _converted(value, unit):
     if not isinstance(value, str):
         raise ValueError("no text")
     text = value.strip()
-    number = _NUMBER.match(text)
+    number = NUMBER.match(text)
     if number is None:
         raise ValueError("no number")
     return float(number[0]) * _factor(text[number.end() :].lstrip(), unit)

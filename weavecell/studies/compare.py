@@ -12,7 +12,7 @@ from scipy.stats import t as student
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from fabrics.files import read_csv
+from fabrics.files import read_csv, read_number
 from fabrics.units import refused, si
 from shellfabric.impact import lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
@@ -88,13 +88,10 @@ def _row(number, values, units, path):
         return refused(cells[name], allowed, file=path, key=f"{line}, {name}")
 
     def speed(name):
-        try:
-            value = float(cells[name]) * units[name]
-        except ValueError:
-            raise refusal(name, "a number") from None
+        value = read_number(cells[name], "a finite number", file=path, key=f"{line}, {name}")
         if not (value > 0 or (name == RESIDUAL and value == 0)):
             raise refusal(name, "above 0")
-        return value
+        return value * units[name]
 
     if cells[OUTCOME].lower() not in OUTCOMES:
         raise refusal(OUTCOME, " or ".join(OUTCOMES))
