@@ -31,7 +31,7 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
 from weavecell.results import keys, out_folder, progress, run_folder
@@ -55,6 +55,7 @@ __all__ = ["ShotResult", "impact"]
 WINDOW = "window"  # folder of the finished shots at other velocities
 
 
+@explained
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
