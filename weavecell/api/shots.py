@@ -457,6 +457,6 @@ class ShotResult(ImpactRecord, Result):
             lines.append(chapters_discretisation.words(self.pair))
         elif self.outcome == "perforated":
             lines.append(
-                "values at one velocity of a staircase: --uncertainty or weavecell draws give means"
+                "values jump with the velocity, as yarns fail one by one: --uncertainty or weavecell draws give means"
             )
         return "\n".join(lines)

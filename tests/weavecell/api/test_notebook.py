@@ -46,7 +46,7 @@ def test_plots_show_without_a_magic_command_and_long_calls_have_a_bar(cells):
             True
         ] * pictures
     for cell in (cells[1], *cells[3:]):
-        assert "application/vnd.jupyter.widget-view+json" in cell[0]
+        assert cell[0]["text/plain"] == ""  # what is left of a bar in a saved notebook
 
 
 def test_a_shot_shows_its_curve_and_labels_with_units(cells):
