@@ -1,6 +1,6 @@
 """A disk that is full while a command writes: one line, exit code 2, and what was written before is kept.
 
-The limit of this process on the size of its files stands for the disk. What is written by a library that says nothing of
+The limit of this process on the size of its files stands for the disk. What a library writes that says nothing of
 it (gmsh, VTK, Pillow) is found out by `fabrics.files.replace_whole`, which all of them go through.
 """
 
@@ -24,7 +24,7 @@ WRITERS = {
         "r/report.html",
         ["histories.h5", "panel", "panel.pvd", "scene.toml", "summary.json"],
     ),
-    "view": ("view whole --html page.html", 300_000, "page.html", []),
+    "view": ("view whole --html page.html", 80_000, "page.html", []),
     "movie": ("view whole --movie film.gif", 80_000, "film.gif", []),
     "mesh": ("mesh S-720 --mesh coarse --format msh --out r", 80_000, "r/crossover.msh", []),
     "deck": ("export scene.toml --to lsdyna --out r", 80_000, "r/scene.k", []),
