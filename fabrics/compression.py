@@ -325,7 +325,7 @@ def _read_range(entries, path):
 
 def _read_json(path):
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as problem:
         raise InputError(
             "cannot be read", file=path, allowed=f"a compression law ({problem.strerror})"

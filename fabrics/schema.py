@@ -16,7 +16,6 @@ import json
 import math
 import tomllib
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import (
@@ -32,6 +31,7 @@ from pydantic.fields import FieldInfo
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError, nearest, together
+from fabrics.files import read_text
 from fabrics.units import refused, si
 
 PYTHON = {"python": True}  # context of what is given in Python, not read from a file
@@ -251,15 +251,12 @@ def _quoted(names):
 
 def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
     """Read a TOML file as (text, table); InputError if it is missing, not text or not TOML."""
-    path = Path(path)
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = read_text(path)
     except OSError as problem:
         raise InputError(
             f"the {what} file cannot be read ({problem.strerror})", file=path
         ) from None
-    except UnicodeDecodeError:
-        raise InputError(f"the {what} file is not UTF-8 text", file=path) from None
     try:
         return text, tomllib.loads(text)
     except tomllib.TOMLDecodeError as problem:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 from fabrics.checks import FilePath
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
 from weavecell.results import out_folder, progress
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["ComparisonResult", "compare"]
 
 
+@explained
 def compare(
     tests: FilePath,
     target: Fabric | FilePath | ImpactSetup,

@@ -23,7 +23,7 @@ from fabrics.checks import FilePath
 from fabrics.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
 from weavecell.report import checks
@@ -56,6 +56,7 @@ _CSV = {  # heading: column of `to_dataframe`, format
 }
 
 
+@explained
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,

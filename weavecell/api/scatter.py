@@ -17,7 +17,7 @@ from fabrics.checks import FilePath
 from fabrics.errors import UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities, targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import saved
 from weavecell.api.study_result import StudyResult
 from weavecell.scenes import honoured
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["DrawsResult", "SensitivityResult", "V50Result", "draws", "sensitivity", "v50"]
 
 
+@explained
 def v50(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
@@ -110,6 +111,7 @@ def v50(
         return saved(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
 
 
+@explained
 def sensitivity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,

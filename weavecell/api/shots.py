@@ -31,7 +31,7 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import targets
-from weavecell.api.keywords import Keywords
+from weavecell.api.keywords import Keywords, explained
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import RunSize
 from weavecell.results import keys, out_folder, progress, run_folder
@@ -55,6 +55,7 @@ __all__ = ["ShotResult", "impact"]
 WINDOW = "window"  # folder of the finished shots at other velocities
 
 
+@explained
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
@@ -456,6 +457,6 @@ class ShotResult(ImpactRecord, Result):
             lines.append(chapters_discretisation.words(self.pair))
         elif self.outcome == "perforated":
             lines.append(
-                "values at one velocity of a staircase: --uncertainty or weavecell draws give means"
+                "values jump with the velocity, as yarns fail one by one: --uncertainty or weavecell draws give means"
             )
         return "\n".join(lines)

@@ -30,7 +30,7 @@ def fabric_card(fabric: Fabric) -> Card:
     density = " / ".join(
         f"{yarn.linear_density / FACTORS['kg/m'][unit]:.0f}" for yarn in weave.yarns
     )
-    kinds = {"effective": ", as in the published runs", "nominal": ", of the data sheet"}
+    kinds = {"effective": ", from a measured areal density", "nominal": ", of the data sheet"}
     kind = "" if fabric.effective_linear_density is None else kinds[density_kind(fabric)]
     return Card(
         "Fabric",

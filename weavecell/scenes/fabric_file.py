@@ -129,7 +129,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
     ------
     InputError : all that is wrong, a line each naming the file, the key, the value and what is allowed
     """
-    rows = read_csv(path, "a CSV file of key, warp, weft")
+    rows = read_csv(path, "a CSV file of key, warp, weft", words=("key", "source", "status"))
     heading = rows[0][1] if rows else []
     once = len(set(heading)) == len(heading)
     if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS) or not once:

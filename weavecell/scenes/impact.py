@@ -229,8 +229,8 @@ class RunTable(Table):
         most="10 ms",
     ) = 800e-6
     elements_per_crossover: whole(
-        "elements along each side of a crossover; where not given, 1 for one ply, and for a pack 2 about the impact "
-        "point and longer ones outside",
+        "elements along each side of a crossover; where not given, they follow the failure length of the yarns under "
+        "the projectile, and are longer further out ([accuracy](../accuracy.md))",
         1,
         8,
     ) = None

@@ -12,7 +12,7 @@ from scipy.stats import t as student
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from fabrics.files import read_csv
+from fabrics.files import read_csv, read_number
 from fabrics.units import refused, si
 from shellfabric.impact import lambert_jonas
 from shellfabric.impact.ballistic_limit import Limit, Shot
@@ -89,10 +89,8 @@ def _row(number, values, units, path):
         return refused(cells[name], allowed, file=path, key=f"{line}, {name}")
 
     def speed(name):
-        try:
-            value = float(cells[name]) * units[name]
-        except ValueError:
-            raise refusal(name, "a number") from None
+        number = read_number(cells[name], "a finite number", file=path, key=f"{line}, {name}")
+        value = number * units[name]
         if not (value > 0 or (name == RESIDUAL and value == 0)):
             raise refusal(name, "above 0")
         if not value <= FASTEST:

@@ -62,7 +62,7 @@ def fit(
 
     Raises
     ------
-    InputError : a start outside of its range, or no more points than unknowns
+    InputError : a start outside of its range, a point that is not finite, or no more points than unknowns
     UnstableError : the model cannot be computed at the start, or on either side of a trial
 
     Examples
@@ -83,6 +83,8 @@ def fit(
         np.asarray(measured, float),
         np.array(list(unknowns.values()), float).T,
     )
+    for number in np.flatnonzero(~np.isfinite(points)):
+        raise InputError(key=f"measured[{number}]", value=points[number], allowed="finite")
     freedom, scale, width = len(points) - len(unknowns), np.abs(points).max(), high - low
     if not np.all((low <= start) & (start <= high) & (low < high)):
         raise InputError(

@@ -1,7 +1,9 @@
 """The Python interface: lazy, in SI or with units, one result object a run, and none of the pitfalls of the solvers."""
 
 import doctest
+import inspect
 import math
+import re
 import subprocess
 import sys
 import typing
@@ -45,7 +47,7 @@ def test_the_import_loads_nothing():
 
 def test_every_public_name_is_documented():
     assert wc.__all__ == sorted(wc.__all__)
-    assert set(wc.__all__) <= set(dir(wc))
+    assert dir(wc) == wc.__all__
     assert all(getattr(wc, name).__doc__ for name in wc.__all__)
     with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
         wc.nothing  # noqa: B018
@@ -208,6 +210,21 @@ def test_keywords_are_the_keys_of_the_input_file():
             _choices(each) for each in (kind.model_fields[name].annotation, hints[name])
         )
         assert wanted - {"text", "inline", "pair"} == given, name
+
+
+@pytest.mark.parametrize(
+    "name", ["compare", "critical_velocity", "impact", "sensitivity", "setup", "v50"]
+)
+def test_help_has_every_keyword_with_its_meaning_and_what_is_allowed(name):
+    told = " ".join(inspect.getdoc(getattr(wc, name)).split())
+    for key, table in keywords.tables().items():
+        assert f" {key} : " in told
+        if table:
+            (kind,) = tables_in(Scene.model_fields[table].annotation)
+            field = kind.model_fields[key]
+            assert f"; {' '.join(field.description.split())}" in told or key == "ply"
+            meaning = re.sub(r"\s*\(\[.*?\]\(.*?\)\)", "", field.title or "")
+            assert meaning in told
 
 
 _TYPES = dict.fromkeys(
