@@ -60,7 +60,7 @@ class Result:
 
     def _what_is_assumed(self) -> dict[str, Any]:
         """Entries of a summary: what is assumed, and the range over it."""
-        assumed, around = getattr(self, "assumed", ()), getattr(self, "range", None)
+        assumed, around = getattr(self, "assumed", ()), getattr(self, "assumed_range", None)
         entries = {"assumed": "; ".join(assumed)} if assumed else {}
         return entries if around is None else entries | {"assumed_range": around.words()}
 
