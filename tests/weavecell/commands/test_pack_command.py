@@ -13,6 +13,7 @@ from scipy.integrate import trapezoid
 from fabrics import catalogue
 from shellfabric.projectile.dynamics import BarHistory
 from weavecell.report.shot import view
+from weavecell.results import keys
 from weavecell.results.impact import ImpactRecord
 
 HALF = 22.5e-3 + 1e-9  # [m] of the opening
@@ -24,6 +25,30 @@ def pack(results):
     told = json.loads((run.folder / "summary.json").read_text())
     record = ImpactRecord.read(run.folder / "histories.h5")
     return SimpleNamespace(folder=run.folder, out=run.out, told=told, record=record)
+
+
+def test_a_block_that_still_moves_has_no_dent_anywhere(pack):
+    """Screen, JSON, HDF5, DataFrame, xarray and report: no number of the dent, and the words that say so."""
+    record, depth = pack.record, 1e3 * pack.record.backing.back_face_signature
+    assert record.block_moves
+    dents = {key.name for key in keys.table("of_backing")} - {"block_motion_over_strike"}
+    assert "back_face_signature_mm" in dents
+    page = (pack.folder / "report.html").read_text()
+    for places in (pack.told, record.facts(), record.to_xarray().attrs):
+        assert {name: places[name] for name in dents} == dict.fromkeys(dents)
+    with h5py.File(pack.folder / "histories.h5") as file:
+        assert not dents & set(file.attrs)
+    assert not any("signature" in name for name in record.histories.to_dataframe())
+    for text in (pack.out, page):
+        assert "o back-face signature yet: the block moves with " in text
+        assert f"{depth:.3g} mm" not in text
+        assert f">{depth:.4g}<" not in text
+
+
+def test_the_laws_of_all_fabrics_are_named(pack):
+    for name in (pack.told["law_name"], pack.record.law_name):
+        assert name.startswith("S-728: published")
+        assert "; S-726: published" in name
 
 
 def test_a_pack_says_what_it_is_made_of(pack):
