@@ -346,13 +346,13 @@ class V50Result(StudyResult):
     def headline(self) -> tuple[str, str]:
         if self.study.curves["probit"].reason:
             return "V50", "not determined"
-        around, over = self.assumed_range, "not computed over what is assumed"
+        around, over = self.assumed_range, "range over what is assumed not computed"
         if around is not None:
             over = (
                 f"{around.quantity} over what is assumed: {around.low:.1f} to {around.high:.1f} m/s"
             )
         sampled = f"{self.v50_low:.1f} to {self.v50_high:.1f} m/s"
-        return "V50", f"{self.v50:.1f} m/s ({sampled} by the number of shots; {over})"
+        return "V50", f"{self.v50:.1f} m/s ({sampled} by the number of shots, 95 %; {over})"
 
     @property
     def title(self) -> str:
@@ -365,7 +365,8 @@ class V50Result(StudyResult):
         perforations = [shot.velocity for shot in shots if shot.perforated]
         stops = [shot.velocity for shot in shots if not shot.perforated]
         low, high = study.deterministic
-        remarks = [f"{curve.words()}." for curve in study.curves.values()]
+        remarks = [f"{' '.join(self.headline)}."]
+        remarks += [f"{curve.words()}." for curve in study.curves.values()]
         remarks.append(f"{study.six_shots.words()}.")
         if study.assumed_range is not None:
             remarks.append(f"Over what is assumed: {study.assumed_range.words()}.")
