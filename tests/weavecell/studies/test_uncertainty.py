@@ -1,5 +1,6 @@
 """Scatter: indices and likelihoods against closed forms, draws, rounds, and the limit without scatter."""
 
+import hashlib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from math import gamma
@@ -13,9 +14,9 @@ from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
-from shellfabric.impact.simulation import ImpactSetup
+from shellfabric.impact.simulation import ImpactSetup, Ply
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.studies import inputs, probit, protocol, sobol, strengths, v50
+from weavecell.studies import assumed_range, inputs, probit, protocol, sobol, strengths, v50
 
 OPENING = 0.0306
 
@@ -373,3 +374,50 @@ def test_one_series_by_hand():
         pytest.approx((3 * 200 + 215 + 215 + 230) / 6),
         6,
     )
+
+
+def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path, monkeypatch):
+    """A limit that goes with the root of the failure length: V50 does too, by the panels of the study."""
+    fired = []
+
+    def limit_of(setup):
+        return 100.0 * (setup.fabric.failure_length / fabric.failure_length) ** 0.5
+
+    def fire(setup, scatter, seed, number, velocity):
+        fired.append(number)
+        through = velocity > limit_of(setup)
+        return v50.Shot(number, velocity, 0.0, through, 1.0, 1.0, 1.0, (1.0, 1.0), 0.0)
+
+    def digest(inputs, *_):
+        name, (changed, *others) = inputs
+        kept = name, limit_of(changed), others
+        return hashlib.sha256(repr(kept).encode()).hexdigest()
+
+    monkeypatch.setattr(v50, "fire", fire)
+    monkeypatch.setattr(v50, "_searched", lambda setup, _: ("", limit_of(setup)))
+    monkeypatch.setattr(v50.run_cache, "key", digest)
+    setup = setup_of(fabric, 0.08)
+    shots = tuple(fire(setup, None, 1, n, v) for n, v in enumerate((90.0, 95.0, 105.0, 110.0)))
+    fired.clear()
+    curves = {"probit": probit.fit([90, 95, 105, 110], [False, False, True, True])}
+    study = v50.Study((99.5, 100.5), shots, curves, v50.Scatter())
+    alone = v50.over_assumed(setup, study, again=False, seed=1, folder=tmp_path)
+    assert (alone.quantity, fired) == ("limit without scatter", [])
+    found = v50.over_assumed(setup, study, again=True, seed=1, folder=tmp_path)
+    assert set(fired) == {0, 1, 2, 3}
+    assert (found.low, found.high) == pytest.approx((100 * 0.5**0.5, 100 * 2**0.5))
+    assert next(iter(found.widths)) == "failure length"
+
+
+def test_the_ends_of_a_lay_up_are_those_of_each_of_its_fabrics(fabric):
+    other = catalogue.load("S-728").with_effective_density()
+    plies = (Ply(fabric, fabric.laws), Ply(other, other.laws))
+    setup = setup_of(fabric, 0.08, plies=2, lay_up=plies)
+    low, high = (
+        change(setup) for change in assumed_range.changes(setup)["failure length"].values()
+    )
+    for k, own in enumerate((fabric, other)):
+        lengths = [end.lay_up[k].fabric.failure_length for end in (low, high)]
+        assert lengths == pytest.approx([0.5 * own.failure_length, 2 * own.failure_length])
+    assert low.fabric == low.lay_up[0].fabric
+    assert {"strength after weaving", "friction between plies"} < set(assumed_range.changes(setup))
