@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import files
 from fabrics.checks import FilePath
-from fabrics.errors import UndecidedError, UnstableError, WeavecellError
+from fabrics.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities, targets
 from weavecell.api.keywords import Keywords
@@ -186,7 +186,7 @@ def kept_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
         shots = sorted(ended, key=lambda shot: shot.strike_velocity)
         if isinstance(problem, (UndecidedError, UnstableError)):
             problem.shots = tuple(shots)
-        if folder is not None and shots:
+        if folder is not None and (shots or not isinstance(problem, InputError)):
             files.write(folder / "shots.csv", csv_of(shots))
             if panel.text:
                 files.write(folder / "scene.toml", panel.text)

@@ -120,7 +120,8 @@ def v50(
         repeats = (2 * analysis.LARGEST + 2) * (assumed_range is True)
     if check:
         fired = shots * (1 + repeats)
-        return StudySize.of(analysis.graded(panel.setup), panel.title, fired, 1 + searches)  # type: ignore[return-value]
+        whole = replace(analysis.graded(panel.setup), symmetry="whole")
+        return StudySize.of(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
     drawn = inputs.alone(panel.setup, strike_velocity=1.0), scatter, seed
     with targets.study(
         panel, f"{panel.title}, repeated shots", out, resume, jobs, executor, drawn

@@ -15,7 +15,7 @@ import itertools
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -132,7 +132,9 @@ def sweep(
         fired, searches = {"shot": (1, 0), "critical-velocity": (SCANNED, 1)}.get(
             quantity, (shots, 1)
         )
-        sizes = [StudySize.of(panel.setup, panel.title, fired, searches) for panel in panels]
+        part = {"symmetry": "whole"} if quantity == "v50" else {}
+        setups = [replace(panel.setup, **part) for panel in panels]
+        sizes = [StudySize.of(setup, setup.title, fired, searches) for setup in setups]
         return StudySize.of_all(f"{len(panels)} x {quantity}", sizes)
     arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
     with targets.study(

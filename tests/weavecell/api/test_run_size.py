@@ -47,7 +47,7 @@ def test_the_forecast_of_a_study_counts_its_shots(tmp_path, monkeypatch):
     assert whole.shots == 7 * 20 + SHOTS_OF_A_SEARCH * whole.searches
     limit = wc.critical_velocity("S-720", **panel)
     assert limit.shots == SHOTS_OF_A_SEARCH + 8 + 18
-    assert limit.cpu_time[0] < limit.cpu_time[1] < plain.cpu_time[1] * 2
+    assert 0 < limit.cpu_time[0] < limit.cpu_time[1]
     over = {"panel.plies": [1, 2]}
     swept = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
     assert (swept.shots, swept.searches) == (2 * (SHOTS_OF_A_SEARCH + 18), 2)
