@@ -43,6 +43,7 @@ COLUMNS: dict[str, Callable[[Fabric], str]] = {
     "a [mm]": lambda f: f"{1000 * f.laws[0].a:.4f}" if f.laws else "-",
     "b [mm N^⅓]": lambda f: f"{1000 * f.laws[0].b:.3f}" if f.laws else "-",
 }
+MASS, STRENGTH = "mass [g/m²]", "strength [N/yarn]"
 SOURCES = ("key", "value", "status", "source")
 PROJECTILE = ("mass", "diameter", "length")
 BACKING = ("density", "modulus", "yield_stress", "rate_exponent", "erosion_strain")
@@ -142,10 +143,15 @@ def fabrics(*, out: FilePath | None = None) -> Listing:
         tuple(text(fabric) for text in COLUMNS.values())
         for fabric in map(catalogue.load, catalogue.list_names())
     ]
-    return saved(
-        Listing({"Fabrics of the catalogue (warp / weft)": (tuple(COLUMNS), rows)}, numeric=True),
-        out,
+    loaded = map(catalogue.load, catalogue.list_names())
+    fired = [f.with_effective_density() for f in loaded if f.effective_linear_density is not None]
+    effective = [f"{f.name} {COLUMNS[MASS](f)} g/m² and {COLUMNS[STRENGTH](f)} N" for f in fired]
+    note = (
+        "Mass and strength are those of the data sheet; shots use the effective linear density of the published runs: "
+        f"{'; '.join(effective)}."
     )
+    title = "Fabrics of the catalogue (warp / weft)"
+    return saved(Listing({title: (tuple(COLUMNS), rows)}, (note,), numeric=True), out)
 
 
 def projectiles(*, out: FilePath | None = None) -> Listing:

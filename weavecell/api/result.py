@@ -71,7 +71,7 @@ class Result:
 
     def _what_is_assumed(self) -> dict[str, Any]:
         """Entries of a summary: what is assumed, and the range over it."""
-        around = getattr(self, "range", None)
+        around = getattr(self, "assumed_range", None)
         entries = {"assumed": "; ".join(self.assumed)} if self.assumed else {}
         return entries if around is None else entries | {"assumed_range": around.words()}
 

@@ -15,7 +15,7 @@ import itertools
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,7 @@ from fabrics.fabric import Fabric
 from fabrics.schema import entries, unit_of
 from weavecell.api import quantities, targets
 from weavecell.api.result import Result, figure, plain, saved
+from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.results import progress
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
+SCANNED = 18  # shots of a scan about the bracket, as it is by default
 # what a notebook shows of each shot
 _SHOWN = (
     "fabric",
@@ -62,6 +64,7 @@ def sweep(
     tolerance: float | str = "1 m/s",
     shots: int = 60,
     seed: int = 1,
+    check: bool = False,
     jobs: int = 1,
     executor: str | Executor = "local",
     out: FilePath | None = None,
@@ -85,6 +88,7 @@ def sweep(
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most [m/s]
     shots : of a V50, number of shots
     seed : of a V50, of all that is drawn
+    check : run nothing and write nothing: forecast shots and CPU time of an input file or a fabric
     jobs : number of runs in parallel; 1 runs them in this process one after the other
     executor, out, resume : as of `v50`
 
@@ -129,6 +133,14 @@ def sweep(
     panels = [
         read(str(target), Path(out or "."), support, changes=changes) for changes in combinations
     ]
+    if check:
+        fired, searches = {"shot": (1, 0), "critical-velocity": (SCANNED, 1)}.get(
+            quantity, (shots, 1)
+        )
+        part = {"symmetry": "whole"} if quantity == "v50" else {}
+        setups = [replace(panel.setup, **part) for panel in panels]
+        sizes = [StudySize.of(setup, setup.title, fired, searches) for setup in setups]
+        return StudySize.of_all(f"{len(panels)} x {quantity}", sizes)
     arguments = [(inputs.alone(panel.setup), quantity, width) for panel in panels]
     with targets.study(
         panels[0], f"{len(panels)} x {quantity}", out, resume, jobs, executor, *arguments

@@ -69,11 +69,13 @@ class Case(Material):
     scene : Scene or CouponScene
     name : short name of the run
     lay_up : every simulation.Ply of plies that are not all alike, from the front
+    materials : of the lay-up, each once
     """
 
     scene: Any = None
     name: str = ""
     lay_up: tuple[Ply, ...] = ()
+    materials: tuple[Material, ...] = ()
 
 
 def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = None) -> Case:
@@ -110,7 +112,8 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
             materials[key] = material(of_ply, where, scene, file, None if named else fabric)
         gap = panel.ply_gap if table.gap is None else table.gap
         plies += [Ply(materials[key].fabric, materials[key].laws, table.angle, gap)] * table.count
-    return Case(**vars(next(iter(materials.values()))), scene=scene, name=name, lay_up=tuple(plies))
+    each = tuple(materials.values())
+    return Case(**vars(each[0]), scene=scene, name=name, lay_up=tuple(plies), materials=each)
 
 
 def material(
