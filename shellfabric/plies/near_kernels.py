@@ -243,7 +243,7 @@ def add_row(contact, nodes, n, distance, thickness):
         contact.row_nodes[row, r] = nodes[r]
     for c in range(3):
         contact.row_normal[row, c] = n[c]
-    contact.row_need[row] = needed(distance, thickness)
+    contact.row_need[row], contact.row_distance[row] = needed(distance, thickness), distance
     contact.guard[LEAST] = min(contact.guard[LEAST], distance / thickness)
     contact.count[ROWS] = row + 1
 
