@@ -13,7 +13,7 @@ from shellfabric.jit.by_reference import by_reference
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State
 from shellfabric.plies.frame_kernels import TALL, WIDE
-from shellfabric.plies.near_kernels import NEAR
+from shellfabric.plies.near_kernels import NEAR, SLOTS
 
 _PAIRS, _ENTRIES = (
     60,
@@ -23,8 +23,8 @@ _PAIRS, _ENTRIES = (
 PackContact = namedtuple(
     "PackContact",
     "x v rest f force window grid_window base shape slots turns dt kick mirror torn dropped failures "
-    "points packing first_point closest_a closest_b closed given touched first_element area laws law_step friction stick_damping "
-    "side_by_side lanes thickness thickest longest energy work "
+    "points first_point closest_a closest_b closed given touched first_element area laws law_step friction "
+    "stick_damping side_by_side lanes thickness thickest longest energy work "
     "y impulse guard_force guard_window has_planes tile_ply first_tile tiles_across travel way travel_then boxed "
     "plane_due box order block_speed pair_tiles pair_due pair_seen clearance looked_at holes covered open pressed "
     "entry_nodes entry_pair entry_end entry_due facets facet_box row_nodes row_normal row_need row_distance "
@@ -68,7 +68,7 @@ def pack_contact(
     rest : of each ply, (ni + 1, nj + 1, 3) [m] its nodes at rest in the frame of the first one
     thicknesses : (plies,) [m]
     turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
-    of_points : `points` along each side of an element; `packing` (plies,); `first_point` (plies,), `closest_a` and `closest_b` of all
+    of_points : `points` along each side of an element; `first_point` (plies,), `closest_a` and `closest_b` of all
         points, `first_element` (plies,) and `area` of all elements; `laws`, `law_step`
         (`numerics.law_tables`), `friction`, `stick_damping` and `side_by_side` (plies,)
     """
@@ -112,12 +112,12 @@ def pack_contact(
         count=np.array([0, 0, 0, 0, 1, 1, 0]),
         guard=np.array([0.0, 0.0, NEAR, 0.0]),
         **of_points,
-        **_zeros("closed given touched", 4, of_points["closest_a"].size),
+        **_zeros("closed given touched", SLOTS, of_points["closest_a"].size),
         **_zeros("v y impulse", 3, nodes),
         **_zeros("f", plies, 2, 3, slots),
         **_zeros("force", plies, 2, 3, own),
         **_zeros("guard_force", plies, 3, own),
-        **_zeros("energy", plies, 3),
+        **_zeros("energy", plies, 4),
         **_zeros("work", plies),
         **_zeros("cluster", nodes, 5),
         **_zeros("dropped torn", nodes, kind=np.uint8),
