@@ -258,7 +258,7 @@ def press_point(contact, p, q, row, j, a, b, tile):
             contact.energy[p, LOST] += held_energy(contact, p, element, j, (slot, number[1]))
         return a, b, _FAR
     held = 0.0
-    if has_dropped(contact, q, a, b):
+    if contact.failures[q] > 0 and has_dropped(contact, q, a, b):
         held = held_energy(contact, p, element, j, number)
     at_a, at_b = place_of_point(contact, row, j)
     torn = is_torn(contact, p, at_a, at_b)
