@@ -35,9 +35,8 @@ Stack = namedtuple(
     "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity turns",
 )
 # what does not follow from the plies, of a checkpoint
-KEPT = (
-    "force window closest_a closest_b closed given touched dropped energy work guard count"
-).split()
+KEPT = ["force", "window", "closest_a", "closest_b", "closed", "given", "touched"]
+KEPT += ["dropped", "energy", "work", "guard", "count"]
 
 by_reference(PackContact, Stack)
 
