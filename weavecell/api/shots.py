@@ -436,6 +436,10 @@ class ShotResult(ImpactRecord, Result):
         lines.append(
             f"energy error at most {error} of the strike energy, {self.strike_energy:.2f} J"
         )
+        if self.step_factor < 1.0:
+            lines.append(
+                f"made again with {self.step_factor:g} of the time step, to which the first run lost more than 0.4 %"
+            )
         if self.rigid_check:
             lines.append(self.rigid_check)
         if self.backing is not None:
