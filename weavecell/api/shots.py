@@ -267,7 +267,7 @@ class ShotResult(ImpactRecord, Result):
     --------
     >>> shot = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> shot
-    ShotResult(S-720, 150 m/s: in flight, residual velocity 148.1 m/s, checks ok)
+    ShotResult(S-720, 150 m/s: in flight, residual velocity 148.2 m/s, checks ok)
     >>> f"{1e3 * shot.deflection[-1]:.1f} mm"
     '1.6 mm'
     >>> shot.to_vtk("shot").name
