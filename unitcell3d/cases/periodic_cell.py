@@ -14,34 +14,13 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.record import Record, columns
+from fabrics.record import Record
 from meshing.crossover import Crossover
 from meshing.patch import Patch
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.periodic_cell import CellLoad, CellModel
-from unitcell3d.solver import path_following
-from unitcell3d.solver.load_stepping import Hook
+from unitcell3d.solver.path_following import Hook, follow
 
-MEANINGS = {
-    "path": "[-] share of the path",
-    "d1": "[m] end displacement of the warp, per end of a crossing",
-    "d2": "[m] the same of the weft",
-    "gamma": "[rad] shear angle between the yarns",
-    "T1": "[N] tension of a warp",
-    "T2": "[N] tension of a weft",
-    "moment": "[N m] per crossing, conjugate to gamma",
-    "tau": "[Pa] moment over cell area and shell thickness",
-    "F_c": "[N] contact force of a crossing",
-    "F_side": "(n, 2) [N] contact force of a warp, of a weft, with its parallel neighbour",
-    "side_gap": "(n, 2) [m] between the edges of parallel warps, of wefts; infinite where they do not pass each other",
-    "thickness": "[m] from the lowest to the highest node",
-    "deepest": "[m] largest penetration",
-    "fibre_strain_mean": "(n, 2) [-] of the fibres of warp and weft",
-    "fibre_strain_max": "(n, 2) [-] of the worst whole fibre of warp and weft",
-    "broken": "[-] share of the fibre bars that has failed",
-    "iterations": "[-] tangents factorised",
-    "seconds": "[s] wall time",
-}
 STEEPEST = 1.2  # rad: beyond it the trellis is all but closed
 ROWS_TO_STRETCH = 6
 
@@ -68,7 +47,7 @@ def shear(
 
     Returns
     -------
-    Record, with the meanings `MEANINGS`
+    Record, with the columns of `recorded.MEANINGS` that belong to a cell
 
     Raises
     ------
@@ -104,16 +83,30 @@ def biaxial(
 
 def _followed(model, loads, counts, case, hooks):
     fabric = model.fabric
-    smeared = fabric.weave.cell_area * fabric.weave.thickness
+    facts = {
+        "case": case,
+        "crossings": model.crossings,
+        "cell_area": fabric.weave.cell_area,
+        "shell_thickness": fabric.weave.thickness,
+        "width": [2 * section.half_width for section in model.crossover.sections],
+        "spacing": [2 * w for w in model.w[::-1]],
+    }
+    return follow(model, loads, _row(model), rows=counts, facts=facts, hooks=hooks)
+
+
+def _row(model):
+    """The function that records a state of a cell."""
+    smeared = model.fabric.weave.cell_area * model.fabric.weave.thickness
     families = np.asarray(model.crossover.families)
+    pairs = model.surfaces
 
     def row(state, load):
         x = model.positions(state.q, load)
         strains, means = model.fibre_strains(x)
-        worst, pairs = model.fibres.worst(strains), model.surfaces
+        worst = model.fibres.worst(strains)
         moment = model.moment(state.forces, load)
-        side = pairs.forces[pairs.crossings :].reshape(2, -1)
         T1, T2 = model.tensions(state.forces, load)
+        gaps = np.array([float(pair.gaps[0][0]) for pair in pairs.pairs[pairs.crossings :]])
         return {
             "d1": load.d[0],
             "d2": load.d[1],
@@ -123,10 +116,8 @@ def _followed(model, loads, counts, case, hooks):
             "moment": moment,
             "tau": moment / smeared,
             "F_c": float(np.mean(np.abs(pairs.forces[: pairs.crossings]))),
-            "F_side": side.mean(axis=1),
-            "side_gap": np.array(
-                [min(float(pair.gaps[0][0]) for pair in of) for of in _by_family(pairs)]
-            ),
+            "F_side": pairs.forces[pairs.crossings :].reshape(2, -1).mean(axis=1),
+            "side_gap": gaps.reshape(2, -1).min(axis=1),
             "thickness": model.thickness(x),
             "deepest": pairs.deepest,
             "fibre_strain_mean": np.array([means[families == family].mean() for family in (0, 1)]),
@@ -134,22 +125,4 @@ def _followed(model, loads, counts, case, hooks):
             "broken": float(np.mean(model.fibres.damage > 0)),
         }
 
-    found = path_following.follow(model, loads, row, rows=counts, hooks=hooks)
-    u = (found.x - model.points)[: len(model.crossover.points)]
-    facts = {
-        "fabric": fabric.name,
-        "case": case,
-        "crossings": model.crossings,
-        "cell_area": fabric.weave.cell_area,
-        "shell_thickness": fabric.weave.thickness,
-        "width": [2 * section.half_width for section in model.crossover.sections],
-        "spacing": [2 * w for w in model.w[::-1]],
-    }
-    return Record(columns(found.rows), MEANINGS, facts, {"u": u}, found.failed)
-
-
-def _by_family(pairs):
-    """The pairs of parallel neighbours: of warps, of wefts."""
-    edges = pairs.pairs[pairs.crossings :]
-    half = len(edges) // 2
-    return edges[:half], edges[half:]
+    return row

@@ -23,41 +23,19 @@ import numpy as np
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import PullOutLaw
-from fabrics.record import Record, columns
+from fabrics.record import Record
 from meshing.crossover import Crossover
 from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.pull_out import PullLoad, PullOutModel
-from unitcell3d.solver import load_stepping, path_following
-from unitcell3d.solver.load_stepping import Hook
+from unitcell3d.solver.path_following import Hook, follow
+from unitcell3d.solver.recorded import crossover_row
 
-MEANINGS = {
-    "path": "[-] share of the path",
-    "load": "[-] number of the transverse load",
-    "d1": "[m] end displacement of the warp, per end",
-    "d2": "[m] the same of the weft",
-    "plates": "[m] half the distance of the platens (infinite: none)",
-    "pull": "[m] displacement of the pulled yarn along its axis",
-    "T1": "[N] tension of the warp, of a pulled yarn at the end that is pulled",
-    "T2": "[N] tension of the weft, likewise",
-    "P": "[N] axial force that the pulled yarn takes from the crossing yarn",
-    "P_geometric": "[N] the part of it that normal pressures take",
-    "F_c": "[N] contact force",
-    "F_plate": "(n, 2) [N] force on the upper and the lower platen",
-    "h1": "[m] height of the warp's centreline",
-    "h2": "[m] the same of the weft",
-    "mobilised": "[-] share of Coulomb's limit that is mobilised, 1 in full sliding",
-    "d_c": "[m] compression of one yarn, half of the loss of h1 + h2",
-    "deepest": "[m] largest penetration",
-    "iterations": "[-] tangents factorised",
-    "seconds": "[s] wall time",
-}
 SLIDING = 0.999  # share of Coulomb's limit from which on the yarn slides
 LOADS = (0.25, 0.5, 0.75, 1.0)  # of the largest end displacement of the crossing yarn
 PULL = 0.16  # of half the spacing: the crossing yarn gives way sideways before all points slide
-PULL_PRESSED = (
-    0.24  # the same between platens, where the crossing yarn has no tension before the pull
-)
+# of half the spacing between platens, where the crossing yarn has no tension before the pull
+PULL_PRESSED = 0.24
 ROWS_TO_LOAD, ROWS = 5, 16
 ROWS_TO_PRESS = 40  # of the way of the platens to `MIN_PLATE_GAP`
 
@@ -91,12 +69,13 @@ def pull_out(
 
     Returns
     -------
-    Record of all paths one after the other, with the meanings `MEANINGS`; its `failed` is that of the first that ended
+    Record of all paths one after the other; its `failed` is that of the first that ended
     early, after which no other is begun
 
     Raises
     ------
     InputError : neither displacements nor pressures, both, one that is not positive, or a pull that is not
+    UnstableError : the platens reach none of the pressures
     """
     given = _transverse(displacements, pressures)
     share = PULL_PRESSED if len(pressures) else PULL
@@ -104,30 +83,27 @@ def pull_out(
     if not 0 < pull < np.inf:
         raise InputError(key="pull", value=pull, allowed="positive")
     numerics = Numerics() if numerics is None else numerics
-    points = np.asarray(crossover.points, float)
-    found, x, failed = [], points, ""
-    rest, loaded = (
-        PullLoad(),
-        [PullLoad((0.0, value) if pulled == 0 else (value, 0.0)) for value in given],
-    )
+    rest, failed = PullLoad(), ""
     if len(pressures):
         rest, loaded, failed = _pressed(crossover, fabric, numerics, pulled, given)
+    else:
+        loaded = [PullLoad((0.0, value) if pulled == 0 else (value, 0.0)) for value in given]
+    found = []
     for number, load in enumerate(loaded):
         model = PullOutModel(crossover, fabric, numerics, pulled, platens=len(pressures) > 0)
-        loads = [rest, load, replace(load, pull=pull)]
 
         def shift(share, row, number=number):
-            return [hook((number + share) / len(given), row) for hook in hooks]
+            for hook in hooks:
+                hook((number + share) / len(given), row)
 
-        one = path_following.follow(
-            model, loads, _row(model, number), rows=[ROWS_TO_LOAD, rows], hooks=[shift]
-        )
-        found += one.rows
-        x, failed = one.x, failed or one.failed
-        if one.failed:
+        loads = [rest, load, replace(load, pull=pull)]
+        row = _row(model, number)
+        found.append(follow(model, loads, row, rows=[ROWS_TO_LOAD, rows], hooks=[shift]))
+        if found[-1].failed:
             break
+    if not found:
+        raise UnstableError(failed)
     facts = {
-        "fabric": fabric.name,
         "case": "pull-out",
         "pulled": pulled,
         "friction": numerics.friction,
@@ -136,7 +112,16 @@ def pull_out(
     }
     if len(pressures):
         facts["pressures"] = given
-    return Record(columns(found), MEANINGS, facts, {"u": x - points}, failed)
+    return _joined(found, facts, failed)
+
+
+def _joined(records, facts, failed):
+    """One Record of several, one after the other, with the first reason why one ended early."""
+    last = records[-1]
+    names = last.columns
+    joined = {name: np.concatenate([record[name] for record in records]) for name in names}
+    failed = failed or last.failed
+    return replace(last, columns=joined, facts=last.facts | facts, failed=failed)
 
 
 def _transverse(displacements, pressures):
@@ -160,26 +145,25 @@ def _pressed(crossover, fabric, numerics, pulled, pressures):
     model = PullOutModel(crossover, fabric, numerics, pulled, platens=True)
     assert model.plates is not None
     rest, area = PullLoad(plates=model.plates.at_rest), fabric.weave.cell_area
-    mean = lambda row: float(np.mean(row["F_plate"])) / area  # noqa: E731
-    followed = path_following.follow(
+
+    def mean(row):
+        return float(np.mean(row["F_plate"])) / area
+
+    pressed = follow(
         model,
         [rest, replace(rest, plates=MIN_PLATE_GAP * rest.plates)],
         _row(model, 0),
         rows=ROWS_TO_PRESS,
         stop=lambda row: mean(row) / max(pressures),
     )
-    met, at = (
-        np.array([mean(row) for row in followed.rows]),
-        np.array([row["plates"] for row in followed.rows]),
-    )
+    met = pressed["F_plate"].mean(axis=1) / area
+    at = pressed["plates"]
     reached = [value for value in pressures if value <= met.max() * (1 + 1e-3)]
     loads = [replace(rest, plates=float(np.interp(value, met, at))) for value in reached]
-    short = (
-        ""
-        if len(reached) == len(pressures)
-        else f"platens reach {met.max():.4g} Pa at {at[-1]:.4g} m"
-    )
-    return rest, loads, followed.failed or short
+    short = ""
+    if len(reached) < len(pressures):
+        short = f"platens reach {met.max():.4g} Pa at {at[-1]:.4g} m"
+    return rest, loads, pressed.failed or short
 
 
 def displacements(fabric: Fabric, pulled: int) -> tuple[float, ...]:
@@ -194,7 +178,7 @@ def _row(model, number):
     def row(state, load):
         x = model.positions(state.q, load)
         mobilised = model.surfaces.mobilised_friction(x, model.numerics)
-        return load_stepping.crossover_row(model, state, load) | {
+        return crossover_row(model, state, load) | {
             "load": number,
             "pull": load.pull,
             "P": model.axial_force(state.forces),

@@ -18,7 +18,7 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.record import Record, columns
+from fabrics.record import Record
 from fabrics.yarn import Yarn
 from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints
@@ -26,23 +26,7 @@ from unitcell3d.contact.pairs import SurfacePairs
 from unitcell3d.material import solid_law
 from unitcell3d.model import submeshes
 from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
-from unitcell3d.solver import path_following
-from unitcell3d.solver.load_stepping import Hook
-
-MEANINGS = {
-    "path": "[-] share of the path",
-    "d": "[m] displacement of each end",
-    "strain": "[-] of the distance of the ends",
-    "T": "[N] tension of the whole yarn",
-    "T_taut": "[N] closed form: no bending",
-    "h": "[m] height of the centreline",
-    "fibre_strain_mean": "[-] of the fibres",
-    "fibre_strain_max": "[-] of the worst whole fibre, -1 where none is left",
-    "broken": "[-] share of the fibre bars that has failed",
-    "astray": "[m] amplitude of displacements that alternate from node to node along the yarn",
-    "iterations": "[-] tangents factorised",
-    "seconds": "[s] wall time",
-}
+from unitcell3d.solver.path_following import Hook, follow
 
 
 class YarnModel(YarnsModel):
@@ -139,7 +123,7 @@ def pull(
 
     Returns
     -------
-    Record, with the meanings `MEANINGS`
+    Record, with the columns of `recorded.MEANINGS` that belong to a yarn
 
     Raises
     ------
@@ -166,16 +150,8 @@ def pull(
         return Load((d, 0.0) if family == 0 else (0.0, d))
 
     # most rows where the yarn becomes taut: steps of strain that grow with the distance from the crimp's end
-    points = [at(0.0), at(crimp / strain), at(1.0)] if strain > crimp else [at(0.0), at(1.0)]
-    found = path_following.follow(
-        model,
-        points,
-        lambda state, load: _row(model, yarn, crimp, state, load),
-        rows=rows,
-        hooks=hooks,
-    )
+    shares = [0.0, crimp / strain, 1.0] if strain > crimp else [0.0, 1.0]
     facts = {
-        "fabric": fabric.name,
         "case": f"yarn {('warp', 'weft')[family]}",
         "yarn": family,
         "bars": len(model.fibres.pairs),
@@ -183,7 +159,14 @@ def pull(
         "crimp": crimp,
         "EA": yarn.EA,
     }
-    return Record(columns(found.rows), MEANINGS, facts, {"u": found.x - model.points}, found.failed)
+    return follow(
+        model,
+        [at(share) for share in shares],
+        lambda state, load: _row(model, yarn, crimp, state, load),
+        rows=rows,
+        facts=facts,
+        hooks=hooks,
+    )
 
 
 def _row(model, yarn, crimp, state, load):

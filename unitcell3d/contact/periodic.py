@@ -7,13 +7,12 @@ two, where the tips of their sections can meet: the edge of one is held off the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from meshing.mesh import YarnMesh
-from unitcell3d.assembly.constraints import VERTICAL
 from unitcell3d.assembly.periodic_images import Images
 from unitcell3d.assembly.sparsity import Pattern
 from unitcell3d.contact import edge_contact_kernels
@@ -179,49 +178,3 @@ def _crossing(mesh, images, warp, weft, cells, margin):
     middle = [part[len(part) // 2, part.shape[1] // 2, part.shape[2] // 2] for part in parts]
     over = images.points[middle[0], 2] > images.points[middle[1], 2]
     return (*(parts if over else parts[::-1]), False, (0, 1) if over else (1, 0))
-
-
-def _cells(mesh, yarn):
-    """Slices of the columns of each crossing of a yarn, and whether it lies over there."""
-    grid = mesh.grids[yarn]
-    crossings = max(
-        1,
-        round(
-            np.ptp(mesh.points[grid[:, 0, 0], mesh.families[yarn]])
-            / (2 * mesh.w[mesh.families[yarn]])
-        ),
-    )
-    cells = (len(grid) - 1) // crossings
-    for number in range(crossings):
-        part = slice(number * cells, (number + 1) * cells + 1)
-        column = mesh.points[grid[part, grid.shape[1] // 2, grid.shape[2] // 2], VERTICAL]
-        yield part, column[len(column) // 2] > column[0]
-
-
-def exposed(mesh: YarnMesh, yarns: Iterable[int], over: bool) -> Iterator[tuple[int, slice]]:
-    """Yields (yarn, columns) of the crossings at which the yarns of a ply lie over (or under) the other."""
-    for yarn in yarns:
-        for part, above in _cells(mesh, yarn):
-            if above == over:
-                yield yarn, part
-
-
-def mates(
-    mesh: YarnMesh, yarns: Sequence[int]
-) -> Iterator[tuple[IntArray, IntArray, tuple[int, int]]]:
-    """Yields (upper nodes, lower nodes, families) of each crossing inside a ply."""
-    under = [
-        (yarn, part, _middle(mesh, yarn, part)) for yarn, part in exposed(mesh, yarns, over=False)
-    ]
-    for yarn, part in exposed(mesh, yarns, over=True):
-        place = _middle(mesh, yarn, part)
-        mate, its, _ = min(under, key=lambda item: np.linalg.norm(item[2] - place))
-        yield (
-            mesh.grids[yarn][part],
-            mesh.grids[mate][its],
-            (mesh.families[yarn], mesh.families[mate]),
-        )
-
-
-def _middle(mesh, yarn, part):
-    return mesh.points[mesh.grids[yarn][part]][..., :2].reshape(-1, 2).mean(axis=0)

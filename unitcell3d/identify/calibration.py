@@ -30,10 +30,10 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.files import write_whole
 from fabrics.ply_law import PlyLaw
+from fabrics.record import Record
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.platen_misfit import rising
 from unitcell3d.identify.ratio_law import RatioLaw, imbalance
-from unitcell3d.solver.history import History
 
 PLATES = "plates"
 YARNS = ("warp", "weft")
@@ -51,7 +51,7 @@ class Calibration:
     fabric : name
     law : CompressionLaw fitted to all biaxial paths
     path_laws : {path: CompressionLaw} fitted to each path alone; None where no law fits it
-    histories : {path: History}, and "plates"
+    histories : {path: Record}, and "plates"
     residuals : {path: rms distance [m] of its samples from the joint law}
     yarn_laws : (warp, weft) CompressionLaw fitted to each yarn's own compression on all paths; None where none fits
     ratio_law : RatioLaw fitted to all paths, or None
@@ -80,8 +80,8 @@ class Calibration:
     contact: PlyLaw | None = None
 
     @property
-    def plates(self) -> History:
-        """History between plates."""
+    def plates(self) -> Record:
+        """Record between plates."""
         return self.histories[PLATES]
 
     @property
@@ -180,7 +180,7 @@ class Calibration:
         self.law.to_json(path, self.contact)
 
 
-def contact_of_plies(history: History, fabric: Fabric, size: str) -> PlyLaw:
+def contact_of_plies(history: Record, fabric: Fabric, size: str) -> PlyLaw:
     """The contact law of plies from a compression between platens, "computed".
 
     Steps that press less than one before are left out: pressure rises with closure. P^(1/3), which is nearly straight,
@@ -201,23 +201,23 @@ def contact_of_plies(history: History, fabric: Fabric, size: str) -> PlyLaw:
     pressure, closure = pressure[closure > 0], closure[closure > 0]
     curve = PchipInterpolator([0.0, *closure], np.cbrt([0.0, *pressure]))
     at = np.linspace(0.0, closure[-1], PLY_SAMPLES + 1)
-    left_out = len(history.path) - 1 - len(pressure)
+    left_out = len(history["path"]) - 1 - len(pressure)
     source = f"3D crossover of {fabric.name} between platens, {size} mesh"
     source += f", {left_out} steps of falling force left out" if left_out else ""
     return PlyLaw(at, curve(at) ** 3, PlyLaw.solid(fabric).stiffness, source, "computed")
 
 
-def samples(history: History, *columns: FloatArray) -> tuple[FloatArray, ...]:
+def samples(history: Record, *columns: FloatArray) -> tuple[FloatArray, ...]:
     """F_c [N] and columns (d_c [m] if none are given) at equal shares of a path's displacement, from contact on."""
-    shares = np.linspace(0, history.path[-1], SAMPLES + 1)[1:]
-    columns = columns or (history.d_c,)
-    F, *rest = (np.interp(shares, history.path, column) for column in (history.F_c, *columns))
+    shares = np.linspace(0, history["path"][-1], SAMPLES + 1)[1:]
+    columns = columns or (history["d_c"],)
+    F, *rest = (np.interp(shares, history["path"], column) for column in (history["F_c"], *columns))
     return F[F > 0], *(column[F > 0] for column in rest)
 
 
 def evaluate(
     fabric: Fabric,
-    histories: dict[str, History],
+    histories: dict[str, Record],
     sizes: tuple[str, str],
     seconds: dict[str, float],
     friction: float = 0.0,
@@ -226,7 +226,7 @@ def evaluate(
 
     Parameters
     ----------
-    histories : {path: History} and "plates"
+    histories : {path: Record} and "plates"
     sizes : (biaxial, plates) mesh sizes, as texts
     seconds : {path: [s]}
     friction : [-] they were solved with
@@ -278,7 +278,7 @@ def _finer(histories, fabric):
     """Laws of each yarn's own compression, and the law that sees the tension ratio with its residual by path."""
     found = {name: h for name, h in histories.items() if name != PLATES}
     rows = {
-        name: samples(h, h.d_c, imbalance(h.T1, h.T2), h.d_yarns[:, 0], h.d_yarns[:, 1])
+        name: samples(h, h["d_c"], imbalance(h["T1"], h["T2"]), *h["d_yarns"].T)
         for name, h in found.items()
     }
     F, d, m, *yarns = (np.concatenate(columns) for columns in zip(*rows.values()))

@@ -15,7 +15,7 @@ from scipy.optimize import minimize_scalar
 from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from fabrics.plate_curve import PlateCurve
-from unitcell3d.solver.history import History
+from fabrics.record import Record
 
 POINTS = 16  # of the curve, at equal ratios of pressure
 OFFSETS = 81  # tried over the closure of the curve, before the best of them is refined
@@ -29,7 +29,7 @@ class PlatenMisfit(NamedTuple):
 
 
 def platen_misfit(
-    history: History, cell_area: float, curve: PlateCurve, pressure: FloatArray | None = None
+    history: Record, cell_area: float, curve: PlateCurve, pressure: FloatArray | None = None
 ) -> PlatenMisfit:
     """Misfit of a computed compression between platens; the offset of the closure is free in both measures.
 
@@ -38,7 +38,7 @@ def platen_misfit(
 
     Parameters
     ----------
-    history : History between platens (`cases.biaxial_and_platens.plate_compression`)
+    history : Record between platens (`cases.biaxial_and_platens.plate_compression`)
     cell_area : [m2] of one crossover
     curve : measured
     pressure : (n,) [Pa] rising, where the curve is read; by default `POINTS` at equal ratios over all of it
@@ -68,7 +68,7 @@ def misfit_of_points(
 
 
 def closures(
-    history: History, cell_area: float, pressure: FloatArray, measured: FloatArray
+    history: Record, cell_area: float, pressure: FloatArray, measured: FloatArray
 ) -> FloatArray:
     """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of the `measured` ones.
 
@@ -89,7 +89,7 @@ def closures(
     return at - np.mean(at - measured)
 
 
-def rising(history: History, cell_area: float) -> tuple[FloatArray, FloatArray]:
+def rising(history: Record, cell_area: float) -> tuple[FloatArray, FloatArray]:
     """Pressure [Pa] and closure [m] of the steps that press harder than any before: a tip that snaps lets the force
     fall.
 
@@ -97,13 +97,14 @@ def rising(history: History, cell_area: float) -> tuple[FloatArray, FloatArray]:
     ------
     UnstableError : no platen was ever pressed
     """
-    pressed = history.F_plate.mean(axis=1) / cell_area
+    pressed = history["F_plate"].mean(axis=1) / cell_area
     steps = np.flatnonzero(pressed > np.concatenate([[0.0], np.maximum.accumulate(pressed)[:-1]]))
+    plates = history["plates"]
     if len(steps) < 2:
         raise UnstableError(
             f"the platens were not pressed: {history.failed or 'they never met the yarns'}"
         )
-    return pressed[steps], 2 * (history.plates[0] - history.plates[steps])
+    return pressed[steps], 2 * (plates[0] - plates[steps])
 
 
 def _pressure_ratios(known, closed, wanted, measured):

@@ -90,6 +90,11 @@ class Fibres:
             ]
         )
 
+    def broken(self) -> FloatArray:
+        """(yarns,) [-] share of the bars of each yarn that has failed."""
+        failed = (self.damage > 0).astype(float)
+        return np.bincount(self.yarn, failed) / np.bincount(self.yarn)
+
     def overload(self, strain: FloatArray) -> float:
         """[-] largest strain of a whole bar over its failure strain; 0 where bars do not fail."""
         whole = self.damage == 0

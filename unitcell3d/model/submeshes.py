@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -69,16 +68,17 @@ def _evenly(n, count):
     return np.round(np.linspace(0, n - 1, count)).astype(int) if count > 1 else range(count)
 
 
-def stacked(mesh: YarnMesh, offsets: Sequence[Sequence[float]]) -> YarnMesh:
-    """Plies of one mesh, moved by `offsets` : (plies, 3) [m]; the yarns of ply 0 first."""
-    plies, yarns, n = len(offsets), len(mesh.names), len(mesh.points)
+def stacked(mesh: YarnMesh, plies: int, pitch: float) -> YarnMesh:
+    """Plies of one mesh on each other, `pitch` [m] from ply to ply, the middle at z = 0; the yarns of ply 0 first."""
+    yarns, n = len(mesh.names), len(mesh.points)
+    heights = [(ply - (plies - 1) / 2) * pitch for ply in range(plies)]
 
     def numbered(arrays):
         return tuple(array + ply * n for ply in range(plies) for array in arrays)
 
     return replace(
         mesh,
-        points=np.concatenate([mesh.points + np.asarray(offset) for offset in offsets]),
+        points=np.concatenate([mesh.points + np.array([0.0, 0.0, height]) for height in heights]),
         hexes=np.concatenate([mesh.hexes + ply * n for ply in range(plies)]),
         yarn=np.concatenate([mesh.yarn + ply * yarns for ply in range(plies)]),
         names=tuple(f"{name}_ply_{ply + 1}" for ply in range(plies) for name in mesh.names),

@@ -244,13 +244,8 @@ def _bodies(mesh, record, yarns):
     elif record.facts["case"].startswith("yarn"):
         of = yarns.single_yarn_mesh(mesh, int(record.facts["yarn"]))
     else:
-        plies, shift = int(record.facts["plies"]), record.facts["shift"]
-        pitch = record["distance"][0] / plies if not any(shift) else _nested(mesh, record)
-        step = [2 * w * part for w, part in zip(mesh.w, shift)]
-        of = yarns.stacked(
-            mesh,
-            [(*(ply * np.array(step)), (ply - (plies - 1) / 2) * pitch) for ply in range(plies)],
-        )
+        plies = int(record.facts["plies"])
+        of = yarns.stacked(mesh, plies, record["distance"][0] / plies)
     x = of.points + record.last["u"]
     bodies = [(family, grid, x) for family, grid in zip(of.families, of.grids)]
     quarter = getattr(mesh, "domain", "") == "quarter"
@@ -261,12 +256,6 @@ def _bodies(mesh, record, yarns):
     if "crossings" not in record.facts or hasattr(mesh, "count"):
         return bodies, lambda points, grid: (points,)
     return bodies, _glides(mesh, x)
-
-
-def _nested(mesh, record):
-    """Pitch [m] of shifted plies at rest, from the distance of the plates."""
-    plies = int(record.facts["plies"])
-    return (record["distance"][0] - np.ptp(mesh.points[:, 2])) / max(plies - 1, 1)
 
 
 def _glides(mesh, x):
