@@ -19,9 +19,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import sparse
 
 from fabrics.checks import FloatArray, IntArray
 
@@ -42,20 +44,20 @@ class Constraints:
     size: int
     ends: tuple
 
+    @cached_property
+    def C(self) -> sparse.csr_matrix:
+        """(3 n, size) of u = C q + drive p: +-1 in the column of the unknown that a component follows."""
+        free = np.flatnonzero(self.unknown >= 0)
+        places = (free, self.unknown[free])
+        return sparse.csr_matrix((self.sign[free], places), shape=(len(self.unknown), self.size))
+
     def displacement(self, q: FloatArray, parameters: ArrayLike) -> FloatArray:
         """Displacement (n, 3) [m] of the unknowns `q` and the load's parameters: of a crossover d : (2,) [m]."""
-        u = self.drive @ np.asarray(parameters, float)
-        free = self.unknown >= 0
-        u[free] += self.sign[free] * q[self.unknown[free]]
-        return u.reshape(-1, 3)
+        return (self.drive @ np.asarray(parameters, float) + self.C @ q).reshape(-1, 3)
 
     def reduce(self, forces: FloatArray) -> FloatArray:
         """Forces on the unknowns (size,) of the nodal forces (n, 3) [N]."""
-        free = self.unknown >= 0
-        return np.asarray(
-            np.bincount(self.unknown[free], self.sign[free] * forces.ravel()[free], self.size),
-            float,
-        )
+        return self.C.T @ forces.ravel()
 
     def end_force(self, forces: FloatArray, yarn: int) -> float:
         """Axial force [N] that drives the positive end of a yarn, the work conjugate of its end displacement."""

@@ -99,6 +99,7 @@ def _row(model):
     smeared = model.fabric.weave.cell_area * model.fabric.weave.thickness
     families = np.asarray(model.crossover.families)
     pairs = model.surfaces
+    edges = [edge for (edge,) in pairs.pairs[model.crossings :]]
 
     def row(state, load):
         x = model.positions(state.q, load)
@@ -106,7 +107,7 @@ def _row(model):
         worst = model.fibres.worst(strains)
         moment = model.moment(state.forces, load)
         T1, T2 = model.tensions(state.forces, load)
-        gaps = np.array([float(pair.gaps[0][0]) for pair in pairs.pairs[pairs.crossings :]])
+        gaps = np.array([edge.gaps[0] for edge in edges])
         return {
             "d1": load.d[0],
             "d2": load.d[1],
@@ -115,8 +116,8 @@ def _row(model):
             "T2": T2,
             "moment": moment,
             "tau": moment / smeared,
-            "F_c": float(np.mean(np.abs(pairs.forces[: pairs.crossings]))),
-            "F_side": pairs.forces[pairs.crossings :].reshape(2, -1).mean(axis=1),
+            "F_c": float(np.mean(np.abs(pairs.forces[: model.crossings]))),
+            "F_side": pairs.forces[model.crossings :].reshape(2, -1).mean(axis=1),
             "side_gap": gaps.reshape(2, -1).min(axis=1),
             "thickness": model.thickness(x),
             "deepest": pairs.deepest,

@@ -22,7 +22,7 @@ from fabrics.record import Record
 from fabrics.yarn import Yarn
 from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints
-from unitcell3d.contact.pairs import SurfacePairs
+from unitcell3d.contact.surfaces import SurfacePairs
 from unitcell3d.material import solid_law
 from unitcell3d.model import submeshes
 from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check

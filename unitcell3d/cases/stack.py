@@ -21,7 +21,7 @@ from fabrics.record import Record
 from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints
 from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP
-from unitcell3d.contact.pairs import OuterPlates, SurfacePairs, facing
+from unitcell3d.contact.surfaces import Plates, SurfacePairs, facing
 from unitcell3d.model import submeshes
 from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
 from unitcell3d.solver.path_following import Hook, follow
@@ -37,7 +37,7 @@ class StackModel(YarnsModel):
     crossover : meshing.crossover.Crossover, a quarter
     fabric : Fabric
     plies : number
-    numerics : model.crossover.Numerics
+    numerics : Numerics
 
     Raises
     ------
@@ -65,7 +65,7 @@ class StackModel(YarnsModel):
         held = constraints.build(
             mesh.grids, len(points), quarter=True, families=mesh.families, opposite=opposite
         )
-        plates = OuterPlates(points, [warps[-1]], [wefts[0]])
+        plates = Plates(points, [warps[-1][:, :, -1]], [wefts[0][:, :, 0]])
         self.plies = plies
         super().__init__(
             mesh,

@@ -24,47 +24,13 @@ from unitcell3d.assembly import constraints
 from unitcell3d.assembly.compat import Assembler, HexSpace
 from unitcell3d.assembly.constraints import Constraints
 from unitcell3d.assembly.sparsity import Pattern
-from unitcell3d.contact.interface import ContactSurfaces
-from unitcell3d.contact.surfaces import FacingSurfaces, Plates
+from unitcell3d.contact.surfaces import Plates, SurfacePairs, facing
 from unitcell3d.material import solid_law
 from unitcell3d.material.fibres import Fibres
+from unitcell3d.material.numerics import Numerics
 
 # a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both yarns
 ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
-
-
-@dataclass(frozen=True)
-class Numerics:
-    """Numbers that belong to the method, not to the fabric. How results converge: docs/reports/mesh-and-cost.md.
-
-    Parameters
-    ----------
-    penalty : [Pa/m] contact stiffness, both passes together
-    toe : [m] penetration over which the contact stiffness sets in; a shorter one costs more tangents
-    slack_width : [-] fibre strain over which a fibre becomes taut
-    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing;
-        where it is large, slack yarn tips buckle
-    friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
-    slip : [m] over which friction sets in
-    """
-
-    penalty: float = 1e15
-    toe: float = 0.5e-6
-    slack_width: float = 1e-4
-    slack_stiffness: float = 1e-3
-    friction: float = 0.0
-    slip: float = 0.5e-6
-
-    def __post_init__(self):
-        for key in ("penalty", "toe", "slack_width", "slack_stiffness", "slip"):
-            if not getattr(self, key) > 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="positive")
-        if not 0 <= self.friction < np.inf:
-            raise InputError(key="friction", value=self.friction, allowed="0 or positive")
-
-    def softened(self, factor: float) -> Numerics:
-        """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
-        return replace(self, penalty=self.penalty * factor, toe=self.toe / factor**0.5)
 
 
 @dataclass(frozen=True)
@@ -105,7 +71,7 @@ class YarnsModel:
     fabric : Fabric, with solid laws
     numerics : Numerics
     held : constraints.Constraints
-    surfaces : surfaces.FacingSurfaces, or pairs.SurfacePairs
+    surfaces : surfaces.SurfacePairs
     plates : surfaces.Plates, or None
     points : (n, 3) [m] nodes, the mesh's first; more where contact has images of yarns
     copies : of axial and of vertical forces, that the domain stands for
@@ -123,7 +89,7 @@ class YarnsModel:
         fabric: Fabric,
         numerics: Numerics | None,
         held: Constraints,
-        surfaces: ContactSurfaces,
+        surfaces: SurfacePairs,
         plates: Plates | None,
         *,
         points: FloatArray | None = None,
@@ -241,11 +207,10 @@ class YarnsModel:
 
     @stick_state.setter
     def stick_state(self, values: FloatArray) -> None:
+        start = 0
         for anchors in self._anchors():
-            anchors[:], values = (
-                values[: anchors.size].reshape(anchors.shape),
-                values[anchors.size :],
-            )
+            anchors[:] = values[start : start + anchors.size].reshape(anchors.shape)
+            start += anchors.size
 
     def _anchors(self):
         return [*self.surfaces.anchors, *(() if self.plates is None else self.plates.anchors)]
@@ -290,13 +255,14 @@ class CrossoverModel(YarnsModel):
         check(crossover, fabric)
         quarter = crossover.domain == "quarter"
         points = np.ascontiguousarray(crossover.points, float)
+        warp, weft = crossover.grids
         super().__init__(
             crossover,
             fabric,
             numerics,
             constraints.build(crossover.grids, len(points), quarter=quarter),
-            FacingSurfaces(points, crossover.grids, quarter),
-            Plates(points, crossover.grids),
+            SurfacePairs([facing(points, warp, weft, quarter)]),
+            Plates(points, [warp[:, :, -1]], [weft[:, :, 0]]),
             copies=(2.0, 4.0) if quarter else (1.0, 1.0),
             **choices,
         )

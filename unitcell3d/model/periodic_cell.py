@@ -32,7 +32,8 @@ from meshing.crossover import Crossover
 from meshing.patch import Patch
 from unitcell3d.assembly.constraints import VERTICAL, Constraints, Ties
 from unitcell3d.assembly.periodic_images import Images
-from unitcell3d.contact.periodic import contacts
+from unitcell3d.contact import periodic
+from unitcell3d.contact.surfaces import SurfacePairs
 from unitcell3d.model.crossover import Numerics, YarnsModel, check
 
 PLANE = (0, 1)
@@ -166,14 +167,15 @@ class CellModel(YarnsModel):
         self.crossings, self.w = self.period**2, mesh.w
         images = Images(mesh, self.period, self.parity)
         cells = (mesh.grids[0].shape[0] - 1) // self.period
-        self.pairs = contacts(mesh, images, cells, margin)
-        self._images = images
+        # images of all pairs have to be there before the points are taken
+        crossing = periodic.crossings(mesh, images, cells, margin)
+        beside = periodic.neighbours(mesh, images, cells)
         super().__init__(
             mesh,
             fabric,
             numerics,
             self._tied(mesh, images),
-            self.pairs,
+            SurfacePairs([*crossing, *beside]),
             None,
             points=images.points,
             **choices,

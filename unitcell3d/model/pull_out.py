@@ -27,7 +27,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from unitcell3d.assembly.constraints import AXIAL, VERTICAL, WIDTH, Constraints, Ties
-from unitcell3d.contact.surfaces import FacingSurfaces, Plates
+from unitcell3d.contact.surfaces import Plates, SurfacePairs, facing
 from unitcell3d.model.crossover import Numerics, YarnsModel, axis_height, check
 
 
@@ -73,8 +73,6 @@ class PullOutModel(YarnsModel):
     InputError : the fabric has no solid laws, is not the one that was meshed, or the mesh is not a whole crossover
     """
 
-    surfaces: FacingSurfaces
-
     def __init__(
         self,
         crossover: Crossover,
@@ -92,13 +90,14 @@ class PullOutModel(YarnsModel):
         points = np.ascontiguousarray(crossover.points, float)
         self.pulled = pulled
         held = pull_constraints(crossover.grids, len(points), pulled)
-        plates = Plates(points, crossover.grids) if platens else None
+        warp, weft = crossover.grids
+        plates = Plates(points, [warp[:, :, -1]], [weft[:, :, 0]]) if platens else None
         super().__init__(
             crossover,
             fabric,
             numerics,
             held,
-            FacingSurfaces(points, crossover.grids, False),
+            SurfacePairs([facing(points, warp, weft)]),
             plates,
         )
 
