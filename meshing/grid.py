@@ -10,21 +10,27 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 
+# (i, j, k) of the corners of a brick in VTK order, whose local axes run along i, j and k
+CORNERS = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+)
 
-def bricks(nodes: IntArray, corners: IntArray, right: bool) -> IntArray:
+
+def bricks(nodes: IntArray, right: bool) -> IntArray:
     """Bricks in VTK order, edges 0-1, 3-2, 4-5 and 7-6 along the fibre towards growing i.
 
     Parameters
     ----------
     nodes : (nx+1, ny+1, nz+1) int
-    corners : (m, 8, 3) int, grid places in the VTK order of local axes i, j, k
     right : bool, the grid is right-handed
 
     Returns
     -------
     hexes : (m, 8) int
     """
-    hexes = nodes[tuple(np.moveaxis(corners, -1, 0))]
+    lowest = np.indices(np.array(nodes.shape) - 1).reshape(3, -1).T
+    i, j, k = np.moveaxis(lowest[:, None] + CORNERS, -1, 0)
+    hexes = nodes[i, j, k]
     if right:
         return hexes
     return hexes[:, [0, 1, 5, 4, 3, 2, 6, 7]]  # local axes i, k, j

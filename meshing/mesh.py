@@ -6,10 +6,10 @@ A vertical section (`meshing.section`) is carried along the centreline by pure t
     weft   (s, p, q) -> (p, s, z(s) + q)
 
 so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis, and with the
-vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. gmsh meshes a box (`meshing.box`); the
-nodes are placed by this map. Mesh lines along the box are fibre lines. Each carries a bar whose area is the share of
-its node in the section, scaled so that all bars of a section together are the fibre area: the bars lie along the fibre,
-so a straightened yarn has the stiffness E A_s exactly.
+vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. The nodes of a box (`meshing.grid`) are
+placed by this map. Mesh lines along the box are fibre lines. Each carries a bar whose area is the share of its node in
+the section, scaled so that all bars of a section together are the fibre area: the bars lie along the fibre, so a
+straightened yarn has the stiffness E A_s exactly.
 """
 
 from __future__ import annotations
@@ -22,9 +22,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from meshing import grid
-from meshing.box import transfinite_box
 from meshing.inputs import YARNS
-from meshing.linear_material import RestMaterial
 from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
 from meshing.section import YarnSection
@@ -77,7 +75,6 @@ class YarnMesh:
     w, h0, S0 : (warp, weft) [m] half cell lengths, heights and lengths of the centrelines
     fibre_area : (warp, weft) [m2] A_s of a whole yarn
     section_fit : SectionFit, the sections, the overlap they had, and how it was removed
-    materials : (RestMaterial, RestMaterial) of warp and weft
     end_shells : [m] thickness of shells on the yarn ends, or None
     """
 
@@ -96,7 +93,6 @@ class YarnMesh:
     S0: tuple[float, float]
     fibre_area: tuple[float, float]
     section_fit: SectionFit
-    materials: tuple[RestMaterial, RestMaterial]
     end_shells: float | None
 
     @property
@@ -214,7 +210,7 @@ def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntAr
         first += nodes.size
         bars = grid.bars(nodes)
         grids.append(nodes)
-        hexes.append(grid.bricks(nodes, transfinite_box(*(n - 1 for n in shape)), right))
+        hexes.append(grid.bricks(nodes, right))
         pairs.append(bars.reshape(-1, 2))
         areas.append(np.broadcast_to(strand.bar_area, bars.shape[:-1]).reshape(-1).copy())
         faces[strand.name] = _sides(grid.faces(nodes, right), strand.over, shape[1] - 1)

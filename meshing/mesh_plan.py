@@ -15,7 +15,6 @@ from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from meshing import grid, inputs
 from meshing.inputs import TIP_THICKNESS_RATIO, Size
-from meshing.linear_material import linearise
 from meshing.section_fit import SectionFit, fit_sections
 
 
@@ -29,7 +28,6 @@ class Plan:
     weave : Weave, with the crimp requested
     section_fit : SectionFit
     size : (nx, ny, nz) hexahedra along, across and through a quarter of each yarn
-    materials : (RestMaterial, RestMaterial)
     end_shells : [m] or None
     """
 
@@ -37,7 +35,6 @@ class Plan:
     weave: Weave
     section_fit: SectionFit
     size: tuple[int, int, int]
-    materials: tuple
     end_shells: float | None
 
     @classmethod
@@ -80,12 +77,8 @@ class Plan:
             overlap=overlap,
             shift=shift,
         )
-        assert fabric.solid_laws is not None  # else `inputs.fractions` has refused it
         elements = inputs.size(size, weave.w, section_fit.sections)
-        materials = tuple(
-            linearise(*parts) for parts in zip(weave.yarns, fabric.solid_laws, section_fit.Vf0)
-        )
-        return cls(fabric.name, weave, section_fit, elements, materials, end_shells)
+        return cls(fabric.name, weave, section_fit, elements, end_shells)
 
     def along(self, family: int) -> FloatArray:
         """(nx+1,) [m] places of the mesh planes from the crossing to the end of the cell."""
@@ -116,7 +109,6 @@ class Plan:
             "S0": weave.S0,
             "fibre_area": tuple(yarn.A_s for yarn in weave.yarns),
             "section_fit": self.section_fit,
-            "materials": self.materials,
             "end_shells": self.end_shells,
         }
 

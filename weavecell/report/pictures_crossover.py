@@ -12,7 +12,7 @@ import numpy as np
 from fabrics.checks import FilePath
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from meshing.pictures_style import FAINT, FITTED, GREEN, INK, ORANGE, WARP, WEFT
+from weavecell.report.pictures_style import FAINT, FITTED, GREEN, INK, ORANGE, WARP, WEFT
 
 if TYPE_CHECKING:
     from fabrics.record import Record
@@ -211,8 +211,8 @@ def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     import pyvista
 
     from fabrics.files import replace_whole
-    from meshing.pictures import COLOURS, plotter
     from unitcell3d.model import submeshes
+    from weavecell.report.pictures_mesh import COLOURS, plotter
 
     bodies, images = _bodies(mesh, record, submeshes)
     scene, looks = (

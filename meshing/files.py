@@ -1,4 +1,4 @@
-"""Mesh files of a crossover or a patch, whole or not at all. Lengths are in metres.
+"""Mesh files of a crossover or a patch by gmsh and meshio. Lengths are in metres.
 
 .msh  gmsh's own format, written by gmsh: physical volumes with the names of the yarns, physical surfaces with the names
       of `YarnMesh.faces`, physical curves "warp_fibre", "weft_3_fibre" ... (the fibre bars), and the element data
@@ -6,53 +6,22 @@
 .vtu  for ParaView, written by meshio: hexahedra, fibre bars and end shells with the cell data yarn (its number),
       fibre (unit vectors; 0 in shells), bar_area [m2] and scaled_jacobian (not a number outside hexahedra), and for
       every part of a family ("warp_contact", ...) a point data array that is 1 on its nodes.
-.k    LS-DYNA keyword file (`meshing.formats.ls_dyna`)
-.inp  Abaqus input file (`meshing.formats.abaqus`)
-.rad  OpenRadioss starter file (`meshing.formats.radioss`), which that program wants named NAME_0000.rad
 """
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import meshio
 import numpy as np
 
 from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.files import replace_whole
-from meshing.formats import abaqus, ls_dyna, radioss
 from meshing.mesh import YarnMesh
 from meshing.session import gmsh_session
 
 LINE, QUADRILATERAL, HEXAHEDRON = 1, 3, 5  # gmsh's numbers of its element types
 
 
-def write(mesh: YarnMesh, path: FilePath) -> None:
-    """Write a `Crossover` or `Patch` in the format that the suffix of `path` names.
-
-    Parameters
-    ----------
-    mesh : YarnMesh
-    path : of the file, which ends in .msh, .vtu, .k, .inp or .rad
-
-    Raises
-    ------
-    InputError : there is no such format; nothing is written
-    """
-    path = Path(path)
-    if path.suffix not in WRITERS:
-        raise InputError(
-            key="mesh file",
-            value=str(path),
-            allowed=f"named {' or '.join('*' + s for s in WRITERS)}",
-        )
-    with replace_whole(path) as beside:
-        WRITERS[path.suffix](mesh, beside)
-
-
-def _write_msh(mesh, path):
-    """Give gmsh the finished mesh as discrete entities with physical names, and let it write.
+def write_msh(mesh: YarnMesh, path: FilePath) -> None:
+    """Write .msh: give gmsh the finished mesh as discrete entities with physical names, and let it write.
 
     Elements are numbered in the order of the file: bars, faces, bricks. Their data follow in the order of the numbers,
     and readers that take them in the order of the elements are right too.
@@ -86,7 +55,8 @@ def _add(gmsh, dim, entity, kind, nodes, name):
     gmsh.model.setPhysicalName(dim, gmsh.model.addPhysicalGroup(dim, [entity]), name)
 
 
-def _write_vtu(mesh, path):
+def write_vtu(mesh: YarnMesh, path: FilePath) -> None:
+    """Write .vtu."""
     marks = {}
     for name, members in mesh.collected.items():
         marks[name] = np.zeros(len(mesh.points), np.int8)
@@ -112,12 +82,3 @@ def _write_vtu(mesh, path):
         "scaled_jacobian": quality,
     }
     meshio.Mesh(mesh.points, cells, point_data=marks, cell_data=data).write(path)
-
-
-WRITERS = {
-    ".msh": _write_msh,
-    ".vtu": _write_vtu,
-    ".k": ls_dyna.write,
-    ".inp": abaqus.write,
-    ".rad": radioss.write,
-}
