@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +29,7 @@ from scipy.optimize import brentq
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.weave import Weave
+from meshing.section import Section
 
 KIND = "conforming"
 
@@ -77,6 +79,10 @@ class ConformingSection:
     def stations(self, n: int) -> FloatArray:
         """y [m] of the n + 1 mesh lines from the middle to the cut, in equal steps."""
         return np.linspace(0, self.half_width, n + 1)
+
+
+# what the mesher works with: a shape, its size, its thickness over the width, and the places of its mesh lines
+YarnSection: TypeAlias = Section | ConformingSection
 
 
 def conform(

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypedDict
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from meshing.section import YarnSection
+from meshing.conforming import YarnSection
 
 YARNS = ("warp", "weft")
 TIP_THICKNESS_RATIO = 0.075

@@ -22,10 +22,10 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from meshing import grid
+from meshing.conforming import YarnSection
 from meshing.inputs import YARNS
 from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
-from meshing.section import YarnSection
 from meshing.section_fit import SectionFit
 
 SURFACES = (

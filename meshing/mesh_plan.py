@@ -15,7 +15,7 @@ from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from meshing import grid, inputs
 from meshing.inputs import TIP_THICKNESS_RATIO, Size
-from meshing.section_fit import SectionFit, fit_sections
+from meshing.section_fit import SectionFit, fit_sections, least_that_fits
 
 
 @dataclass(frozen=True)
@@ -86,18 +86,15 @@ class Plan:
 
     def across(self, family: int, whole: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a section."""
-        y = self.section_fit.sections[family].stations(self.size[1])
+        section = self.section_fit.sections[family]
+        _, ny, nz = self.size
+        y = section.stations(ny)
         if whole:
             y = mirrored(y)
-        heights = self.section_fit.sections[family].half_thickness(y)[:, None] * np.linspace(
-            -1, 1, self.size[2] + 1
-        )
+        heights = section.half_thickness(y)[:, None] * np.linspace(-1, 1, nz + 1)
         weight = grid.tributary_areas(y, heights)
-        return (
-            y,
-            heights,
-            weight / weight.sum() * (1.0 if whole else 0.5) * self.weave.yarns[family].A_s,
-        )
+        share = 1.0 if whole else 0.5
+        return y, heights, weight / weight.sum() * share * self.weave.yarns[family].A_s
 
     def fields(self) -> dict:
         """Those fields of a `YarnMesh` that do not depend on its extent."""
@@ -126,13 +123,12 @@ def with_room(fabric: Fabric) -> Fabric:
             return False
         return True
 
-    low, high = 1.0, entries()["thickness"].high
+    low = 1.0
+    high = entries()["thickness"].high
     if "crimp" not in fabric.assumed or fits(low) or not fits(high):
         return fabric
-    while high - low > 1e-3:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    found, thickness = assumed.of_thickness(fabric, high), fabric.thickness or 0.0
+    found = assumed.of_thickness(fabric, least_that_fits(fits, low, high))
+    thickness = fabric.thickness or 0.0
     crimp = " / ".join(f"{100 * yarn.crimp:.2f}" for yarn in found.weave.yarns)
     note = (
         f"note: the thickness {1e3 * thickness:g} mm leaves too little room for the yarns; the 3D crossover has the "

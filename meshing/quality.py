@@ -17,6 +17,12 @@ NEIGHBOURS = np.array(
 )
 
 
+def corner_edges(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
+    """(m, 8, 3, 3) edges that leave each corner of hexahedra (m, 8) in VTK order, one a row."""
+    corners = np.asarray(points, float)[np.asarray(hexes)]
+    return corners[:, NEIGHBOURS] - corners[:, :, None]
+
+
 def scaled_jacobian(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
     """Worst corner of each element.
 
@@ -29,8 +35,7 @@ def scaled_jacobian(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
     -------
     quality : (m,) [-] from -1 to 1; 0 where an edge has no length
     """
-    corners = np.asarray(points, float)[np.asarray(hexes)]
-    edges = corners[:, NEIGHBOURS] - corners[:, :, None]
+    edges = corner_edges(points, hexes)
     length = np.linalg.norm(edges, axis=-1, keepdims=True)
     unit = np.divide(edges, length, out=np.zeros_like(edges), where=length > 0)
     return np.linalg.det(unit).min(axis=1)

@@ -12,7 +12,6 @@ has a height; W is the width of the lens before the cut, t its thickness. The ar
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,40 +21,6 @@ from fabrics.errors import InputError
 
 KINDS = ("sine", "ellipse")
 TIP_THICKNESS_RATIO = (0.01, 0.5)
-
-
-class YarnSection(Protocol):
-    """The interface of a section for the mesher: `Section`, `meshing.conforming.ConformingSection`."""
-
-    @property
-    def kind(self) -> str:
-        """Name of its shape."""
-
-    @property
-    def width(self) -> float:
-        """[m] of the lens before its tips are cut."""
-
-    @property
-    def thickness(self) -> float:
-        """[m] in the middle."""
-
-    @property
-    def tip_thickness_ratio(self) -> float:
-        """[-] thickness at the cut over that of the middle."""
-
-    @property
-    def half_width(self) -> float:
-        """[m] from the middle to the cut."""
-
-    @property
-    def area(self) -> float:
-        """[m2] between the cuts."""
-
-    def half_thickness(self, y: ArrayLike) -> FloatArray:
-        """q(y) [m] at the distances `y` [m] from the middle."""
-
-    def stations(self, n: int) -> FloatArray:
-        """y [m] of the n + 1 mesh lines from the middle to the cut."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ in the mesh size.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, pi
 
@@ -39,12 +39,13 @@ from fabrics.fabric import SECTIONS
 from fabrics.weave import Weave, arc_length
 from fabrics.yarn import CLOSEST_PACKING
 from meshing.conforming import KIND as CONFORMING
-from meshing.conforming import conform
-from meshing.section import Section, YarnSection
+from meshing.conforming import YarnSection, conform
+from meshing.section import Section
 
 SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
 NARROWEST = 0.4  # of the width requested: the search for the best width ends here
 HIGHEST = 8.0  # times the heights of the yarns: the search for the least crimp ends here
+FACTOR = 1e-3  # to which a factor on crimp or thickness is found
 SAMPLES = 4000
 YARNS = ("warp", "weft")
 
@@ -233,15 +234,25 @@ def _least(fit, weave, crimp_at):
             return False
         return True
 
-    low, high = 0.5, 1.0
+    low = 0.5
+    high = 1.0
     while not fits(high):
-        low, high = high, 1.25 * high
+        low = high
+        high *= 1.25
         if high > HIGHEST:
             return None
-    while high - low > 1e-3:
+    return at(least_that_fits(fits, low, high) + FACTOR)
+
+
+def least_that_fits(fits: Callable[[float], bool], low: float, high: float) -> float:
+    """The least factor between `low`, which does not fit, and `high`, which does, to within `FACTOR` above it."""
+    while high - low > FACTOR:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return at(high + 1e-3)
+        if fits(middle):
+            high = middle
+        else:
+            low = middle
+    return high
 
 
 def _conforming(widths, fractions, weave, tip_thickness_ratio):

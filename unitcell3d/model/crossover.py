@@ -10,8 +10,8 @@ length: its axial end forces count twice, its vertical forces four times.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, fields, replace
+from typing import Any, cast
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from meshing.mesh import YarnMesh
+from meshing.quality import corner_edges
 from unitcell3d.assembly import constraints
 from unitcell3d.assembly.compat import Assembler, HexSpace
 from unitcell3d.assembly.constraints import Constraints
@@ -33,8 +34,26 @@ from unitcell3d.material.numerics import Numerics
 ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
 
 
+class LinearLoad:
+    """A dataclass of numbers and tuples of numbers, on straight lines between loads."""
+
+    def towards(self, other: Any, share: float) -> Any:
+        """The load at `share` of the way to another."""
+        names = [field.name for field in fields(cast(Any, self))]
+        values = {n: _between(getattr(self, n), getattr(other, n), share) for n in names}
+        return replace(cast(Any, self), **values)
+
+
+def _between(a, b, share):
+    if isinstance(a, tuple):
+        return tuple(_between(x, y, share) for x, y in zip(a, b))
+    if not np.isfinite(a):
+        return a  # no plates here, none on the way
+    return a + share * (b - a)
+
+
 @dataclass(frozen=True)
-class Load:
+class Load(LinearLoad):
     """Load of a crossover.
 
     Parameters
@@ -50,16 +69,6 @@ class Load:
     def drive(self) -> tuple:
         """(2,) what the prescribed displacements are proportional to."""
         return self.d
-
-    def towards(self, other: Load, share: float) -> Load:
-        """The load at `share` of the way to another."""
-        d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        plates = (
-            self.plates + share * (other.plates - self.plates)
-            if np.isfinite(self.plates)
-            else self.plates
-        )
-        return Load(d, plates)
 
 
 class YarnsModel:
@@ -228,7 +237,8 @@ class YarnsModel:
 
     def worst_element(self, x: FloatArray) -> tuple[int, float]:
         """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""
-        ratio = _corner_volumes(x[self.hexes]) / _corner_volumes(self.points[self.hexes])
+        volumes = (np.linalg.det(corner_edges(points, self.hexes)) for points in (x, self.points))
+        ratio = np.divide(*volumes)
         cell = int(np.argmin(ratio.min(axis=1)))
         return cell, float(ratio[cell].min())
 
@@ -313,22 +323,3 @@ def check(mesh: YarnMesh, fabric: Fabric) -> None:
 def axis_height(x: FloatArray, column: IntArray) -> float:
     """Height [m] of the middle of a column of nodes through the thickness."""
     return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])
-
-
-def _corner_volumes(corners):
-    """(m, 8) [m3] triple products of the edges at the corners of hexahedra (m, 8, 3) in VTK order."""
-    neighbours = (
-        (1, 3, 4),
-        (2, 0, 5),
-        (3, 1, 6),
-        (0, 2, 7),
-        (7, 5, 0),
-        (4, 6, 1),
-        (5, 7, 2),
-        (6, 4, 3),
-    )
-    volumes = []
-    for corner, (a, b, c) in enumerate(neighbours):
-        ea, eb, ec = (corners[:, k] - corners[:, corner] for k in (a, b, c))
-        volumes.append(np.einsum("mi,mi->m", np.cross(ea, eb), ec))
-    return np.stack(volumes, axis=1)

@@ -34,13 +34,13 @@ from unitcell3d.assembly.constraints import VERTICAL, Constraints, Ties
 from unitcell3d.assembly.periodic_images import Images
 from unitcell3d.contact import periodic
 from unitcell3d.contact.surfaces import SurfacePairs
-from unitcell3d.model.crossover import Numerics, YarnsModel, check
+from unitcell3d.model.crossover import LinearLoad, Numerics, YarnsModel, check
 
 PLANE = (0, 1)
 
 
 @dataclass(frozen=True)
-class CellLoad:
+class CellLoad(LinearLoad):
     """End displacements d1, d2 [m] per end of a crossing, and the shear angle gamma [rad] between the yarns.
 
     w : (2,) [m] half lengths of the cell
@@ -51,16 +51,6 @@ class CellLoad:
     d: tuple = (0.0, 0.0)
     gamma: float = 0.0
     plates: float = np.inf
-
-    def towards(self, other: CellLoad, share: float) -> CellLoad:
-        """The load at `share` of the way to another."""
-        d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        plates = (
-            self.plates + share * (other.plates - self.plates)
-            if np.isfinite(self.plates)
-            else self.plates
-        )
-        return CellLoad(self.w, d, self.gamma + share * (other.gamma - self.gamma), plates)
 
     @property
     def F(self) -> FloatArray:

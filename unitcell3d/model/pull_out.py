@@ -28,11 +28,11 @@ from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from unitcell3d.assembly.constraints import AXIAL, VERTICAL, WIDTH, Constraints, Ties
 from unitcell3d.contact.surfaces import Plates, SurfacePairs, facing
-from unitcell3d.model.crossover import Numerics, YarnsModel, axis_height, check
+from unitcell3d.model.crossover import LinearLoad, Numerics, YarnsModel, axis_height, check
 
 
 @dataclass(frozen=True)
-class PullLoad:
+class PullLoad(LinearLoad):
     """End displacements d1, d2 [m] per end and the pull [m] of one yarn along its axis.
 
     plates : [m] half the distance of two platens; infinite for none
@@ -46,16 +46,6 @@ class PullLoad:
     def drive(self) -> tuple:
         """(3,) what the prescribed displacements are proportional to."""
         return (*self.d, self.pull)
-
-    def towards(self, other: PullLoad, share: float) -> PullLoad:
-        """The load at `share` of the way to another."""
-        d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        plates = (
-            self.plates + share * (other.plates - self.plates)
-            if np.isfinite(self.plates)
-            else self.plates
-        )
-        return PullLoad(d, self.pull + share * (other.pull - self.pull), plates)
 
 
 class PullOutModel(YarnsModel):

@@ -44,35 +44,46 @@ LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded y
 MAX_ITERATIONS = 40  # factorisations
 LARGEST_STEP = 5e-6  # m
 FAR = 0.1  # of the forces: residual from which the shift starts at its full size, and the contact soft
-SOFTER, ROUGH = 0.2, 1e-2  # factor of the penalty on the way, and how far it is followed
+SOFTER = 0.2  # factor of the penalty on the way from a guess that is far away
+ROUGH = 1e-2  # of the forces: how far the softer contact is followed
 SHIFT = 300.0  # N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
 MOST_SHIFT = 1e5  # N/m: as stiff as the contact
 LEAST_SHIFT = 1e-3  # N/m: none below
 NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
 SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
-MOST_SLOW = (
-    2  # such steps, or steps that let the residual grow: at a slack kink it does before it falls
-)
-LINE, OVERSHOT = (
-    5,
-    0.5,
-)  # evaluations along a step, and share of the pull at its start that may be left at its end
+# such steps, or steps that let the residual grow: at a slack kink it does before it falls
+MOST_SLOW = 2
+LINE = 5  # evaluations along a step that overshoots
+OVERSHOT = 0.5  # share of the pull at the start of a step that may be left at its end
 GROWTH = 2.0  # of the residual in a step with an old factorisation
 MOST_UPDATES = 20
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A converged state: unknowns `q`, nodal forces, contact force and plate forces [N] of the meshed part.
+    """A state of the meshed part, in equilibrium when `Newton.solve` returns it.
 
-    iterations : tangents that were factorised
+    Parameters
+    ----------
+    q, residual : (size,) unknowns [m], forces on them [N]
+    forces : (n, 3) [N] at the nodes
+    contact, plates : [N] contact force, (2,) [N] forces of the plates
+    norm, scale : [N] of the residual, and largest of the forces that it is compared with
+    iterations : tangents that were factorised on the way
     """
 
-    q: np.ndarray
-    forces: np.ndarray
+    q: FloatArray
+    forces: FloatArray
+    residual: FloatArray
     contact: float
-    plates: np.ndarray
-    iterations: int
+    plates: FloatArray
+    norm: float
+    scale: float
+    iterations: int = 0
+
+    def within(self, tolerance: float) -> bool:
+        """Whether the residual is at most `tolerance` times the forces."""
+        return self.norm <= tolerance * self.scale
 
 
 class Newton:
@@ -96,17 +107,20 @@ class Newton:
         ------
         UnstableError : no convergence, a singular tangent, or an element that inverts
         """
-        state, iterations = self._evaluate(q, load), 0
+        state = self._evaluate(q, load)
         if not np.isfinite(state.norm):
             self._refuse("the first guess", q, load)
         shift = SHIFT * min(1.0, state.norm / state.scale / FAR)
+        iterations = 0
         self._taken = []
         while True:
             before = state.norm
             if state.norm < NEAR * state.scale and self._solver is not None:
                 state = self._reuse(state, load, tolerance)
-            if state.norm <= tolerance * state.scale:
-                return Equilibrium(state.q, state.forces, state.contact, state.plates, iterations)
+            if state.within(tolerance):
+                # what the model's contact has found belongs to the state that is returned
+                state = self._at(state, load)
+                return replace(state, iterations=iterations)
             if iterations == MAX_ITERATIONS:
                 self._refuse(f"no convergence in {MAX_ITERATIONS} iterations", state.q, load)
             step = self._factor(state, load, shift).solve(-state.residual)
@@ -135,8 +149,9 @@ class Newton:
         ------
         UnstableError : as `solve`
         """
-        full, state, spent = self.model.numerics, self._evaluate(q, load), 0
-        if state.norm > FAR * state.scale:
+        full = self.model.numerics
+        spent = 0
+        if not self._evaluate(q, load).within(FAR):
             try:
                 self.model.numerics = full.softened(SOFTER)
                 found = self.solve(q, load, ROUGH)
@@ -194,13 +209,16 @@ class Newton:
         norm = np.linalg.norm(residual)
         ends = [abs(model.constraints.end_force(forces, yarn)) for yarn in (0, 1)]
         scale = max(*ends, abs(contact), *plates, LEAST_FORCE)
-        self._latest = _State(q, forces, residual, contact, plates, norm, scale)
+        self._latest = Equilibrium(q, forces, residual, contact, plates, norm, scale)
         return self._latest
+
+    def _at(self, state, load):
+        """The state, evaluated again unless it was the last one that was."""
+        return state if state is self._latest else self._evaluate(state.q, load)
 
     def _factor(self, state, load, shift):
         model = self.model
-        if state is not self._latest:  # the tangent is laid out for the contact met last
-            self._evaluate(state.q, load)
+        self._at(state, load)  # the tangent is laid out for the contact met last
         if model.system(state.q, load) or self._solver is None:
             self.close()
             pattern = model.pattern
@@ -212,8 +230,9 @@ class Newton:
 
     def _reuse(self, state, load, tolerance):
         """The best state that steps with the last factorisation and Broyden's updates reach from `state`."""
-        best, slow = state, 0
-        while len(self._taken) < MOST_UPDATES and best.norm > tolerance * best.scale:
+        best = state
+        slow = 0
+        while len(self._taken) < MOST_UPDATES and not best.within(tolerance):
             step = self._solver.solve(-state.residual)
             step = None if step is None else _corrected(step, self._taken)
             if step is None or np.abs(step).max() > LARGEST_STEP:
@@ -222,10 +241,10 @@ class Newton:
             if not found.norm < GROWTH * state.norm:
                 break
             self._taken.append(step)
-            ratio, state = found.norm / state.norm, found
             if found.norm < best.norm:
                 best = found
-            slow += ratio > SLOW
+            slow += found.norm > SLOW * state.norm
+            state = found
             if slow > MOST_SLOW:
                 break
         return best
@@ -256,10 +275,13 @@ class Newton:
 
         `found` itself where the pull has not turned round by much, or where the step went uphill.
         """
-        pull, end = -(state.residual @ step), found.residual @ step
+        pull = -(state.residual @ step)
+        end = found.residual @ step
         if pull <= 0 or end <= OVERSHOT * pull:
             return found, 1.0
-        low, high, share = (0.0, -pull), (1.0, end), 1.0
+        low = (0.0, -pull)
+        high = (1.0, end)
+        share = 1.0
         for turn in range(LINE):
             # every other time in the middle: false position alone creeps up to a kink
             part = 0.5 if turn % 2 else np.clip(low[1] / (low[1] - high[1]), 0.1, 0.9)
@@ -267,8 +289,13 @@ class Newton:
             trial = self._evaluate(state.q + at * step, load)
             there = np.inf
             if np.isfinite(trial.norm):
-                found, share, there = trial, at, trial.residual @ step
-            low, high = (low, (at, there)) if there > 0 else ((at, there), high)
+                found = trial
+                share = at
+                there = trial.residual @ step
+            if there > 0:
+                high = (at, there)
+            else:
+                low = (at, there)
             if abs(there) <= OVERSHOT * pull:
                 break
         return found, share
@@ -304,14 +331,3 @@ def _corrected(step, taken):
             return None
         step = step / share
     return step
-
-
-@dataclass(frozen=True, eq=False)
-class _State:
-    q: np.ndarray
-    forces: np.ndarray
-    residual: np.ndarray
-    contact: float
-    plates: np.ndarray
-    norm: float
-    scale: float
