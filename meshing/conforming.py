@@ -1,19 +1,22 @@
-"""Sections that conform: the face of each yarn that meets the other is the other's arch, so the yarns touch everywhere.
+"""Sections that conform: the face of each yarn that meets the other is the other's arch, so the
+yarns touch everywhere.
 
-With the centrelines of eq. 4-1 of the thesis, and sections that move along them without change, the gap between
-warp and weft is [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)] (`meshing.section_fit`). It is zero
-at every point if, and only if,
+With the centrelines of eq. 4-1 of the thesis, and sections that move along them without change, the
+gap between warp and weft is [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)]
+(`meshing.section_fit`). It is zero at every point if, and only if,
 
     q_1(y) = h_2 cos(pi y / 2 w_2) + kappa,    q_2(x) = h_1 cos(pi x / 2 w_1) - kappa,
 
-with one free length kappa. A lens of prescribed shape (sine, ellipse) fits a balanced weave only: where h_1 is several
-times h_2 it rides on the crest of the flat yarn, and has to be squeezed to fit at all. Here kappa gives area from one
-yarn to the other, so that both keep the ratio of their fibre volume fractions,
+with one free length kappa. A lens of prescribed shape (sine, ellipse) fits a balanced weave only:
+where h_1 is several times h_2 it rides on the crest of the flat yarn, and has to be squeezed to fit
+at all. Here kappa gives area from one yarn to the other, so that both keep the ratio of their fibre
+volume fractions,
 
     A_1(kappa) / A_2(kappa) = A_s1 (1 + crimp_1) Vf0_2 / (A_s2 (1 + crimp_2) Vf0_1),
 
-and both are multiplied by what is left over: the room that the crimp leaves is filled. Of the yarn with kappa > 0 the
-edges are blunt, as wide as the cell allows; the other one is narrower than its spacing. kappa > 0 is that of the warp.
+and both are multiplied by what is left over: the room that the crimp leaves is filled. Of the yarn
+with kappa > 0 the edges are blunt, as wide as the cell allows; the other one is narrower than its
+spacing. kappa > 0 is that of the warp.
 """
 
 from __future__ import annotations
@@ -61,7 +64,8 @@ class ConformingSection:
 
     @property
     def half_width(self) -> float:
-        """[m] from the middle to the cut: half of the width requested, or to where the tip is cut."""
+        """[m] from the middle to the cut: half of the width requested, or to where the tip is
+        cut."""
         cosine = (self.tip_thickness_ratio * self.thickness / 2 - self.offset) / self.arch
         tip = self.span / np.pi * np.arccos(np.clip(cosine, -1, 1))
         return float(min(tip, self.width / 2))

@@ -1,11 +1,14 @@
-"""One crossover of a plain weave in hexahedra: the warp along x over the weft along y, the crossing at the origin.
+"""One crossover of a plain weave in hexahedra: the warp along x over the weft along y, the crossing
+at the origin.
 
-Centrelines (thesis eq. 4-1), moved apart by the shift that closes the sections (`meshing.section_fit`):
+Centrelines (thesis eq. 4-1), moved apart by the shift that closes the sections
+(`meshing.section_fit`):
 
     warp   z =   h_1 cos(pi x / 2 w_1) + shift/2
     weft   z = -(h_2 cos(pi y / 2 w_2) + shift/2)
 
-"quarter" is x >= 0, y >= 0: half the length and half the width of each yarn, so half of its bars' area.
+"quarter" is x >= 0, y >= 0: half the length and half the width of each yarn, so half of its bars'
+area.
 """
 
 from __future__ import annotations
@@ -52,13 +55,14 @@ def build(
     ----------
     fabric : Fabric, with solid laws (for the fibre volume fractions)
     domain : "quarter" or "whole"
-    size : "coarse", "medium", "fine", "auto", or (nx, ny, nz), hexahedra along, across and through a quarter of each
-        yarn, or an edge length [m] (`meshing.inputs.size`)
+    size : "coarse", "medium", "fine", "auto", or (nx, ny, nz), hexahedra along, across and through
+        a quarter of each yarn, or an edge length [m] (`meshing.inputs.size`)
     **options : of `meshing.inputs.MeshOptions`
 
     Raises
     ------
-    InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
+    InputError : a value is not allowed, or the sections overlap and this is refused or cannot be
+        solved
     """
     inputs.one_of("domain", domain, ("quarter", "whole"))
     plan = Plan.of(fabric, size=size, shift=True, **options)

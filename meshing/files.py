@@ -1,11 +1,15 @@
 """Mesh files of a crossover or a patch by gmsh and meshio. Lengths are in metres.
 
-.msh  gmsh's own format, written by gmsh: physical volumes with the names of the yarns, physical surfaces with the names
-      of `YarnMesh.faces`, physical curves "warp_fibre", "weft_3_fibre" ... (the fibre bars), and the element data
-      bar_area [m2], 0 where there is no bar. End shells are the surfaces of the yarn ends.
-.vtu  for ParaView, written by meshio: hexahedra, fibre bars and end shells with the cell data yarn (its number),
-      fibre (unit vectors; 0 in shells), bar_area [m2] and scaled_jacobian (not a number outside hexahedra), and for
-      every part of a family ("warp_contact", ...) a point data array that is 1 on its nodes.
+.msh  gmsh's own format, written by gmsh: physical volumes with the names of the yarns, physical
+surfaces with the names
+      of `YarnMesh.faces`, physical curves "warp_fibre", "weft_3_fibre" ... (the fibre bars), and
+      the element data bar_area [m2], 0 where there is no bar. End shells are the surfaces of the
+      yarn ends.
+.vtu  for ParaView, written by meshio: hexahedra, fibre bars and end shells with the cell data yarn
+(its number),
+      fibre (unit vectors; 0 in shells), bar_area [m2] and scaled_jacobian (not a number outside
+      hexahedra), and for every part of a family ("warp_contact", ...) a point data array that is 1
+      on its nodes.
 """
 
 from __future__ import annotations
@@ -21,10 +25,11 @@ LINE, QUADRILATERAL, HEXAHEDRON = 1, 3, 5  # gmsh's numbers of its element types
 
 
 def write_msh(mesh: YarnMesh, path: FilePath) -> None:
-    """Write .msh: give gmsh the finished mesh as discrete entities with physical names, and let it write.
+    """Write .msh: give gmsh the finished mesh as discrete entities with physical names, and let it
+    write.
 
-    Elements are numbered in the order of the file: bars, faces, bricks. Their data follow in the order of the numbers,
-    and readers that take them in the order of the elements are right too.
+    Elements are numbered in the order of the file: bars, faces, bricks. Their data follow in the
+    order of the numbers, and readers that take them in the order of the elements are right too.
     """
     with gmsh_session(mesh.fabric) as gmsh:
         volumes = [gmsh.model.addDiscreteEntity(3) for _ in mesh.names]

@@ -1,7 +1,9 @@
-"""Numbering on the structured grid of a yarn: faces, bricks and fibre bars from node numbers nodes[i, j, k].
+"""Numbering on the structured grid of a yarn: faces, bricks and fibre bars from node numbers
+nodes[i, j, k].
 
-i runs along the yarn, j across it, k through its thickness from bottom to top. (i, j, k) is a right-handed system in
-the warp and a left-handed one in the weft; every function takes `right` and keeps volumes positive, normals outward.
+i runs along the yarn, j across it, k through its thickness from bottom to top. (i, j, k) is a
+right-handed system in the warp and a left-handed one in the weft; every function takes `right` and
+keeps volumes positive, normals outward.
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ def bricks(nodes: IntArray, right: bool) -> IntArray:
 
 
 def quads(sheet: IntArray, flip: bool) -> IntArray:
-    """Quadrilaterals of a sheet of nodes (p+1, q+1), normals along p x q, or against it with `flip`."""
+    """Quadrilaterals of a sheet of nodes (p+1, q+1), normals along p x q, or against it with
+    `flip`."""
     cells = np.stack(
         [sheet[:-1, :-1], sheet[1:, :-1], sheet[1:, 1:], sheet[:-1, 1:]], axis=-1
     ).reshape(-1, 4)
@@ -45,7 +48,8 @@ def quads(sheet: IntArray, flip: bool) -> IntArray:
 
 
 def faces(nodes: IntArray, right: bool) -> dict[str, IntArray]:
-    """The six outer faces, each (m, 4) with outward normals, by the names "i0", "i1", "j0", "j1", "k0", "k1"."""
+    """The six outer faces, each (m, 4) with outward normals, by the names "i0", "i1", "j0", "j1",
+    "k0", "k1"."""
     left = not right
     return {
         "i0": quads(nodes[0], right),
@@ -63,7 +67,8 @@ def bars(nodes: IntArray) -> IntArray:
 
 
 def tributary_areas(y: FloatArray, z: FloatArray) -> FloatArray:
-    """Share of each node of a section in its area: each quadrilateral gives the part nearest to a corner to that node.
+    """Share of each node of a section in its area: each quadrilateral gives the part nearest to a
+    corner to that node.
 
     Parameters
     ----------

@@ -23,7 +23,8 @@ class MeshOptions(TypedDict, total=False):
 
     section : "sine", "ellipse", "conforming" (`meshing.conforming`), or None for the fabric's
     gap : [m] between parallel yarns; the widths are the spacings less the gap
-    width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap (conforming: not exceeded)
+    width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap
+        (conforming: not exceeded)
     tip_thickness_ratio : [-] thickness of the cut tips over that of the middle
     overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.section_fit`)
     crimp : "hand" measured, "micrograph" (thesis Tables 2-1 and A-2), or (warp, weft) [-]
@@ -50,14 +51,16 @@ def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tup
 
     Parameters
     ----------
-    value : "coarse", "medium", "fine"; three whole numbers; an edge length [m]; or "auto": two layers, and edges along
-        and across of 1.5 times the height of an element in the middle of the thinner section
+    value : "coarse", "medium", "fine"; three whole numbers; an edge length [m]; or "auto": two
+        layers, and edges along and across of 1.5 times the height of an element in the middle of
+        the thinner section
     w : (warp, weft) [m] half cell lengths
     sections : (Section, Section)
 
     Raises
     ------
-    InputError : another name, numbers below 2, 2 and 1, or a length that is not above 0 and at most half a cell
+    InputError : another name, numbers below 2, 2 and 1, or a length that is not above 0 and at most
+        half a cell
     """
     if isinstance(value, str):
         one_of("size", value, (*SIZES, "auto"))
@@ -122,9 +125,11 @@ def counts(value: Sequence[int]) -> tuple[int, int]:
 
 
 def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
-    """The fabric with its crimp measured by hand, read from micrographs (thesis Tables 2-1 and A-2), or given.
+    """The fabric with its crimp measured by hand, read from micrographs (thesis Tables 2-1 and
+    A-2), or given.
 
-    The crossover of S-720 in the thesis uses both: by hand in Figure 3-7, from micrographs in Table A-3 (erratum E-27).
+    The crossover of S-720 in the thesis uses both: by hand in Figure 3-7, from micrographs in Table
+    A-3 (erratum E-27).
 
     Parameters
     ----------
@@ -132,7 +137,8 @@ def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
 
     Raises
     ------
-    InputError : another word, the fabric has no micrographs, or a crimp that is no fraction from 0 to below 1
+    InputError : another word, the fabric has no micrographs, or a crimp that is no fraction from 0
+        to below 1
     """
     if not isinstance(crimp, str):
         return fabric.with_yarns(crimp=_two("crimp", crimp, "two fractions, of warp and weft"))
@@ -162,7 +168,8 @@ def thickness(key: str, value: float | None) -> None:
 
 
 def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[float]:
-    """(warp, weft) [m] widths of the lenses; the spacing of one family is the cell length of the other.
+    """(warp, weft) [m] widths of the lenses; the spacing of one family is the cell length of the
+    other.
 
     Without gap and width they are those of the fabric's yarns where known, else the spacings.
 
@@ -199,7 +206,8 @@ def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[fl
 
 
 def fractions(fabric: Fabric) -> list[float]:
-    """(warp, weft) initial fibre volume fractions of the fabric's solid laws, without which its yarns have no area.
+    """(warp, weft) initial fibre volume fractions of the fabric's solid laws, without which its
+    yarns have no area.
 
     Raises
     ------

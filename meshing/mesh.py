@@ -5,11 +5,12 @@ A vertical section (`meshing.section`) is carried along the centreline by pure t
     warp   (s, p, q) -> (s, p, z(s) + q)
     weft   (s, p, q) -> (p, s, z(s) + q)
 
-so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis, and with the
-vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. The nodes of a box (`meshing.grid`) are
-placed by this map. Mesh lines along the box are fibre lines. Each carries a bar whose area is the share of its node in
-the section, scaled so that all bars of a section together are the fibre area: the bars lie along the fibre, so a
-straightened yarn has the stiffness E A_s exactly.
+so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis,
+and with the vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. The
+nodes of a box (`meshing.grid`) are placed by this map. Mesh lines along the box are fibre lines.
+Each carries a bar whose area is the share of its node in the section, scaled so that all bars of a
+section together are the fibre area: the bars lie along the fibre, so a straightened yarn has the
+stiffness E A_s exactly.
 """
 
 from __future__ import annotations
@@ -67,8 +68,8 @@ class YarnMesh:
     yarn : (m,) int, number of the yarn in `names`
     names : of the yarns
     families : per yarn 0 or 1
-    grids : per yarn (nx+1, ny+1, nz+1) int, nodes by place: i along the yarn (towards +x or +y; from the symmetry
-        plane in a quarter), j across it, k through it from bottom to top
+    grids : per yarn (nx+1, ny+1, nz+1) int, nodes by place: i along the yarn (towards +x or +y;
+        from the symmetry plane in a quarter), j across it, k through it from bottom to top
     bars : per yarn (b, 2) int, node pairs along the fibre
     bar_area : per yarn (b,) [m2]
     faces : name -> (q, 4) int, outward quadrilaterals (see `groups`)
@@ -107,12 +108,14 @@ class YarnMesh:
 
     @property
     def Vf0(self) -> tuple[float, float]:
-        """[-] initial fibre volume fractions of the meshed yarns; above the fabric's where the overlap requested it."""
+        """[-] initial fibre volume fractions of the meshed yarns; above the fabric's where the
+        overlap requested it."""
         return self.section_fit.Vf0
 
     @property
     def collected(self) -> dict:
-        """For each part of a family, such as "warp_contact": the names in `faces` of all yarns of the family."""
+        """For each part of a family, such as "warp_contact": the names in `faces` of all yarns of
+        the family."""
         found: dict[str, list[str]] = {}
         for name in self.faces:
             yarn, part = name.rsplit("_", 1)
@@ -123,10 +126,13 @@ class YarnMesh:
 
     @property
     def groups(self) -> dict:
-        """Named parts of each yarn, such as "warp_3_end" (a crossover's are "warp" and "weft"), and of each family.
+        """Named parts of each yarn, such as "warp_3_end" (a crossover's are "warp" and "weft"), and
+        of each family.
 
-        contact, plate, tip : (q, 4) int, outward quadrilaterals: facing the other yarns, away from them, the cut tips
-        end : (k,) int, nodes of the end towards +x or +y; start : of the other end (not in a quarter)
+        contact, plate, tip : (q, 4) int, outward quadrilaterals: facing the other yarns, away from
+            them, the cut tips
+        end : (k,) int, nodes of the end towards +x or +y; start : of the other end (not in a
+            quarter)
         symx, symy : (k,) int, nodes on the planes x = 0 and y = 0 (quarter)
         """
         quads = {
@@ -141,7 +147,8 @@ class YarnMesh:
 
     @property
     def shells(self) -> dict:
-        """name -> (q, 4) int, quadrilaterals of the shells on the yarn ends; empty without `end_shells`."""
+        """name -> (q, 4) int, quadrilaterals of the shells on the yarn ends; empty without
+        `end_shells`."""
         if self.end_shells is None:
             return {}
         return {
@@ -167,7 +174,8 @@ class YarnMesh:
 
     @cached_property
     def least_gap(self) -> float:
-        """[m] between the meshed surfaces of crossing yarns; negative where their facets overlap."""
+        """[m] between the meshed surfaces of crossing yarns; negative where their facets
+        overlap."""
         return least_gap(self)
 
 
@@ -199,7 +207,8 @@ def place(
 
 
 def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntArray]]]:
-    """Number the nodes of all yarns one after another and join their bricks, bars and faces: fields of a `YarnMesh`.
+    """Number the nodes of all yarns one after another and join their bricks, bars and faces: fields
+    of a `YarnMesh`.
 
     Faces are named with the yarn and i0, i1, j0, j1 or contact and plate.
     """
@@ -227,7 +236,8 @@ def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntAr
 
 
 def _sides(sides, over, ny):
-    """The six sides of a yarn with k0 and k1 exchanged for contact (below where the yarn lies over) and plate."""
+    """The six sides of a yarn with k0 and k1 exchanged for contact (below where the yarn lies over)
+    and plate."""
     below = np.repeat(over, ny)[:, None]
     lower, upper = sides.pop("k0"), sides.pop("k1")
     return sides | {

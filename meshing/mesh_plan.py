@@ -1,4 +1,5 @@
-"""The mesh that is made for a request: crimp, closed sections, element numbers; the same for crossover and patch."""
+"""The mesh that is made for a request: crimp, closed sections, element numbers; the same for
+crossover and patch."""
 
 from __future__ import annotations
 
@@ -61,7 +62,8 @@ class Plan:
 
         Raises
         ------
-        InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
+        InputError : a value is not allowed, or the sections overlap and this is refused or cannot
+            be solved
         """
         inputs.one_of("overlap", overlap, ("solve", "refuse"))
         inputs.thickness("end_shells", end_shells)
@@ -85,7 +87,8 @@ class Plan:
         return np.linspace(0, self.weave.w[family], self.size[0] + 1)
 
     def across(self, family: int, whole: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a section."""
+        """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a
+        section."""
         section = self.section_fit.sections[family]
         _, ny, nz = self.size
         y = section.stations(ny)
@@ -111,7 +114,8 @@ class Plan:
 
 
 def with_room(fabric: Fabric) -> Fabric:
-    """The fabric, thicker within the range of its thickness where the crimp computed from that leaves too little room.
+    """The fabric, thicker within the range of its thickness where the crimp computed from that
+    leaves too little room.
 
     As it is where its sections fit, its crimp is given, or no thickness of the range suffices.
     """

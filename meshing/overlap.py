@@ -1,10 +1,10 @@
-"""What the meshed surfaces of crossing yarns leave between them: the least gap of their facets, negative where they
-overlap.
+"""What the meshed surfaces of crossing yarns leave between them: the least gap of their facets,
+negative where they overlap.
 
-`meshing.section_fit` makes the smooth sections touch. The mesh has flat facets between nodes on them, whose sag is of
-order two in the element size. Seen from above, the nodes of both surfaces stand on lines along x and y: on the grid of
-all these lines both surfaces are bilinear between the same lines, so their least distance in z is found at a grid
-point.
+`meshing.section_fit` makes the smooth sections touch. The mesh has flat facets between nodes on
+them, whose sag is of order two in the element size. Seen from above, the nodes of both surfaces
+stand on lines along x and y: on the grid of all these lines both surfaces are bilinear between the
+same lines, so their least distance in z is found at a grid point.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 
 def least_gap(mesh: Any) -> float:
-    """Least vertical gap [m] of the facets of any warp and any weft yarn that cross in a `YarnMesh`."""
+    """Least vertical gap [m] of the facets of any warp and any weft yarn that cross in a
+    `YarnMesh`."""
     families = np.array(mesh.families)
     yarns = [
         [mesh.points[mesh.grids[n]] for n in np.flatnonzero(families == family)]
@@ -28,7 +29,8 @@ def least_gap(mesh: Any) -> float:
 
 
 def _crossing_gap(*yarns):
-    """Least gap of two yarns (nx, ny, nz, 3) [m], the first axis along x, the second along y, in both."""
+    """Least gap of two yarns (nx, ny, nz, 3) [m], the first axis along x, the second along y, in
+    both."""
     lines = [(points[:, 0, 0, 0], points[0, :, 0, 1]) for points in yarns]
     common = [_common(*axes) for axes in zip(*lines)]
     if min(len(axis) for axis in common) == 0:

@@ -1,16 +1,17 @@
-"""A woven patch of n warp and m weft yarns in hexahedra, whole yarns over and under: a plain weave's chequerboard.
+"""A woven patch of n warp and m weft yarns in hexahedra, whole yarns over and under: a plain
+weave's chequerboard.
 
-Warp i lies at y_i, weft j at x_j, centred on the origin, i and j counted from 1. The warp is over the weft where i + j
-is even. Each centreline is one cosine from end to end (thesis eq. 4-1):
+Warp i lies at y_i, weft j at x_j, centred on the origin, i and j counted from 1. The warp is over
+the weft where i + j is even. Each centreline is one cosine from end to end (thesis eq. 4-1):
 
     warp i   z =  (-1)^(i+1) h_1 cos(pi (x - x_1) / 2 w_1)
     weft j   z = -(-1)^(j+1) h_2 cos(pi (y - y_1) / 2 w_2)
 
-The patch ends between crossings, on the plane z = 0 where the centrelines turn. With n and m even opposite ends fit
-each other: 2 x 2 is the unit cell of four crossovers.
+The patch ends between crossings, on the plane z = 0 where the centrelines turn. With n and m even
+opposite ends fit each other: 2 x 2 is the unit cell of four crossovers.
 
-A yarn that is over here and under there cannot be moved away from both neighbours as a rigid body, so an overlap is
-removed from the sections alone, and a gap is left open (`meshing.section_fit`).
+A yarn that is over here and under there cannot be moved away from both neighbours as a rigid body,
+so an overlap is removed from the sections alone, and a gap is left open (`meshing.section_fit`).
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ from meshing.mesh_plan import Plan, mirrored
 
 @dataclass(frozen=True, eq=False)
 class Patch(YarnMesh):
-    """The mesh of a woven patch: a `YarnMesh` of the yarns "warp_1" .. "warp_n", "weft_1" .. "weft_m".
+    """The mesh of a woven patch: a `YarnMesh` of the yarns "warp_1" .. "warp_n", "weft_1" ..
+    "weft_m".
 
     Parameters
     ----------
@@ -58,13 +60,15 @@ def build(
     ----------
     fabric : Fabric, with solid laws (for the fibre volume fractions)
     count : (n, m) numbers of warp and of weft yarns; (2, 2) is the unit cell of four crossovers
-    size : as in `meshing.crossover.build`; nx, ny, nz count a quarter of a yarn in one crossing, so a crossing has
-        8 nx ny nz hexahedra
-    **options : of `meshing.inputs.MeshOptions`; no shift is made: overlap="refuse" refuses any overlap
+    size : as in `meshing.crossover.build`; nx, ny, nz count a quarter of a yarn in one crossing, so
+        a crossing has 8 nx ny nz hexahedra
+    **options : of `meshing.inputs.MeshOptions`; no shift is made: overlap="refuse" refuses any
+        overlap
 
     Raises
     ------
-    InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
+    InputError : a value is not allowed, or the sections overlap and this is refused or cannot be
+        solved
     """
     count = inputs.counts(count)
     plan = Plan.of(fabric, size=size, shift=False, **options)
@@ -95,7 +99,8 @@ def _centred(n, spacing):
 
 
 def _joined(cells):
-    """Values (cells, k) of neighbouring cells in one line, the places that two cells share taken once."""
+    """Values (cells, k) of neighbouring cells in one line, the places that two cells share taken
+    once."""
     return np.concatenate([cells[0], cells[1:, 1:].ravel()])
 
 

@@ -1,7 +1,8 @@
-"""Scaled Jacobian of hexahedra: at each corner the triple product of the three unit edges that leave it.
+"""Scaled Jacobian of hexahedra: at each corner the triple product of the three unit edges that
+leave it.
 
-1 in a brick, 0 where two edges fall together, negative where the element is turned inside out; of an element the
-worst of its corners counts (P. M. Knupp, Int. J. Numer. Meth. Engng 48, 2000).
+1 in a brick, 0 where two edges fall together, negative where the element is turned inside out; of
+an element the worst of its corners counts (P. M. Knupp, Int. J. Numer. Meth. Engng 48, 2000).
 """
 
 from __future__ import annotations

@@ -3,8 +3,9 @@
     half thickness   q(y) = (t/2) cos(pi y / W)          "sine"     (thesis Figure A-7, left)
                      q(y) = (t/2) sqrt(1 - (2y/W)^2)     "ellipse"  (Figure A-7, right)
 
-over |y| <= c W/2. The cut c is where q has fallen to the tip thickness ratio times t/2, so that the outermost element
-has a height; W is the width of the lens before the cut, t its thickness. The area between the cuts is
+over |y| <= c W/2. The cut c is where q has fallen to the tip thickness ratio times t/2, so that the
+outermost element has a height; W is the width of the lens before the cut, t its thickness. The area
+between the cuts is
 
     A = t W a(c),   a = (2/pi) sin(pi c/2)   or   (c sqrt(1 - c^2) + arcsin c) / 2.
 """
@@ -36,7 +37,8 @@ class Section:
 
     Raises
     ------
-    InputError : unknown kind, a dimension that is not positive, a tip thickness ratio outside 0.01 .. 0.5
+    InputError : unknown kind, a dimension that is not positive, a tip thickness ratio outside 0.01
+        .. 0.5
     """
 
     kind: str
@@ -89,9 +91,11 @@ class Section:
         return self.thickness / 2 * shape
 
     def stations(self, n: int) -> FloatArray:
-        """y [m] of the n + 1 mesh lines from the middle to the cut: equal steps of y, or of the angle of the ellipse.
+        """y [m] of the n + 1 mesh lines from the middle to the cut: equal steps of y, or of the
+        angle of the ellipse.
 
-        Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is then of order 2.
+        Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is
+        then of order 2.
         """
         if self.kind == "sine":
             return np.linspace(0, self.half_width, n + 1)

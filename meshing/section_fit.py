@@ -1,27 +1,28 @@
-"""Sections for warp and weft that just touch: the overlap of the two yarns measured, removed, and reported.
+"""Sections for warp and weft that just touch: the overlap of the two yarns measured, removed, and
+reported.
 
-Warp lies over weft. With sections q_i and centrelines z_1 = h_1 cos(pi x / 2 w_1), z_2 = -h_2 cos(pi y / 2 w_2) the
-gap between the lower face of the warp and the upper face of the weft is
+Warp lies over weft. With sections q_i and centrelines z_1 = h_1 cos(pi x / 2 w_1), z_2 = -h_2
+cos(pi y / 2 w_2) the gap between the lower face of the warp and the upper face of the weft is
 
     g(x, y) = [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)],
 
-a sum of one function of x (weft section under the warp's arch) and one of y, so its least value is the sum of two
-one-dimensional minima, the *clearances* of the two yarns. The overlap is minus that sum. It is removed by the first of
-these that suffices:
+a sum of one function of x (weft section under the warp's arch) and one of y, so its least value is
+the sum of two one-dimensional minima, the *clearances* of the two yarns. The overlap is minus that
+sum. It is removed by the first of these that suffices:
 
 1. shift      the yarns are moved apart in z as rigid bodies, by at most 2 % of h_1 + h_2;
 2. narrow     the sections are made narrower at the same area, no more than needed (not if the widths are prescribed);
 3. densify    the areas are reduced by one factor, no more than needed: the yarn area of the mesh is then limited by the
-              crossing yarn, as in the thesis, section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
-              packing of round fibres.
+              crossing yarn, as in the thesis, section A.2, and Vf0 = A_s / A_yarn rises, at most to
+              the closest packing of round fibres.
 
-After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative. Where
-the yarns cannot be shifted (a woven patch) the first step is left out, and a gap stays open. "conforming" sections
-(`meshing.conforming`) have no gap and no overlap anywhere; their areas are what the crimp leaves room for, more or less
-than requested.
+After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is
+then negative. Where the yarns cannot be shifted (a woven patch) the first step is left out, and a
+gap stays open. "conforming" sections (`meshing.conforming`) have no gap and no overlap anywhere;
+their areas are what the crimp leaves room for, more or less than requested.
 
-These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by their sag, of order two
-in the mesh size.
+These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by
+their sag, of order two in the mesh size.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ YARNS = ("warp", "weft")
 
 
 def clearance(section: YarnSection, w: float, h: float) -> float:
-    """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn that crosses it.
+    """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn
+    that crosses it.
 
     Sampled at intervals of width / 8000: right to 1e-11 m in a yarn 1 mm wide.
 
@@ -72,7 +74,8 @@ class SectionFit:
     ----------
     sections : (Section, Section) of warp and weft
     overlap : [m] of the sections as requested; negative where they had a gap everywhere
-    shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each; 0 if not allowed
+    shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each; 0
+        if not allowed
     Vf0 : (warp, weft) [-] fibre volume fractions of the mesh
     requested : (Section, Section) before anything was narrowed or densified
     """
@@ -197,7 +200,8 @@ def _fit(kind, widths, fractions, weave, tip_thickness_ratio, prescribed, overla
 
 
 def _advice(fit, weave):
-    """What to change where no section fits: the least crimp of the same ratio of heights, and the least thickness."""
+    """What to change where no section fits: the least crimp of the same ratio of heights, and the
+    least thickness."""
 
     def scaled(factor):
         return [float(arc_length(w, factor * h)) / (2 * w) - 1 for w, h in zip(weave.w, weave.h0)]
@@ -219,7 +223,8 @@ def _advice(fit, weave):
 
 
 def _least(fit, weave, crimp_at):
-    """The Weave of the least factor from which `crimp_at` makes crimps that fit; None where there is none."""
+    """The Weave of the least factor from which `crimp_at` makes crimps that fit; None where there
+    is none."""
 
     def at(factor):
         warp, weft = (
@@ -245,7 +250,8 @@ def _least(fit, weave, crimp_at):
 
 
 def least_that_fits(fits: Callable[[float], bool], low: float, high: float) -> float:
-    """The least factor between `low`, which does not fit, and `high`, which does, to within `FACTOR` above it."""
+    """The least factor between `low`, which does not fit, and `high`, which does, to within
+    `FACTOR` above it."""
     while high - low > FACTOR:
         middle = 0.5 * (low + high)
         if fits(middle):
@@ -270,7 +276,8 @@ def _conforming(widths, fractions, weave, tip_thickness_ratio):
 
 
 def _areas(weave, fractions):
-    """Areas of the vertical sections, A_s (1 + crimp) / Vf0, with which the yarn volume is A_s S0 / Vf0."""
+    """Areas of the vertical sections, A_s (1 + crimp) / Vf0, with which the yarn volume is A_s S0 /
+    Vf0."""
     return [yarn.A_s * (1 + yarn.crimp) / Vf0 for yarn, Vf0 in zip(weave.yarns, fractions)]
 
 
@@ -294,7 +301,8 @@ def _resized(section, width, area=None):
 def _best(section, arch):
     """The section of the same area, not wider, whose clearance under the arch (w, h) is largest.
 
-    The centre loses clearance as a section gets narrower and thicker, its shoulders gain it: one maximum.
+    The centre loses clearance as a section gets narrower and thicker, its shoulders gain it: one
+    maximum.
     """
     found = minimize_scalar(
         lambda width: -clearance(_resized(section, width), *arch),
@@ -307,7 +315,8 @@ def _best(section, arch):
 
 
 def _narrow(requested, crossing):
-    """The requested areas, narrowed towards the best widths until nothing overlaps; None if the best still overlap."""
+    """The requested areas, narrowed towards the best widths until nothing overlaps; None if the
+    best still overlap."""
     best = [_best(section, arch) for section, arch in zip(requested, crossing)]
 
     def at(part):

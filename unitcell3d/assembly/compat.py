@@ -1,7 +1,7 @@
 """The one file that knows dolfinx has versions: 0.5 (Debian 12) and 0.9 (Debian 13).
 
-It turns arrays of hexahedra into a vector Q1 space and compiled forms, and speaks outwards only in plain arrays that
-are numbered as the caller numbered its points and cells.
+It turns arrays of hexahedra into a vector Q1 space and compiled forms, and speaks outwards only in
+plain arrays that are numbered as the caller numbered its points and cells.
 """
 
 from __future__ import annotations
@@ -52,7 +52,8 @@ class HexSpace:
         Parameters
         ----------
         points : (n, 3) [m]
-        hexes : (m, 8) point numbers in VTK order; the cell's first local axis runs from corner 0 to corner 1
+        hexes : (m, 8) point numbers in VTK order; the cell's first local axis runs from corner 0 to
+            corner 1
         """
         cells = np.ascontiguousarray(np.asarray(hexes, np.int64)[:, VTK_TO_DOLFINX])
         if _old():
@@ -79,7 +80,8 @@ class HexSpace:
         self.displacement.x.array[:] = u[self.node].ravel()
 
     def cell_constants(self, values: FloatArray) -> Any:
-        """A UFL coefficient that is constant in each cell, from `values` : (m, c) by the caller's cells."""
+        """A UFL coefficient that is constant in each cell, from `values` : (m, c) by the caller's
+        cells."""
         function = fem.Function(_vector_space(self.mesh, "DG", 0, values.shape[1]))
         self.set_cell_constants(function, values)
         return function
@@ -91,9 +93,11 @@ class HexSpace:
 
 
 class Assembler:
-    """Compiled residual and tangent of a form, assembled into plain arrays in the caller's numbering.
+    """Compiled residual and tangent of a form, assembled into plain arrays in the caller's
+    numbering.
 
-    rows, columns : (nnz,) unknown (3 point + component) of each entry of the values that `tangent` returns
+    rows, columns : (nnz,) unknown (3 point + component) of each entry of the values that `tangent`
+        returns
     """
 
     def __init__(self, space: HexSpace, residual: Any, tangent: Any) -> None:

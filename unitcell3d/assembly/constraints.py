@@ -6,13 +6,14 @@ Each of the 3 n displacement components is +-one unknown, plus what the load dri
 
 with the parameters p of the load: the end displacements d of a crossover.
 
-A plain weave has a two-fold axis through the inflection point of each yarn, along its width: the next crossover is
-the same one turned upside down. On the end face, with k counted through the thickness from the middle, that is
+A plain weave has a two-fold axis through the inflection point of each yarn, along its width: the
+next crossover is the same one turned upside down. On the end face, with k counted through the
+thickness from the middle, that is
 
     u_axial(k) - d = -(u_axial(-k) - d),    u_z(k) = -u_z(-k),    u_width(k) = u_width(-k).
 
-Holding the middle of the face, or the whole of it, is not the weave's condition, and the first does not converge with
-the mesh.
+Holding the middle of the face, or the whole of it, is not the weave's condition, and the first does
+not converge with the mesh.
 """
 
 from __future__ import annotations
@@ -33,9 +34,11 @@ AXIAL, WIDTH = (0, 1), (1, 0)  # components of warp and weft
 
 @dataclass(frozen=True)
 class Constraints:
-    """unknown, sign : (3 n,); drive : (3 n, p) share of the load's parameters; size : number of unknowns.
+    """unknown, sign : (3 n,); drive : (3 n, p) share of the load's parameters; size : number of
+    unknowns.
 
-    ends : of warp and weft, the nodes of the end face at the positive end; none where there is no such yarn
+    ends : of warp and weft, the nodes of the end face at the positive end; none where there is no
+        such yarn
     """
 
     unknown: np.ndarray
@@ -46,13 +49,15 @@ class Constraints:
 
     @cached_property
     def C(self) -> sparse.csr_matrix:
-        """(3 n, size) of u = C q + drive p: +-1 in the column of the unknown that a component follows."""
+        """(3 n, size) of u = C q + drive p: +-1 in the column of the unknown that a component
+        follows."""
         free = np.flatnonzero(self.unknown >= 0)
         places = (free, self.unknown[free])
         return sparse.csr_matrix((self.sign[free], places), shape=(len(self.unknown), self.size))
 
     def displacement(self, q: FloatArray, parameters: ArrayLike) -> FloatArray:
-        """Displacement (n, 3) [m] of the unknowns `q` and the load's parameters: of a crossover d : (2,) [m]."""
+        """Displacement (n, 3) [m] of the unknowns `q` and the load's parameters: of a crossover d :
+        (2,) [m]."""
         return (self.drive @ np.asarray(parameters, float) + self.C @ q).reshape(-1, 3)
 
     def reduce(self, forces: FloatArray) -> FloatArray:
@@ -60,7 +65,8 @@ class Constraints:
         return self.C.T @ forces.ravel()
 
     def end_force(self, forces: FloatArray, yarn: int) -> float:
-        """Axial force [N] that drives the positive end of a yarn, the work conjugate of its end displacement."""
+        """Axial force [N] that drives the positive end of a yarn, the work conjugate of its end
+        displacement."""
         return float(forces[self.ends[yarn], AXIAL[yarn]].sum())
 
 
@@ -85,7 +91,8 @@ class Ties:
     def follow(
         self, nodes: ArrayLike, leaders: ArrayLike, component: int, parity: float = 1.0
     ) -> None:
-        """Let a component of `nodes` be `parity` times that of `leaders` but for what the load drives them by.
+        """Let a component of `nodes` be `parity` times that of `leaders` but for what the load
+        drives them by.
 
         The leaders' own ties have to be made before.
         """
@@ -94,7 +101,8 @@ class Ties:
         self._sign[own] = parity * self._sign[other]
 
     def turn(self, face: IntArray, opposite: IntArray, axial: int, width: int) -> None:
-        """The two-fold axis turns the end face `face` : (j, k) into itself or into another, `opposite`."""
+        """The two-fold axis turns the end face `face` : (j, k) into itself or into another,
+        `opposite`."""
         layers = face.shape[1]
         same = face is opposite
         for k in range(layers // 2 if same else layers):
@@ -128,9 +136,11 @@ def build(
     ----------
     grids : per yarn, node numbers (i along, j across, k through)
     n : number of nodes
-    quarter : whether i = 0 and j = 0 are symmetry planes; otherwise both ends of a yarn are driven apart
+    quarter : whether i = 0 and j = 0 are symmetry planes; otherwise both ends of a yarn are driven
+        apart
     families : per yarn 0 (warp) or 1 (weft)
-    opposite : per yarn, the number of that which the two-fold axis turns it into; itself if not given
+    opposite : per yarn, the number of that which the two-fold axis turns it into; itself if not
+        given
     """
     ties = Ties(n, 2)
     opposite = range(len(grids)) if opposite is None else opposite

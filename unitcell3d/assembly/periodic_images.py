@@ -1,7 +1,8 @@
 """Images of yarns beyond the cell: nodes that follow those of the cell, for contact alone.
 
-The image of a yarn under the lattice vector a (m periods along x, n along y) stands at X + a, and upside down about the
-level of its ends where m + n is odd and the weave repeats by a glide: its node (i, j, k) is then that of (i, j, -k).
+The image of a yarn under the lattice vector a (m periods along x, n along y) stands at X + a, and
+upside down about the level of its ends where m + n is odd and the weave repeats by a glide: its
+node (i, j, k) is then that of (i, j, -k).
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ class Images:
         self._of = [(yarn, 0, 0) for yarn in range(len(mesh.grids))]
 
     def extended(self, yarn: int, m: int = 0, n: int = 0, margin: int = 0) -> IntArray:
-        """Node numbers (i, j, k) of a yarn's image, with `margin` columns of its own next images at each end."""
+        """Node numbers (i, j, k) of a yarn's image, with `margin` columns of its own next images at
+        each end."""
         family = self._mesh.families[yarn]
         grid = self.image(yarn, m, n)
         if not margin:
@@ -53,7 +55,8 @@ class Images:
         )
 
     def image(self, yarn: int, m: int, n: int) -> IntArray:
-        """Node numbers (i, j, k) of the image of a yarn, new ones where it is requested the first time."""
+        """Node numbers (i, j, k) of the image of a yarn, new ones where it is requested the first
+        time."""
         if (m, n) == (0, 0):
             return self._mesh.grids[yarn]
         if (yarn, m, n) not in self._found:
@@ -76,7 +79,8 @@ class Images:
         yield from self._followers
 
     def drive(self) -> FloatArray:
-        """(3 n, 12) displacement by the entries of H_warp, H_weft and F - I: u = H (X - c) + (F - I) c.
+        """(3 n, 12) displacement by the entries of H_warp, H_weft and F - I: u = H (X - c) + (F -
+        I) c.
 
         c is a point of the yarn's axis: each yarn turns about it, and it goes with the weave.
         """

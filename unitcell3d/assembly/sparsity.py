@@ -1,7 +1,9 @@
-"""The tangent K as 3 x 3 blocks between nodes, and its reduction C^T K C to the matrix of the unknowns.
+"""The tangent K as 3 x 3 blocks between nodes, and its reduction C^T K C to the matrix of the
+unknowns.
 
-C is that of `constraints.Constraints`, u = C q + drive p. Its rows have one entry at most, so each entry of K goes to
-one entry of the reduced matrix: one sparse matrix of +-1 does it, whose pattern is worked out once a layout.
+C is that of `constraints.Constraints`, u = C q + drive p. Its rows have one entry at most, so each
+entry of K goes to one entry of the reduced matrix: one sparse matrix of +-1 does it, whose pattern
+is worked out once a layout.
 """
 
 from __future__ import annotations
@@ -17,7 +19,8 @@ from unitcell3d.assembly.constraints import Constraints
 
 
 class Pattern:
-    """Block pattern of a set of stencils (nodes that all act on each other) and its reduction to the unknowns.
+    """Block pattern of a set of stencils (nodes that all act on each other) and its reduction to
+    the unknowns.
 
     Parameters
     ----------

@@ -1,7 +1,9 @@
-"""The two loadings of a crossover: biaxial extension to fibre failure, and compression between rigid plates.
+"""The two loadings of a crossover: biaxial extension to fibre failure, and compression between
+rigid plates.
 
-Two readings of "the fibres fail at 3 %" differ, because a yarn that is bent over the other strains its fibres unevenly:
-the worst bar, and the mean over the fibres of a yarn. A path ends at the mean; `failure` reports both.
+Two readings of "the fibres fail at 3 %" differ, because a yarn that is bent over the other strains
+its fibres unevenly: the worst bar, and the mean over the fibres of a yarn. A path ends at the mean;
+`failure` reports both.
 """
 
 from __future__ import annotations
@@ -38,16 +40,20 @@ def biaxial(
     steps: Steps | None = None,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Stretch a crossover along d1 : d2 = `ratio` until the mean fibre strain of a yarn is its failure strain.
+    """Stretch a crossover along d1 : d2 = `ratio` until the mean fibre strain of a yarn is its
+    failure strain.
 
     Parameters
     ----------
     crossover : meshing.crossover.Crossover
     fabric : Fabric
     ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
-    max_displacement : [m] larger of the two end displacements at the end of the path, instead of fibre failure
-    beyond : [-] that mean strain at the end of the path over the failure strain; above 1 fibres that fail go on
-    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `path_following.follow`
+    max_displacement : [m] larger of the two end displacements at the end of the path, instead of
+        fibre failure
+    beyond : [-] that mean strain at the end of the path over the failure strain; above 1 fibres
+        that fail go on
+    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`,
+        `path_following.follow`
 
     Returns
     -------
@@ -75,7 +81,8 @@ def biaxial(
 
 
 def row(model: CrossoverModel) -> Callable[[Equilibrium, Load], dict[str, Any]]:
-    """The function that records a state of a crossover: loads, forces, heights, and strains of the fibres."""
+    """The function that records a state of a crossover: loads, forces, heights, and strains of the
+    fibres."""
     return lambda state, load: crossover_row(model, state, load) | fibre_row(model, state, load)
 
 
@@ -92,7 +99,8 @@ def _proportions(ratio):
 
 
 def displacements_at_failure(fabric: Fabric, beyond: float = 1.0) -> tuple[float, ...]:
-    """(d1, d2) [m] end displacements at which warp and weft are straight and at `beyond` times their failure strain."""
+    """(d1, d2) [m] end displacements at which warp and weft are straight and at `beyond` times
+    their failure strain."""
     return tuple(
         w * ((1 + yarn.crimp) * (1 + beyond * yarn.failure_strain) - 1)
         for w, yarn in zip(fabric.weave.w, fabric.weave.yarns)
@@ -113,18 +121,21 @@ def plate_compression(
     steps: Steps | None = None,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Press a crossover between two rigid plates, the yarns' ends held in the plane at their spacing.
+    """Press a crossover between two rigid plates, the yarns' ends held in the plane at their
+    spacing.
 
-    The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave requires, so
-    that the higher yarn is touched first.
+    The plates stand at equal distances above and below the middle plane, as the two-fold axis of
+    the weave requires, so that the higher yarn is touched first.
 
     Parameters
     ----------
     crossover : meshing.crossover.Crossover
     fabric : Fabric
-    pressure : [Pa] mean on the area of the cell at the end of the path, by default the highest of the thesis
+    pressure : [Pa] mean on the area of the cell at the end of the path, by default the highest of
+        the thesis
     min_plate_gap : [-] share of the first distance of the plates at which the path ends too
-    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `path_following.follow`
+    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`,
+        `path_following.follow`
 
     Returns
     -------
@@ -154,7 +165,8 @@ def plate_compression(
 
 @dataclass(frozen=True)
 class Failure:
-    """Where a biaxial path first meets a criterion: yarn (0 warp, 1 weft), d1, d2 [m], T1, T2 and F_c [N]."""
+    """Where a biaxial path first meets a criterion: yarn (0 warp, 1 weft), d1, d2 [m], T1, T2 and
+    F_c [N]."""
 
     criterion: str
     yarn: int
@@ -164,7 +176,8 @@ class Failure:
 
 
 def failure(record: Record, fabric: Fabric) -> list[Failure]:
-    """Failure by the worst bar and by the mean of the bars, without those that the path did not reach."""
+    """Failure by the worst bar and by the mean of the bars, without those that the path did not
+    reach."""
     limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
     worst = record["fibre_strain_max"] / limits
     mean = record["fibre_strain_mean"] / limits

@@ -1,7 +1,8 @@
 """A crossover along any path in (d1, d2): unloading, slack yarns, and failing fibres included.
 
-A path is a list of corners (d1, d2) joined by straight lines, from rest on. Negative displacements leave yarns slack.
-From a CSV file: a heading "d1 [um], d2 [um]", in either order and any unit of length, then one corner a line.
+A path is a list of corners (d1, d2) joined by straight lines, from rest on. Negative displacements
+leave yarns slack. From a CSV file: a heading "d1 [um], d2 [um]", in either order and any unit of
+length, then one corner a line.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """The weave in its own cell: stretched biaxially and sheared in its plane (thesis section 4.3.2).
 
-Shear turns the yarns against each other at constant distances along each, as a picture frame does: the end
-displacements d1, d2 are those of the beginning, so the yarns have the tension that the user's stretch gives them. Ends
-and sides go with the trellis, contact is frictionless: what resists is the compaction of the yarns alone, where each is
-squeezed under the other's arch, and where parallel neighbours meet edge to edge.
+Shear turns the yarns against each other at constant distances along each, as a picture frame does:
+the end displacements d1, d2 are those of the beginning, so the yarns have the tension that the
+user's stretch gives them. Ends and sides go with the trellis, contact is frictionless: what resists
+is the compaction of the yarns alone, where each is squeezed under the other's arch, and where
+parallel neighbours meet edge to edge.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ def shear(
     failure: bool = False,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Shear the weave to the angle `gamma` [rad], after stretching it by `stretch` : (d1, d2) [m] per end.
+    """Shear the weave to the angle `gamma` [rad], after stretching it by `stretch` : (d1, d2) [m]
+    per end.
 
     Parameters
     ----------
@@ -75,7 +77,8 @@ def biaxial(
     failure: bool = False,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Stretch the weave in its own cell to the end displacements `d` : (2,) [m]; parameters as of `shear`."""
+    """Stretch the weave in its own cell to the end displacements `d` : (2,) [m]; parameters as of
+    `shear`."""
     model = CellModel(mesh, fabric, numerics, failure=failure)
     loads = [CellLoad(model.w), CellLoad(model.w, tuple(map(float, d)))]
     return _followed(model, loads, [rows], "cell biaxial", hooks)

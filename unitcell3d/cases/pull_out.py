@@ -1,16 +1,19 @@
-"""One yarn pulled through a crossover under transverse load, with friction: the threshold at which it slips.
+"""One yarn pulled through a crossover under transverse load, with friction: the threshold at which
+it slips.
 
-The transverse load is one of two: the crossing yarn is stretched by the displacement d of its ends, which presses the
-yarns together; or two platens without friction, one on the warp and one under the weft, press them together, which
-compresses their cross-sections. Then one yarn is moved along its axis, from sticking into full sliding, while d or the
-distance of the platens is held (`model.pull_out`). P is the axial force that
-it takes from the crossing yarn. The threshold T_f is P where the share of Coulomb's limit that the contact has
-mobilised reaches `SLIDING`; F_c is the contact force at that state, not that before the pull: the crossing yarn is
-drawn sideways by P and its tension rises. The law T_f = c0 + mu_eff F_c is fitted to several transverse loads
+The transverse load is one of two: the crossing yarn is stretched by the displacement d of its ends,
+which presses the yarns together; or two platens without friction, one on the warp and one under the
+weft, press them together, which compresses their cross-sections. Then one yarn is moved along its
+axis, from sticking into full sliding, while d or the distance of the platens is held
+(`model.pull_out`). P is the axial force that it takes from the crossing yarn. The threshold T_f is
+P where the share of Coulomb's limit that the contact has mobilised reaches `SLIDING`; F_c is the
+contact force at that state, not that before the pull: the crossing yarn is drawn sideways by P and
+its tension rises. The law T_f = c0 + mu_eff F_c is fitted to several transverse loads
 (`fabrics.friction.pull_out`).
 
-P has two parts: the friction, and what the normal pressures take along the axis (P_geometric), which is all that there
-is without friction. A path without friction gives the same quantities at the same pull.
+P has two parts: the friction, and what the normal pressures take along the axis (P_geometric),
+which is all that there is without friction. A path without friction gives the same quantities at
+the same pull.
 """
 
 from __future__ import annotations
@@ -59,10 +62,11 @@ def pull_out(
     crossover : meshing.crossover.Crossover, a whole one
     fabric : Fabric
     displacements : (n,) [m] of each end of the crossing yarn
-    pressures : (n,) [Pa] of platens on the area of the cell before the pull, in place of the displacements
+    pressures : (n,) [Pa] of platens on the area of the cell before the pull, in place of the
+        displacements
     pulled : 0 pulls the warp, 1 the weft
-    pull : [m] displacement along the axis at the end; `PULL` times half the spacing along the yarn if not given,
-        `PULL_PRESSED` times it between platens
+    pull : [m] displacement along the axis at the end; `PULL` times half the spacing along the yarn
+        if not given, `PULL_PRESSED` times it between platens
     numerics : Numerics with the friction
     rows : states along the pull
     hooks : called as hook(share of all paths, row) after each row
@@ -74,7 +78,8 @@ def pull_out(
 
     Raises
     ------
-    InputError : neither displacements nor pressures, both, one that is not positive, or a pull that is not
+    InputError : neither displacements nor pressures, both, one that is not positive, or a pull that
+        is not
     UnstableError : the platens reach none of the pressures
     """
     given = _transverse(displacements, pressures)
@@ -138,9 +143,11 @@ def _transverse(displacements, pressures):
 
 
 def _pressed(crossover, fabric, numerics, pulled, pressures):
-    """(load at rest, loads at which platens press by `pressures` [Pa], why not all of them were reached or "").
+    """(load at rest, loads at which platens press by `pressures` [Pa], why not all of them were
+    reached or "").
 
-    One path without the pull goes up to the highest pressure; the distances at the others are interpolated on it.
+    One path without the pull goes up to the highest pressure; the distances at the others are
+    interpolated on it.
     """
     model = PullOutModel(crossover, fabric, numerics, pulled, platens=True)
     assert model.plates is not None
@@ -167,8 +174,8 @@ def _pressed(crossover, fabric, numerics, pulled, pressures):
 
 
 def displacements(fabric: Fabric, pulled: int) -> tuple[float, ...]:
-    """[m] end displacements of the crossing yarn, `LOADS` times those at which its crimp would be taken up if it were
-    not compressed and the pulled yarn had none."""
+    """[m] end displacements of the crossing yarn, `LOADS` times those at which its crimp would be
+    taken up if it were not compressed and the pulled yarn had none."""
     crossing = 1 - pulled
     largest = fabric.weave.w[crossing] * fabric.weave.yarns[crossing].crimp
     return tuple(share * largest for share in LOADS)
@@ -193,7 +200,8 @@ def _row(model, number):
 def thresholds(record: Record) -> tuple[np.ndarray, np.ndarray]:
     """(F_c, T_f), each (n,) [N], of the transverse loads at which the yarn came to slide.
 
-    Between the two rows about `SLIDING` forces are interpolated. Without friction, T_f is the largest P of each load.
+    Between the two rows about `SLIDING` forces are interpolated. Without friction, T_f is the
+    largest P of each load.
     """
     found = []
     for number in np.unique(record["load"]):

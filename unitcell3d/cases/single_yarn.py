@@ -4,8 +4,8 @@ The closed form is that of fibres without bending: none until the yarn is straig
 
     T = E A_s ((w + d) / (w (1 + crimp)) - 1)    for d > w crimp.
 
-The choices that the thesis compares are here too: how many of the mesh's fibre lines carry bars, and one-point instead
-of full integration of the solid, which leaves zero-energy modes.
+The choices that the thesis compares are here too: how many of the mesh's fibre lines carry bars,
+and one-point instead of full integration of the solid, which leaves zero-energy modes.
 """
 
 from __future__ import annotations
@@ -108,14 +108,16 @@ def pull(
     rows: int = 25,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Pull one yarn straight and on, to the share `strain` of its end distance, or to the failure of its fibres.
+    """Pull one yarn straight and on, to the share `strain` of its end distance, or to the failure
+    of its fibres.
 
     Parameters
     ----------
     crossover : meshing.crossover.Crossover
     fabric : Fabric
     family : 0 warp, 1 weft
-    strain : [-] at the end; by default, where the straight yarn is at its failure strain, with `failure` 10 % beyond
+    strain : [-] at the end; by default, where the straight yarn is at its failure strain, with
+        `failure` 10 % beyond
     bars : number of fibre lines with bars; all if not given
     integration : solid_law.FULL or solid_law.ONE_POINT
     failure : fibres fail
@@ -191,7 +193,8 @@ def taut(yarn: Yarn, w: float, crimp: float, d: float) -> float:
 
 
 def _astray(model, x):
-    """[m] Largest quarter of a second difference of the displacement along the yarn: an hourglass' amplitude."""
+    """[m] Largest quarter of a second difference of the displacement along the yarn: an hourglass'
+    amplitude."""
     (grid,) = model.crossover.grids
     u = (x - model.points)[grid]
     return float(np.abs(u[2:] - 2 * u[1:-1] + u[:-2]).max()) / 4

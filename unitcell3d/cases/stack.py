@@ -1,10 +1,13 @@
-"""Plies of one crossover on each other between two rigid plates (thesis sections 2.2.1 and 3.4.3.2).
+"""Plies of one crossover on each other between two rigid plates (thesis sections 2.2.1 and
+3.4.3.2).
 
-The plies stand crossing on crossing, the warp of each ply under the weft of the next: the pack then has the symmetries
-of one ply (two mirror planes, and the two-fold axis at the middle of the pack, which turns ply p into ply N + 1 - p),
-so that a quarter of a crossover is enough. The platens stand at equal distances above and below the middle.
+The plies stand crossing on crossing, the warp of each ply under the weft of the next: the pack then
+has the symmetries of one ply (two mirror planes, and the two-fold axis at the middle of the pack,
+which turns ply p into ply N + 1 - p), so that a quarter of a crossover is enough. The platens stand
+at equal distances above and below the middle.
 
-Between plies the lower face of each weft meets the upper face of the warp under it, with the contact of a crossover.
+Between plies the lower face of each weft meets the upper face of the warp under it, with the
+contact of a crossover.
 """
 
 from __future__ import annotations
@@ -96,13 +99,13 @@ def stack_compression(
     fabric : Fabric
     plies : number
     pressure : [Pa] mean on the area of the cell at the end, by default the greatest of the thesis
-    min_plate_gap : [-] share of the first distance of the platens at which the path ends at the latest
+    min_plate_gap : [-] share of the first distance of the platens at which the path ends at the
+        latest
     numerics, hooks : see `path_following.follow`
 
     Returns
-    -------
-    Record, with the columns of `recorded.MEANINGS` that belong to a stack; the path also ends, as failed, where platens
-    have closed by a tenth and press nothing
+    ------- Record, with the columns of `recorded.MEANINGS` that belong to a stack; the path also
+    ends, as failed, where platens have closed by a tenth and press nothing
 
     Raises
     ------
@@ -152,11 +155,13 @@ def _row(model, state, load):
 
 
 def law_closure(fabric: Fabric, record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The pressure law of the thesis beside a record: what one pack of as many plies closes since its first pressure.
+    """The pressure law of the thesis beside a record: what one pack of as many plies closes since
+    its first pressure.
 
     Returns
     -------
-    pressure, closure_law, closure : [Pa], [m], [m] of the rows inside the law's pressures, closures from its first on
+    pressure, closure_law, closure : [Pa], [m], [m] of the rows inside the law's pressures, closures
+        from its first on
 
     Raises
     ------

@@ -1,15 +1,19 @@
-"""Contact of two edges that cross: the sharp tips of two parallel neighbours, which meet at a point, not on a face.
+"""Contact of two edges that cross: the sharp tips of two parallel neighbours, which meet at a
+point, not on a face.
 
-Each edge is the C1 Catmull-Rom curve through its nodes, C(s) and E(t), and r = E - C at their closest points:
+Each edge is the C1 Catmull-Rom curve through its nodes, C(s) and E(t), and r = E - C at their
+closest points:
 
     r . a = 0,   r . b = 0,   a = C',  b = E',   r = g n,   n = +-(a x b) / |a x b| from the first to the second.
 
-The force -p(g) A g_q with the pressure law of `surface_contact_kernels` and a constant area A is that of a potential.
-With the rows r_q (variation at fixed s, t), a_q, b_q, and
+The force -p(g) A g_q with the pressure law of `surface_contact_kernels` and a constant area A is
+that of a potential. With the rows r_q (variation at fixed s, t), a_q, b_q, and
 
-    U = [-a . r_q; b . r_q],  V = [-n . a_q; n . b_q],  m = [[a.a, -a.b], [-a.b, b.b]],  N = diag(-n . C'', n . E''),
+    U = [-a . r_q; b . r_q],  V = [-n . a_q; n . b_q],  m = [[a.a, -a.b], [-a.b, b.b]],  N = diag(-n
+    . C'', n . E''),
 
-the gap varies by g_q = n . r_q, and, without the division by g that the distance itself would need, L = m + g N,
+the gap varies by g_q = n . r_q, and, without the division by g that the distance itself would need,
+L = m + g N,
 
     g_qq = U^T m^-1 N L^-1 U - U^T L^-1 V - V^T L^-1 U - g V^T L^-1 V.
 """
@@ -27,9 +31,11 @@ STEPS = 40
 
 @kernel()
 def spline_weights(xi, cells, weights):
-    """Catmull-Rom weights of the four nodes first .. first + 3 (clipped to the edge) and their two derivatives.
+    """Catmull-Rom weights of the four nodes first .. first + 3 (clipped to the edge) and their two
+    derivatives.
 
-    A phantom node continues the edge straight beyond each end and is folded back into weights of the real ones.
+    A phantom node continues the edge straight beyond each end and is folded back into weights of
+    the real ones.
 
     Parameters
     ----------
@@ -71,7 +77,8 @@ def spline_weights(xi, cells, weights):
 
 @kernel()
 def edge_stencil(s, edge, nodes, weights):
-    """Fill `nodes` : (4,) and `weights` : (3, 4) of C, C', C'' at s of the curve through the nodes `edge` : (n,)."""
+    """Fill `nodes` : (4,) and `weights` : (3, 4) of C, C', C'' at s of the curve through the nodes
+    `edge` : (n,)."""
     first = spline_weights(s, edge.size - 1, weights)
     for a in range(4):
         nodes[a] = edge[min(max(first + a, 0), edge.size - 1)]
@@ -89,7 +96,8 @@ def curve(x, nodes, weights, values):
 
 @kernel()
 def nearest_nodes(x, first, second, toward, st):
-    """Fill `st` : (2,) with the places of the nodes that are nearest to each other as seen along `toward`."""
+    """Fill `st` : (2,) with the places of the nodes that are nearest to each other as seen along
+    `toward`."""
     least = np.inf
     for i in range(first.size):
         for k in range(second.size):
@@ -102,7 +110,8 @@ def nearest_nodes(x, first, second, toward, st):
 
 @kernel()
 def closest(x, first, second, toward, st, nodes, weights, values):
-    """Closest points `st` : (2,) of two edges by Newton's method from their nearest nodes; False without any."""
+    """Closest points `st` : (2,) of two edges by Newton's method from their nearest nodes; False
+    without any."""
     nearest_nodes(x, first, second, toward, st)
     for _ in range(STEPS):
         edge_stencil(st[0], first, nodes[0], weights[0])

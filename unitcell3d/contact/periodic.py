@@ -1,8 +1,10 @@
-"""Who meets whom in a cell of the weave: crossing yarns, and parallel neighbours where they pass each other.
+"""Who meets whom in a cell of the weave: crossing yarns, and parallel neighbours where they pass
+each other.
 
-Crossing yarns meet as in a crossover, over their crossing and a margin beyond, for a sheared yarn is wider along the
-other than it was. Parallel neighbours are on opposite sides of the fabric over every crossing and at one height between
-two, where the tips of their sections can meet: the edge of one is held off the edge of the next.
+Crossing yarns meet as in a crossover, over their crossing and a margin beyond, for a sheared yarn
+is wider along the other than it was. Parallel neighbours are on opposite sides of the fabric over
+every crossing and at one height between two, where the tips of their sections can meet: the edge of
+one is held off the edge of the next.
 """
 
 from __future__ import annotations
@@ -23,11 +25,12 @@ NO_PLACES = np.empty((0, 0), np.int64)
 
 
 class Edges:
-    """The edge of one yarn (`first`) and that of its neighbour towards growing x or y (`second`): node numbers (i, k).
+    """The edge of one yarn (`first`) and that of its neighbour towards growing x or y (`second`):
+    node numbers (i, k).
 
-    The edges count as the curves through the middle of their thickness. The penalty acts on the area over which strips
-    as thick as the yarns would cross, t1 t2 / sin(angle): on that of the cut tips alone the edges would go through each
-    other before the weave locks.
+    The edges count as the curves through the middle of their thickness. The penalty acts on the
+    area over which strips as thick as the yarns would cross, t1 t2 / sin(angle): on that of the cut
+    tips alone the edges would go through each other before the weave locks.
 
     across : component that leads from the one to the other
     thicknesses : (2,) [m] of the yarns

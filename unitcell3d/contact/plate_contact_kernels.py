@@ -1,4 +1,5 @@
-"""Contact of nodes with a rigid plate z = const: penalty and Coulomb friction, as in `surface_contact_kernels`."""
+"""Contact of nodes with a rigid plate z = const: penalty and Coulomb friction, as in
+`surface_contact_kernels`."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from unitcell3d.contact.surface_contact_kernels import pressure
 
 @kernel()
 def plate_pass(x, face, height, law, forces, places, values):
-    """Forces of the nodes of a surface on a rigid plate z = height, and their tangent where `places` is given.
+    """Forces of the nodes of a surface on a rigid plate z = height, and their tangent where
+    `places` is given.
 
     Parameters
     ----------
@@ -54,7 +56,8 @@ def plate_pass(x, face, height, law, forces, places, values):
 
 @kernel()
 def update_plate_anchors(x, face, height, slip):
-    """Let the anchors follow to within `slip` [m] of nodes in contact, wholly those of the others; see `plate_pass`."""
+    """Let the anchors follow to within `slip` [m] of nodes in contact, wholly those of the others;
+    see `plate_pass`."""
     nodes, side, anchors = face.nodes, face.side, face.anchors
     for s in range(nodes.size):
         v = x[nodes[s], :2] - anchors[s]

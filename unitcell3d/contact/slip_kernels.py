@@ -1,4 +1,5 @@
-"""How far the friction of a pass is mobilised: the slip of its points over the regularisation slip."""
+"""How far the friction of a pass is mobilised: the slip of its points over the regularisation
+slip."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from unitcell3d.contact.surface_kernels import evaluate, surround
 
 @kernel()
 def mobilised_friction(x, slave, master, law, state):
-    """Friction and normal force of a pass, both as sums of sizes over its points, at the state of its last call.
+    """Friction and normal force of a pass, both as sums of sizes over its points, at the state of
+    its last call.
 
     Parameters
     ----------

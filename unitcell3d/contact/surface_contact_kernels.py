@@ -1,25 +1,27 @@
 """Contact of points of one structured surface with the C1 surface (`surface_kernels`) near another.
 
-The slave points are the Gauss points of the slave's bilinear faces, x = N_k x_k. For a point with closest point S(xi),
-x - S = g n (n: unit normal towards the slave side):
+The slave points are the Gauss points of the slave's bilinear faces, x = N_k x_k. For a point with
+closest point S(xi), x - S = g n (n: unit normal towards the slave side):
 
     S_,a . (x - S) = 0,   m_ab = S_,a . S_,b,   k_ab = n . S_,ab,   H_ab = m_ab - g k_ab
     dg = n . (dx - dS)
     D_a = S_,a . (dx - dS),   B_a = n . dS_,a,   dxi = H^-1 (D + g B)
     d(dg) = - D_a m^ab (B_b + k_bc dxi_c) - B_a dxi_a
 
-The contact force is -p(g) A w(xi) dg with the area A of the point and the pressure (penalty k, C1 toe of depth t)
+The contact force is -p(g) A w(xi) dg with the area A of the point and the pressure (penalty k, C1
+toe of depth t)
 
     p = 0 (g >= 0),  k g^2 / 2t (0 < -g < t),  k (-g - t/2) (-g > t).
 
-w is 1 on the master grid and falls to 0 within half a cell beyond a free edge (C1). The tangent is that of large
-sliding (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each side of a crossover is slave once, with half
-the penalty. Coulomb friction (coefficient f, regularisation slip s; Laursen and Simo 1993) adds the traction -tau:
+w is 1 on the master grid and falls to 0 within half a cell beyond a free edge (C1). The tangent is
+that of large sliding (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each side of a
+crossover is slave once, with half the penalty. Coulomb friction (coefficient f, regularisation slip
+s; Laursen and Simo 1993) adds the traction -tau:
 
     v = S_,a (xi_a - anchor_a),   tau = f p v / max(|v|, s).
 
-The anchor is where the point stuck when the last load step was accepted (docs/theory-cell.md, "The 3D crossover:
-contact").
+The anchor is where the point stuck when the last load step was accepted (docs/theory-cell.md, "The
+3D crossover: contact").
 """
 
 from __future__ import annotations
@@ -49,7 +51,8 @@ from unitcell3d.contact.surface_tangent_kernels import (
 
 @kernel()
 def pressure(gap, penalty, toe):
-    """Contact pressure [Pa] and its slope dp/dg [Pa/m] at the gap `gap` [m] (negative: penetration)."""
+    """Contact pressure [Pa] and its slope dp/dg [Pa/m] at the gap `gap` [m] (negative:
+    penetration)."""
     depth = -gap
     if depth <= 0.0:
         return 0.0, 0.0
@@ -60,7 +63,8 @@ def pressure(gap, penalty, toe):
 
 @kernel()
 def overlap_weight(xi, cells, free_low, free_high):
-    """Share w of a slave point's area that lies over the master in one direction, and its slope; C1."""
+    """Share w of a slave point's area that lies over the master in one direction, and its slope;
+    C1."""
     weight, slope = 1.0, 0.0
     if free_high and xi > cells:
         t = min(2.0 * (xi - cells), 1.0)
@@ -94,7 +98,8 @@ def traction(surface, xi, anchor, p, friction, slip, v, tau):
 
 @kernel()
 def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
-    """One pass: forces of the slave points on the master surface, and their tangent where there are places for it.
+    """One pass: forces of the slave points on the master surface, and their tangent where there are
+    places for it.
 
     Parameters
     ----------
@@ -185,7 +190,8 @@ def add_force(xi, anchor, p, share, law, scratch, nodes, forces, resultant):
 
 @kernel()
 def update_anchors(x, master, slip, state):
-    """Let the anchors follow: to within `slip` [m] of points in contact, to the closest point of the others.
+    """Let the anchors follow: to within `slip` [m] of points in contact, to the closest point of
+    the others.
 
     Parameters
     ----------

@@ -1,17 +1,20 @@
-"""A C1 surface near a structured grid of nodes, whose every cell hands each of its corners the same share.
+"""A C1 surface near a structured grid of nodes, whose every cell hands each of its corners the same
+share.
 
-Along each direction the surface is the mean of the Catmull-Rom and the uniform cubic B-spline of the nodes: with t in
-0 .. 1 between the two middle nodes of four,
+Along each direction the surface is the mean of the Catmull-Rom and the uniform cubic B-spline of
+the nodes: with t in 0 .. 1 between the two middle nodes of four,
 
-    12 w = 1 - 6 t + 9 t^2 - 4 t^3,  10 - 21 t^2 + 12 t^3,  1 + 6 t + 15 t^2 - 12 t^3,  - 3 t^2 + 4 t^3.
+    12 w = 1 - 6 t + 9 t^2 - 4 t^3,  10 - 21 t^2 + 12 t^3,  1 + 6 t + 15 t^2 - 12 t^3,  - 3 t^2 + 4
+    t^3.
 
-These integrate over the cell to 0, 1/2, 1/2, 0, as linear shape functions do: of all C1 cubics on four nodes this is
-the one on which a uniform pressure loads the nodes as it loads the bilinear faces of bricks, at the edges of a grid
-too, so that a contact patch test can be passed. (The Catmull-Rom spline, which goes through the nodes, takes a twelfth
-of a cell's load from each edge.) The surface lies off the nodes by h^2 curvature / 12, as the mean of the facets does.
+These integrate over the cell to 0, 1/2, 1/2, 0, as linear shape functions do: of all C1 cubics on
+four nodes this is the one on which a uniform pressure loads the nodes as it loads the bilinear
+faces of bricks, at the edges of a grid too, so that a contact patch test can be passed. (The
+Catmull-Rom spline, which goes through the nodes, takes a twelfth of a cell's load from each edge.)
+The surface lies off the nodes by h^2 curvature / 12, as the mean of the facets does.
 
-Beyond the edge of the grid stands a phantom row: the mirror image on a symmetry plane, the straight continuation
-elsewhere; it folds back into weights of the real nodes.
+Beyond the edge of the grid stands a phantom row: the mirror image on a symmetry plane, the straight
+continuation elsewhere; it folds back into weights of the real nodes.
 """
 
 from __future__ import annotations
@@ -43,7 +46,8 @@ def cubics(t, w):
 
 @kernel()
 def cell_of(xi, cells):
-    """Number of the cell that holds the parameter `xi`, 0 .. cells; the nearest one beyond the grid."""
+    """Number of the cell that holds the parameter `xi`, 0 .. cells; the nearest one beyond the
+    grid."""
     return min(max(int(np.floor(xi)), 0), cells - 1)
 
 
@@ -142,7 +146,8 @@ def folded(t, cell, cells, mirror_low, even, odd):
 
 @kernel()
 def nodes_of(grid, i, j, nodes):
-    """Fill `nodes` : (16,) with those that shape the cell i, j; phantoms stand for their neighbours."""
+    """Fill `nodes` : (16,) with those that shape the cell i, j; phantoms stand for their
+    neighbours."""
     ni, nj = grid.shape
     for m in range(4):
         for n in range(4):
@@ -151,7 +156,8 @@ def nodes_of(grid, i, j, nodes):
 
 @kernel()
 def weights_of(xi, grid, axes, mirror, weights, work):
-    """Fill `weights` : (3, 16, 3) with S, S_,1, S_,2 at `xi` as weights of the nodes of its cell and components.
+    """Fill `weights` : (3, 16, 3) with S, S_,1, S_,2 at `xi` as weights of the nodes of its cell
+    and components.
 
     work : (4, 3, 4) scratch
     """
@@ -176,7 +182,8 @@ def dot(a, b):
 
 @kernel()
 def project(point, ringed, xi, a, b, surface):
-    """Closest point of the surface by Newton's method from the guess `xi` : (2,), which is overwritten.
+    """Closest point of the surface by Newton's method from the guess `xi` : (2,), which is
+    overwritten.
 
     ringed, a, b, surface : as for `evaluate`; `surface` belongs to the point found
 

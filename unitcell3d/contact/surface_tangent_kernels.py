@@ -1,6 +1,8 @@
-"""Tangent of the contact of one point as a sum of products of rows, left[r] x right[r], over the nodes' components.
+"""Tangent of the contact of one point as a sum of products of rows, left[r] x right[r], over the
+nodes' components.
 
-The equations, and their symbols, are those of `surface_contact_kernels`. The pressure's tangent takes the rows
+The equations, and their symbols, are those of `surface_contact_kernels`. The pressure's tangent
+takes the rows
 
     dg x (-dp/dg A w dg - p A dw),  D_a x (p A w m^ab (B_b + k_bc dxi_c)),  B_a x (p A w dxi_a),
 
@@ -31,7 +33,8 @@ Scratch = namedtuple("Scratch", "surface normal weights spread v tau left right"
 
 @kernel()
 def normal_terms(scratch, gap, p, slope, area, overlap):
-    """Rows whose products are the tangent of the pressure; those of dxi stand in `right[3]`, `right[4]` over p A w.
+    """Rows whose products are the tangent of the pressure; those of dxi stand in `right[3]`,
+    `right[4]` over p A w.
 
     Parameters
     ----------
@@ -78,7 +81,8 @@ def normal_terms(scratch, gap, p, slope, area, overlap):
 
 @kernel()
 def friction_terms(scratch, p, slope, area, overlap, slid, law, length):
-    """Rows for the tangent of the friction, after those of `normal_terms`; returns how many are filled.
+    """Rows for the tangent of the friction, after those of `normal_terms`; returns how many are
+    filled.
 
     Parameters
     ----------

@@ -1,7 +1,9 @@
-"""The contact of yarns: pairs of facing surfaces, each in two passes, and the two platens of a compression test.
+"""The contact of yarns: pairs of facing surfaces, each in two passes, and the two platens of a
+compression test.
 
-What stands in a pair is a side: a `Pass`, or an edge of a yarn (`periodic.Edges`). Each lays out its part of the
-tangent, adds its forces, and keeps where its points stuck. `SurfacePairs` hands every call on to all sides.
+What stands in a pair is a side: a `Pass`, or an edge of a yarn (`periodic.Edges`). Each lays out
+its part of the tangent, adds its forces, and keeps where its points stuck. `SurfacePairs` hands
+every call on to all sides.
 """
 
 from __future__ import annotations
@@ -52,7 +54,8 @@ class SurfacePairs:
 
     @property
     def gaps(self) -> list[FloatArray]:
-        """Per side, [m] of the nodes of its surface at the last call of `assemble`, infinite without a partner."""
+        """Per side, [m] of the nodes of its surface at the last call of `assemble`, infinite
+        without a partner."""
         return [side.gaps for side in self._sides]
 
     @property
@@ -66,7 +69,8 @@ class SurfacePairs:
         return [side.anchors for side in self._sides]
 
     def expected_stencils(self) -> list[IntArray]:
-        """Arrays (m, s) of the stencils to lay the tangent out for: nodes that all act on each other."""
+        """Arrays (m, s) of the stencils to lay the tangent out for: nodes that all act on each
+        other."""
         return [side.expected_stencils() for side in self._sides]
 
     def build_pattern(self, pattern: Pattern) -> None:
@@ -107,8 +111,8 @@ class SurfacePairs:
             side.commit(x, numerics)
 
     def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> float:
-        """[-] share of Coulomb's limit that is mobilised at the state of the last call of `assemble`: 0 where all
-        points stick without load, 1 where all slide; 0 without contact."""
+        """[-] share of Coulomb's limit that is mobilised at the state of the last call of
+        `assemble`: 0 where all points stick without load, 1 where all slide; 0 without contact."""
         sums = np.array([side.mobilised_friction(x, numerics) for side in self._sides])
         mobilised, normal = sums.sum(axis=0)
         return float(mobilised / normal) if normal > 0 else 0.0
@@ -154,7 +158,8 @@ class Pass:
         return self._state.codes[self._state.codes >= 0]
 
     def expected_stencils(self) -> IntArray:
-        """(m, 20) stencils of what has been met, and of all points near their closest points: what may be met next."""
+        """(m, 20) stencils of what has been met, and of all points near their closest points: what
+        may be met next."""
         face = np.arange(len(self._areas)) // len(self._shapes)
         codes = [self._known, self._met()]
         for shift in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
@@ -170,7 +175,8 @@ class Pass:
         return np.concatenate([self._quads[face], masters], axis=1)
 
     def build_pattern(self, pattern: Pattern) -> None:
-        """Look up the places of what `expected_stencils` returned last in the tangent's `pattern`."""
+        """Look up the places of what `expected_stencils` returned last in the tangent's
+        `pattern`."""
         stencils = self.expected_stencils()
         self._row_of[self._known] = np.arange(len(self._known))
         self._places = pattern.places(stencils)
@@ -208,8 +214,9 @@ class Pass:
         surface_contact_kernels.update_anchors(x, self._master, numerics.slip, self._state)
 
     def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
-        """[N] sums over the points, at the state of the last call of `assemble`: of the normal force times the
-        mobilised share of Coulomb's limit (0 in rest, 1 in slip), and of the normal force."""
+        """[N] sums over the points, at the state of the last call of `assemble`: of the normal
+        force times the mobilised share of Coulomb's limit (0 in rest, 1 in slip), and of the normal
+        force."""
         law = contact_law(numerics, 0.5)
         found: tuple[float, float] = slip_kernels.mobilised_friction(
             x, self._points, self._master, law, self._state
@@ -218,7 +225,8 @@ class Pass:
 
     @property
     def anchors(self) -> FloatArray:
-        """(s, 2) [-] where each point stuck last, in parameters of the master; may be written to."""
+        """(s, 2) [-] where each point stuck last, in parameters of the master; may be written
+        to."""
         return self._state.anchors
 
     @property
@@ -228,7 +236,8 @@ class Pass:
 
     @property
     def gaps(self) -> FloatArray:
-        """[m] of the slave's nodes: mean of the points on the faces that meet there, infinite without a partner."""
+        """[m] of the slave's nodes: mean of the points on the faces that meet there, infinite
+        without a partner."""
         gaps = self._state.gaps.reshape(len(self._quads), -1, 1)
         met = np.isfinite(gaps)
         weights = np.where(met, self._areas.reshape(gaps.shape) * self._shapes, 0.0)
@@ -245,9 +254,11 @@ def facing(
     quarter: bool = False,
     families: Sequence[int] = (0, 1),
 ) -> tuple[Pass, Pass]:
-    """The lower face of one yarn and the upper face of another, each slave once with half the penalty.
+    """The lower face of one yarn and the upper face of another, each slave once with half the
+    penalty.
 
-    A yarn along y counts as the upper one, and one along x as the lower one, with its grid transposed.
+    A yarn along y counts as the upper one, and one along x as the lower one, with its grid
+    transposed.
 
     Parameters
     ----------
@@ -318,7 +329,8 @@ class Plates:
         places: Sequence[IntArray] | None,
         values: FloatArray,
     ) -> FloatArray:
-        """Adds internal forces, and the tangent where `places` (per plate, or None) is given; returns (2,) [N]."""
+        """Adds internal forces, and the tangent where `places` (per plate, or None) is given;
+        returns (2,) [N]."""
         pressed = np.zeros(2)
         if not np.isfinite(half_distance):
             return pressed
@@ -352,7 +364,8 @@ def plate_face(points: FloatArray, grids: Sequence[IntArray], side: float) -> Pl
 
 
 def gauss(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Shape functions (g, 4) at the Gauss points of quadrilaterals (f, 4, 3) [m], and the areas (f, g) [m2] there."""
+    """Shape functions (g, 4) at the Gauss points of quadrilaterals (f, 4, 3) [m], and the areas (f,
+    g) [m2] there."""
     places, weights = np.polynomial.legendre.leggauss(GAUSS)
     s, t = (axis.ravel()[:, None] for axis in np.meshgrid(places, places, indexing="ij"))
     a, b = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]).T

@@ -1,8 +1,9 @@
-"""Bicubic interpolation of a response surface, twice continuously differentiable, with an estimate of its error.
+"""Bicubic interpolation of a response surface, twice continuously differentiable, with an estimate
+of its error.
 
-The estimate leaves out one grid line after another and compares the spline through the rest with what the crossover
-gave on that line. It is the error of the spacing twice as wide: for a smooth surface sixteen times that of the grid
-itself, at a kink about twice.
+The estimate leaves out one grid line after another and compares the spline through the rest with
+what the crossover gave on that line. It is the error of the spacing twice as wide: for a smooth
+surface sixteen times that of the grid itself, at a kink about twice.
 """
 
 from __future__ import annotations
@@ -69,7 +70,8 @@ class Interpolant:
 
 @dataclass(frozen=True)
 class Error:
-    """Estimate for one quantity: of each grid line (NaN at the edges) the largest, and over all lines rms and largest.
+    """Estimate for one quantity: of each grid line (NaN at the edges) the largest, and over all
+    lines rms and largest.
 
     Parameters
     ----------

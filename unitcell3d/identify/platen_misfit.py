@@ -1,7 +1,9 @@
-"""How far a computed compression between platens is from a measured one, in closure and in pressure.
+"""How far a computed compression between platens is from a measured one, in closure and in
+pressure.
 
-The first part of the tests is cut off in the thesis (chapter 7), and no test gives the thickness at rest or the first
-touch well: both curves may be moved along the closure as a whole. Their shape is compared.
+The first part of the tests is cut off in the thesis (chapter 7), and no test gives the thickness at
+rest or the first touch well: both curves may be moved along the closure as a whole. Their shape is
+compared.
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ OFFSETS = 81  # tried over the closure of the curve, before the best of them is 
 
 
 class PlatenMisfit(NamedTuple):
-    """closure : [m] rms at equal pressures; pressure : [-] rms of P / P_measured - 1 at equal closures; own offsets."""
+    """closure : [m] rms at equal pressures; pressure : [-] rms of P / P_measured - 1 at equal
+    closures; own offsets."""
 
     closure: float
     pressure: float
@@ -31,17 +34,20 @@ class PlatenMisfit(NamedTuple):
 def platen_misfit(
     history: Record, cell_area: float, curve: PlateCurve, pressure: FloatArray | None = None
 ) -> PlatenMisfit:
-    """Misfit of a computed compression between platens; the offset of the closure is free in both measures.
+    """Misfit of a computed compression between platens; the offset of the closure is free in both
+    measures.
 
-    The closure's offset takes the mean of the misfit out; the offset of the pressure's measure is the one that makes
-    that measure least. A history that ends early goes on straight in ln P, as in `closures`.
+    The closure's offset takes the mean of the misfit out; the offset of the pressure's measure is
+    the one that makes that measure least. A history that ends early goes on straight in ln P, as in
+    `closures`.
 
     Parameters
     ----------
     history : Record between platens (`cases.biaxial_and_platens.plate_compression`)
     cell_area : [m2] of one crossover
     curve : measured
-    pressure : (n,) [Pa] rising, where the curve is read; by default `POINTS` at equal ratios over all of it
+    pressure : (n,) [Pa] rising, where the curve is read; by default `POINTS` at equal ratios over
+        all of it
 
     Raises
     ------
@@ -60,7 +66,8 @@ def platen_misfit(
 def misfit_of_points(
     pressure: FloatArray, closure: FloatArray, measured: FloatArray
 ) -> PlatenMisfit:
-    """Misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured` ones, as `platen_misfit`."""
+    """Misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured` ones, as
+    `platen_misfit`."""
     P, offset = np.log(pressure), np.mean(closure - measured)
     return PlatenMisfit(
         _rms(closure - offset - measured), _pressure_ratios(P, closure, P, measured)
@@ -70,10 +77,11 @@ def misfit_of_points(
 def closures(
     history: Record, cell_area: float, pressure: FloatArray, measured: FloatArray
 ) -> FloatArray:
-    """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of the `measured` ones.
+    """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of
+    the `measured` ones.
 
-    Beyond the last pressure that the history reached, the closure goes on as it ended, straight in ln P, so that a
-    misfit does not jump where a compression ends early.
+    Beyond the last pressure that the history reached, the closure goes on as it ended, straight in
+    ln P, so that a misfit does not jump where a compression ends early.
 
     Raises
     ------
@@ -90,8 +98,8 @@ def closures(
 
 
 def rising(history: Record, cell_area: float) -> tuple[FloatArray, FloatArray]:
-    """Pressure [Pa] and closure [m] of the steps that press harder than any before: a tip that snaps lets the force
-    fall.
+    """Pressure [Pa] and closure [m] of the steps that press harder than any before: a tip that
+    snaps lets the force fall.
 
     Raises
     ------

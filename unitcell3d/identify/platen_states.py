@@ -1,18 +1,20 @@
-"""Equilibria of a crossover between platens at given pressures, for one trial of the solid's constants after another.
+"""Equilibria of a crossover between platens at given pressures, for one trial of the solid's
+constants after another.
 
-Without friction an equilibrium depends on the load and the constants alone, not on the way there. So only the first
-trial is loaded from rest; the next starts, pressure by pressure, from the equilibrium of an earlier trial x and its
-derivatives
+Without friction an equilibrium depends on the load and the constants alone, not on the way there.
+So only the first trial is loaded from rest; the next starts, pressure by pressure, from the
+equilibrium of an earlier trial x and its derivatives
 
     dq/dx = -K^-1 dr/dx at a fixed distance of the platens,    dq/dh = -K^-1 dr/dh,
 
-K being the tangent that Newton's method has anyway, dr/dx and dr/dh differences of the residual. The same derivatives
-give those of the pressure, d ln P/dx and d ln P/dh, and so the Jacobian of the closures at fixed pressure,
+K being the tangent that Newton's method has anyway, dr/dx and dr/dh differences of the residual.
+The same derivatives give those of the pressure, d ln P/dx and d ln P/dh, and so the Jacobian of the
+closures at fixed pressure,
 
     dc/dx = 2 (d ln P/dx) / (d ln P/dh),    c = 2 (h_rest - h),
 
-without another trial. A step in x that is too long for this is halved; where even an eighth of it fails, the trial is
-loaded from rest.
+without another trial. A step in x that is too long for this is halved; where even an eighth of it
+fails, the trial is loaded from rest.
 """
 
 from __future__ import annotations
@@ -71,7 +73,8 @@ class PlatenStates:
     failed: str = ""
 
     def closures(self, pressure: FloatArray) -> FloatArray:
-        """(n,) [m] closed at pressures [Pa] beside those of the equilibria, straight in ln P from the nearest."""
+        """(n,) [m] closed at pressures [Pa] beside those of the equilibria, straight in ln P from
+        the nearest."""
         i = self._nearest(pressure)
         offset = (np.log(pressure) - np.log(self.pressure[i])) / self.pressure_h[i]
         return 2 * (self.rest - self.half_distance[i] - offset)
@@ -86,7 +89,8 @@ class PlatenStates:
 
 
 class PlatenSolver:
-    """The equilibria of one mesh at given pressures, for trial after trial; call `close` at the end.
+    """The equilibria of one mesh at given pressures, for trial after trial; call `close` at the
+    end.
 
     Parameters
     ----------
@@ -232,7 +236,8 @@ class PlatenSolver:
         return self._states(x, rows, failed)
 
     def _close_to(self, goal, h, q):
-        """(half distance, Equilibrium) of the next step from the equilibrium (h, q), past a snap where there is one."""
+        """(half distance, Equilibrium) of the next step from the equilibrium (h, q), past a snap
+        where there is one."""
         try:
             ((_, found),) = continue_to(
                 self.model, self._solver, q, self._load_at(h), self._load_at(goal), (1.0,)

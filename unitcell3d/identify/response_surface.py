@@ -1,10 +1,11 @@
 """The response of a crossover sampled over a rectangle of end displacements (thesis Figure 3-11).
 
-The grid is a tensor product, its lines paths of continuation: a stem from rest to the corner (lowest d1, lowest d2) and
-on along d2; from each of its states a row along d1. Where a tolerance is given, lines are added half-way beside those
-that the interpolant misses by more when they are left out (`interpolant.errors`), which is where contact sets in: new
-rows start from the stem, new columns from the first row. Without friction the response does not depend on the path.
-With it the surface is that of stretching the weft first and the warp then, and lines cannot be added.
+The grid is a tensor product, its lines paths of continuation: a stem from rest to the corner
+(lowest d1, lowest d2) and on along d2; from each of its states a row along d1. Where a tolerance is
+given, lines are added half-way beside those that the interpolant misses by more when they are left
+out (`interpolant.errors`), which is where contact sets in: new rows start from the stem, new
+columns from the first row. Without friction the response does not depend on the path. With it the
+surface is that of stretching the weft first and the warp then, and lines cannot be added.
 
 Finished lines (`surface_line`) are kept in one file, written whole after each of them.
 """
@@ -79,9 +80,10 @@ def sample(
     ----------
     fabric : Fabric, with solid laws
     d1, d2 : (lowest, highest) [m] end displacements per end
-    points : number of lines in each direction, evenly spread; to begin with, where there is a tolerance
-    tolerance : [-] of the largest T1, T2, F_c: add lines until none that is left out is missed by more, or there are
-        `MOST_LINES`; None: no more lines
+    points : number of lines in each direction, evenly spread; to begin with, where there is a
+        tolerance
+    tolerance : [-] of the largest T1, T2, F_c: add lines until none that is left out is missed by
+        more, or there are `MOST_LINES`; None: no more lines
     size : of the mesh
     friction : [-] Coulomb's coefficient between the yarns; not with a tolerance
     partial : file (.h5) in which finished lines are kept, or None
@@ -96,7 +98,8 @@ def sample(
 
     Raises
     ------
-    InputError : a range, number or size is not allowed, or `partial` is of another surface or of other code
+    InputError : a range, number or size is not allowed, or `partial` is of another surface or of
+        other code
     UnstableError : a line found no equilibrium; the others are kept in `partial`
     """
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
@@ -183,7 +186,8 @@ def _below(line, place):
 
 
 def _missing(surface, tolerance):
-    """Lines half-way beside those that are missed by more than the tolerance when they are left out: (d1, d2)."""
+    """Lines half-way beside those that are missed by more than the tolerance when they are left
+    out: (d1, d2)."""
     if tolerance is None:
         return [np.empty(0), np.empty(0)]
     found = errors(surface)

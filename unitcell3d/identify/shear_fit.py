@@ -1,7 +1,9 @@
-"""The three zones of `fabrics.trellis.TrellisShear` from a computed curve of shear stress against shear angle.
+"""The three zones of `fabrics.trellis.TrellisShear` from a computed curve of shear stress against
+shear angle.
 
-For given gamma1 < gamma2 the stress (thesis eq. 4-35 integrated, erratum E-11) is linear in G1 and G2 - G1, both
-positive: non-negative least squares gives them, and a search over the two angles the rest.
+For given gamma1 < gamma2 the stress (thesis eq. 4-35 integrated, erratum E-11) is linear in G1 and
+G2 - G1, both positive: non-negative least squares gives them, and a search over the two angles the
+rest.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""What a fit of the solid's constants to a compression between platens found, and what the curve says about each.
+"""What a fit of the solid's constants to a compression between platens found, and what the curve
+says about each.
 
-Covariance s^2 (J^T J)^-1 of the logarithms, s the rms misfit, but no better than `RESOLUTION`. A constant is called
-determined if its 95 % interval excludes its half and its double. The product K_r E_c is judged too: a curve that never
-packs the yarn tells it alone.
+Covariance s^2 (J^T J)^-1 of the logarithms, s the rms misfit, but no better than `RESOLUTION`. A
+constant is called determined if its 95 % interval excludes its half and its double. The product K_r
+E_c is judged too: a curve that never packs the yarn tells it alone.
 """
 
 from __future__ import annotations
@@ -37,21 +38,24 @@ class SolidFit:
     fabric : Fabric with the fitted solids
     started : Fabric with those of the file
     curve : PlateCurve fitted to
-    pressure, measured, computed : (n,) [Pa], [m], [m] closures of the curve and of the fitted crossover
+    pressure, measured, computed : (n,) [Pa], [m], [m] closures of the curve and of the fitted
+        crossover
     before : (n,) [m] closures with the solids of the file
-    checked : (k,) [m] closures of the fitted crossover on the finer mesh, at the k first pressures, which it reaches;
-        or None
+    checked : (k,) [m] closures of the fitted crossover on the finer mesh, at the k first pressures,
+        which it reaches; or None
     values : {"E_c", "V_c", "K_r", "K_r E_c": value}
     intervals : {name: (low, high)} 95 %
     determined : {name: bool}
     correlation : (3, 3) [-] of ln E_c, ln (V_c - Vf0), ln K_r
-    singular_values : (3,) [-] of the Jacobian of the weighted misfit, per unit of ln along each principal direction
+    singular_values : (3,) [-] of the Jacobian of the weighted misfit, per unit of ln along each
+        principal direction
     directions : (3, 3) [-] those directions, one a row, best determined first
     limits : (low, high) Fabric on each direction, at the ends of its 95 %
     met : the fit ended where nothing more was to be had
     work : {"trials", "loaded from rest", "equilibria", "factorisations": number}
     sizes : of the two meshes, as texts
-    failed : why the fitted crossover did not reach the highest pressures, where its closures go on straight in ln P; ""
+    failed : why the fitted crossover did not reach the highest pressures, where its closures go on
+        straight in ln P; ""
     """
 
     fabric: Fabric
@@ -168,7 +172,8 @@ def record(
 
     Parameters
     ----------
-    fit : its trials, with fabric, curve, pressure, measured, densest, freedom, floor, trials, solver and with_constants
+    fit : its trials, with fabric, curve, pressure, measured, densest, freedom, floor, trials,
+        solver and with_constants
     found : least_squares.Found, of the weighted misfit
     before, computed : (n,) [m] closures
     checked : as of a SolidFit

@@ -1,4 +1,5 @@
-"""Finished lines of a response surface, kept in one HDF5 file that is written whole after each of them."""
+"""Finished lines of a response surface, kept in one HDF5 file that is written whole after each of
+them."""
 
 from __future__ import annotations
 
@@ -50,7 +51,8 @@ class Partial:
 
     Raises
     ------
-    InputError : the file to go on from is not one of these, or is of another surface or of other code
+    InputError : the file to go on from is not one of these, or is of another surface or of other
+        code
     """
 
     def __init__(self, path: FilePath | None, stamp: Mapping[str, str], resume: bool) -> None:

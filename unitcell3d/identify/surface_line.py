@@ -1,8 +1,9 @@
 """One line of a response surface: a path of continuation at a fixed end displacement of one yarn.
 
-Each line is a case of its own, with a model of its own, so that it comes out the same to the last bit whichever process
-solves it, and when. With friction an equilibrium depends on where the yarns stuck before: a line then takes that over
-from the state it starts from, and goes on from every place it has come to.
+Each line is a case of its own, with a model of its own, so that it comes out the same to the last
+bit whichever process solves it, and when. With friction an equilibrium depends on where the yarns
+stuck before: a line then takes that over from the state it starts from, and goes on from every
+place it has come to.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ FROM_REST = 0.02  # share of the way from rest to the first place of a line in o
 
 @dataclass(frozen=True)
 class Case:
-    """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places `along` [m].
+    """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places
+    `along` [m].
 
     start : (d1, d2) [m] on the edge, where the line begins; None: at rest
     q, stick_state : (size,) [m] unknowns, and (s,) where the points of contact stick

@@ -1,12 +1,14 @@
 """The fibre bars of a set of yarns, and their failure (thesis App. B.1, erratum E-18).
 
-A bar whose strain passes the failure strain e_f of its yarn loses its stiffness over a further `FADE` e_f of strain,
+A bar whose strain passes the failure strain e_f of its yarn loses its stiffness over a further
+`FADE` e_f of strain,
 
     N = (1 - D) E A s(e) + D r E A s(e),   D = (e - e_f) / (FADE e_f)  between 0 and 1,
 
-and never gets it back: D only grows. The fraction r is what a slack fibre keeps (`numerics.Numerics`). The bars lie
-on the crimped path, so their strain is strain beyond crimp. D is constant while an equilibrium is sought: it is
-raised by `Fibres.fail` where a state has been accepted, and the equilibrium sought again until nothing more fails.
+and never gets it back: D only grows. The fraction r is what a slack fibre keeps
+(`numerics.Numerics`). The bars lie on the crimped path, so their strain is strain beyond crimp. D
+is constant while an equilibrium is sought: it is raised by `Fibres.fail` where a state has been
+accepted, and the equilibrium sought again until nothing more fails.
 """
 
 from __future__ import annotations
@@ -88,7 +90,8 @@ class Fibres:
         return float((strain[whole] / self._limit[whole]).max(initial=0.0)) if self._fails else 0.0
 
     def fail(self, x: FloatArray) -> bool:
-        """Raise the damage to that of the positions `x`, first of the most overstrained; returns whether any rose."""
+        """Raise the damage to that of the positions `x`, first of the most overstrained; returns
+        whether any rose."""
         if not self._fails:
             return False
         beyond = np.clip((self.strains(x) / self._limit - 1) / FADE, 0, None)

@@ -11,15 +11,17 @@ from fabrics.errors import InputError
 
 @dataclass(frozen=True)
 class Numerics:
-    """Numbers that belong to the method, not to the fabric. How results converge: docs/reports/mesh-and-cost.md.
+    """Numbers that belong to the method, not to the fabric. How results converge:
+    docs/reports/mesh-and-cost.md.
 
     Parameters
     ----------
     penalty : [Pa/m] contact stiffness, both passes together
-    toe : [m] penetration over which the contact stiffness sets in; a shorter one costs more tangents
+    toe : [m] penetration over which the contact stiffness sets in; a shorter one costs more
+        tangents
     slack_width : [-] fibre strain over which a fibre becomes taut
-    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing;
-        where it is large, slack yarn tips buckle
+    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns
+        from collapsing; where it is large, slack yarn tips buckle
     friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
     slip : [m] over which friction sets in
     """

@@ -1,11 +1,12 @@
-"""Quasi-static yarns: solids, fibre bars and contact as residual and tangent of one set of unknowns.
+"""Quasi-static yarns: solids, fibre bars and contact as residual and tangent of one set of
+unknowns.
 
     r(q, load) = C^T [ solid(u) + bars(u) + contact(u) + plates(u) ] = 0,   u = C q + drive d
 
-(thesis chapter 3; `material.solid_law`, `material.fibre_kernels`, `contact.surface_contact_kernels` and
-`assembly.constraints` hold the equations).
-Any set of yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and
-length: its axial end forces count twice, its vertical forces four times.
+(thesis chapter 3; `material.solid_law`, `material.fibre_kernels`, `contact.surface_contact_kernels`
+and `assembly.constraints` hold the equations). Any set of yarns is a `YarnsModel`; the crossover is
+one of them. A quarter crossover is half of each yarn's width and length: its axial end forces count
+twice, its vertical forces four times.
 """
 
 from __future__ import annotations
@@ -72,7 +73,8 @@ class Load(LinearLoad):
 
 
 class YarnsModel:
-    """Meshed yarns with their laws; holds scratch arrays, and no history but the damage of fibres that may fail.
+    """Meshed yarns with their laws; holds scratch arrays, and no history but the damage of fibres
+    that may fail.
 
     Parameters
     ----------
@@ -236,7 +238,8 @@ class YarnsModel:
         return strain, self.fibres.means(strain)
 
     def worst_element(self, x: FloatArray) -> tuple[int, float]:
-        """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""
+        """Number of the hexahedron with the least corner volume ratio to the undeformed, and that
+        ratio."""
         volumes = (np.linalg.det(corner_edges(points, self.hexes)) for points in (x, self.points))
         ratio = np.divide(*volumes)
         cell = int(np.argmin(ratio.min(axis=1)))
@@ -278,13 +281,15 @@ class CrossoverModel(YarnsModel):
         )
 
     def heights(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
+        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below
+        (weft) its end."""
         ends = [axis_height(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
         middles = [axis_height(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
         return np.array([middles[0] - ends[0], ends[1] - middles[1]])
 
     def half_thicknesses(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
+        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at
+        the crossing."""
         warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
         return np.array(
             [axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)]

@@ -1,19 +1,21 @@
-"""The weave's own cell with neighbours on all sides: stretched along both yarns and sheared as a trellis.
+"""The weave's own cell with neighbours on all sides: stretched along both yarns and sheared as a
+trellis.
 
-A plain weave repeats after one crossing along each yarn, turned upside down (a glide plane), and after two as it is.
-In-plane stretch and shear keep both. So one whole crossover ("whole") with the glide, or a patch of 2 x 2 ("periodic")
-with plain repetition, stands for the weave:
+A plain weave repeats after one crossing along each yarn, turned upside down (a glide plane), and
+after two as it is. In-plane stretch and shear keep both. So one whole crossover ("whole") with the
+glide, or a patch of 2 x 2 ("periodic") with plain repetition, stands for the weave:
 
     x(X + a) - M x(X) = F a,    M = diag(1, 1, -1) or 1,   a: one or two crossings along a yarn.
 
-Lengths of the yarns between crossings are w_i lambda_i, their directions e_1 and e_2; with the shear angle g, half of
-it on each side (thesis section 4.3.2, the trellis of Figure 4-6),
+Lengths of the yarns between crossings are w_i lambda_i, their directions e_1 and e_2; with the
+shear angle g, half of it on each side (thesis section 4.3.2, the trellis of Figure 4-6),
 
     F = [lambda_1 e_1, lambda_2 e_2],   e_1 = (cos g/2, sin g/2),  e_2 = (sin g/2, cos g/2),  lambda_i = 1 + d_i / w_i.
 
-Each yarn is driven by the turn and stretch of its own axis, and the unknowns are what it does besides: they are tied
-between the ends of the yarn. Contact meets neighbours in images of nodes: nodes without mass or law that follow those
-of the cell. The load does the work Q . dp on its parameters p (the turns and stretches), so
+Each yarn is driven by the turn and stretch of its own axis, and the unknowns are what it does
+besides: they are tied between the ends of the yarn. Contact meets neighbours in images of nodes:
+nodes without mass or law that follow those of the cell. The load does the work Q . dp on its
+parameters p (the turns and stretches), so
 
     T_i = Q . dp/dd_i / 2,    M = Q . dp/dg    (per crossing),    tau = M / (cell area x shell thickness).
 """
@@ -41,7 +43,8 @@ PLANE = (0, 1)
 
 @dataclass(frozen=True)
 class CellLoad(LinearLoad):
-    """End displacements d1, d2 [m] per end of a crossing, and the shear angle gamma [rad] between the yarns.
+    """End displacements d1, d2 [m] per end of a crossing, and the shear angle gamma [rad] between
+    the yarns.
 
     w : (2,) [m] half lengths of the cell
     plates : [m] half the distance of two plates, infinite without
@@ -106,13 +109,15 @@ def _across_by_gamma(gamma):
 
 @dataclass(frozen=True)
 class CellConstraints(Constraints):
-    """Constraints of a cell of a number of `crossings`; the ends are not nodes but parameters of the load."""
+    """Constraints of a cell of a number of `crossings`; the ends are not nodes but parameters of
+    the load."""
 
     crossings: int = 1
     w: tuple = ()
 
     def end_force(self, forces: FloatArray, yarn: int) -> float:
-        """[N] tension of a yarn as far as its direction is that of the undeformed cell: the size of the forces."""
+        """[N] tension of a yarn as far as its direction is that of the undeformed cell: the size of
+        the forces."""
         Q = self.work(forces).reshape(3, 2, 2)
         return float(Q[yarn, yarn, yarn] + Q[2, yarn, yarn]) / (2 * self.w[yarn] * self.crossings)
 
@@ -129,8 +134,8 @@ class CellModel(YarnsModel):
     mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
     fabric : Fabric
     numerics, failure : as of a `model.crossover.YarnsModel`
-    margin : columns of elements beyond a crossing's own in which its two yarns may meet too; beyond, the faces of
-        their sharp tips are met from behind, and slack yarns snap
+    margin : columns of elements beyond a crossing's own in which its two yarns may meet too;
+        beyond, the faces of their sharp tips are met from behind, and slack yarns snap
 
     Raises
     ------

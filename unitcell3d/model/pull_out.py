@@ -1,18 +1,21 @@
 """A whole crossover through which one of its yarns is pulled along its own axis.
 
-The pulled yarn p carries on beyond the cell: a plain weave repeats after one crossing, turned upside down (a glide
-plane along the yarn), and keeps that repetition while one yarn is pulled through all the others. With u the
-displacements of its end faces, k counted through the thickness from the middle,
+The pulled yarn p carries on beyond the cell: a plain weave repeats after one crossing, turned
+upside down (a glide plane along the yarn), and keeps that repetition while one yarn is pulled
+through all the others. With u the displacements of its end faces, k counted through the thickness
+from the middle,
 
     u_axial(+, k) - (s + d_p) = u_axial(-, -k) - (s - d_p) = -(u_axial(+, -k) - (s + d_p)),
     u_z(+, k) = -u_z(-, -k),    u_width(+, k) = u_width(-, -k),
 
-where s is the pull and d_p the end displacement of the biaxial paths. The crimp can travel along the yarn: the yarn's
-material follows the path of its own centreline, which an end face held at its height could not. The tension grows from
-the end that is left behind to the end that is pulled by the axial force P that the crossing yarn takes.
+where s is the pull and d_p the end displacement of the biaxial paths. The crimp can travel along
+the yarn: the yarn's material follows the path of its own centreline, which an end face held at its
+height could not. The tension grows from the end that is left behind to the end that is pulled by
+the axial force P that the crossing yarn takes.
 
-The crossing yarn is held by the fabric: its end faces have the weave's two-fold axis, as in the biaxial paths
-(`assembly.constraints`), and no mean displacement across the yarn, so that it takes P by its tension, as a string.
+The crossing yarn is held by the fabric: its end faces have the weave's two-fold axis, as in the
+biaxial paths (`assembly.constraints`), and no mean displacement across the yarn, so that it takes P
+by its tension, as a string.
 """
 
 from __future__ import annotations
@@ -60,7 +63,8 @@ class PullOutModel(YarnsModel):
 
     Raises
     ------
-    InputError : the fabric has no solid laws, is not the one that was meshed, or the mesh is not a whole crossover
+    InputError : the fabric has no solid laws, is not the one that was meshed, or the mesh is not a
+        whole crossover
     """
 
     def __init__(
@@ -92,25 +96,28 @@ class PullOutModel(YarnsModel):
         )
 
     def _press(self, x, load, forces, places=None):
-        """Platens take no axial force of the yarn: that force is to be the crossing yarn's alone."""
+        """Platens take no axial force of the yarn: that force is to be the crossing yarn's
+        alone."""
         if self.plates is None:
             return np.zeros(2)
         smooth = replace(self.numerics, friction=0.0)
         return self.plates.press(x, load.plates, smooth, forces, places, self.pattern.values)
 
     def axial_force(self, forces: FloatArray) -> float:
-        """[N] P, by which the tension of the pulled yarn differs between its ends, of nodal forces (n, 3) [N]."""
+        """[N] P, by which the tension of the pulled yarn differs between its ends, of nodal forces
+        (n, 3) [N]."""
         return float(forces[np.unique(self.crossover.grids[self.pulled]), AXIAL[self.pulled]].sum())
 
     def geometric_force(self, x: FloatArray) -> float:
-        """[N] the part of P that the normal pressures take, in the state at positions `x` : (n, 3) [m]."""
+        """[N] the part of P that the normal pressures take, in the state at positions `x` : (n, 3)
+        [m]."""
         forces = np.zeros_like(x)
         self.surfaces.assemble(x, replace(self.numerics, friction=0.0), forces)
         return self.axial_force(forces)
 
     def heights(self, x: FloatArray) -> FloatArray:
-        """(2,) [m] heights h1, h2 of the centrelines at the crossing over (warp), under (weft) the mean of their
-        ends."""
+        """(2,) [m] heights h1, h2 of the centrelines at the crossing over (warp), under (weft) the
+        mean of their ends."""
         found = []
         for grid in self.crossover.grids:
             i, j = grid.shape[0] // 2, grid.shape[1] // 2
@@ -150,7 +157,8 @@ def pull_constraints(grids: Sequence[IntArray], n: int, pulled: int) -> Constrai
 
 
 def _odd(ties, face, component, through):
-    """Let a displacement of a face (j, k) have no mean: odd through the thickness, or across the yarn."""
+    """Let a displacement of a face (j, k) have no mean: odd through the thickness, or across the
+    yarn."""
     lines = face.T if through else face
     count = len(lines)
     for line in range(count // 2):

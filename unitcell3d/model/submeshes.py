@@ -1,4 +1,5 @@
-"""Other sets of yarns from the mesh of a crossover: one yarn alone, or plies of crossovers on each other."""
+"""Other sets of yarns from the mesh of a crossover: one yarn alone, or plies of crossovers on each
+other."""
 
 from __future__ import annotations
 
@@ -30,9 +31,11 @@ def single_yarn_mesh(mesh: YarnMesh, family: int) -> YarnMesh:
 
 
 def with_bars(mesh: YarnMesh, lines: int) -> YarnMesh:
-    """The mesh of one yarn whose fibres lie on `lines` of its fibre lines alone, spread over the section.
+    """The mesh of one yarn whose fibres lie on `lines` of its fibre lines alone, spread over the
+    section.
 
-    The lines that stay carry the whole fibre area, in the ratio of their shares; none leaves no fibres.
+    The lines that stay carry the whole fibre area, in the ratio of their shares; none leaves no
+    fibres.
     """
     grid = mesh.grids[0]
     across = grid.shape[1] * grid.shape[2]
@@ -46,7 +49,8 @@ def with_bars(mesh: YarnMesh, lines: int) -> YarnMesh:
 
 
 def line_numbers(across: int, through: int) -> list[int]:
-    """Numbers of fibre lines that can be spread evenly: over the middle layer, then over pairs of layers about it."""
+    """Numbers of fibre lines that can be spread evenly: over the middle layer, then over pairs of
+    layers about it."""
     middle = across if through % 2 else 0
     return [*range(middle + 1), *range(middle + 2, across * through + 1, 2)]
 
@@ -64,12 +68,14 @@ def _spread(across, through, lines):
 
 
 def _evenly(n, count):
-    """`count` of n numbers, evenly spread; one: the first, which is the middle of a quarter yarn."""
+    """`count` of n numbers, evenly spread; one: the first, which is the middle of a quarter
+    yarn."""
     return np.round(np.linspace(0, n - 1, count)).astype(int) if count > 1 else range(count)
 
 
 def stacked(mesh: YarnMesh, plies: int, pitch: float) -> YarnMesh:
-    """Plies of one mesh on each other, `pitch` [m] from ply to ply, the middle at z = 0; the yarns of ply 0 first."""
+    """Plies of one mesh on each other, `pitch` [m] from ply to ply, the middle at z = 0; the yarns
+    of ply 0 first."""
     yarns, n = len(mesh.names), len(mesh.points)
     heights = [(ply - (plies - 1) / 2) * pitch for ply in range(plies)]
 

@@ -1,8 +1,10 @@
-"""Equilibria along a straight leg of a load path: guesses, halved steps, and softer contact where nothing else helps.
+"""Equilibria along a straight leg of a load path: guesses, halved steps, and softer contact where
+nothing else helps.
 
-Each step starts from the guess that leaves the least residual: the last state, its linear continuation, or the secant.
-A step that finds no equilibrium is halved. Where even the least step fails, the contact is softened, the state carried
-over, and the contact brought back in stages at the same load; only a state of the full contact stiffness is returned.
+Each step starts from the guess that leaves the least residual: the last state, its linear
+continuation, or the secant. A step that finds no equilibrium is halved. Where even the least step
+fails, the contact is softened, the state carried over, and the contact brought back in stages at
+the same load; only a state of the full contact stiffness is returned.
 """
 
 from __future__ import annotations
@@ -48,7 +50,8 @@ def advance(
     share: float,
     last_resort: bool,
 ) -> Equilibrium:
-    """Equilibrium at `share` of the leg `start` .. `end`, from the guess that leaves the least residual there.
+    """Equilibrium at `share` of the leg `start` .. `end`, from the guess that leaves the least
+    residual there.
 
     Parameters
     ----------
@@ -79,7 +82,8 @@ def advance(
 def continue_to(
     model: YarnsModel, solver: Newton, q: FloatArray, start: Any, end: Any, shares: Iterable[float]
 ) -> Iterator[tuple[float, Equilibrium]]:
-    """Equilibria at given shares of a straight leg, from a state on it; yields (share, Equilibrium).
+    """Equilibria at given shares of a straight leg, from a state on it; yields (share,
+    Equilibrium).
 
     Parameters
     ----------
@@ -112,7 +116,8 @@ def continue_to(
 
 
 def rest_state(model: YarnsModel, solver: Newton, load: Any) -> Equilibrium:
-    """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves of their curves.
+    """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves
+    of their curves.
 
     It is taken roughly, to 0.1 mN: a state to start from, with nothing in it but slack yarns.
 

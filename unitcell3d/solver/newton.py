@@ -1,28 +1,32 @@
-"""Equilibrium at one load: Newton's method in pseudo-time, with Broyden's updates between factorisations.
+"""Equilibrium at one load: Newton's method in pseudo-time, with Broyden's updates between
+factorisations.
 
     (K + mu I) dq = -r,   mu <- mu |r_new| / |r_old|
 
-Slack fibres leave soft modes (below 1 N/m against 1e5 N/m of the contact): the tip of a slack yarn buckles and snaps. A
-plain Newton step then throws nodes by a tenth of a millimetre, and a line search that insists on a falling residual
-stalls, because the residual is that of the stiff contact. The shift mu (backward Euler in a pseudo-time, Kelley and
-Keyes 1998) holds the soft modes while the stiff ones settle and dies out with the residual, so the last iterations are
-quadratic; no node moves by more than `LARGEST_STEP` in one iteration, and where a step is cut to that the shift grows
+Slack fibres leave soft modes (below 1 N/m against 1e5 N/m of the contact): the tip of a slack yarn
+buckles and snaps. A plain Newton step then throws nodes by a tenth of a millimetre, and a line
+search that insists on a falling residual stalls, because the residual is that of the stiff contact.
+The shift mu (backward Euler in a pseudo-time, Kelley and Keyes 1998) holds the soft modes while the
+stiff ones settle and dies out with the residual, so the last iterations are quadratic; no node
+moves by more than `LARGEST_STEP` in one iteration, and where a step is cut to that the shift grows
 by as much. Where a guess is far from equilibrium the contact is soft at first (`Newton.approach`).
 
-A step is shortened where it overshoots: where the residual's pull along it has turned round,
-r(q + dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is all but a
-potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least energy on the line; a residual
-that grows on the way, as it does where yarns swing taut, does not stop it. Fibres at their slack kink and contact that
-closes otherwise send Newton's method round in cycles. The shift grows with the inverse root of the rest of a step.
+A step is shortened where it overshoots: where the residual's pull along it has turned round, r(q +
+dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is
+all but a potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least
+energy on the line; a residual that grows on the way, as it does where yarns swing taut, does not
+stop it. Fibres at their slack kink and contact that closes otherwise send Newton's method round in
+cycles. The shift grows with the inverse root of the rest of a step.
 
-A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
-last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the
-form that stores steps alone: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3), until
-`MOST_SLOW` steps have taken off less than 1 - `SLOW` of the residual. The state that is found is the same: only the way
-to it is cheaper.
+A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR`
+of the forces, the last factorisation, of an earlier load even, is used on and corrected by the
+steps taken since (Broyden's update in the form that stores steps alone: Kelley, Iterative Methods
+for Linear and Nonlinear Equations, 1995, section 7.3), until `MOST_SLOW` steps have taken off less
+than 1 - `SLOW` of the residual. The state that is found is the same: only the way to it is cheaper.
 
-Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end tensions, contact,
-plates), each taken on the meshed part: without tension the plate force is the measure.
+Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end
+tensions, contact, plates), each taken on the meshed part: without tension the plate force is the
+measure.
 """
 
 from __future__ import annotations
@@ -87,7 +91,8 @@ class Equilibrium:
 
 
 class Newton:
-    """Solves one model's equilibrium; keeps its linear solver and last factorisation from one load to the next.
+    """Solves one model's equilibrium; keeps its linear solver and last factorisation from one load
+    to the next.
 
     Parameters
     ----------
@@ -101,7 +106,8 @@ class Newton:
         self._latest = None  # the state that the model's contact search belongs to
 
     def solve(self, q: FloatArray, load: Any, tolerance: float = TOLERANCE) -> Equilibrium:
-        """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times the forces.
+        """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times
+        the forces.
 
         Raises
         ------
@@ -140,10 +146,11 @@ class Newton:
             state = found
 
     def approach(self, q: FloatArray, load: Any) -> Equilibrium:
-        """Equilibrium at `load` from a guess that may be far from it: by way of a softer contact, taken roughly.
+        """Equilibrium at `load` from a guess that may be far from it: by way of a softer contact,
+        taken roughly.
 
-        Slack yarns that a guess presses into each other are thrown apart by the full contact and come back to it
-        several times over.
+        Slack yarns that a guess presses into each other are thrown apart by the full contact and
+        come back to it several times over.
 
         Raises
         ------
@@ -167,7 +174,8 @@ class Newton:
         return guesses[int(np.argmin(np.where(np.isfinite(norms), norms, np.inf)))]
 
     def linear_guess(self, q: FloatArray, before: Any, load: Any) -> FloatArray | None:
-        """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation; None without one.
+        """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation;
+        None without one.
 
         The load's part of the tangent is a difference over a thousandth of the load's step.
         """
@@ -183,7 +191,8 @@ class Newton:
     def linear_changes(
         self, q: FloatArray, load: Any, residuals: Sequence[FloatArray]
     ) -> list[FloatArray]:
-        """Changes (size,) of the unknowns that undo small residuals (size,) about the equilibrium `q` at `load`.
+        """Changes (size,) of the unknowns that undo small residuals (size,) about the equilibrium
+        `q` at `load`.
 
         Raises
         ------
@@ -229,7 +238,8 @@ class Newton:
         return self._solver
 
     def _reuse(self, state, load, tolerance):
-        """The best state that steps with the last factorisation and Broyden's updates reach from `state`."""
+        """The best state that steps with the last factorisation and Broyden's updates reach from
+        `state`."""
         best = state
         slow = 0
         while len(self._taken) < MOST_UPDATES and not best.within(tolerance):
@@ -250,7 +260,8 @@ class Newton:
         return best
 
     def _move(self, state, step, load):
-        """The state after a step, shortened to the largest allowed, while an element inverts, and if it overshoots.
+        """The state after a step, shortened to the largest allowed, while an element inverts, and
+        if it overshoots.
 
         Returns
         -------
@@ -271,7 +282,8 @@ class Newton:
         return left, kept
 
     def _along(self, state, step, found, load):
-        """The state on the way from `state` to `found`, a `step` further, where the pull along it is gone; its share.
+        """The state on the way from `state` to `found`, a `step` further, where the pull along it
+        is gone; its share.
 
         `found` itself where the pull has not turned round by much, or where the step went uphill.
         """
@@ -321,7 +333,8 @@ def _next_shift(shift, ratio):
 
 
 def _corrected(step, taken):
-    """Broyden's step from the step of the factorised tangent and those `taken` since; None where it is singular."""
+    """Broyden's step from the step of the factorised tangent and those `taken` since; None where it
+    is singular."""
     for before, after in pairwise(taken):
         step = step + after * (before @ step) / (before @ before)
     if taken:

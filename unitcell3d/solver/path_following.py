@@ -1,11 +1,13 @@
-"""Following a path of loads from rest, with a row for each converged state, and the failure of fibres on the way.
+"""Following a path of loads from rest, with a row for each converged state, and the failure of
+fibres on the way.
 
-A path is a chain of straight legs, so it may turn round and come back. Its steps adapt, or lead to equal shares of each
-leg; one that finds no equilibrium is halved. Where a quantity that is watched (the worst fibre's strain over its
-failure strain, or what ends the path) passes 1 inside a step, the step is taken again up to where the secant says that
-it passes. Where a state overstrains fibres, their damage is raised, those first that are overstrained by more than half
-as much as the worst, and the equilibrium at the same load is sought again, until no more fail: what they held is handed
-on to their neighbours, or lost, at one load.
+A path is a chain of straight legs, so it may turn round and come back. Its steps adapt, or lead to
+equal shares of each leg; one that finds no equilibrium is halved. Where a quantity that is watched
+(the worst fibre's strain over its failure strain, or what ends the path) passes 1 inside a step,
+the step is taken again up to where the secant says that it passes. Where a state overstrains
+fibres, their damage is raised, those first that are overstrained by more than half as much as the
+worst, and the equilibrium at the same load is sought again, until no more fail: what they held is
+handed on to their neighbours, or lost, at one load.
 """
 
 from __future__ import annotations
@@ -51,15 +53,16 @@ def follow(
     corners : loads, the first of them at rest
     row : function (state, load) giving a dict, whose keys are names of `recorded.MEANINGS`
     steps : load_stepping.Steps, of each leg, if no rows are given
-    rows : of the whole path, at least; each leg has an equal share of them, or a sequence, one number a leg
-    stop : function (row) giving a number that reaches 1 where the path is to end; that state is solved for
+    rows : of the whole path, at least; each leg has an equal share of them, or a sequence, one
+        number a leg
+    stop : function (row) giving a number that reaches 1 where the path is to end; that state is
+        solved for
     facts : of the record, besides the fabric
     hooks : called after each step
 
     Returns
-    -------
-    Record, whose `failed` says why the path ended early if it did, and whose `last` has the displacements u and, of one
-    crossing, the gaps of the nodes of both contact faces
+    ------- Record, whose `failed` says why the path ended early if it did, and whose `last` has the
+    displacements u and, of one crossing, the gaps of the nodes of both contact faces
 
     Raises
     ------
@@ -117,7 +120,8 @@ class _Walk:
         return ""
 
     def _leg(self, start, end, count, part):
-        """Walk one leg, in `count` equal steps or in steps that adapt; returns whether the path has come to its end.
+        """Walk one leg, in `count` equal steps or in steps that adapt; returns whether the path has
+        come to its end.
 
         part : (share of the path before this leg, share of this leg)
         """
@@ -169,7 +173,8 @@ class _Walk:
         return {"path": share, **self._row(state, load), **spent}
 
     def _levels(self, state, load, row):
-        """Quantities whose passing of 1 is located: the fibres' overload until it is first met, and the end."""
+        """Quantities whose passing of 1 is located: the fibres' overload until it is first met, and
+        the end."""
         levels = []
         if not self._met_overload:
             levels.append(self._overload(state, load))
@@ -182,7 +187,8 @@ class _Walk:
         return self._model.fibres.overload(strains)
 
     def _length_to_pass(self, length, levels):
-        """Length of the step that brings the first of the watched quantities to 1, by the secant."""
+        """Length of the step that brings the first of the watched quantities to 1, by the
+        secant."""
         before = self._levels(self._state, self._load, self.rows[-1])
         return min(
             length * (1 - low) / (high - low)
@@ -218,7 +224,8 @@ class _Walk:
         self._begun = time.perf_counter()
 
     def last(self):
-        """Displacements (n, 3) [m] of the last state, and the gaps [m] of the faces of a single crossing."""
+        """Displacements (n, 3) [m] of the last state, and the gaps [m] of the faces of a single
+        crossing."""
         model, q, load = self._model, self._state.q, self._load
         model.forces(q, load)  # the gaps belong to the last state, not to the last trial
         u = model.constraints.displacement(q, load.drive)

@@ -1,6 +1,8 @@
-"""What is recorded of the states of a path: the meanings of all columns, and what every case of a crossover has.
+"""What is recorded of the states of a path: the meanings of all columns, and what every case of a
+crossover has.
 
-Index 0 is warp, 1 is weft. A column with several numbers a state has their number as its second axis.
+Index 0 is warp, 1 is weft. A column with several numbers a state has their number as its second
+axis.
 """
 
 from __future__ import annotations
@@ -95,7 +97,8 @@ def crossover_row(model: Any, state: Equilibrium, load: Any) -> dict[str, Any]:
 
 
 def fibre_row(model: Any, state: Equilibrium, load: Any) -> dict[str, Any]:
-    """Strains of the fibres of warp and weft of a crossover, and what each yarn is compressed by itself."""
+    """Strains of the fibres of warp and weft of a crossover, and what each yarn is compressed by
+    itself."""
     x = model.positions(state.q, load)
     strains, means = model.fibre_strains(x)
     return {
