@@ -25,8 +25,7 @@ LINE, QUADRILATERAL, HEXAHEDRON = 1, 3, 5  # gmsh's numbers of its element types
 
 
 def write_msh(mesh: YarnMesh, path: FilePath) -> None:
-    """Write .msh: give gmsh the finished mesh as discrete entities with physical names, and let it
-    write.
+    """Write .msh: gmsh is given the mesh as discrete entities with physical names, and writes.
 
     Elements are numbered in the order of the file: bars, faces, bricks. Their data follow in the
     order of the numbers, and readers that take them in the order of the elements are right too.
@@ -34,20 +33,23 @@ def write_msh(mesh: YarnMesh, path: FilePath) -> None:
     with gmsh_session(mesh.fabric) as gmsh:
         volumes = [gmsh.model.addDiscreteEntity(3) for _ in mesh.names]
         for volume, nodes in zip(volumes, mesh.grids):
-            gmsh.model.mesh.addNodes(
-                3, volume, nodes.ravel() + 1, mesh.points[nodes.ravel()].ravel()
-            )
+            places = mesh.points[nodes.ravel()].ravel()
+            gmsh.model.mesh.addNodes(3, volume, nodes.ravel() + 1, places)
         for name, bars in zip(mesh.names, mesh.bars):
-            _add(gmsh, 1, gmsh.model.addDiscreteEntity(1), LINE, bars, f"{name}_fibre")
+            curve = gmsh.model.addDiscreteEntity(1)
+            _add_elements(gmsh, (1, curve), LINE, bars, f"{name}_fibre")
         for name, quads in mesh.faces.items():
-            _add(gmsh, 2, gmsh.model.addDiscreteEntity(2), QUADRILATERAL, quads, name)
+            surface = gmsh.model.addDiscreteEntity(2)
+            _add_elements(gmsh, (2, surface), QUADRILATERAL, quads, name)
         for number, (volume, name) in enumerate(zip(volumes, mesh.names)):
-            _add(gmsh, 3, volume, HEXAHEDRON, mesh.hexes[mesh.yarn == number], name)
+            bricks = mesh.hexes[mesh.yarn == number]
+            _add_elements(gmsh, (3, volume), HEXAHEDRON, bricks, name)
         gmsh.write(str(path))
         areas = np.concatenate(mesh.bar_area)
-        values = np.zeros(len(areas) + sum(len(q) for q in mesh.faces.values()) + len(mesh.hexes))
-        values[: len(areas)] = areas
-        view, tags = gmsh.view.add("bar_area"), np.arange(len(values)) + 1
+        others = sum(map(len, mesh.faces.values())) + len(mesh.hexes)
+        values = np.concatenate([areas, np.zeros(others)])
+        view = gmsh.view.add("bar_area")
+        tags = np.arange(len(values)) + 1
         gmsh.view.addHomogeneousModelData(
             view, 0, mesh.fabric, "ElementData", tags, values, numComponents=1
         )
@@ -55,35 +57,39 @@ def write_msh(mesh: YarnMesh, path: FilePath) -> None:
         gmsh.view.write(view, str(path), append=True)
 
 
-def _add(gmsh, dim, entity, kind, nodes, name):
-    gmsh.model.mesh.addElementsByType(entity, kind, [], (nodes + 1).ravel())
-    gmsh.model.setPhysicalName(dim, gmsh.model.addPhysicalGroup(dim, [entity]), name)
+def _add_elements(gmsh, entity, kind, nodes, name):
+    """Add elements to an entity (dimension, tag), and name it."""
+    dimension, tag = entity
+    gmsh.model.mesh.addElementsByType(tag, kind, [], (nodes + 1).ravel())
+    group = gmsh.model.addPhysicalGroup(dimension, [tag])
+    gmsh.model.setPhysicalName(dimension, group, name)
 
 
 def write_vtu(mesh: YarnMesh, path: FilePath) -> None:
-    """Write .vtu."""
+    """Write .vtu: hexahedra, bars, end shells, with their data."""
     marks = {}
     for name, members in mesh.collected.items():
         marks[name] = np.zeros(len(mesh.points), np.int8)
         for member in members:
             marks[name][mesh.faces[member]] = 1
-    cells = [("hexahedron", mesh.hexes), ("line", np.concatenate(mesh.bars))]
-    yarn = [mesh.yarn, np.repeat(np.arange(len(mesh.bars)), [len(bars) for bars in mesh.bars])]
-    along = np.diff(mesh.points[cells[1][1]], axis=1)[:, 0]
+    bars = np.concatenate(mesh.bars)
+    cells = [("hexahedron", mesh.hexes), ("line", bars)]
+    yarn = [mesh.yarn, np.repeat(np.arange(len(mesh.bars)), list(map(len, mesh.bars)))]
+    along = mesh.points[bars[:, 1]] - mesh.points[bars[:, 0]]
     fibre = [mesh.fibre, along / np.linalg.norm(along, axis=1, keepdims=True)]
+    area = [np.zeros(len(mesh.hexes)), np.concatenate(mesh.bar_area)]
+    quality = [mesh.scaled_jacobian, np.full(len(bars), np.nan)]
     for name, quads in mesh.shells.items():
+        n = len(quads)
         cells.append(("quad", quads))
-        yarn.append(np.full(len(quads), mesh.names.index(name.rsplit("_", 1)[0])))
-        fibre.append(np.zeros((len(quads), 3)))
-    areas = [
-        np.concatenate(mesh.bar_area) if kind == "line" else np.zeros(len(nodes))
-        for kind, nodes in cells
-    ]
-    quality = [mesh.scaled_jacobian, *(np.full(len(nodes), np.nan) for _, nodes in cells[1:])]
+        yarn.append(np.full(n, mesh.names.index(name.rsplit("_", 1)[0])))
+        fibre.append(np.zeros((n, 3)))
+        area.append(np.zeros(n))
+        quality.append(np.full(n, np.nan))
     data = {
         "yarn": [part.astype(np.int32) for part in yarn],
         "fibre": fibre,
-        "bar_area": areas,
+        "bar_area": area,
         "scaled_jacobian": quality,
     }
     meshio.Mesh(mesh.points, cells, point_data=marks, cell_data=data).write(path)

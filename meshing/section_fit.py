@@ -100,19 +100,14 @@ class SectionFit:
         what = "overlap" if self.overlap >= 0 else "gap"
         text = f"{what} of the sections {abs(self.overlap) * 1e6:.2f} um"
         if self.changed:
-            width = " / ".join(
-                f"{s.width / a.width:.3f}" for s, a in zip(self.sections, self.requested)
-            )
-            area = " / ".join(
-                f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.requested)
-            )
+            pairs = list(zip(self.sections, self.requested))
+            width = " / ".join(f"{s.width / a.width:.3f}" for s, a in pairs)
+            area = " / ".join(f"{s.area / a.area:.3f}" for s, a in pairs)
             Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
             return f"{text}, solved: widths times {width}, areas times {area} (Vf0 {Vf0})"
-        return (
-            f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um"
-            if self.shift
-            else f"{text}, left open"
-        )
+        if self.shift:
+            return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um"
+        return f"{text}, left open"
 
 
 class _TooDense(InputError):
@@ -147,56 +142,92 @@ def fit_sections(
     ------
     InputError : the overlap is larger than a shift may remove and is refused, or cannot be removed
     """
+    kinds = (kind,) if kind else SECTIONS
     if overlap == "refuse" and kind is None:
-        kind = SECTIONS[0]
+        kinds = SECTIONS[:1]
+    refused = overlap == "refuse"
+    request = _Request(widths, fractions, tip_thickness_ratio, prescribed, refused, shift)
 
     def fit(weave):
-        for each in (kind,) if kind else SECTIONS:
-            try:
-                return _fit(
-                    each, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift
-                )
-            except InputError as problem:
-                if kind is not None:
-                    raise
-                if prescribed and each == SECTIONS[-1]:
-                    raise _TooDense(f"{problem}: try other widths") from None
-        raise _TooDense(
-            f"neither {', '.join(SECTIONS[:-1])} nor {SECTIONS[-1]} sections of warp and weft fit, even at the closest "
-            f"packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f})"
-        )
+        return request.first_that_fits(kinds, weave)
 
     try:
         return fit(weave)
     except _TooDense as problem:
-        raise InputError(
-            str(problem) if prescribed else f"{problem}: {_advice(fit, weave)}"
-        ) from None
+        line = str(problem) if prescribed else f"{problem}: {_advice(fit, weave)}"
+        raise InputError(line) from None
 
 
-def _fit(kind, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift):
-    """The SectionFit of one kind of section."""
-    if kind == CONFORMING:
-        return _conforming(widths, fractions, weave, tip_thickness_ratio)
-    crossing = [(w, h) for w, h in zip(weave.w, weave.h0)][::-1]  # of each yarn, the arch over it
-    requested = _sections(kind, widths, _areas(weave, fractions), tip_thickness_ratio)
-    first = _overlap(requested, crossing)
-    free = sum(weave.h0) * SHIFT_LIMIT if shift else 0.0
-    sections, Vf0 = requested, (float(fractions[0]), float(fractions[1]))
-    if first > free:
-        if overlap == "refuse":
-            limit = f", more than the {free * 1e6:.1f} um that a shift may remove" if shift else ""
-            raise InputError(
-                f"the {kind} sections of warp and weft overlap by {first * 1e6:.1f} um{limit}: narrow them, or let the "
-                "overlap be solved"
+@dataclass(frozen=True)
+class _Request:
+    """What is asked of the sections of any kind, as of `fit_sections`; refused: an overlap is."""
+
+    widths: Sequence[float]
+    fractions: Sequence[float]
+    tip_thickness_ratio: float
+    prescribed: bool
+    refused: bool
+    shift: bool
+
+    def first_that_fits(self, kinds, weave):
+        """The SectionFit of the first kind of section that fits."""
+        if len(kinds) == 1:
+            return self.fit(kinds[0], weave)
+        for kind in kinds:
+            try:
+                return self.fit(kind, weave)
+            except InputError as problem:
+                if self.prescribed and kind == kinds[-1]:
+                    raise _TooDense(f"{problem}: try other widths") from None
+        raise _TooDense(
+            f"neither {', '.join(kinds[:-1])} nor {kinds[-1]} sections of warp and weft fit, "
+            f"even at the closest packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f})"
+        )
+
+    def fit(self, kind, weave):
+        """The SectionFit of one kind of section."""
+        areas = _areas(weave, self.fractions)
+        if kind == CONFORMING:
+            return self._conforming(areas, weave)
+        # of each yarn, the arch over it
+        crossing = list(zip(weave.w, weave.h0))[::-1]
+        requested = _sections(kind, self.widths, areas, self.tip_thickness_ratio)
+        first = _overlap(requested, crossing)
+        free = sum(weave.h0) * SHIFT_LIMIT if self.shift else 0.0
+        sections = requested
+        warp, weft = map(float, self.fractions)
+        Vf0 = (warp, weft)
+        if first > free:
+            if self.refused:
+                raise InputError(self._too_much(kind, first, free))
+            sections = None if self.prescribed else _narrow(requested, crossing)
+            if sections is None:
+                sections, factor = _densify(requested, crossing, self.fractions, self.prescribed)
+                Vf0 = _denser(self.fractions, factor)
+        shift = _overlap(sections, crossing) if self.shift else 0.0
+        return SectionFit(sections, first, shift, Vf0, requested)
+
+    def _too_much(self, kind, overlap, free):
+        limit = ""
+        if self.shift:
+            limit = f", more than the {free * 1e6:.1f} um that a shift may remove"
+        return (
+            f"the {kind} sections of warp and weft overlap by {overlap * 1e6:.1f} um{limit}: "
+            "narrow them, or let the overlap be solved"
+        )
+
+    def _conforming(self, areas, weave):
+        sections = conform(self.widths, areas, weave, self.tip_thickness_ratio)
+        Vf0 = tuple(
+            float(old * area / section.area)
+            for old, area, section in zip(self.fractions, areas, sections)
+        )
+        if max(Vf0) > CLOSEST_PACKING:
+            raise _TooDense(
+                f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and "
+                f"{Vf0[1]:.3f}, denser than the closest packing ({CLOSEST_PACKING:.3f})"
             )
-        sections = None if prescribed else _narrow(requested, crossing)
-        if sections is None:
-            sections, factor = _densify(requested, crossing, fractions, prescribed)
-            Vf0 = _denser(fractions, factor)
-    return SectionFit(
-        sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, requested
-    )
+        return SectionFit(sections, 0.0, 0.0, Vf0, sections)
 
 
 def _advice(fit, weave):
@@ -259,20 +290,6 @@ def least_that_fits(fits: Callable[[float], bool], low: float, high: float) -> f
         else:
             low = middle
     return high
-
-
-def _conforming(widths, fractions, weave, tip_thickness_ratio):
-    areas = _areas(weave, fractions)
-    sections = conform(widths, areas, weave, tip_thickness_ratio)
-    Vf0 = tuple(
-        float(old * area / section.area) for old, area, section in zip(fractions, areas, sections)
-    )
-    if max(Vf0) > CLOSEST_PACKING:
-        raise _TooDense(
-            f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and {Vf0[1]:.3f}, denser than the "
-            f"closest packing ({CLOSEST_PACKING:.3f})"
-        )
-    return SectionFit(sections, 0.0, 0.0, Vf0, sections)
 
 
 def _areas(weave, fractions):

@@ -96,9 +96,16 @@ class Ties:
 
         The leaders' own ties have to be made before.
         """
-        own, other = 3 * np.asarray(nodes) + component, 3 * np.asarray(leaders) + component
+        own = 3 * np.asarray(nodes) + component
+        other = 3 * np.asarray(leaders) + component
         self._leader[own] = self._leader[other]
         self._sign[own] = parity * self._sign[other]
+
+    def follow_image(self, nodes: ArrayLike, leaders: ArrayLike, parity: float) -> None:
+        """Let `nodes` be an image of `leaders`, as they are (parity 1) or upside down (-1)."""
+        for component in AXIAL:
+            self.follow(nodes, leaders, component)
+        self.follow(nodes, leaders, VERTICAL, parity)
 
     def turn(self, face: IntArray, opposite: IntArray, axial: int, width: int) -> None:
         """The two-fold axis turns the end face `face` : (j, k) into itself or into another,
@@ -145,28 +152,25 @@ def build(
     ties = Ties(n, 2)
     opposite = range(len(grids)) if opposite is None else opposite
     for yarn, (grid, family) in enumerate(zip(grids, families)):
-        axial, width = AXIAL[family], WIDTH[family]
+        axial = AXIAL[family]
+        width = WIDTH[family]
         if quarter:
             ties.hold(grid[0], axial)
             ties.hold(grid[:, 0], width)
         else:
             middle = tuple(size // 2 for size in grid.shape)
             ties.hold(grid[middle], width)  # a lone yarn could drift sideways
-        for end, direction in ((-1, 1.0),) if quarter else ((-1, 1.0), (0, -1.0)):
+        # both ends are driven apart; a quarter has one of them
+        ends = {-1: 1.0} if quarter else {-1: 1.0, 0: -1.0}
+        for end, direction in ends.items():
             ties.drive[3 * grid[end] + axial, family] = direction
-            if opposite[yarn] >= yarn:
+            if opposite[yarn] == yarn:
                 face = grid[end]
-                ties.turn(
-                    face,
-                    face if opposite[yarn] == yarn else grids[opposite[yarn]][end],
-                    axial,
-                    width,
-                )
-    ends = tuple(
-        np.concatenate(
-            [np.empty(0, np.int64)]
-            + [g[-1].ravel() for g, f in zip(grids, families) if f == family]
-        )
-        for family in (0, 1)
-    )
-    return ties.done(ends)
+                ties.turn(face, face, axial, width)
+            elif opposite[yarn] > yarn:
+                ties.turn(grid[end], grids[opposite[yarn]][end], axial, width)
+    none = np.empty(0, np.int64)
+    faces = ([none], [none])
+    for grid, family in zip(grids, families):
+        faces[family].append(grid[-1].ravel())
+    return ties.done(tuple(map(np.concatenate, faces)))

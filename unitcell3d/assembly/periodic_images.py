@@ -38,21 +38,15 @@ class Images:
         self._followers: list[tuple[IntArray, IntArray, bool]] = []
         self._of = [(yarn, 0, 0) for yarn in range(len(mesh.grids))]
 
-    def extended(self, yarn: int, m: int = 0, n: int = 0, margin: int = 0) -> IntArray:
+    def extended(self, yarn: int, m: int, n: int, margin: int) -> IntArray:
         """Node numbers (i, j, k) of a yarn's image, with `margin` columns of its own next images at
         each end."""
-        family = self._mesh.families[yarn]
-        grid = self.image(yarn, m, n)
-        if not margin:
-            return grid
-        before, after = ((m - 1, n), (m + 1, n)) if family == 0 else ((m, n - 1), (m, n + 1))
-        return np.concatenate(
-            [
-                self.image(yarn, *before)[-1 - margin : -1],
-                grid,
-                self.image(yarn, *after)[1 : 1 + margin],
-            ]
-        )
+        place = np.array([m, n])
+        step = np.eye(2, dtype=int)[self._mesh.families[yarn]]
+        grid = self.image(yarn, *place)
+        before = self.image(yarn, *(place - step))
+        after = self.image(yarn, *(place + step))
+        return np.concatenate([before[-1 - margin : -1], grid, after[1 : 1 + margin]])
 
     def image(self, yarn: int, m: int, n: int) -> IntArray:
         """Node numbers (i, j, k) of the image of a yarn, new ones where it is requested the first
@@ -86,7 +80,8 @@ class Images:
         """
         drive = np.zeros((len(self.points), 3, 12))
         for yarn, m, n in self._of:
-            family, nodes = self._mesh.families[yarn], self.image(yarn, m, n).ravel()
+            family = self._mesh.families[yarn]
+            nodes = self.image(yarn, m, n).ravel()
             points = self.points[nodes]
             centre = np.zeros_like(points[:, :2])
             centre[:, 1 - family] = points[:, 1 - family].mean()

@@ -1,8 +1,8 @@
 """Who meets whom in a cell of the weave: crossing yarns, and parallel neighbours where they pass
 each other.
 
-Crossing yarns meet as in a crossover, over their crossing and a margin beyond, for a sheared yarn
-is wider along the other than it was. Parallel neighbours are on opposite sides of the fabric over
+Crossing yarns meet as in a crossover, over their crossing alone: beyond, the faces of their sharp
+tips would be met from behind, and slack yarns would snap. Parallel neighbours are on opposite sides of the fabric over
 every crossing and at one height between two, where the tips of their sections can meet: the edge of
 one is held off the edge of the next.
 """
@@ -15,6 +15,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from meshing.mesh import YarnMesh
+from unitcell3d.assembly.constraints import VERTICAL
 from unitcell3d.assembly.periodic_images import Images
 from unitcell3d.assembly.sparsity import Pattern
 from unitcell3d.contact import edge_contact_kernels
@@ -107,23 +108,35 @@ class Edges:
         return force
 
 
-def crossings(mesh: YarnMesh, images: Images, cells: int, margin: int) -> list[tuple[Pass, Pass]]:
+def crossings(mesh: YarnMesh, cells: int) -> list[tuple[Pass, Pass]]:
     """The crossing yarns of a cell, each warp with each weft.
 
     Parameters
     ----------
     mesh : meshing.mesh.YarnMesh
-    images : periodic_images.Images
     cells : columns of elements of one crossing
-    margin : columns beyond it in which crossing yarns meet
     """
-    warps, wefts = _yarns(mesh, 0), _yarns(mesh, 1)
-    found = [_crossing(mesh, images, a, b, cells, margin) for a in warps for b in wefts]
-    return [facing(images.points, *pair) for pair in found]
+    points = np.asarray(mesh.points, float)
+    found = []
+    for warp in _yarns(mesh, 0):
+        for weft in _yarns(mesh, 1):
+            over, height = _crossing(mesh, warp, weft, cells)
+            under, depth = _crossing(mesh, weft, warp, cells)
+            if height > depth:
+                found.append(facing(points, over, under))
+            else:
+                found.append(facing(points, under, over, families=(1, 0)))
+    return found
 
 
 def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[Edges]]:
-    """The parallel neighbours of a cell, first warps, then wefts; parameters as of `crossings`."""
+    """The parallel neighbours of a cell, first warps, then wefts; some of them are images.
+
+    Parameters
+    ----------
+    mesh, cells : as of `crossings`
+    images : periodic_images.Images
+    """
     reach = cells // 2
     found = []
     for family in (0, 1):
@@ -147,18 +160,13 @@ def _yarns(mesh, family):
     return [yarn for yarn, of in enumerate(mesh.families) if of == family]
 
 
-def _crossing(mesh, images, warp, weft, cells, margin):
-    """(upper grid, lower grid, quarter, families) of a crossing."""
-    parts, heights = [], []
-    for yarn, other, axis in ((warp, weft, 0), (weft, warp, 1)):
-        grid = images.extended(yarn, 0, 0, margin)
-        place = mesh.points[mesh.grids[other], axis].mean()
-        middle = images.points[grid[:, grid.shape[1] // 2, 0], axis]
-        at = int(np.argmin(np.abs(middle - place)))
-        part = grid[at - cells // 2 - margin : at + cells // 2 + margin + 1]
-        centre = part[tuple(size // 2 for size in part.shape)]
-        parts.append(part)
-        heights.append(images.points[centre, 2])
-    if heights[0] > heights[1]:
-        return parts[0], parts[1], False, (0, 1)
-    return parts[1], parts[0], False, (1, 0)
+def _crossing(mesh, yarn, other, cells):
+    """The part of a yarn's grid where it crosses another, and the height [m] of its middle."""
+    axis = mesh.families[yarn]
+    grid = mesh.grids[yarn]
+    place = mesh.points[mesh.grids[other], axis].mean()
+    middle = mesh.points[grid[:, grid.shape[1] // 2, 0], axis]
+    at = int(np.argmin(np.abs(middle - place)))
+    part = grid[at - cells // 2 : at + cells // 2 + 1]
+    nx, ny, nz = part.shape
+    return part, mesh.points[part[nx // 2, ny // 2, nz // 2], VERTICAL]

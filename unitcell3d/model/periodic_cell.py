@@ -82,20 +82,24 @@ class CellLoad(LinearLoad):
 
     def _parts(self, axes, across):
         stretch = 1 + np.asarray(self.d) / self.w
-        along, side = axes(self.gamma) * stretch, across(self.gamma)
-        warp, weft = np.stack([along[:, 0], side[:, 0]], 1), np.stack([side[:, 1], along[:, 1]], 1)
+        along = axes(self.gamma) * stretch
+        side = across(self.gamma)
+        warp = np.stack([along[:, 0], side[:, 0]], 1)
+        weft = np.stack([side[:, 1], along[:, 1]], 1)
         return np.concatenate([warp.ravel(), weft.ravel(), along.ravel()])
 
 
 def _axes(gamma):
     """(2, 2) columns e_1, e_2."""
-    c, s = np.cos(gamma / 2), np.sin(gamma / 2)
+    c = np.cos(gamma / 2)
+    s = np.sin(gamma / 2)
     return np.array([[c, s], [s, c]])
 
 
 def _across(gamma):
     """(2, 2) columns: what y is turned to with the warp, and x with the weft."""
-    c, s = np.cos(gamma / 2), np.sin(gamma / 2)
+    c = np.cos(gamma / 2)
+    s = np.sin(gamma / 2)
     return np.array([[-s, c], [c, -s]])
 
 
@@ -134,8 +138,6 @@ class CellModel(YarnsModel):
     mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
     fabric : Fabric
     numerics, failure : as of a `model.crossover.YarnsModel`
-    margin : columns of elements beyond a crossing's own in which its two yarns may meet too;
-        beyond, the faces of their sharp tips are met from behind, and slack yarns snap
 
     Raises
     ------
@@ -149,21 +151,25 @@ class CellModel(YarnsModel):
         mesh: Crossover | Patch,
         fabric: Fabric,
         numerics: Numerics | None = None,
-        *,
-        margin: int = 0,
         **choices: Any,
     ) -> None:
         check(mesh, fabric)
-        four = isinstance(mesh, Patch)
-        if (mesh.count != (2, 2)) if isinstance(mesh, Patch) else (mesh.domain != "whole"):
+        if isinstance(mesh, Patch):
+            fits = mesh.count == (2, 2)
+            self.period = 2  # crossings after which the weave repeats, along each yarn
+            self.parity = 1.0
+        else:
+            fits = mesh.domain == "whole"
+            self.period = 1
+            self.parity = -1.0
+        if not fits:
             raise InputError("a cell needs a whole crossover or a patch of 2 x 2")
-        self.period = 2 if four else 1  # crossings after which the weave repeats, along each yarn
-        self.parity = 1.0 if four else -1.0
-        self.crossings, self.w = self.period**2, mesh.w
+        self.crossings = self.period**2
+        self.w = mesh.w
         images = Images(mesh, self.period, self.parity)
         cells = (mesh.grids[0].shape[0] - 1) // self.period
         # images of all pairs have to be there before the points are taken
-        crossing = periodic.crossings(mesh, images, cells, margin)
+        crossing = periodic.crossings(mesh, cells)
         beside = periodic.neighbours(mesh, images, cells)
         super().__init__(
             mesh,
@@ -179,27 +185,19 @@ class CellModel(YarnsModel):
     def _tied(self, mesh, images):
         ties = Ties(len(images.points), 12)
         ties.drive[:] = images.drive()
-        for yarn, grid in enumerate(mesh.grids):
-            start, end = grid[0], grid[-1] if self.parity > 0 else grid[-1][:, ::-1]
-            for component in (*PLANE, VERTICAL):
-                ties.follow(end, start, component, self.parity if component == VERTICAL else 1.0)
+        for grid in mesh.grids:
+            end = grid[-1] if self.parity > 0 else grid[-1][:, ::-1]
+            ties.follow_image(end, grid[0], self.parity)
             # crossings are centres of two-fold axes: they stay where the trellis takes them
-            middle = grid[
-                tuple(
-                    size // 2 // (self.period if axis == 0 else 1)
-                    for axis, size in enumerate(grid.shape)
-                )
-            ]
+            nx, ny, nz = grid.shape
+            middle = grid[nx // 2 // self.period, ny // 2, nz // 2]
             for component in PLANE:
                 ties.hold(middle, component)
-            if yarn == 0 and self.parity > 0:
-                ties.hold(start[start.shape[0] // 2, start.shape[1] // 2], VERTICAL)
-                ties.hold(end[start.shape[0] // 2, start.shape[1] // 2], VERTICAL)
+        if self.parity > 0:  # repeated as it is, nothing else holds the cell at its height
+            for face in (mesh.grids[0][0], mesh.grids[0][-1]):
+                ties.hold(face[face.shape[0] // 2, face.shape[1] // 2], VERTICAL)
         for image, base, flips in images.followers():
-            for component in (*PLANE, VERTICAL):
-                ties.follow(
-                    image, base, component, -1.0 if flips and component == VERTICAL else 1.0
-                )
+            ties.follow_image(image, base, -1.0 if flips else 1.0)
         held = ties.done(())
         return CellConstraints(
             held.unknown, held.sign, held.drive, held.size, (), self.crossings, mesh.w

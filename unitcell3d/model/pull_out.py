@@ -29,7 +29,7 @@ from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
-from unitcell3d.assembly.constraints import AXIAL, VERTICAL, WIDTH, Constraints, Ties
+from unitcell3d.assembly.constraints import AXIAL, WIDTH, Constraints, Ties
 from unitcell3d.contact.surfaces import Plates, SurfacePairs, facing
 from unitcell3d.model.crossover import LinearLoad, Numerics, YarnsModel, axis_height, check
 
@@ -137,18 +137,19 @@ def pull_constraints(grids: Sequence[IntArray], n: int, pulled: int) -> Constrai
     """
     ties = Ties(n, 3)
     for yarn, grid in enumerate(grids):
-        axial, width = AXIAL[yarn], WIDTH[yarn]
-        start, end = grid[0], grid[-1]
-        ties.drive[3 * end + axial, yarn], ties.drive[3 * start + axial, yarn] = 1.0, -1.0
+        axial = AXIAL[yarn]
+        width = WIDTH[yarn]
+        start = grid[0]
+        end = grid[-1]
+        ties.drive[3 * end + axial, yarn] = 1.0
+        ties.drive[3 * start + axial, yarn] = -1.0
         if yarn == pulled:
             for face in (start, end):
                 ties.drive[3 * face + axial, 2] = 1.0
-            ties.hold(
-                grid[tuple(size // 2 for size in grid.shape)], width
-            )  # it could drift sideways
+            middle = tuple(size // 2 for size in grid.shape)
+            ties.hold(grid[middle], width)  # it could drift sideways
             _odd(ties, start, axial, through=True)
-            for component, parity in ((axial, 1.0), (width, 1.0), (VERTICAL, -1.0)):
-                ties.follow(end, start[:, ::-1], component, parity)
+            ties.follow_image(end, start[:, ::-1], -1.0)
         else:
             for face in (start, end):
                 _odd(ties, face, width, through=False)
