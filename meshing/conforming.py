@@ -126,7 +126,8 @@ def conform(
         return np.log(warp.area / weft.area) - np.log(areas[0] / areas[1])
 
     edge = 1e-3  # of a height: thinner than that is no yarn
-    low, high = -(1 - edge) * h2, (1 - edge) * h1
+    low = -(1 - edge) * h2
+    high = (1 - edge) * h1
     if excess(low) > 0 or excess(high) < 0:
         raise InputError(
             "no conforming sections have the fibre fractions of this fabric: give other widths"

@@ -74,7 +74,8 @@ def build(
 def _strand(plan, family, whole):
     s = mirrored(plan.along(family)) if whole else plan.along(family)
     y, heights, areas = plan.across(family, whole)
-    w, h = plan.weave.w[family], plan.weave.h0[family]
+    w = plan.weave.w[family]
+    h = plan.weave.h0[family]
     sign = 1 if family == 0 else -1
     centre = sign * (h * np.cos(np.pi * s / (2 * w)) + plan.section_fit.shift / 2)
     return Strand(

@@ -7,6 +7,8 @@ from math import ceil, isfinite
 from numbers import Real
 from typing import Any, TypeAlias, TypedDict
 
+import numpy as np
+
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.conforming import YarnSection
@@ -14,7 +16,8 @@ from meshing.conforming import YarnSection
 YARNS = ("warp", "weft")
 TIP_THICKNESS_RATIO = 0.075
 Size: TypeAlias = str | float | Sequence[int]
-AUTO_LAYERS, AUTO_ASPECT = 2, 1.5
+AUTO_LAYERS = 2
+AUTO_ASPECT = 1.5
 SIZES = {"coarse": (8, 6, 2), "medium": (16, 12, 4), "fine": (24, 18, 6)}
 
 
@@ -190,8 +193,10 @@ def widths(fabric: Fabric, gap: float, width: Sequence[float] | None) -> list[fl
             raise InputError(
                 key="gap", value=gap, allowed=f"from 0 to below half a spacing, {high:.4g} m"
             )
-        known = fabric.yarn_width if gap == 0 else (None, None)
-        return [s - gap if known is None else min(s, known) for s, known in zip(spacing, known)]
+        if gap:
+            return [s - gap for s in spacing]
+        known = [np.inf if width is None else width for width in fabric.yarn_width]
+        return [min(s, width) for s, width in zip(spacing, known)]
     if gap:
         raise InputError(key="gap", value=gap, allowed="0 where the widths are given")
     warp, weft = _two("width", width, "two lengths, of warp and weft")

@@ -140,10 +140,10 @@ class YarnMesh:
             for name, members in self.collected.items()
         }
         quads.update(self.faces)
-        return {
-            name: q if name.rsplit("_", 1)[1] in SURFACES else np.unique(q)
-            for name, q in quads.items()
-        }
+        for name in quads:
+            if name.rsplit("_", 1)[1] not in SURFACES:
+                quads[name] = np.unique(quads[name])
+        return quads
 
     @property
     def shells(self) -> dict:
@@ -212,9 +212,15 @@ def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntAr
 
     Faces are named with the yarn and i0, i1, j0, j1 or contact and plate.
     """
-    grids, hexes, pairs, areas, faces, first = [], [], [], [], {}, 0
+    grids = []
+    hexes = []
+    pairs = []
+    areas = []
+    faces = {}
+    first = 0
     for strand in strands:
-        shape, right = strand.points.shape[:3], strand.family == 0
+        shape = strand.points.shape[:3]
+        right = strand.family == 0
         nodes = np.arange(np.prod(shape)).reshape(shape) + first
         first += nodes.size
         bars = grid.bars(nodes)
@@ -239,7 +245,8 @@ def _sides(sides, over, ny):
     """The six sides of a yarn with k0 and k1 exchanged for contact (below where the yarn lies over)
     and plate."""
     below = np.repeat(over, ny)[:, None]
-    lower, upper = sides.pop("k0"), sides.pop("k1")
+    lower = sides.pop("k0")
+    upper = sides.pop("k1")
     return sides | {
         "contact": np.where(below, lower, upper),
         "plate": np.where(below, upper, lower),

@@ -79,7 +79,8 @@ def build(
 
 def _family(plan, family, count):
     """The strands of all yarns of one family."""
-    w, spacing = plan.weave.w[family], 2 * plan.weave.w[1 - family]
+    w = plan.weave.w[family]
+    spacing = 2 * plan.weave.w[1 - family]
     crossings = _centred(count[1 - family], 2 * w)
     cell = mirrored(plan.along(family))
     phase = np.where(np.arange(len(crossings)) % 2 == 0, 1.0, -1.0)
@@ -87,7 +88,7 @@ def _family(plan, family, count):
     s, z = (_joined(part) for part in (crossings[:, None] + cell, arch))
     y, heights, areas = plan.across(family, whole=True)
     for number, across in enumerate(_centred(count[family], spacing)):
-        sign = (1 if family == 0 else -1) * (1 if number % 2 == 0 else -1)
+        sign = (-1) ** (family + number)
         over = np.repeat(sign * phase > 0, len(cell) - 1)
         points = place(family, s, sign * z, y, heights, across)
         yield Strand(f"{YARNS[family]}_{number + 1}", family, points, areas, over)

@@ -102,11 +102,13 @@ class Assembler:
 
     def __init__(self, space: HexSpace, residual: Any, tangent: Any) -> None:
         self._space = space
-        self._residual, self._tangent = _form(residual), _form(tangent)
+        self._residual = _form(residual)
+        self._tangent = _form(tangent)
         dofmap = space.displacements.dofmap
         self._vector = la.vector(dofmap.index_map, dofmap.index_map_bs)
         # by blocks of 3 x 3: to find the places of single entries takes as long as the bricks' tangents themselves
-        self._matrix, self._plain = petsc.create_matrix(self._tangent, "baij"), PETSc.Mat()
+        self._matrix = petsc.create_matrix(self._tangent, "baij")
+        self._plain = PETSc.Mat()
         self.rows, self.columns = self._pattern()
 
     def _pattern(self):

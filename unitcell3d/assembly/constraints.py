@@ -113,7 +113,8 @@ class Ties:
         layers = face.shape[1]
         same = face is opposite
         for k in range(layers // 2 if same else layers):
-            low, high = face[:, k], opposite[:, layers - 1 - k]
+            low = face[:, k]
+            high = opposite[:, layers - 1 - k]
             for component, parity in ((axial, -1.0), (VERTICAL, -1.0), (width, 1.0)):
                 self.follow(high, low, component, parity)
         if same and layers % 2:

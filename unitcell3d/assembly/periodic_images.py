@@ -30,7 +30,8 @@ class Images:
     """
 
     def __init__(self, mesh: YarnMesh, period: int, parity: float) -> None:
-        self._mesh, self._parity = mesh, parity
+        self._mesh = mesh
+        self._parity = parity
         self._step = [2 * w * period for w in mesh.w]
         self._level = [float(mesh.points[grid[-1], 2].mean()) for grid in mesh.grids]
         self.points = np.asarray(mesh.points, float)

@@ -43,7 +43,8 @@ class Pattern:
         component = np.arange(9)
         i = (3 * first[:, None] + component // 3).ravel()
         j = (3 * second[:, None] + component % 3).ravel()
-        row, column = constraints.unknown[i], constraints.unknown[j]
+        row = constraints.unknown[i]
+        column = constraints.unknown[j]
         kept = np.flatnonzero((row >= 0) & (column >= 0))
         sign = constraints.sign[i[kept]] * constraints.sign[j[kept]]
         size = constraints.size

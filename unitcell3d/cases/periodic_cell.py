@@ -59,7 +59,8 @@ def shear(
         raise InputError(key="gamma", value=gamma, allowed=f"above 0 and at most {STEEPEST} rad")
     model = CellModel(mesh, fabric, numerics, failure=failure)
     d = tuple(float(part) for part in stretch)
-    loads, counts = [CellLoad(model.w)], []
+    loads = [CellLoad(model.w)]
+    counts = []
     if any(d):
         loads.append(CellLoad(model.w, d))
         counts.append(ROWS_TO_STRETCH)

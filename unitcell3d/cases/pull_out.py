@@ -39,7 +39,8 @@ LOADS = (0.25, 0.5, 0.75, 1.0)  # of the largest end displacement of the crossin
 PULL = 0.16  # of half the spacing: the crossing yarn gives way sideways before all points slide
 # of half the spacing between platens, where the crossing yarn has no tension before the pull
 PULL_PRESSED = 0.24
-ROWS_TO_LOAD, ROWS = 5, 16
+ROWS_TO_LOAD = 5
+ROWS = 16
 ROWS_TO_PRESS = 40  # of the way of the platens to `MIN_PLATE_GAP`
 
 
@@ -87,8 +88,9 @@ def pull_out(
     pull = share * fabric.weave.w[pulled] if pull is None else float(pull)
     if not 0 < pull < np.inf:
         raise InputError(key="pull", value=pull, allowed="positive")
-    numerics = Numerics() if numerics is None else numerics
-    rest, failed = PullLoad(), ""
+    numerics = numerics or Numerics()
+    rest = PullLoad()
+    failed = ""
     if len(pressures):
         rest, loaded, failed = _pressed(crossover, fabric, numerics, pulled, given)
     else:
@@ -131,9 +133,11 @@ def _joined(records, facts, failed):
 
 def _transverse(displacements, pressures):
     """The transverse loads, numbers in m or Pa; InputError as `pull_out`."""
-    key, unit = ("pressures", "pressure") if len(pressures) else ("displacements", "length")
-    given = [float(value) for value in (pressures if len(pressures) else displacements)]
-    if not given or not all(np.isfinite(value) and value > 0 for value in given):
+    key, unit, values = "displacements", "length", displacements
+    if len(pressures):
+        key, unit, values = "pressures", "pressure", pressures
+    given = np.asarray(values, float).tolist()
+    if not given or not 0 < min(given) <= max(given) < np.inf:
         raise InputError(key=key, value=tuple(given), allowed=f"at least one positive {unit}")
     if len(pressures) and len(displacements):
         raise InputError(
@@ -151,7 +155,8 @@ def _pressed(crossover, fabric, numerics, pulled, pressures):
     """
     model = PullOutModel(crossover, fabric, numerics, pulled, platens=True)
     assert model.plates is not None
-    rest, area = PullLoad(plates=model.plates.at_rest), fabric.weave.cell_area
+    rest = PullLoad(plates=model.plates.at_rest)
+    area = fabric.weave.cell_area
 
     def mean(row):
         return float(np.mean(row["F_plate"])) / area
@@ -217,7 +222,9 @@ def thresholds(record: Record) -> tuple[np.ndarray, np.ndarray]:
             continue
         last = int(np.argmax(share >= SLIDING))
         first = max(last - 1, 0)
-        part = 1.0 if last == 0 else (SLIDING - share[first]) / (share[last] - share[first])
+        part = 1.0
+        if last > 0:
+            part = (SLIDING - share[first]) / (share[last] - share[first])
         found.append(
             tuple(column[first] + part * (column[last] - column[first]) for column in (F_c, P))
         )

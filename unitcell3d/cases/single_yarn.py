@@ -69,7 +69,9 @@ class YarnModel(YarnsModel):
                     key="bars", value=bars, allowed=f"{odd}, up to the mesh's {across * through}"
                 )
             mesh = submeshes.with_bars(mesh, int(bars))
-        self.family, self.share, self.w = family, crossover.share, crossover.w[family]
+        self.family = family
+        self.share = crossover.share
+        self.w = crossover.w[family]
         held = constraints.build(
             mesh.grids, len(mesh.points), quarter=crossover.domain == "quarter", families=(family,)
         )
@@ -91,8 +93,10 @@ class YarnModel(YarnsModel):
 
     def _columns(self):
         (grid,) = self.crossover.grids
-        across = 0 if self.share < 1 else grid.shape[1] // 2
-        return (-1, across), (0 if self.share < 1 else grid.shape[0] // 2, across)
+        if self.share < 1:  # a quarter begins at the crossing
+            return (-1, 0), (0, 0)
+        across = grid.shape[1] // 2
+        return (-1, across), (grid.shape[0] // 2, across)
 
 
 def pull(
@@ -172,17 +176,24 @@ def pull(
 
 
 def _row(model, yarn, crimp, state, load):
-    x, d = model.positions(state.q, load), load.d[model.family]
-    strains, means = model.fibre_strains(x) if len(model.fibres.pairs) else (None, [np.nan])
+    x = model.positions(state.q, load)
+    d = load.d[model.family]
+    mean = worst = np.nan
+    broken = 0.0
+    if len(model.fibres.pairs):
+        strains, means = model.fibre_strains(x)
+        mean = means[0]
+        worst = model.fibres.worst(strains)[0]
+        broken = float(np.mean(model.fibres.damage > 0))
     return {
         "d": d,
         "strain": d / model.w,
         "T": model.tensions(state.forces)[model.family],
         "T_taut": taut(yarn, model.w, crimp, d),
         "h": model.height(x),
-        "fibre_strain_mean": means[0],
-        "fibre_strain_max": np.nan if strains is None else model.fibres.worst(strains)[0],
-        "broken": float(np.mean(model.fibres.damage > 0)) if len(model.fibres.pairs) else 0.0,
+        "fibre_strain_mean": mean,
+        "fibre_strain_max": worst,
+        "broken": broken,
         "astray": _astray(model, x),
     }
 

@@ -58,7 +58,8 @@ class StackModel(YarnsModel):
         pitch = np.ptp(crossover.points[:, 2])
         mesh = submeshes.stacked(crossover, plies, pitch)
         points = np.ascontiguousarray(mesh.points)
-        warps, wefts = mesh.grids[0::2], mesh.grids[1::2]
+        warps = mesh.grids[0::2]
+        wefts = mesh.grids[1::2]
         crossings = [facing(points, warp, weft, True) for warp, weft in zip(warps, wefts)]
         between = [
             facing(points, weft, warp, True, families=(1, 0))
@@ -132,7 +133,8 @@ def stack_compression(
 
 
 def _row(model, state, load):
-    rest, plies = model.plates.at_rest, model.plies
+    rest = model.plates.at_rest
+    plies = model.plies
     quarters = model.copies[1]
     force = quarters * float(np.mean(state.plates))
     if force <= 0 and load.plates < 0.9 * rest:
@@ -172,7 +174,8 @@ def law_closure(fabric: Fabric, record: Record) -> tuple[FloatArray, FloatArray,
             f"fabric {fabric.name} has no measured areal density, which the pressure law needs"
         )
     law = PlateCurve.pressure_law(fabric.areal_density_measured, int(record.facts["plies"]))
-    P, c = record["pressure"], record["closure"]
+    P = record["pressure"]
+    c = record["closure"]
     rising = np.concatenate([[True], P[1:] > np.maximum.accumulate(P)[:-1]]) & (P > 0)
     first = np.interp(np.log(law.pressure[0]), np.log(P[rising]), c[rising])
     inside = rising & (law.pressure[0] <= P) & (law.pressure[-1] >= P)

@@ -105,7 +105,8 @@ def nearest_nodes(x, first, second, toward, st):
             away = dot(r, r) - dot(r, toward) ** 2
             if away < least:
                 least = away
-                st[0], st[1] = i, k
+                st[0] = i
+                st[1] = k
 
 
 @kernel()
@@ -119,23 +120,26 @@ def closest(x, first, second, toward, st, nodes, weights, values):
         curve(x, nodes[0], weights[0], values[0])
         curve(x, nodes[1], weights[1], values[1])
         r = values[1, 0] - values[0, 0]
-        a, b = values[0, 1], values[1, 1]
-        f1, f2 = -dot(r, a), dot(r, b)
-        l11, l12, l22 = (
-            dot(a, a) - dot(r, values[0, 2]),
-            -dot(a, b),
-            dot(b, b) + dot(r, values[1, 2]),
-        )
+        a = values[0, 1]
+        b = values[1, 1]
+        f1 = -dot(r, a)
+        f2 = dot(r, b)
+        l11 = dot(a, a) - dot(r, values[0, 2])
+        l12 = -dot(a, b)
+        l22 = dot(b, b) + dot(r, values[1, 2])
         determinant = l11 * l22 - l12 * l12
         if not (l11 > 0.0 and determinant > 0.0):
-            l11, l22 = dot(a, a), dot(b, b)
+            l11 = dot(a, a)
+            l22 = dot(b, b)
             determinant = l11 * l22 - l12 * l12
         if not determinant > 1e-12 * l11 * l22:
             return False
-        d1, d2 = -(l22 * f1 - l12 * f2) / determinant, -(l11 * f2 - l12 * f1) / determinant
+        d1 = -(l22 * f1 - l12 * f2) / determinant
+        d2 = -(l11 * f2 - l12 * f1) / determinant
         largest = max(abs(d1), abs(d2))
         if largest > 0.5:
-            d1, d2 = 0.5 * d1 / largest, 0.5 * d2 / largest
+            d1 = 0.5 * d1 / largest
+            d2 = 0.5 * d2 / largest
         st[0] = min(max(st[0] + d1, 0.0), first.size - 1.0)
         st[1] = min(max(st[1] + d2, 0.0), second.size - 1.0)
         if largest < 1e-13:
@@ -166,12 +170,15 @@ def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, pla
     -------
     gap, force : [m] infinite where the edges have no closest points inside, [N]
     """
-    nodes, weights, found = np.empty((2, 4), np.int64), np.empty((2, 3, 4)), np.empty((2, 3, 3))
+    nodes = np.empty((2, 4), np.int64)
+    weights = np.empty((2, 3, 4))
+    found = np.empty((2, 3, 3))
     st = np.empty(2)
     stencil[0] = -1
     if not closest(x, first, second, toward, st, nodes, weights, found):
         return np.inf, 0.0
-    a, b = found[0, 1], found[1, 1]
+    a = found[0, 1]
+    b = found[1, 1]
     normal = np.cross(a, b)
     normal /= np.sqrt(dot(normal, normal))
     if dot(normal, toward) < 0.0:
@@ -183,9 +190,11 @@ def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, pla
     for m in range(8):
         stencil[m] = nodes[m // 4, m % 4]
     # each node's share in r, a and b is a number times the unit matrix
-    share, turn = np.empty(8), np.empty((2, 8))
+    share = np.empty(8)
+    turn = np.empty((2, 8))
     for m in range(8):
-        edge, k = m // 4, m % 4
+        edge = m // 4
+        k = m % 4
         share[m] = weights[edge, 0, k] * (1.0 if edge == 1 else -1.0)
         turn[0, m] = weights[0, 1, k] if edge == 0 else 0.0
         turn[1, m] = weights[1, 1, k] if edge == 1 else 0.0
@@ -209,27 +218,43 @@ def edge_tangent(found, normal, gap, p, slope, area, share, turn, places, values
     turn : (2, 8) [-] what each node has in a and in b
     places, values : as for `edge_pass`
     """
-    n1, n2 = -dot(normal, found[0, 2]), dot(normal, found[1, 2])
-    a, b = found[0, 1], found[1, 1]
-    m11, m12, m22 = dot(a, a), -dot(a, b), dot(b, b)
+    n1 = -dot(normal, found[0, 2])
+    n2 = dot(normal, found[1, 2])
+    a = found[0, 1]
+    b = found[1, 1]
+    m11 = dot(a, a)
+    m12 = -dot(a, b)
+    m22 = dot(b, b)
     m_det = m11 * m22 - m12 * m12
-    l11, l12, l22 = m11 + gap * n1, m12, m22 + gap * n2
+    l11 = m11 + gap * n1
+    l12 = m12
+    l22 = m22 + gap * n2
     l_det = l11 * l22 - l12 * l12
-    U, V = np.empty((2, 8, 3)), np.empty((2, 8, 3))
+    U = np.empty((2, 8, 3))
+    V = np.empty((2, 8, 3))
     for m in range(8):
         for c in range(3):
-            U[0, m, c], U[1, m, c] = -a[c] * share[m], b[c] * share[m]
-            V[0, m, c], V[1, m, c] = -normal[c] * turn[0, m], normal[c] * turn[1, m]
+            U[0, m, c] = -a[c] * share[m]
+            U[1, m, c] = b[c] * share[m]
+            V[0, m, c] = -normal[c] * turn[0, m]
+            V[1, m, c] = normal[c] * turn[1, m]
     for m in range(8):
         for n in range(8):
             place = places[m, n]
             for c in range(3):
                 for d in range(3):
-                    u1, u2, v1, v2 = U[0, n, d], U[1, n, d], V[0, n, d], V[1, n, d]
-                    lu1, lu2 = (l22 * u1 - l12 * u2) / l_det, (l11 * u2 - l12 * u1) / l_det
-                    lv1, lv2 = (l22 * v1 - l12 * v2) / l_det, (l11 * v2 - l12 * v1) / l_det
-                    w1, w2 = n1 * lu1, n2 * lu2
-                    mu1, mu2 = (m22 * w1 - m12 * w2) / m_det, (m11 * w2 - m12 * w1) / m_det
+                    u1 = U[0, n, d]
+                    u2 = U[1, n, d]
+                    v1 = V[0, n, d]
+                    v2 = V[1, n, d]
+                    lu1 = (l22 * u1 - l12 * u2) / l_det
+                    lu2 = (l11 * u2 - l12 * u1) / l_det
+                    lv1 = (l22 * v1 - l12 * v2) / l_det
+                    lv2 = (l11 * v2 - l12 * v1) / l_det
+                    w1 = n1 * lu1
+                    w2 = n2 * lu2
+                    mu1 = (m22 * w1 - m12 * w2) / m_det
+                    mu2 = (m11 * w2 - m12 * w1) / m_det
                     curve_ = (
                         U[0, m, c] * (mu1 - lv1)
                         + U[1, m, c] * (mu2 - lv2)

@@ -28,9 +28,13 @@ def plate_pass(x, face, height, law, forces, places, values):
     -------
     force : [N] on the plate, positive in compression
     """
-    nodes, areas, side, anchors = face.nodes, face.areas, face.side, face.anchors
+    nodes = face.nodes
+    areas = face.areas
+    side = face.side
+    anchors = face.anchors
     slip = law.slip
-    total, v = 0.0, np.empty(2)
+    total = 0.0
+    v = np.empty(2)
     for s in range(nodes.size):
         p, slope = pressure(side * (height - x[nodes[s], 2]), law.penalty, law.toe)
         if p == 0.0:
@@ -58,7 +62,9 @@ def plate_pass(x, face, height, law, forces, places, values):
 def update_plate_anchors(x, face, height, slip):
     """Let the anchors follow to within `slip` [m] of nodes in contact, wholly those of the others;
     see `plate_pass`."""
-    nodes, side, anchors = face.nodes, face.side, face.anchors
+    nodes = face.nodes
+    side = face.side
+    anchors = face.anchors
     for s in range(nodes.size):
         v = x[nodes[s], :2] - anchors[s]
         length = np.sqrt(v[0] ** 2 + v[1] ** 2)

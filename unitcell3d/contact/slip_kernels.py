@@ -25,10 +25,14 @@ def mobilised_friction(x, slave, master, law, state):
     sum of p A min(|v| / s, 1) and sum of p A [N] (symbols as there)
     """
     ni, nj = master.grid.shape
-    ringed, work = np.empty((ni + 2, nj + 2, 3)), np.empty((2, 3, 4))
+    ringed = np.empty((ni + 2, nj + 2, 3))
+    work = np.empty((2, 3, 4))
     surround(x, master.grid, master.axes, master.mirror, ringed)
-    surface, v, tau = np.empty((6, 3)), np.empty(3), np.empty(3)
-    mobilised, whole = 0.0, 0.0
+    surface = np.empty((6, 3))
+    v = np.empty(3)
+    tau = np.empty(3)
+    mobilised = 0.0
+    whole = 0.0
     for s in range(state.codes.size):
         if state.codes[s] < 0:
             continue

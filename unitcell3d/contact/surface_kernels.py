@@ -89,7 +89,8 @@ def evaluate(ringed, xi, a, b, surface):
 
     ringed : as `surround` fills it;  a, b : (3, 4) scratch
     """
-    i, j = cell_of(xi[0], ringed.shape[0] - 3), cell_of(xi[1], ringed.shape[1] - 3)
+    i = cell_of(xi[0], ringed.shape[0] - 3)
+    j = cell_of(xi[1], ringed.shape[1] - 3)
     cubics(xi[0] - i, a)
     cubics(xi[1] - j, b)
     for c in range(3):
@@ -107,8 +108,12 @@ def evaluate(ringed, xi, a, b, surface):
             s2 += a[0, m] * r1
             s12 += a[1, m] * r1
             s22 += a[0, m] * r2
-        surface[0, c], surface[1, c], surface[2, c] = s0, s1, s2
-        surface[3, c], surface[4, c], surface[5, c] = s11, s12, s22
+        surface[0, c] = s0
+        surface[1, c] = s1
+        surface[2, c] = s2
+        surface[3, c] = s11
+        surface[4, c] = s12
+        surface[5, c] = s22
 
 
 @kernel()
@@ -162,7 +167,8 @@ def weights_of(xi, grid, axes, mirror, weights, work):
     work : (4, 3, 4) scratch
     """
     ni, nj = grid.shape
-    i, j = cell_of(xi[0], ni - 1), cell_of(xi[1], nj - 1)
+    i = cell_of(xi[0], ni - 1)
+    j = cell_of(xi[1], nj - 1)
     folded(xi[0] - i, i, ni - 1, mirror[0], work[0], work[1])
     folded(xi[1] - j, j, nj - 1, mirror[1], work[2], work[3])
     for c in range(3):
@@ -191,21 +197,26 @@ def project(point, ringed, xi, a, b, surface):
     -------
     found : False where the iteration does not settle or leaves the grid by a cell
     """
-    ni, nj = ringed.shape[0] - 2, ringed.shape[1] - 2
+    ni = ringed.shape[0] - 2
+    nj = ringed.shape[1] - 2
     for _ in range(PROJECTION_STEPS):
         evaluate(ringed, xi, a, b, surface)
         away = point - surface[0]
-        s1, s2 = surface[1], surface[2]
-        r1, r2 = dot(away, s1), dot(away, s2)
-        m11, m12, m22 = dot(s1, s1), dot(s1, s2), dot(s2, s2)
-        h11, h12, h22 = (
-            m11 - dot(away, surface[3]),
-            m12 - dot(away, surface[4]),
-            m22 - dot(away, surface[5]),
-        )
+        s1 = surface[1]
+        s2 = surface[2]
+        r1 = dot(away, s1)
+        r2 = dot(away, s2)
+        m11 = dot(s1, s1)
+        m12 = dot(s1, s2)
+        m22 = dot(s2, s2)
+        h11 = m11 - dot(away, surface[3])
+        h12 = m12 - dot(away, surface[4])
+        h22 = m22 - dot(away, surface[5])
         determinant = h11 * h22 - h12 * h12
         if not (h11 > 0.0 and determinant > 0.0):  # not convex here: Gauss-Newton instead
-            h11, h12, h22 = m11, m12, m22
+            h11 = m11
+            h12 = m12
+            h22 = m22
             determinant = h11 * h22 - h12 * h12
         if not determinant > 0.0:
             return False
@@ -215,7 +226,8 @@ def project(point, ringed, xi, a, b, surface):
         if largest < SETTLED:
             return -1.0 < xi[0] < ni and -1.0 < xi[1] < nj
         if not largest <= 1.0:
-            d1, d2 = d1 / largest, d2 / largest
+            d1 = d1 / largest
+            d2 = d2 / largest
         xi[0] = min(max(xi[0] + d1, -1.5), ni + 0.5)
         xi[1] = min(max(xi[1] + d2, -1.5), nj + 0.5)
     return False

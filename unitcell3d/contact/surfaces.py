@@ -129,7 +129,8 @@ class Pass:
     """
 
     def __init__(self, points: FloatArray, slave: Face, master: Face, upwards: float) -> None:
-        self._master, self._upwards = master, upwards
+        self._master = master
+        self._upwards = upwards
         grid = slave.grid
         self._nodes = grid.ravel()
         corners = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]

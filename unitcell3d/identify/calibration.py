@@ -206,7 +206,8 @@ def contact_of_plies(history: Record, fabric: Fabric, size: str) -> PlyLaw:
     UnstableError : no platen was ever pressed
     """
     pressure, closure = rising(history, fabric.weave.cell_area)
-    pressure, closure = pressure[closure > 0], closure[closure > 0]
+    pressure = pressure[closure > 0]
+    closure = closure[closure > 0]
     curve = PchipInterpolator([0.0, *closure], np.cbrt([0.0, *pressure]))
     at = np.linspace(0.0, closure[-1], PLY_SAMPLES + 1)
     left_out = len(history["path"]) - 1 - len(pressure)

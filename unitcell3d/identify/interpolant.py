@@ -96,7 +96,8 @@ def errors(surface: ResponseSurface) -> dict[str, Error]:
 
 
 def _left_out(d1, d2, values):
-    lines, misses = [], []
+    lines = []
+    misses = []
     for axis, transposed in ((d1, values), (d2, values.T)):
         other = d2 if axis is d1 else d1
         worst = np.full(axis.size, np.nan)

@@ -68,7 +68,8 @@ def misfit_of_points(
 ) -> PlatenMisfit:
     """Misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured` ones, as
     `platen_misfit`."""
-    P, offset = np.log(pressure), np.mean(closure - measured)
+    P = np.log(pressure)
+    offset = np.mean(closure - measured)
     return PlatenMisfit(
         _rms(closure - offset - measured), _pressure_ratios(P, closure, P, measured)
     )

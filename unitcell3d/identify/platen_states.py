@@ -195,7 +195,8 @@ class PlatenSolver:
             change = np.clip(
                 change, -LARGEST * self.model.plates.at_rest, LARGEST * self.model.plates.at_rest
             )
-            h, q = h + change, found.q + row["q_h"] * change
+            h = h + change
+            q = found.q + row["q_h"] * change
         raise UnstableError(
             "no equilibrium near a pressure",
             where=self.model.fabric.name,
@@ -206,10 +207,15 @@ class PlatenSolver:
         """The equilibria at x, loaded from rest."""
         self.loaded += 1
         self._take(x)
-        model, rest = self.model, self.model.plates.at_rest
-        levels, rows, failed = list(np.log(self.pressure)), [], ""
-        h, q = rest, rest_state(model, self._solver, self._load_at(rest)).q
-        step, least = LARGEST, LEAST
+        model = self.model
+        rest = self.model.plates.at_rest
+        levels = list(np.log(self.pressure))
+        rows = []
+        failed = ""
+        h = rest
+        q = rest_state(model, self._solver, self._load_at(rest)).q
+        step = LARGEST
+        least = LEAST
         before = None
         try:
             while levels:
@@ -221,7 +227,9 @@ class PlatenSolver:
                 now = np.log(P) if P > 0 else -np.inf
                 while levels and now > levels[0] - LEVEL:
                     row = self._row(h, found)
-                    rows.append(self._correct(h, q, levels[0]) if now > levels[0] + LEVEL else row)
+                    if now > levels[0] + LEVEL:
+                        row = self._correct(h, q, levels[0])
+                    rows.append(row)
                     levels.pop(0)
                 if not levels or h <= LEAST_DISTANCE * rest:
                     break
@@ -267,7 +275,8 @@ class PlatenSolver:
         """The equilibrium with its derivatives."""
         self._count(found)
         self.tangents += 1
-        model, load = self.model, self._load_at(h)
+        model = self.model
+        load = self._load_at(h)
         x = self._x
         base = self._residual(found.q, load)
         changes = []

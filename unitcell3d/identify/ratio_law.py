@@ -15,7 +15,8 @@ from fabrics.errors import InputError
 
 def imbalance(T1: ArrayLike, T2: ArrayLike) -> FloatArray:
     """m [-] of warp and weft tensions [N], from -1 to 1; 0 where neither is taut."""
-    T1, T2 = np.maximum(T1, 0), np.maximum(T2, 0)
+    T1 = np.maximum(T1, 0)
+    T2 = np.maximum(T2, 0)
     total = T1 + T2
     return np.divide(T1 - T2, total, out=np.zeros(np.broadcast(T1, T2).shape), where=total > 0)
 
@@ -73,7 +74,8 @@ class RatioLaw:
                 "a law of the tension ratio needs at least five samples in contact",
                 value=int(F.size),
             )
-        length, force = float(np.max(np.abs(d))), float(np.max(F))
+        length = float(np.max(np.abs(d)))
+        force = float(np.max(F))
 
         def distance(x):
             return np.exp(x[0] + x[1] * m) * (F / force) / (1 + x[2] * F / force) - d / length

@@ -109,10 +109,9 @@ def sample(
         partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume
     )
     with open_executor(executor, jobs, fresh=True) as pool:
-        run = _Run(
-            fabric, size, friction, done, pool, on_progress if on_progress is not None else _silent
-        )
-        new, axes = axes, [axis[:0] for axis in axes]
+        run = _Run(fabric, size, friction, done, pool, on_progress or _silent)
+        new = axes
+        axes = [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):
             axes = _add_lines(run, axes, new)
             surface = _assemble(done, axes, fabric, size, friction, provenance)
@@ -171,7 +170,8 @@ def _add_lines(run, axes, new):
         return new
     x1, x2 = axes
     rows = np.union1d(x2, new[1])
-    stem, row = run.kept(Case(1, x1[0], x2)), run.kept(Case(0, x2[0], x1))
+    stem = run.kept(Case(1, x1[0], x2))
+    row = run.kept(Case(0, x2[0], x1))
     cases = [Case(0, d, x1, *_below(stem, d)) for d in new[1]] + [
         Case(1, d, rows, *_below(row, d)) for d in new[0]
     ]
@@ -223,8 +223,11 @@ class _Run:
 
     def __init__(self, fabric, size, friction, done, workers, on_progress):
         self.done = done
-        self._fabric, self._size, self._friction = fabric, size, friction
-        self._workers, self._on_progress = workers, on_progress
+        self._fabric = fabric
+        self._size = size
+        self._friction = friction
+        self._workers = workers
+        self._on_progress = on_progress
 
     def kept(self, case):
         """The line of a case that is done."""

@@ -50,7 +50,8 @@ def fit(gamma: ArrayLike, tau: ArrayLike) -> ShearFit:
     ------
     InputError : too few points, or a curve that does not stiffen
     """
-    gamma, tau = np.asarray(gamma, float), np.asarray(tau, float)
+    gamma = np.asarray(gamma, float)
+    tau = np.asarray(tau, float)
     if len(gamma) < FEWEST:
         raise InputError(key="shear angles", value=len(gamma), allowed=f"at least {FEWEST}")
     last = gamma[-1]

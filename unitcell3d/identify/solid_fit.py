@@ -103,16 +103,16 @@ class _Fit:
         one_of("measure", measure, ("closure", "pressure"))
         mesh = mesher.build(fabric, size=size)
         assert fabric.solid_laws is not None  # else the mesher has refused it
-        self.fabric, self.curve, self._on_progress = fabric, curve, on_progress
+        self.fabric = fabric
+        self.curve = curve
+        self._on_progress = on_progress
         self.densest = max(*mesh.Vf0, *(solid.Vf0 for solid in fabric.solid_laws))
         self.pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
         self.measured = curve.at(self.pressure)
         # d closure / d ln P of the curve: the closure that a relative error of the pressure stands for
-        slope = (
-            np.gradient(self.measured, np.log(self.pressure))
-            if measure == "pressure"
-            else np.zeros(POINTS)
-        )
+        slope = np.zeros(POINTS)
+        if measure == "pressure":
+            slope = np.gradient(self.measured, np.log(self.pressure))
         self.weight = 1 / np.hypot(PRESSURE_ERROR * slope, RESOLUTION)
         self.solver = PlatenSolver(mesh, fabric, self.with_constants, self.pressure)
         self.trials = 0
@@ -150,7 +150,8 @@ class _Fit:
             states = self.states(x)
         except UnstableError:
             return np.full(len(self.pressure), np.nan), np.zeros((len(self.pressure), len(x)))
-        misfit, jacobian = self.closures(states) - self.measured, states.jacobian(self.pressure)
+        misfit = self.closures(states) - self.measured
+        jacobian = states.jacobian(self.pressure)
         if self._on_progress is not None:
             self._on_progress(self.trials, float(np.sqrt(np.mean(misfit**2))))
         return misfit * self.weight, (jacobian - self._mean(jacobian)) * self.weight[:, None]
@@ -185,13 +186,20 @@ class _Fit:
             np.abs(direction), 1e-12
         )
         farthest = min(FARTHEST, float(rooms.min()))
-        length, inside, outside = min(length, farthest), 0.0, np.inf
+        length = min(length, farthest)
+        inside = 0.0
+        outside = np.inf
         for _ in range(SEARCH):
             square = float(np.sum(self.evaluate(x + length * direction)[0] ** 2))
             if abs(square / wanted - 1) < NEAR_LIMIT or (square < wanted and length >= farthest):
                 break
-            inside, outside = (length, outside) if square < wanted else (inside, length)
-            length = min(2 * length, farthest) if np.isinf(outside) else 0.5 * (inside + outside)
+            if square < wanted:
+                inside = length
+            else:
+                outside = length
+            length = 0.5 * (inside + outside)
+            if np.isinf(outside):
+                length = min(2 * inside, farthest)
         return x + length * direction
 
 

@@ -96,11 +96,9 @@ class SolidFit:
     @property
     def misfit_checked(self) -> PlatenMisfit | None:
         """Of the fitted crossover on the finer mesh."""
-        return (
-            None
-            if self.checked is None or len(self.checked) < LEAST_CHECKED
-            else self._misfit(self.checked)
-        )
+        if self.checked is None or len(self.checked) < LEAST_CHECKED:
+            return None
+        return self._misfit(self.checked)
 
     def _misfit(self, closure):
         reached = len(closure)
@@ -181,7 +179,8 @@ def record(
     sizes : of the two meshes, as texts
     failed : as of a SolidFit
     """
-    fabric, curve = fit.fabric, fit.curve
+    fabric = fit.fabric
+    curve = fit.curve
     noise = max(float(np.sqrt(np.sum(found.residual**2) / fit.freedom)), fit.floor)
     half, correlation, singular, directions = identify(found.jacobian, noise, fit.freedom)
     # of ln K_r E_c, from the directions: a difference of variances would be round-off where only the product is known
@@ -189,7 +188,8 @@ def record(
     loose = half[0] * np.hypot.reduce((directions[:, 0] + directions[:, 2]) / scale)
     loose /= np.hypot.reduce(directions[:, 0] / scale)
     half, loose = np.minimum(half, 50), min(float(loose), 50.0)  # e^50 is as good as unknown
-    low, high = np.exp(found.x - half), np.exp(found.x + half)
+    low = np.exp(found.x - half)
+    high = np.exp(found.x + half)
     value = np.exp(found.x)
     modulus = float(value[0] * value[2])
     shift = np.array([0.0, fit.densest, 0.0])  # V_c itself

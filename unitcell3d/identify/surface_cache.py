@@ -56,7 +56,8 @@ class Partial:
     """
 
     def __init__(self, path: FilePath | None, stamp: Mapping[str, str], resume: bool) -> None:
-        self._path, self._stamp = (Path(path) if path is not None else None), stamp
+        self._path = Path(path) if path is not None else None
+        self._stamp = stamp
         self.lines = (
             self._read() if resume and self._path is not None and self._path.exists() else {}
         )

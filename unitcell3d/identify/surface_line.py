@@ -52,7 +52,8 @@ class Case:
 
     def at(self, place: float) -> tuple[float, float]:
         """(d1, d2) [m] of a place on the line."""
-        place, fixed = float(place), float(self.fixed)
+        place = float(place)
+        fixed = float(self.fixed)
         return (place, fixed) if self.axis == 0 else (fixed, place)
 
 
@@ -68,7 +69,10 @@ def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
         mesher.build(fabric, size=size), fabric, Numerics(friction=case.friction)
     )
     solver = Newton(model)
-    values, states, stick_states, iterations = [], [], [], 0
+    values = []
+    states = []
+    stick_states = []
+    iterations = 0
     try:
         q, spent = _begin(model, solver, case)
         first, last = (Load(case.at(case.along[i])) for i in (0, -1))
@@ -83,9 +87,13 @@ def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
             stick_states.append(model.stick_state)
     finally:
         solver.close()
-    kept = np.array(states) if case.keep else np.empty((0, 0))
-    kept_sticks = np.array(stick_states) if case.keep and case.friction else np.empty((0, 0))
-    along, seconds = np.asarray(case.along, float), time.perf_counter() - begun
+    kept = kept_sticks = np.empty((0, 0))
+    if case.keep:
+        kept = np.array(states)
+        if case.friction:
+            kept_sticks = np.array(stick_states)
+    along = np.asarray(case.along, float)
+    seconds = time.perf_counter() - begun
     return Line(
         case.axis,
         float(case.fixed),
@@ -104,15 +112,20 @@ def _begin(model, solver, case):
     if case.q is None:
         start = Load()
         found = rest_state(model, solver, start)
-        q, spent = found.q, found.iterations
+        q = found.q
+        spent = found.iterations
         model.commit(q, start)
         steps = np.linspace(FROM_REST, 1, round(1 / FROM_REST))
     else:
-        start, q, spent, steps = Load(tuple(map(float, case.start))), case.q, 0, (1.0,)
+        start = Load(tuple(map(float, case.start)))
+        q = case.q
+        spent = 0
+        steps = (1.0,)
         if case.stick_state is not None:
             model.stick_state = case.stick_state
     if start.d != corner.d:
         for share, found in continue_to(model, solver, q, start, corner, steps):
-            q, spent = found.q, spent + found.iterations
+            q = found.q
+            spent = spent + found.iterations
             model.commit(q, start.towards(corner, share))
     return q, spent

@@ -86,8 +86,10 @@ class Fibres:
 
     def overload(self, strain: FloatArray) -> float:
         """[-] largest strain of a whole bar over its failure strain; 0 where bars do not fail."""
+        if not self._fails:
+            return 0.0
         whole = self.damage == 0
-        return float((strain[whole] / self._limit[whole]).max(initial=0.0)) if self._fails else 0.0
+        return float((strain[whole] / self._limit[whole]).max(initial=0.0))
 
     def fail(self, x: FloatArray) -> bool:
         """Raise the damage to that of the positions `x`, first of the most overstrained; returns

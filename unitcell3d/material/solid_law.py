@@ -32,7 +32,8 @@ LOOSE_WIDTH = 5e-3
 PACKED_WIDTH = 2e-3
 
 # degrees of Gauss rules: 2 x 2 x 2 points and one point in a brick
-FULL, ONE_POINT = 3, 1
+FULL = 3
+ONE_POINT = 1
 
 
 def smooth_max(x: Any, corner: Any, width: float) -> Any:
@@ -82,12 +83,19 @@ def first_piola(grad_u: Any, frame: Any, parameters: Any) -> Any:
 
     V_f = Vf0 / (R22 * R33)
     E_2 = transverse_modulus(V_f, Vf0, V_c, a_E, b_E)
-    S11, S22, S33 = E_a * V_f * ufl.ln(R11), E_2 * ufl.ln(R22), E_2 * ufl.ln(R33)
-    S12, S13, S23 = G * R12 / R22, G * R13 / R33, G * R23 / R33
+    S11 = E_a * V_f * ufl.ln(R11)
+    S22 = E_2 * ufl.ln(R22)
+    S33 = E_2 * ufl.ln(R33)
+    S12 = G * R12 / R22
+    S13 = G * R13 / R33
+    S23 = G * R23 / R33
 
     # P = J sigma F^-T = Q (J S R^-T) Q0^T; R^-T is lower triangular and J R^-T has no division by a shear
-    L11, L22, L33 = R22 * R33, R11 * R33, R11 * R22
-    L21, L32 = -R12 * R33, -R11 * R23
+    L11 = R22 * R33
+    L22 = R11 * R33
+    L33 = R11 * R22
+    L21 = -R12 * R33
+    L32 = -R11 * R23
     L31 = R12 * R23 - R13 * R22
     columns = (
         (
@@ -115,7 +123,8 @@ def forms(space: Any, parameters: Any, integration: int = FULL) -> tuple[Any, An
     integration : FULL or ONE_POINT, which leaves zero-energy modes and is there to show them
     """
     u = space.displacement
-    v, du = ufl.TestFunction(space.displacements), ufl.TrialFunction(space.displacements)
+    v = ufl.TestFunction(space.displacements)
+    du = ufl.TrialFunction(space.displacements)
     points = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": integration})
     stress = first_piola(ufl.grad(u), fibre_frame(space.mesh), [parameters[i] for i in range(6)])
     residual = ufl.inner(stress, ufl.grad(v)) * points

@@ -109,10 +109,14 @@ class YarnsModel:
         failure: bool = False,
     ) -> None:
         check(mesh, fabric)
-        self.crossover, self.fabric = mesh, fabric
-        self.numerics = Numerics() if numerics is None else numerics
+        self.crossover = mesh
+        self.fabric = fabric
+        self.numerics = numerics or Numerics()
         self.points = np.ascontiguousarray(mesh.points if points is None else points, float)
-        self.copies, self.constraints, self.surfaces, self.plates = copies, held, surfaces, plates
+        self.copies = copies
+        self.constraints = held
+        self.surfaces = surfaces
+        self.plates = plates
         self.fibres = Fibres(mesh, fabric, failure)
         self._solid(mesh, fabric, integration)
         self._build_pattern()
@@ -183,7 +187,9 @@ class YarnsModel:
         grown = self.surfaces.pattern_outdated()
         if grown:
             self._build_pattern()
-        x, n, pattern = self.positions(q, load), self.numerics, self.pattern
+        x = self.positions(q, load)
+        n = self.numerics
+        pattern = self.pattern
         self._deform(x)
         pattern.values[:] = 0
         pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
@@ -297,11 +303,9 @@ class CrossoverModel(YarnsModel):
 
     def _crossing(self, grid):
         """Place (i, j) of the crossing in the grid of a yarn."""
-        return (
-            (0, 0)
-            if self.crossover.domain == "quarter"
-            else (grid.shape[0] // 2, grid.shape[1] // 2)
-        )
+        if self.crossover.domain == "quarter":
+            return 0, 0
+        return grid.shape[0] // 2, grid.shape[1] // 2
 
 
 def _cell_laws(mesh, fabric):

@@ -120,7 +120,8 @@ class PullOutModel(YarnsModel):
         mean of their ends."""
         found = []
         for grid in self.crossover.grids:
-            i, j = grid.shape[0] // 2, grid.shape[1] // 2
+            i = grid.shape[0] // 2
+            j = grid.shape[1] // 2
             ends = 0.5 * (axis_height(x, grid[0, j]) + axis_height(x, grid[-1, j]))
             found.append(axis_height(x, grid[i, j]) - ends)
         return np.array([found[0], -found[1]])

@@ -59,7 +59,8 @@ def _spread(across, through, lines):
     """Numbers (j through + k) of `lines` fibre lines of a section, one of `line_numbers`."""
     middle = min(lines, across) if through % 2 else 0
     places = [(j, through // 2) for j in _evenly(across, middle)]
-    pairs, half = (lines - middle) // 2, through // 2
+    pairs = (lines - middle) // 2
+    half = through // 2
     for layer in range(half - 1, -1, -1):
         for j in _evenly(across, min(pairs, across)):
             places += [(j, layer), (j, through - 1 - layer)]
@@ -76,7 +77,8 @@ def _evenly(n, count):
 def stacked(mesh: YarnMesh, plies: int, pitch: float) -> YarnMesh:
     """Plies of one mesh on each other, `pitch` [m] from ply to ply, the middle at z = 0; the yarns
     of ply 0 first."""
-    yarns, n = len(mesh.names), len(mesh.points)
+    yarns = len(mesh.names)
+    n = len(mesh.points)
     heights = [(ply - (plies - 1) / 2) * pitch for ply in range(plies)]
 
     def numbered(arrays):

@@ -162,7 +162,8 @@ class Newton:
             try:
                 self.model.numerics = full.softened(SOFTER)
                 found = self.solve(q, load, ROUGH)
-                q, spent = found.q, found.iterations
+                q = found.q
+                spent = found.iterations
             finally:
                 self.model.numerics = full
         found = self.solve(q, load)
@@ -244,7 +245,8 @@ class Newton:
         slow = 0
         while len(self._taken) < MOST_UPDATES and not best.within(tolerance):
             step = self._solver.solve(-state.residual)
-            step = None if step is None else _corrected(step, self._taken)
+            if step is not None:
+                step = _corrected(step, self._taken)
             if step is None or np.abs(step).max() > LARGEST_STEP:
                 break
             found = self._evaluate(state.q + step, load)

@@ -71,7 +71,7 @@ def follow(
     """
     if len(corners) < 2:
         raise InputError(key="loads", value=len(corners), allowed="at least two, the first at rest")
-    steps = Steps() if steps is None else steps
+    steps = steps or Steps()
     legs = len(corners) - 1
     counts: list[int] = []
     if isinstance(rows, int):
@@ -94,8 +94,11 @@ class _Walk:
     """A path on its way: the last state with its load, and the rows so far."""
 
     def __init__(self, model, solver, row, steps, stop, hooks):
-        self._model, self._solver = model, solver
-        self._row, self._stop, self._hooks = row, stop, hooks
+        self._model = model
+        self._solver = solver
+        self._row = row
+        self._stop = stop
+        self._hooks = hooks
         self._steps = steps
         self._met_overload = False
         self.rows = []
@@ -204,7 +207,8 @@ class _Walk:
         if settled is not state:
             row = self._measure(settled, load, row["path"])
         self._model.commit(settled.q, load)
-        self._state, self._load = settled, load
+        self._state = settled
+        self._load = load
         self._keep(row)
         for hook in self._hooks:
             hook(row["path"], row)
@@ -226,7 +230,9 @@ class _Walk:
     def last(self):
         """Displacements (n, 3) [m] of the last state, and the gaps [m] of the faces of a single
         crossing."""
-        model, q, load = self._model, self._state.q, self._load
+        model = self._model
+        q = self._state.q
+        load = self._load
         model.forces(q, load)  # the gaps belong to the last state, not to the last trial
         u = model.constraints.displacement(q, load.drive)
         last = {"u": u[: len(model.crossover.points)]}
