@@ -1,2 +1,1 @@
-"""The quasi-static crossover of two yarns in three dimensions (dolfinx, PETSc), and the compression
-law it yields."""
+"""The quasi-static crossover of two yarns in three dimensions (dolfinx, PETSc), and the compression law it yields."""
