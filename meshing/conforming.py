@@ -85,7 +85,8 @@ class ConformingSection:
         return np.linspace(0, self.half_width, n + 1)
 
 
-# what the mesher works with: a shape, its size, its thickness over the width, and the places of its mesh lines
+# what the mesher works with: a shape, its size, its thickness over the width, and the places of its
+# mesh lines
 YarnSection: TypeAlias = Section | ConformingSection
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from fabrics.fabric import Fabric
 from meshing import inputs
 from meshing.inputs import YARNS, MeshOptions, Size
-from meshing.mesh import Strand, YarnMesh, assemble, place
+from meshing.mesh import Strand, YarnMesh, assemble, outer_faces, place
 from meshing.mesh_plan import Plan, mirrored
 
 
@@ -68,42 +68,33 @@ def build(
     plan = Plan.of(fabric, size=size, shift=True, **options)
     whole = domain == "whole"
     mesh, sides = assemble([_strand(plan, family, whole) for family in (0, 1)])
-    return Crossover(domain=domain, faces=_faces(sides, whole), **mesh, **plan.fields())
+    faces = outer_faces(sides) if whole else _faces_of_a_quarter(sides)
+    return Crossover(domain=domain, faces=faces, **mesh, **plan.fields())
 
 
 def _strand(plan, family, whole):
-    s = mirrored(plan.along(family)) if whole else plan.along(family)
+    s = plan.along(family)
+    if whole:
+        s = mirrored(s)
     y, heights, areas = plan.across(family, whole)
     w = plan.weave.w[family]
     h = plan.weave.h0[family]
     sign = 1 if family == 0 else -1
     centre = sign * (h * np.cos(np.pi * s / (2 * w)) + plan.section_fit.shift / 2)
-    return Strand(
-        YARNS[family],
-        family,
-        place(family, s, centre, y, heights),
-        areas,
-        np.full(len(s) - 1, family == 0),
-    )
+    points = place(family, s, centre, y, heights)
+    over = np.full(len(s) - 1, family == 0)
+    return Strand(YARNS[family], family, points, areas, over)
 
 
-def _faces(sides, whole):
+def _faces_of_a_quarter(sides):
     """Names of the outer faces of both yarns, as `YarnMesh.groups` lists them."""
     named = {}
-    for yarn, of in sides.items():
-        named |= {
-            f"{yarn}_contact": of["contact"],
-            f"{yarn}_plate": of["plate"],
-            f"{yarn}_end": of["i1"],
-        }
-        if whole:
-            named |= {
-                f"{yarn}_start": of["i0"],
-                f"{yarn}_tip": np.concatenate([of["j0"], of["j1"]]),
-            }
-        else:
-            planes = ("symx", "symy") if yarn == YARNS[0] else ("symy", "symx")
-            named |= {f"{yarn}_tip": of["j1"]} | {
-                f"{yarn}_{plane}": of[k] for plane, k in zip(planes, ("i0", "j0"))
-            }
+    for yarn, planes in zip(YARNS, (("symx", "symy"), ("symy", "symx"))):
+        of = sides[yarn]
+        named[f"{yarn}_contact"] = of["contact"]
+        named[f"{yarn}_plate"] = of["plate"]
+        named[f"{yarn}_end"] = of["i1"]
+        named[f"{yarn}_tip"] = of["j1"]
+        named[f"{yarn}_{planes[0]}"] = of["i0"]
+        named[f"{yarn}_{planes[1]}"] = of["j0"]
     return named

@@ -72,35 +72,34 @@ def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tup
         height = min(section.thickness for section in sections) / AUTO_LAYERS
         return (*_parts(AUTO_ASPECT * height, w, sections), AUTO_LAYERS)
     if _number(value) and 0 < value <= min(w):
-        return (
-            *_parts(value, w, sections),
-            max(1, _ceil(max(section.thickness for section in sections) / value)),
-        )
-    try:
-        numbers = tuple(int(n) for n in value)
-        good = (
-            numbers == tuple(value)
-            and len(numbers) == 3
-            and all(n >= low for n, low in zip(numbers, (2, 2, 1)))
-        )
-    except (TypeError, ValueError, OverflowError):
-        good = False
-    if not good:
+        layers = max(section.thickness for section in sections) / value
+        return (*_parts(value, w, sections), max(1, _ceil(layers)))
+    numbers = _whole_numbers(value, (2, 2, 1))
+    if numbers is None:
         wanted = (
-            f"coarse, medium, fine, auto, an edge length up to {min(w):.4g} m, or three whole numbers, "
-            "at least 2 along, 2 across and 1 through"
+            f"coarse, medium, fine, auto, an edge length up to {min(w):.4g} m, or "
+            "three whole numbers, at least 2 along, 2 across and 1 through"
         )
         raise InputError(key="size", value=value, allowed=wanted)
     nx, ny, nz = numbers
     return nx, ny, nz
 
 
+def _whole_numbers(value, least):
+    """As many whole numbers as there are in `least`, none of them below it; None where they are not."""
+    try:
+        numbers = tuple(int(n) for n in value)
+        if numbers != tuple(value) or len(numbers) != len(least):
+            return None
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return numbers if np.all(np.asarray(numbers) >= least) else None
+
+
 def _parts(length, w, sections):
     """Elements along and across whose edges are at most `length` in both yarns, at least 2."""
-    return [
-        max(2, _ceil(max(lengths) / length))
-        for lengths in (w, [section.half_width for section in sections])
-    ]
+    half_width = max(section.half_width for section in sections)
+    return [max(2, _ceil(edge / length)) for edge in (max(w), half_width)]
 
 
 def _ceil(ratio):
@@ -114,15 +113,10 @@ def counts(value: Sequence[int]) -> tuple[int, int]:
     ------
     InputError : they are not
     """
-    try:
-        numbers = tuple(int(n) for n in value)
-        good = numbers == tuple(value) and len(numbers) == 2 and min(numbers) >= 1
-    except (TypeError, ValueError, OverflowError):
-        good = False
-    if not good:
-        raise InputError(
-            key="count", value=value, allowed="two whole numbers from 1, of warp and of weft yarns"
-        )
+    numbers = _whole_numbers(value, (1, 1))
+    if numbers is None:
+        allowed = "two whole numbers from 1, of warp and of weft yarns"
+        raise InputError(key="count", value=value, allowed=allowed)
     warp, weft = numbers
     return warp, weft
 

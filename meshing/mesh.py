@@ -116,13 +116,13 @@ class YarnMesh:
     def collected(self) -> dict:
         """For each part of a family, such as "warp_contact": the names in `faces` of all yarns of
         the family."""
-        found: dict[str, list[str]] = {}
+        family = dict(zip(self.names, self.families))
+        found: dict[str, tuple[str, ...]] = {}
         for name in self.faces:
             yarn, part = name.rsplit("_", 1)
-            found.setdefault(f"{YARNS[self.families[self.names.index(yarn)]]}_{part}", []).append(
-                name
-            )
-        return {name: tuple(members) for name, members in found.items()}
+            group = f"{YARNS[family[yarn]]}_{part}"
+            found[group] = (*found.get(group, ()), name)
+        return found
 
     @property
     def groups(self) -> dict:
@@ -200,10 +200,12 @@ def place(
     -------
     points : (nx+1, ny+1, nz+1, 3) [m]
     """
-    along, side, z = np.broadcast_arrays(
-        s[:, None, None], across + y[None, :, None], centre[:, None, None] + heights[None]
-    )
-    return np.stack([along, side, z] if family == 0 else [side, along, z], axis=-1)
+    z = centre[:, None, None] + heights[None]
+    points = np.empty((*z.shape, 3))
+    points[..., family] = s[:, None, None]
+    points[..., 1 - family] = across + y[None, :, None]
+    points[..., 2] = z
+    return points
 
 
 def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntArray]]]:
@@ -239,6 +241,18 @@ def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntAr
         "bars": tuple(pairs),
         "bar_area": tuple(areas),
     }, faces
+
+
+def outer_faces(sides: dict[str, dict[str, IntArray]]) -> dict[str, IntArray]:
+    """Names of the outer faces of whole yarns, as `YarnMesh.groups` lists them."""
+    named = {}
+    for yarn, of in sides.items():
+        named[f"{yarn}_contact"] = of["contact"]
+        named[f"{yarn}_plate"] = of["plate"]
+        named[f"{yarn}_end"] = of["i1"]
+        named[f"{yarn}_start"] = of["i0"]
+        named[f"{yarn}_tip"] = np.concatenate([of["j0"], of["j1"]])
+    return named
 
 
 def _sides(sides, over, ny):

@@ -25,7 +25,7 @@ import numpy as np
 from fabrics.fabric import Fabric
 from meshing import inputs
 from meshing.inputs import YARNS, MeshOptions, Size
-from meshing.mesh import Strand, YarnMesh, assemble, place
+from meshing.mesh import Strand, YarnMesh, assemble, outer_faces, place
 from meshing.mesh_plan import Plan, mirrored
 
 
@@ -72,9 +72,8 @@ def build(
     """
     count = inputs.counts(count)
     plan = Plan.of(fabric, size=size, shift=False, **options)
-    strands = [strand for family in (0, 1) for strand in _family(plan, family, count)]
-    mesh, sides = assemble(strands)
-    return Patch(count=count, faces=_faces(sides), **mesh, **plan.fields())
+    mesh, sides = assemble([*_family(plan, 0, count), *_family(plan, 1, count)])
+    return Patch(count=count, faces=outer_faces(sides), **mesh, **plan.fields())
 
 
 def _family(plan, family, count):
@@ -103,13 +102,3 @@ def _joined(cells):
     """Values (cells, k) of neighbouring cells in one line, the places that two cells share taken
     once."""
     return np.concatenate([cells[0], cells[1:, 1:].ravel()])
-
-
-def _faces(sides):
-    """Names of the outer faces of all yarns, as `YarnMesh.groups` lists them."""
-    named = {}
-    for yarn, of in sides.items():
-        named |= {f"{yarn}_contact": of["contact"], f"{yarn}_plate": of["plate"]}
-        named |= {f"{yarn}_end": of["i1"], f"{yarn}_start": of["i0"]}
-        named[f"{yarn}_tip"] = np.concatenate([of["j0"], of["j1"]])
-    return named

@@ -43,9 +43,12 @@ from meshing.conforming import KIND as CONFORMING
 from meshing.conforming import YarnSection, conform
 from meshing.section import Section
 
-SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
-NARROWEST = 0.4  # of the width requested: the search for the best width ends here
-HIGHEST = 8.0  # times the heights of the yarns: the search for the least crimp ends here
+# of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
+SHIFT_LIMIT = 0.02
+# of the width requested: the search for the best width ends here
+NARROWEST = 0.4
+# times the heights of the yarns: the search for the least crimp ends here
+HIGHEST = 8.0
 FACTOR = 1e-3  # to which a factor on crimp or thickness is found
 SAMPLES = 4000
 YARNS = ("warp", "weft")

@@ -24,7 +24,8 @@ from fabrics.checks import FloatArray, IntArray
 
 # dolfinx orders the corners of a hexahedron as a tensor product, VTK runs round each face
 VTK_TO_DOLFINX = np.array([0, 1, 3, 2, 4, 5, 7, 6])
-# the law's loops are short and its arithmetic long: vector instructions pay, and reassociation lets them be used
+# the law's loops are short and its arithmetic long: vector instructions pay, and reassociation lets
+# them be used
 COMPILE_ARGUMENTS = ["-O3", "-march=native", "-ffast-math", "-fno-finite-math-only", "-g0"]
 
 
@@ -62,7 +63,8 @@ class HexSpace:
             import basix.ufl
 
             domain = ufl.Mesh(basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,)))
-        # one process owns a crossover: several crossovers run beside each other in processes of their own
+        # one process owns a crossover: several crossovers run beside each other in processes of
+        # their own
         mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, np.asarray(points, float), domain)
         space = _vector_space(mesh, "Lagrange", 1, 3)
         node = np.empty(len(points), np.int64)
@@ -106,7 +108,8 @@ class Assembler:
         self._tangent = _form(tangent)
         dofmap = space.displacements.dofmap
         self._vector = la.vector(dofmap.index_map, dofmap.index_map_bs)
-        # by blocks of 3 x 3: to find the places of single entries takes as long as the bricks' tangents themselves
+        # by blocks of 3 x 3: to find the places of single entries takes as long as the bricks'
+        # tangents themselves
         self._matrix = petsc.create_matrix(self._tangent, "baij")
         self._plain = PETSc.Mat()
         self.rows, self.columns = self._pattern()

@@ -82,7 +82,8 @@ class Ties:
     def __init__(self, n: int, parameters: int) -> None:
         self.drive = np.zeros((3 * n, parameters))
         self._sign = np.ones(3 * n)
-        self._leader = np.arange(3 * n)  # the component that carries the unknown; -1: prescribed
+        # the component that carries the unknown; -1: prescribed
+        self._leader = np.arange(3 * n)
 
     def hold(self, nodes: ArrayLike, component: int) -> None:
         """Prescribe a component: it is what the load drives it by."""

@@ -35,8 +35,10 @@ from unitcell3d.solver.path_following import Hook, follow
 from unitcell3d.solver.recorded import crossover_row
 
 SLIDING = 0.999  # share of Coulomb's limit from which on the yarn slides
-LOADS = (0.25, 0.5, 0.75, 1.0)  # of the largest end displacement of the crossing yarn
-PULL = 0.16  # of half the spacing: the crossing yarn gives way sideways before all points slide
+# of the largest end displacement of the crossing yarn
+LOADS = (0.25, 0.5, 0.75, 1.0)
+# of half the spacing: the crossing yarn gives way sideways before all points slide
+PULL = 0.16
 # of half the spacing between platens, where the crossing yarn has no tension before the pull
 PULL_PRESSED = 0.24
 ROWS_TO_LOAD = 5

@@ -155,7 +155,8 @@ def pull(
         d = share * strain * model.w
         return Load((d, 0.0) if family == 0 else (0.0, d))
 
-    # most rows where the yarn becomes taut: steps of strain that grow with the distance from the crimp's end
+    # most rows where the yarn becomes taut: steps of strain that grow with the distance from the
+    # crimp's end
     shares = [0.0, crimp / strain, 1.0] if strain > crimp else [0.0, 1.0]
     facts = {
         "case": f"yarn {('warp', 'weft')[family]}",

@@ -29,7 +29,8 @@ from unitcell3d.model import submeshes
 from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
 from unitcell3d.solver.path_following import Hook, follow
 
-LONGEST_STEP = 6e-6  # m between the plates: in steps of 22 um slack plies pass through each other
+# m between the plates: in steps of 22 um slack plies pass through each other
+LONGEST_STEP = 6e-6
 
 
 class StackModel(YarnsModel):

@@ -54,7 +54,8 @@ class Edges:
         self._area = thicknesses[0] * thicknesses[1] / sine
         self._toward = np.eye(3)[across]
         self.gaps = np.array([np.inf])
-        self._nodes = np.full(8, -1)  # that acted on each other at the last call of `assemble`
+        # that acted on each other at the last call of `assemble`
+        self._nodes = np.full(8, -1)
         self._met = np.empty((0, 8), np.int64)
         self._pattern: Pattern  # from the first call of `build_pattern` on
 
@@ -150,7 +151,8 @@ def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[Edges]]
             second = images.extended(next_yarn, *step, reach)
             # they pass each other at each end of a crossing; of the two ends of the cell, one
             for end in range(cells, len(mesh.grids[yarn]), cells):
-                part = slice(end, end + 2 * reach + 1)  # the grid begins `reach` columns early
+                # the grid begins `reach` columns early
+                part = slice(end, end + 2 * reach + 1)
                 found.append((first[part, -1], second[part, 0], 1 - family, (thick, thick)))
     return [(Edges(images.points, *pair),) for pair in found]
 

@@ -28,7 +28,8 @@ from unitcell3d.contact.kernel_arguments import (
 from unitcell3d.contact.surface_tangent_kernels import STENCIL
 from unitcell3d.material.numerics import Numerics
 
-# cells by which a contact point may slide before the tangent is laid out anew: a few blocks more for far fewer layouts
+# cells by which a contact point may slide before the tangent is laid out anew: a few blocks more
+# for far fewer layouts
 SLIP_MARGIN = 0.3
 GAUSS = 2  # points along each side of a slave face
 NO_VALUES = np.empty((0, 3, 3))

@@ -17,7 +17,8 @@ from meshing.mesh_plan import Plan
 from unitcell3d.identify.calibrate import calibrate_all
 from unitcell3d.identify.calibration import Calibration
 
-_LEAST_ROOM = 0.01  # [-] of fibre volume fraction, from the mesh at rest to packed yarns
+# [-] of fibre volume fraction, from the mesh at rest to packed yarns
+_LEAST_ROOM = 0.01
 
 
 def _packed_later(fabric, name):

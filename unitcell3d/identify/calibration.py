@@ -41,7 +41,8 @@ PLATES = "plates"
 YARNS = ("warp", "weft")
 SAMPLES = 25  # of each path in the fit, about as many as it has steps
 PLY_SAMPLES = 24  # intervals of the contact law of plies
-ONE_LAW = 1e-6  # m rms: where one law leaves more, that of the tension ratio is chosen
+# m rms: where one law leaves more, that of the tension ratio is chosen
+ONE_LAW = 1e-6
 
 
 @dataclass(frozen=True)

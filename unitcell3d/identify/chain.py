@@ -25,7 +25,8 @@ from unitcell3d.identify.calibrate import Job, path_jobs, run_job
 from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.solid_record import SolidFit
 
-SIZE = "coarse"  # mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
+# mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
+SIZE = "coarse"
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from scipy.optimize import least_squares
 
 from fabrics.checks import FloatArray
 
-CONVERGED = 1e-3  # relative change of the sum of squares, or of the unknowns, which are logarithms
+# relative change of the sum of squares, or of the unknowns, which are logarithms
+CONVERGED = 1e-3
 MOST = 30  # evaluations
 
 

@@ -20,7 +20,8 @@ from fabrics.plate_curve import PlateCurve
 from fabrics.record import Record
 
 POINTS = 16  # of the curve, at equal ratios of pressure
-OFFSETS = 81  # tried over the closure of the curve, before the best of them is refined
+# tried over the closure of the curve, before the best of them is refined
+OFFSETS = 81
 
 
 class PlatenMisfit(NamedTuple):

@@ -33,16 +33,21 @@ from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
-DIFFERENCE = 1e-3  # of an unknown constant (a logarithm), in the residual's difference
-STEP = 1e-10  # m of the platens' half distance, and of the largest displacement, in differences
+# of an unknown constant (a logarithm), in the residual's difference
+DIFFERENCE = 1e-3
+# m of the platens' half distance, and of the largest displacement, in differences
+STEP = 1e-10
 LEVEL = 0.1  # of ln P: how far from its pressure an equilibrium may lie
 CORRECTIONS = 6  # of the platens' distance towards a pressure
-LARGEST, LEAST = 0.02, 1e-5  # of the distance at rest: steps of the first loading
+# of the distance at rest: steps of the first loading
+LARGEST, LEAST = 0.02, 1e-5
 JUMPS = 2  # of the largest step, over a snap
-LEAST_DISTANCE = 0.2  # of that at rest: soft trial yarns close further than real ones
+# of that at rest: soft trial yarns close further than real ones
+LEAST_DISTANCE = 0.2
 FAR = 1.5  # between trials: beyond this a loading from rest is cheaper
 HALVINGS = 3  # of a step in the constants
-FIRST_PRESSED = 0.02  # of the lowest pressure: where ln P is worth extrapolating
+# of the lowest pressure: where ln P is worth extrapolating
+FIRST_PRESSED = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,7 +289,8 @@ class PlatenSolver:
             model.take_solid_laws(self._with(x + DIFFERENCE * unit))
             changes.append((self._residual(found.q, load) - base) / DIFFERENCE)
         model.take_solid_laws(self._with(x))
-        # central: the platens' penalty is far stiffer than the yarns, so that an error of its slope would count
+        # central: the platens' penalty is far stiffer than the yarns, so that an error of its slope
+        # would count
         ends = [self._residual(found.q, self._load_at(h + s * STEP)) for s in (-1, 1)]
         changes.append((ends[1] - ends[0]) / (2 * STEP))
         *q_x, q_h = self._solver.linear_changes(found.q, load, changes)

@@ -109,7 +109,8 @@ class _Fit:
         self.densest = max(*mesh.Vf0, *(solid.Vf0 for solid in fabric.solid_laws))
         self.pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
         self.measured = curve.at(self.pressure)
-        # d closure / d ln P of the curve: the closure that a relative error of the pressure stands for
+        # d closure / d ln P of the curve: the closure that a relative error of the pressure stands
+        # for
         slope = np.zeros(POINTS)
         if measure == "pressure":
             slope = np.gradient(self.measured, np.log(self.pressure))

@@ -24,7 +24,8 @@ from unitcell3d.identify.least_squares import Found, identify
 from unitcell3d.identify.platen_misfit import PlatenMisfit, misfit_of_points
 
 NAMES = ("E_c", "V_c", "K_r")
-LOOSE = "K_r E_c"  # the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor
+# the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor
+LOOSE = "K_r E_c"
 LEAST_CHECKED = 4  # pressures that a finer mesh has to reach for a misfit
 RESOLUTION = 1e-6  # m: what a mesh and an extensometer can tell
 
@@ -183,11 +184,13 @@ def record(
     curve = fit.curve
     noise = max(float(np.sqrt(np.sum(found.residual**2) / fit.freedom)), fit.floor)
     half, correlation, singular, directions = identify(found.jacobian, noise, fit.freedom)
-    # of ln K_r E_c, from the directions: a difference of variances would be round-off where only the product is known
+    # of ln K_r E_c, from the directions: a difference of variances would be round-off where only
+    # the product is known
     scale = np.maximum(singular, 1e-12)
     loose = half[0] * np.hypot.reduce((directions[:, 0] + directions[:, 2]) / scale)
     loose /= np.hypot.reduce(directions[:, 0] / scale)
-    half, loose = np.minimum(half, 50), min(float(loose), 50.0)  # e^50 is as good as unknown
+    # e^50 is as good as unknown
+    half, loose = np.minimum(half, 50), min(float(loose), 50.0)
     low = np.exp(found.x - half)
     high = np.exp(found.x + half)
     value = np.exp(found.x)

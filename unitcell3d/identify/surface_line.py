@@ -21,7 +21,8 @@ from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
-FROM_REST = 0.02  # share of the way from rest to the first place of a line in one step
+# share of the way from rest to the first place of a line in one step
+FROM_REST = 0.02
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,8 @@ from unitcell3d.material import fibre_kernels
 from unitcell3d.material.numerics import Numerics
 
 FADE = 0.01
-LARGEST_RISE = 0.25  # of the damage between two equilibria: what a fibre held is handed on in parts
+# of the damage between two equilibria: what a fibre held is handed on in parts
+LARGEST_RISE = 0.25
 
 
 class Fibres:

@@ -90,7 +90,8 @@ def first_piola(grad_u: Any, frame: Any, parameters: Any) -> Any:
     S13 = G * R13 / R33
     S23 = G * R23 / R33
 
-    # P = J sigma F^-T = Q (J S R^-T) Q0^T; R^-T is lower triangular and J R^-T has no division by a shear
+    # P = J sigma F^-T = Q (J S R^-T) Q0^T; R^-T is lower triangular and J R^-T has no division by a
+    # shear
     L11 = R22 * R33
     L22 = R11 * R33
     L33 = R11 * R22

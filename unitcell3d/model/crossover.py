@@ -31,7 +31,8 @@ from unitcell3d.material import solid_law
 from unitcell3d.material.fibres import Fibres
 from unitcell3d.material.numerics import Numerics
 
-# a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both yarns
+# a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both
+# yarns
 ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
 
 

@@ -156,7 +156,8 @@ class CellModel(YarnsModel):
         check(mesh, fabric)
         if isinstance(mesh, Patch):
             fits = mesh.count == (2, 2)
-            self.period = 2  # crossings after which the weave repeats, along each yarn
+            # crossings after which the weave repeats, along each yarn
+            self.period = 2
             self.parity = 1.0
         else:
             fits = mesh.domain == "whole"

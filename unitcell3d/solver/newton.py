@@ -44,13 +44,16 @@ from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import YarnsModel
 
 TOLERANCE = 1e-8
-LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded yet
+# N: scale of the convergence test where nothing is loaded yet
+LEAST_FORCE = 1e-2
 MAX_ITERATIONS = 40  # factorisations
 LARGEST_STEP = 5e-6  # m
-FAR = 0.1  # of the forces: residual from which the shift starts at its full size, and the contact soft
+# of the forces: residual from which the shift starts at its full size, and the contact soft
+FAR = 0.1
 SOFTER = 0.2  # factor of the penalty on the way from a guess that is far away
 ROUGH = 1e-2  # of the forces: how far the softer contact is followed
-SHIFT = 300.0  # N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
+# N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
+SHIFT = 300.0
 MOST_SHIFT = 1e5  # N/m: as stiff as the contact
 LEAST_SHIFT = 1e-3  # N/m: none below
 NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
@@ -58,7 +61,8 @@ SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
 # such steps, or steps that let the residual grow: at a slack kink it does before it falls
 MOST_SLOW = 2
 LINE = 5  # evaluations along a step that overshoots
-OVERSHOT = 0.5  # share of the pull at the start of a step that may be left at its end
+# share of the pull at the start of a step that may be left at its end
+OVERSHOT = 0.5
 GROWTH = 2.0  # of the residual in a step with an old factorisation
 MOST_UPDATES = 20
 
@@ -103,7 +107,8 @@ class Newton:
         self.model = model
         self._solver: DirectSolver | None = None
         self._taken: list[FloatArray] = []  # steps since the last factorisation
-        self._latest = None  # the state that the model's contact search belongs to
+        # the state that the model's contact search belongs to
+        self._latest = None
 
     def solve(self, q: FloatArray, load: Any, tolerance: float = TOLERANCE) -> Equilibrium:
         """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times
